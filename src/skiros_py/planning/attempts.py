@@ -1,4 +1,4 @@
-"""What planners are asked, one after the other: first what is quick to solve, at last the complete problem."""
+"""The tasks given to planners, one after the other: quick ones first, the complete problem last."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import SPATIAL_THING
 
 _WIDTHS = (2, 16)
-"""How many candidates are tried where there is a choice, before all of them are."""
+"""How many candidates are included per choice, before all of them are."""
 _SMALL = 60
-"""In a world of so few things the complete problem is as quick."""
+"""In a world with at most this many things the complete problem is as quick."""
 
 
 @dataclass(frozen=True, slots=True)
 class Wanted:
-    """What shall be planned.
+    """What to plan.
 
     Attributes:
         view: The world.
         capabilities: The available skills.
         goal: The conditions that must all hold.
         reached: The highest sequence number that each robot has visited in this task.
-        temporal: True to plan in time, with durative actions.
+        temporal: True for temporal planning, with durative actions.
         name: Name of domain and problem.
     """
 
@@ -43,10 +43,10 @@ class Wanted:
 
 
 def attempts(wanted: Wanted) -> Iterator[tuple[PlanningTask, PddlTexts]]:
-    """Yields tasks with their texts, ever more complete; each is worked out when it is asked for.
+    """Yields increasingly complete tasks with their texts; each is computed on demand.
 
     Raises:
-        PlanningError: The task cannot be written.
+        PlanningError: The task cannot be expressed in PDDL.
     """
     for width in _widths(wanted.view):
         task = _task(wanted, width)

@@ -1,7 +1,7 @@
-"""How long skills take: as robots learned from their runs, else as authors declare.
+"""Skill durations: learned from runs, otherwise as declared by the skill authors.
 
-What is learned are elements of the learned concepts, so it lasts as long as the world does, is journalled, and can be
-looked at and forgotten like everything that was taught.
+Learned durations are stored as elements of learned concepts: they persist with the world, are journalled, and can be
+inspected and deleted like all taught data.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from skiros_py.world.vocabulary import APPLIES_TO, LEARNED_DURATION, OF_SKILL, R
 from skiros_py.world.world import World
 
 KEPT = 15
-"""How many runs of a skill are remembered, the last ones: their median is not moved by one that was held up."""
+"""How many recent runs of a skill are kept; their median is robust against single delays."""
 
 
 class Ran(Protocol):
-    """What is known of a skill that ran."""
+    """A record of an executed skill."""
 
     @property
     def skill(self) -> str:
@@ -47,15 +47,15 @@ class Ran(Protocol):
 
     @property
     def agent(self) -> str:
-        """Id of the subsystem that did it."""
+        """Id of the subsystem that ran it."""
         ...
 
 
 def observe(world: World, ran: Ran) -> None:
-    """Learns from a run; nothing from one that failed, took no time, or whose agent is gone.
+    """Learns from a run; ignores runs that failed, took no time, or whose agent is gone.
 
     Args:
-        world: Takes what is learned.
+        world: Stores the learned duration.
         ran: The step of a plan that ran.
     """
     seconds = ran.end - ran.start
@@ -75,23 +75,23 @@ def duration_of(view: WorldView, skill: SkillDescription, agent_class: str) -> f
     """Returns how long a skill takes [s] when an agent of a class does it, or None if unknown.
 
     Args:
-        view: The world, with what was learned.
+        view: The world, with the learned durations.
         skill: The skill.
-        agent_class: Most specific class of the subsystem that does it.
+        agent_class: Most specific class of the subsystem that runs it.
     """
     known = _lesson(view, skill.name, agent_class)
     return skill.duration if known is None else statistics.median(_times(view, known))
 
 
 def timed(view: WorldView, task: PlanningTask) -> PlanningTask:
-    """Returns a task whose actions say how long they take: as long as the slowest kind of agent that is there needs."""
+    """Returns the task with durations of its actions: those of the slowest kind of agent present."""
     seconds = {c.skill.name: _slowest(view, c.skill, c.agents) for c in task.capabilities}
     actions = tuple(replace(a, duration=seconds.get(a.skill)) if a.skill else a for a in task.domain.actions)
     return replace(task, domain=replace(task.domain, actions=actions))
 
 
 def rates(view: WorldView, task: PlanningTask) -> dict[str, dict[str, float]]:
-    """Returns how long each agent needs for each skill of a task [s], by skill and agent, as far as that is known."""
+    """Returns the known durations of a task's skills per agent [s], by skill and agent."""
     known = ((c.skill, agent) for c in task.capabilities for agent in c.agents if view.has(agent))
     found: dict[str, dict[str, float]] = {}
     for skill, agent in known:
@@ -108,7 +108,7 @@ def _slowest(view: WorldView, skill: SkillDescription, agents: tuple[str, ...]) 
 
 
 def _lesson(view: WorldView, skill: str, class_: str) -> str | None:
-    """Returns the id of what was learned of a skill done by agents of a class, or None."""
+    """Returns the id of the learned duration of a skill for agents of a class, or None."""
     if LEARNED_DURATION not in view.ontology.classes:
         return None
     wanted: Mapping[str, object] = {OF_SKILL: skill, APPLIES_TO: class_}

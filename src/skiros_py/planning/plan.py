@@ -1,4 +1,4 @@
-"""A plan: skills with the parameters that it depends on, in order."""
+"""A plan: an ordered list of skills with the parameters it depends on."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ class Step:
 
     Attributes:
         skill: Its name.
-        arguments: Element id by parameter key; what is left out is inferred when it starts.
+        arguments: Element id by parameter key; omitted ones are inferred when it starts.
     """
 
     skill: str
     arguments: Mapping[str, str]
 
     def renamed(self, names: Mapping[str, str]) -> Step:
-        """Returns the same step on other elements, where there are other names for its own."""
+        """Returns the step with its elements renamed."""
         if names.keys().isdisjoint(self.arguments.values()):
             return self
         return replace(self, arguments=MappingProxyType({k: names.get(v, v) for k, v in self.arguments.items()}))
@@ -36,14 +36,14 @@ class Step:
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """Steps that lead to the goal, replayed and found right.
+    """Steps that lead to the goal, validated by replay.
 
     Attributes:
         steps: The skills to run.
-        pddl: The plan of the PDDL task, one action a line, as planners write it and validators read it.
+        pddl: The plan of the PDDL task, one action per line, in the format of planners and validators.
         after: For each step the indices of the steps that must have ended before it starts; empty if they run
             strictly one after the other.
-        starts: When each step shall start, from the start of the plan [s]; empty if nobody knows.
+        starts: Planned start time of each step, from the start of the plan [s]; empty if unknown.
     """
 
     steps: tuple[Step, ...]
@@ -57,7 +57,7 @@ class Plan:
         return self.after or tuple(frozenset({i - 1} if i else ()) for i in range(len(self.steps)))
 
     def renamed(self, names: Mapping[str, str]) -> Plan:
-        """Returns the same plan on other elements, where there are other names for its own."""
+        """Returns the plan with its elements renamed."""
         return replace(self, steps=tuple(step.renamed(names) for step in self.steps))
 
     def as_json(self) -> dict[str, Any]:
@@ -80,7 +80,7 @@ class NoPlan:
     Attributes:
         reasons: Why, in the operator's words: one for each condition that cannot be reached.
         causes: The same as data.
-        repairs: Smallest changes after which there is a plan, tried out.
+        repairs: The smallest changes that make a plan possible, verified by planning.
     """
 
     reasons: tuple[str, ...]
@@ -99,7 +99,7 @@ class NoPlan:
 def read_plan(
     lines: tuple[tuple[str, ...], ...], texts: PddlTexts, keys: Mapping[str, tuple[str, ...]]
 ) -> tuple[Step, ...]:
-    """Turns a planner's answer back into skills; actions of our own making and what is not to be passed are left out.
+    """Turns a planner's answer back into skills; omits auxiliary actions and parameters that are not passed on.
 
     Args:
         lines: Action name and objects of each step, in PDDL names.

@@ -1,4 +1,4 @@
-"""Validates plans by evaluating the *conditions* on an overlay: neither planners nor our own PDDL are trusted."""
+"""Validates plans by evaluating the *conditions* on an overlay: neither planners nor our own PDDL is trusted."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ from skiros_py.world.overlay import Overlay
 from skiros_py.world.view import WorldView
 
 _LONGEST = 10_000
-"""A longer answer is refused as no plan."""
+"""Longer answers are rejected."""
 _STREAMLINED = 300
-"""A plan of more steps keeps its detours: to look for them takes time in the square of its length."""
+"""Detours are not removed from longer plans: the search takes quadratic time."""
 
 
 @dataclass(frozen=True, slots=True)
 class Flaw:
-    """Where a plan breaks.
+    """Where a plan fails.
 
     Attributes:
         step: Index of the step, or None when all steps run but the goal is not reached.
-        verdict: What does not hold, or which condition broke, and why.
+        verdict: What does not hold, or which condition raised an error, and why.
     """
 
     step: int | None
@@ -40,7 +40,7 @@ class Flaw:
 
 
 class StepConditions(Mapping[str, SkillDescription]):
-    """Skills by name; what each step of them needs and brings about is worked out once.
+    """Skills by name; the bound conditions of each step are computed once.
 
     Args:
         skills: The skills by name.
@@ -60,7 +60,7 @@ class StepConditions(Mapping[str, SkillDescription]):
         return len(self._skills)
 
     def of(self, step: Step) -> _BoundStep:
-        """Returns the conditions of a step with its elements in them."""
+        """Returns the conditions of a step, bound to its elements."""
         key = (step.skill, *step.arguments.items())
         if key not in self._bound:
             self._bound[key] = _BoundStep(self._skills[step.skill], step)
@@ -84,7 +84,7 @@ class _BoundStep:
 
 
 class _Bound:
-    """A condition of a step, which is evaluated again and again."""
+    """A condition of a step that is evaluated repeatedly."""
 
     def __init__(self, condition: Condition) -> None:
         self.condition = condition
@@ -94,8 +94,8 @@ class _Bound:
     def broken(self, view: WorldView) -> Verdict | None:
         """Returns why it does not hold; None if it does.
 
-        Once it held, its elements are known to exist, and its pattern alone tells; where that fails, the whole
-        condition says why.
+        Once it has held, its elements are known to exist and matching its pattern suffices; if that fails, the whole
+        condition is evaluated for the reason.
         """
         if self._pattern is not None and self._pattern.evaluate(view, self._binding):
             return None
@@ -120,13 +120,13 @@ def replay(
     Args:
         view: The world.
         steps: The plan.
-        goal: What it is for.
-        skills: What is known of the skills, by name; as :class:`StepConditions` where more than one plan is replayed.
+        goal: The goal it should reach.
+        skills: The skill descriptions by name; as :class:`StepConditions` if more than one plan is replayed.
         reached: The highest sequence number that each robot has visited in this task.
 
     Returns:
-        The first flaw, or None when every precondition holds in its turn, every postcondition follows, the scene's
-        sequence numbers are kept to, and the goal is reached at the end.
+        The first flaw, or None when every precondition holds in turn, every postcondition follows, the scene's
+        sequence numbers are respected, and the goal is reached at the end.
     """
     conditions = skills if isinstance(skills, StepConditions) else StepConditions(skills)
     overlay, round_ = Overlay(view), Round(view, goal, reached)
@@ -151,10 +151,10 @@ def out_of_sequence(
     *,
     reached: Mapping[str, int] | None = None,
 ) -> str:
-    """Says how a plan that is right but for sequence and work numbers breaks these; empty if it does not.
+    """Returns how an otherwise valid plan violates sequence or work numbers; empty if it does not.
 
-    To be asked where it is proved that a task has no plan with the numbers, and this is one without them: then they are
-    why.
+    Meant for a task that provably has no plan with the numbers when this is a plan without them: then the numbers are
+    the reason.
     """
     flaw = replay(view, steps, goal, skills, reached=reached)
     return "" if flaw is None else f"no plan keeps to the sequence numbers of this scene: {flaw.verdict.text}"
@@ -165,13 +165,13 @@ def _first_broken(view: WorldView, conditions: Iterable[_Bound]) -> Verdict | No
 
 
 def apply_effects(overlay: Overlay, post: Sequence[Condition], arguments: Mapping[str, str]) -> None:
-    """Makes postconditions true on an overlay: moves what is moved, relates what is related.
+    """Makes postconditions true on an overlay: applies moves and relations.
 
-    Left out are conditions that speak of parameters that are not specified; those that follow from others ("nothing is
-    there") are left to the check afterwards.
+    Conditions on unspecified parameters are skipped; derived ones ("nothing is there") are left to the check
+    afterwards.
 
     Raises:
-        DescriptionError: One cannot be brought about.
+        DescriptionError: A postcondition cannot be made true.
     """
     for condition in applying(post, arguments):
         suppose_effects(overlay, effects_of(condition.bind(arguments)))
@@ -182,11 +182,11 @@ def apply_effects(overlay: Overlay, post: Sequence[Condition], arguments: Mappin
 
 @dataclass(frozen=True, slots=True)
 class Wrong:
-    """An answer that is no plan for the task.
+    """An answer that is not a valid plan for the task.
 
     Attributes:
-        steps: What it wants done.
-        flaw: Where that breaks.
+        steps: Its steps.
+        flaw: Where it fails.
     """
 
     steps: tuple[Step, ...]
@@ -207,17 +207,17 @@ def validate(
     answer: Solved,
     reached: Mapping[str, int] | None = None,
 ) -> Plan | Wrong:
-    """Validates a planner's answer: reads it, replays it, and removes its detours.
+    """Validates a planner's answer: parses it, replays it, and removes detours.
 
     Args:
         view: The world.
         task: The task.
-        texts: The same, as written.
-        answer: What a planner says.
+        texts: The task as PDDL.
+        answer: The planner's answer.
         reached: The highest sequence number that each robot has visited in this task.
 
     Raises:
-        PlanningError: It speaks of what is not in the task, or is too long for anything.
+        PlanningError: It refers to things not in the task, or is too long.
     """
     if len(answer.steps) > _LONGEST:
         raise PlanningError(f"the planner answered with {len(answer.steps)} steps: no plan is that long")
@@ -251,7 +251,7 @@ def _without_detours(
     skills: StepConditions,
     reached: Mapping[str, int] | None,
 ) -> tuple[Step, ...]:
-    """Leaves out steps without which the plan still survives the replay (a satisficing planner may wander)."""
+    """Removes steps without which the plan still replays successfully (satisficing planners may take detours)."""
     overlay, round_ = Overlay(view), Round(view, goal, reached)
     moments = []  # each step with the world, and the sequence numbers reached, just before it
     for step in steps:

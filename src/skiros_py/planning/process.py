@@ -1,7 +1,7 @@
-"""Planning in a process of its own, as others see it.
+"""Client side of planning in a separate process.
 
-The control thread only posts requests and looks for answers. The process follows the world's change feed; each request
-is answered in a forked copy of it. A process that dies is started again, and its requests are asked once more.
+The control thread only posts requests and polls for answers. The process follows the world's change feed; each request
+is answered in a forked worker. A process that dies is restarted and its requests are repeated.
 """
 
 from __future__ import annotations
@@ -29,19 +29,19 @@ T = TypeVar("T")
 
 _PROGRAM = "skiros_py.planning.replica:PlanningReplica"
 _TRIES = 3
-"""So often a request is asked where the process dies."""
+"""How often a request is tried if the process dies."""
 _POLL = 0.05
-"""Time between two looks whether an answer is no longer wanted [s]."""
+"""Poll interval for cancellation [s]."""
 _LEAVING = 0.2
-"""How long workers whose process died may take to end their planners [s]."""
+"""How long orphaned workers may take to end their planners [s]."""
 
 
 class PlanningProcess:
-    """Answers requests in a process of its own, which starts at once. Any thread may ask. Close it.
+    """Answers requests in a separate process, started at once. Thread-safe. The owner must close it.
 
     Args:
-        world: What requests are about.
-        make_planners: Makes the planners to choose from; called in the process.
+        world: The world that requests refer to.
+        make_planners: Creates the planners to choose from; called in the process.
 
     Raises:
         PlanningError: The planners cannot be sent to another process.
@@ -58,10 +58,10 @@ class PlanningProcess:
         self._threads.submit(self._start)
 
     def ask(self, request: Request[T]) -> Asked[T]:
-        """Begins to answer a request about the world as it is now, and returns at once.
+        """Submits a request about the current world and returns at once.
 
         Raises:
-            PlanningError: It was closed, or the request has something in it that cannot be sent to another process.
+            PlanningError: It was closed, or the request cannot be pickled.
         """
         stop = Event()
         order = _packed("the request", request)
@@ -77,13 +77,13 @@ class PlanningProcess:
         return None if replica is None or not replica.is_alive() else replica.pid
 
     def close(self) -> None:
-        """Ends the process and everything that is under way; may be called twice."""
+        """Ends the process and all pending requests; may be called twice."""
         self._closed.set()
         self._threads.shutdown(wait=True, cancel_futures=True)
         with self._lock:
             self._drop()
 
-    # ------------------------------------------------------------ in threads that wait
+    # ------------------------------------------------------------ in waiting threads
 
     def _answer(self, order: bytes, stop: Event) -> Answer[Any]:
         why = ""
@@ -104,7 +104,7 @@ class PlanningProcess:
         raise PlanningError(f"planning broke {_TRIES} times: {why}")
 
     def _ended(self, order: bytes, stop: Event) -> tuple[int, Ended]:
-        """Hands an order to the process, and waits for its end.
+        """Sends an order to the process and waits for its end.
 
         Raises:
             DeviceError: The process died.
@@ -114,7 +114,7 @@ class PlanningProcess:
             replica = self._started()
             try:
                 changes = self._world.changes_since(replica.version)
-            except WorldError:  # they are remembered no longer
+            except WorldError:  # the changes are no longer kept
                 self._drop()
                 replica, changes = self._started(), ()
             pending = replica.ask(changes, order)
@@ -137,7 +137,7 @@ class PlanningProcess:
         return self._replica
 
     def _drop(self) -> None:
-        """Ends the process; where it died, its workers as well."""
+        """Ends the process; if it died, its workers as well."""
         replica, self._replica = self._replica, None
         if replica is None:
             return
@@ -152,5 +152,5 @@ class PlanningProcess:
 def _packed(what: str, thing: object) -> bytes:
     try:
         return packed(thing)
-    except Exception as error:  # noqa: BLE001 - whatever cannot be pickled raises what it likes
+    except Exception as error:  # noqa: BLE001 - unpicklable objects may raise anything
         raise PlanningError(f"{what} cannot be sent to the planning process: {type(error).__name__}: {error}") from None

@@ -13,24 +13,24 @@ from skiros_py.world.world import World
 
 
 class CauseKind(enum.StrEnum):
-    """What kind of thing stands in the way."""
+    """The kind of cause."""
 
     NO_SKILL = "no skill"
-    """No robot that is there has a skill that brings it about."""
+    """No available robot has a skill that achieves it."""
     MISSING_FACT = "missing fact"
-    """Something that no skill changes does not hold."""
+    """A fact that no skill can change does not hold."""
     MISSING_ELEMENT = "missing element"
-    """There is no thing of the class that is needed."""
+    """There is no thing of the required class."""
     TOO_FEW = "too few"
-    """There are such things, but fewer than are wanted."""
+    """There are such things, but fewer than required."""
     FULL = "full"
-    """The place is taken, and nothing takes away what is there."""
+    """The place is occupied, and no skill can clear it."""
     DOES_NOT_FIT = "does not fit"
-    """What is wanted there fits into no place there is."""
+    """The thing does not fit into any existing place."""
     CONTRADICTION = "contradiction"
     """Conditions of the goal exclude each other."""
     CONFLICT = "conflict"
-    """Each condition could be reached alone, but not all of these together."""
+    """Each condition is reachable alone, but not all of them together."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,12 +39,12 @@ class Cause:
 
     Attributes:
         kind: What kind of reason.
-        text: The whole of it in the operator's words.
-        conditions: The conditions of the goal that it keeps from being reached.
-        skill: The skill that would bring it about; None if there is none.
-        precondition: What that skill needs and never gets, in words; empty if that is not it.
-        elements: The elements and classes it is about, ids or CURIEs.
-        why: The heart of it, without the conditions and without the way down to it; empty if they say all.
+        text: The full reason in the operator's words.
+        conditions: The goal conditions it makes unreachable.
+        skill: The skill that would achieve them; None if there is none.
+        precondition: The unreachable precondition of that skill, in words; empty if that is not the cause.
+        elements: The elements and classes involved, ids or CURIEs.
+        why: The core reason, without the conditions and the chain leading to it; empty if they say it all.
     """
 
     kind: CauseKind
@@ -72,12 +72,12 @@ class Edit(Protocol):
     """One change to the scene."""
 
     def __str__(self) -> str:
-        """Says it as an instruction: "put starter_2 in pallet_a"."""
+        """Returns it as an instruction: "put starter_2 in pallet_a"."""
         ...
 
     @property
     def elements(self) -> tuple[str, ...]:
-        """Ids of the elements that it speaks of."""
+        """Ids of the elements involved."""
         ...
 
     def write(self, tx: Transaction) -> None:
@@ -87,11 +87,11 @@ class Edit(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Exchange:
-    """A condition of the goal that is wanted otherwise.
+    """A goal condition to be replaced.
 
     Attributes:
-        condition: The condition, as it was wanted.
-        by: What to want instead.
+        condition: The original condition.
+        by: Its replacement.
     """
 
     condition: Condition
@@ -107,16 +107,16 @@ class Exchange:
 
 @dataclass(frozen=True, slots=True)
 class Repair:
-    """A smallest change after which there is a plan.
+    """A minimal change that makes a plan possible.
 
-    What has edits or changes the goal was tried out. What does neither cannot be done in the scene: it says what
-    somebody has to see to, such as a skill that a robot lacks.
+    Repairs with edits or goal changes were verified by planning. Others cannot be made in the scene: they name
+    something the user has to arrange, such as a missing skill of a robot.
 
     Attributes:
         text: What to do, in the operator's words.
         edits: The changes to the world.
-        without: Conditions to take out of the goal.
-        instead: Conditions to want otherwise.
+        without: Conditions to remove from the goal.
+        instead: Conditions to replace.
     """
 
     text: str
@@ -126,21 +126,21 @@ class Repair:
 
     @property
     def done(self) -> str:
-        """What of it is done by applying it, in the operator's words: the changes to the world, without the goal."""
+        """What applying it does, in the operator's words: the changes to the world, not to the goal."""
         return " and ".join(dict.fromkeys(map(str, self.edits)))
 
     def apply(self, world: World, author: str = "repair", writer: Writer = Writer.PERSON, holder: str = "") -> None:
-        """Makes the changes to the world, as one transaction; the goal is the caller's.
+        """Applies the changes to the world in one transaction; changing the goal is up to the caller.
 
         Args:
             world: The world.
             author: Who decided it.
             writer: What kind of author that is.
-            holder: Whose locks let it through, where they are not the author's.
+            holder: The lock holder, if different from the author.
 
         Raises:
-            WorldError: The world is no longer such that it can be done; nothing is changed then.
-            Locked: Somebody else has locked one of the elements.
+            WorldError: The world has changed so that it cannot be applied; nothing is changed then.
+            Locked: Another user has locked one of the elements.
         """
         if not self.edits:
             return

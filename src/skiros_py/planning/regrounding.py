@@ -1,7 +1,6 @@
-"""A plan of skills as a plan of its PDDL task: parameters of our own making (the place that is left) filled in again.
+"""Converts a plan of skills back to its PDDL task, refilling auxiliary parameters (such as the place that is left).
 
-Steps that were left out as detours changed what the ones after them start from, so the planner's own lines may no
-longer hold.
+Removed detours change the state that later steps start from, so the planner's own lines may no longer be valid.
 """
 
 from __future__ import annotations
@@ -19,14 +18,14 @@ from skiros_py.world.ontology import Ontology
 
 
 def pddl_plan(task: PlanningTask, texts: PddlTexts, steps: Sequence[Step], ontology: Ontology) -> tuple[str, ...]:
-    """Writes the plan in the task's words, with the goal's bookkeeping at its end, as planners write it.
+    """Writes the plan in the task's PDDL names, with the goal's bookkeeping actions at its end, in planner format.
 
-    The conditions decide what a plan is worth, not this text: where the task is stricter than they are and has no such
-    plan, the text is empty.
+    The conditions decide whether a plan is valid, not this text: if the task is stricter than the conditions and has
+    no such plan, the text is empty.
 
     Args:
         task: The task.
-        texts: The task as written: gives the words.
+        texts: The task as PDDL, for its names.
         steps: The skills to run, in order; they lead to the goal.
         ontology: Classes.
     """
@@ -39,10 +38,10 @@ def pddl_plan(task: PlanningTask, texts: PddlTexts, steps: Sequence[Step], ontol
 
 
 class Taken(NamedTuple):
-    """An action that was taken.
+    """An applied action.
 
     Attributes:
-        action: Which.
+        action: The action.
         binding: Element by parameter.
     """
 
@@ -55,17 +54,17 @@ class Taken(NamedTuple):
         return tuple(self.binding[variable.name] for variable in self.action.parameters)
 
     def line(self, texts: PddlTexts) -> str:
-        """Writes it as planners do."""
+        """Formats it as planners do."""
         name = next(word for word, action in texts.actions.items() if action.name == self.action.name)
         return f"({' '.join([name, *map(texts.objects.pddl, self.elements)])})"
 
     def of(self, atoms: Iterable[Atom]) -> set[Atom]:
-        """Returns atoms of the action, about these elements."""
+        """Grounds atoms of the action with these elements."""
         return {atom.bind(self.binding) for atom in atoms}
 
 
 class TaskState:
-    """The state of the task while its actions are taken one after the other."""
+    """The state of the task while its actions are applied one after the other."""
 
     def __init__(self, task: PlanningTask, ontology: Ontology) -> None:
         self._actions = task.domain.actions
@@ -75,7 +74,7 @@ class TaskState:
         self._become(sorted(task.problem.init))
 
     def copy(self) -> TaskState:
-        """Returns the same state, to go on from it in another way."""
+        """Returns a copy of the state."""
         return copy(self)
 
     def __copy__(self) -> TaskState:
@@ -84,7 +83,7 @@ class TaskState:
         return other
 
     def take(self, step: Step) -> Taken | None:
-        """Takes the first of the skill's actions that is possible now with a step's arguments; None when none is."""
+        """Applies the first of the skill's actions applicable now with a step's arguments; None if none is."""
         choices = [action for action in self._actions if action.skill == step.skill]
         given = {f"?{key}": value for key, value in step.arguments.items()}
         possible = (one for action in choices for one in self._possible(action, given))
@@ -94,10 +93,10 @@ class TaskState:
         return taken
 
     def close(self, closing: Sequence[Action], goal: Iterable[Atom]) -> list[Taken] | None:
-        """Takes actions of bookkeeping until the goal is reached.
+        """Applies bookkeeping actions until the goal is reached.
 
         Returns:
-            Those that it needed, or None if it cannot be reached.
+            The actions applied, or None if it cannot be reached.
         """
         taken: list[Taken] = []
         before = -1
@@ -110,7 +109,7 @@ class TaskState:
         return _needed(taken, goal) if all(map(self._holds, goal)) else None
 
     def _possible(self, action: Action, given: Mapping[str, str]) -> Iterator[Taken]:
-        """Yields the ways to take an action; for a parameter that no atom speaks of, any element will do."""
+        """Yields the applicable groundings of an action; for a parameter in no atom, any element will do."""
         facts = {predicate: tuple(atoms) for predicate, atoms in self._facts.items()}
         for found in bindings(action.pre, facts, given, action.types, self._fits):
             if are_none(action.none, facts, found, self._fits):
@@ -139,7 +138,7 @@ class TaskState:
 
 
 def _needed(taken: Sequence[Taken], goal: Iterable[Atom]) -> list[Taken]:
-    """Leaves out what the goal does not need."""
+    """Removes actions the goal does not need."""
     wanted = set(goal)
     kept: list[Taken] = []
     for one in reversed(taken):

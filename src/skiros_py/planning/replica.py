@@ -1,6 +1,6 @@
-"""What runs in the planning process: a replica of the world with workers, forked copies that answer the requests.
+"""The planning process: a replica of the world with workers, forked copies that answer requests.
 
-A worker answers one request at a time and stays for the next: its planners and all that it has loaded stay warm. A
+A worker answers one request at a time and stays for the next: its planners and everything it has loaded stay warm. A
 worker that hangs, crashes or is killed affects no other.
 """
 
@@ -30,14 +30,14 @@ from skiros_py.world.index import Index
 from skiros_py.world.queries.replica import Replica
 
 MARK = "SKIROS_PLANNING"
-"""Programs that workers start have it in their environment."""
+"""Environment variable that marks programs started by workers."""
 PROCESSOR_TIME = 120.0
-"""How long planning itself may work for one answer; planners, which are programs, have limits of their own [s]."""
+"""CPU time limit of a worker per answer; external planner programs have their own limits [s]."""
 
 _KEPT = 2
-"""So many workers stay when they have nothing to do."""
+"""How many idle workers are kept."""
 _MOST_MISSED = 1000
-"""A worker with nothing to do that misses more changes of the world is replaced by a new copy."""
+"""An idle worker that is more world changes behind is replaced by a new fork."""
 _PATIENCE = 1.0
 """How long a worker may go on with a request that was cancelled [s]."""
 _ENDING = 0.5
@@ -50,9 +50,9 @@ class _Worker:
 
     Attributes:
         pid: Its process id.
-        mark: What the programs that it starts have in their environment.
+        mark: Environment marker of the programs it starts.
         orders: The socket to it.
-        missed: What was changed since it was last given a request.
+        missed: World changes since its last request.
         status: Descriptor of the pipe on which the end of its request is reported; None while it has none.
         deadline: When it is killed, on the monotonic clock [s].
         is_leaving: True when it gets no more requests.
@@ -114,15 +114,15 @@ class PlanningReplica(Replica):
             (parent.fileno(), answer, status), order
         )
         worker.status = status
-        self._selector.register(status, selectors.EVENT_READ, worker)  # it is "readable" when nobody reads it any more
-        with contextlib.suppress(OSError):  # it has died: its end will be reported
+        self._selector.register(status, selectors.EVENT_READ, worker)  # it is "readable" once the reader has closed it
+        with contextlib.suppress(OSError):  # it has died: its end is reported elsewhere
             send(worker.orders, pickle.dumps((worker.missed, order)), [answer])
         worker.missed = []
         os.close(answer)
         _write(status, "started")
 
     def _fork(self, not_its: Iterable[int], order: bytes | None = None) -> _Worker:
-        """Starts a worker; what its first request needs is imported here, so that it is there for later workers.
+        """Starts a worker; modules its first request needs are imported here, so that later forks have them.
 
         Args:
             not_its: Open descriptors that the worker must not have.
@@ -154,7 +154,7 @@ class PlanningReplica(Replica):
     def _idle(self) -> list[_Worker]:
         return [worker for worker in self._workers if worker.status is None and not worker.is_leaving]
 
-    # ------------------------------------------------------------ what becomes of workers
+    # ------------------------------------------------------------ end of workers
 
     def _hear(self, worker: _Worker) -> None:
         """Reports that a worker has answered, or has ended."""
@@ -183,7 +183,7 @@ class PlanningReplica(Replica):
         return code
 
     def _cancel(self, worker: _Worker) -> None:
-        """Notes that nobody waits for an answer: the worker sees that by itself, unless it hangs."""
+        """Marks a request as cancelled: the worker notices by itself, unless it hangs."""
         assert worker.status is not None
         self._selector.unregister(worker.status)
         worker.deadline = time.monotonic() + _PATIENCE
@@ -199,7 +199,7 @@ class PlanningReplica(Replica):
                 worker.deadline = math.inf
 
     def _end(self) -> None:
-        """Lets workers end their planners by themselves, but not for long."""
+        """Gives workers a short time to end their planners."""
         for worker in self._workers:
             worker.orders.close()
         deadline, left = time.monotonic() + _ENDING, list(self._workers)
@@ -214,10 +214,10 @@ class PlanningReplica(Replica):
     # ------------------------------------------------------------ in a worker
 
     def _work(self, orders: socket.socket) -> None:
-        """Answers requests in this process until the replica goes, and ends it."""
+        """Answers requests until the replica is gone, then exits the process."""
         code, planners = 1, None
         try:
-            with contextlib.suppress(Exception):  # a request will say what is wrong with them
+            with contextlib.suppress(Exception):  # a request will report what is wrong with them
                 planners = self._make_planners()
                 planners.warm_up()
             with contextlib.suppress(EOFError, OSError):
@@ -240,7 +240,7 @@ class PlanningReplica(Replica):
             os._exit(code)
 
     def _value(self, order: bytes, planners: Planners, answer: int, orders: socket.socket) -> object:
-        """Answers one request; stops when nobody waits for the answer any more, or the replica is gone.
+        """Answers one request; stops when it is cancelled or the replica is gone.
 
         Raises:
             SkirosError: There is no answer.
@@ -267,7 +267,7 @@ def _request(order: bytes) -> Request[Any]:
 
 
 def _dismiss(worker: _Worker) -> None:
-    """Lets a worker end that has nothing to do."""
+    """Ends an idle worker."""
     worker.is_leaving = True
     with contextlib.suppress(OSError):
         worker.orders.shutdown(socket.SHUT_WR)

@@ -1,4 +1,4 @@
-"""What planning is asked: requests are plain data, answered from one state of the world, in any process."""
+"""Planning requests: plain data, answered from one state of the world, in any process."""
 
 from __future__ import annotations
 
@@ -30,36 +30,36 @@ T_co = TypeVar("T_co", covariant=True)
 
 
 class Request(Protocol[T_co]):
-    """Something that is worked out from one state of the world. Conditions see no sensors there."""
+    """A computation on one state of the world. Its conditions have no access to sensors."""
 
     def answer(self, state: Index, planners: Planners, stopped: Callable[[], bool]) -> T_co:
-        """Works the answer out.
+        """Computes the answer.
 
         Args:
             state: The world.
             planners: The planners to choose from.
-            stopped: Tells whether the answer is no longer wanted.
+            stopped: Returns True once the request is cancelled.
 
         Raises:
-            SkirosError: There is none.
+            SkirosError: There is no answer.
         """
         ...
 
 
 @dataclass(frozen=True, slots=True)
 class Answer(Generic[T]):
-    """An answer, and the version of the world that it is about."""
+    """An answer, and the version of the world that it refers to."""
 
     version: int
     value: T
 
 
 class Asked(Generic[T]):
-    """A request under way; a :class:`~skiros_py.ports.pending.Pending`.
+    """A pending request; a :class:`~skiros_py.ports.pending.Pending`.
 
     Args:
         future: The answer.
-        stop: Ends the work; called in any thread, also where the answer is there.
+        stop: Cancels the work; callable from any thread, also after the answer has arrived.
     """
 
     latency = 0.0
@@ -76,7 +76,7 @@ class Asked(Generic[T]):
         """Waits for the answer.
 
         Raises:
-            SkirosError: There is none: planning broke, or was stopped.
+            SkirosError: There is no answer: planning failed or was cancelled.
         """
         try:
             return self._future.result()
@@ -84,34 +84,34 @@ class Asked(Generic[T]):
             raise PlanningError("planning was stopped") from None
 
     def when_done(self, callback: Callable[[Asked[T]], None]) -> None:
-        """Calls back, in whatever thread that is, when the answer is there."""
+        """Calls back when the answer is available, in an arbitrary thread."""
         self._future.add_done_callback(lambda _future: callback(self))
 
     def cancel(self) -> None:
-        """Ends the work; does nothing if the answer is there."""
+        """Cancels the work; does nothing if the answer is available."""
         if not self._future.done():
             self._stop()
             self._future.cancel()
 
 
 class PlanningHost(Protocol):
-    """Where requests are answered: a thread or a process. Any thread may ask."""
+    """Where requests are answered: a thread or a process. Thread-safe."""
 
     def ask(self, request: Request[T]) -> Asked[T]:
-        """Begins to answer a request about the world as it is now, and returns at once.
+        """Submits a request about the current world and returns at once.
 
         Raises:
-            PlanningError: It was closed, or the request cannot travel to where it would be answered.
+            PlanningError: It was closed, or the request cannot be sent to the process that answers.
         """
         ...
 
     def close(self) -> None:
-        """Ends everything that is under way; may be called twice."""
+        """Cancels all pending requests; may be called twice."""
         ...
 
 
 def answered(request: Request[T], state: Index, planners: Planners, stopped: Callable[[], bool]) -> T:
-    """Answers a request; what authors' conditions raise becomes a fault of planning.
+    """Answers a request; exceptions of user-defined conditions become planning errors.
 
     Raises:
         SkirosError: There is no answer.
@@ -128,16 +128,16 @@ def answered(request: Request[T], state: Index, planners: Planners, stopped: Cal
 
 @dataclass(frozen=True, slots=True)
 class PlanRequest:
-    """Asks for a plan.
+    """A request for a plan.
 
     Attributes:
         goal: The conditions that must all hold.
         capabilities: The available skills.
         reached: The highest sequence number that each robot has visited in this task.
         left_out: Elements that no plan may use.
-        busy: Robots and things that other tasks use: planned with only where there is no other way.
-        running: Steps that run on, and will have ended well.
-        options: How to plan.
+        busy: Robots and things that other tasks use: planned with only as a last resort.
+        running: Running steps, assumed to succeed.
+        options: Planning options.
     """
 
     goal: tuple[Condition, ...]
@@ -173,7 +173,7 @@ class PlanRequest:
         return plan(planners, view, capabilities, self.goal, reached=reached, options=self.options, stopped=stopped)
 
     def _free(self, capability: Capability, view: WorldView) -> Capability:
-        """Returns a capability of those subsystems only whose robots nobody else uses."""
+        """Restricts a capability to subsystems whose robots no other task uses."""
         robots = {agent: (owner(view, agent) if view.has(agent) else None) or agent for agent in capability.agents}
         return replace(capability, agents=tuple(agent for agent in capability.agents if robots[agent] not in self.busy))
 
@@ -183,8 +183,8 @@ class Checked:
     """Whether the rest of a plan leads to its goal.
 
     Attributes:
-        flaw: What keeps it from that; None if nothing does.
-        keys: What was read of the world: where none of that changes, the answer stays the same.
+        flaw: The first flaw; None if there is none.
+        keys: What was read of the world: while none of it changes, the answer stays valid.
     """
 
     flaw: Flaw | None
@@ -193,11 +193,11 @@ class Checked:
 
 @dataclass(frozen=True, slots=True)
 class Check:
-    """Asks whether the rest of a plan still leads to its goal, if what runs succeeds.
+    """A request to check whether the rest of a plan still leads to its goal, assuming running steps succeed.
 
     Attributes:
-        goal: What the plan shall lead to.
-        running: The steps that run.
+        goal: The goal of the plan.
+        running: The running steps.
         rest: The steps that have not started, in order.
         skills: The skills of all these, by name.
         reached: The highest sequence number that each robot has visited in this task.
@@ -230,13 +230,13 @@ def supposing(
     skills: Mapping[str, SkillDescription],
     reached: Mapping[str, int] | None = None,
 ) -> tuple[Overlay, Mapping[str, int]]:
-    """Returns the world as it will be when some steps that run have ended well.
+    """Returns the world as it will be once some running steps have succeeded.
 
     Args:
         view: The world now.
-        steps: What runs.
+        steps: The running steps.
         skills: The available skills by name.
-        reached: The highest sequence number that each robot has visited in this task; returned as it will be.
+        reached: The highest sequence number that each robot has visited in this task; the updated mapping is returned.
     """
     overlay, round_ = Overlay(view), Round(view, (), reached)
     for step in steps:

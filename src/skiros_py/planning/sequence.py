@@ -1,8 +1,9 @@
-"""The order in which robots visit places and work on things, where a person wants one (paper §6.3).
+"""The order in which robots visit places and work on things, if the user specifies one (paper §6.3).
 
-Locations may have a sequence number and a work number; they count where the scene's floor says so. Within one task no
-robot visits a lower number after a higher one, as people do on their round through a warehouse; and what is wanted at
-the thing of the lower work number, such as the first of several kits, is done before the next is begun.
+Locations may have a sequence number and a work number; they apply if enabled on the scene's floor. Within one task no
+robot visits a lower number after a higher one, like pickers on their round through a warehouse; and the conditions
+about the thing with the lower work number, such as the first of several kits, are fulfilled before those about the
+next.
 """
 
 from __future__ import annotations
@@ -19,14 +20,14 @@ from skiros_py.world.vocabulary import FLOOR, HAS_A, ROBOT, SEQUENCE_NUMBER, USE
 
 
 def counts(view: WorldView) -> bool:
-    """Returns whether sequence and work numbers count in a scene."""
+    """Returns whether sequence and work numbers apply in a scene."""
     if USE_SEQUENCE_NUMBERS not in view.ontology.properties:
         return False
     return any(view.value(floor, USE_SEQUENCE_NUMBERS) is True for floor in view.instances(FLOOR))
 
 
 def without_numbers(view: WorldView) -> Overlay:
-    """Returns the world as it would be if its sequence and work numbers did not count."""
+    """Returns the world with sequence and work numbers disabled."""
     overlay = Overlay(view)
     for floor in view.instances(FLOOR):
         overlay.set_value(floor, USE_SEQUENCE_NUMBERS, False)
@@ -39,7 +40,7 @@ def sequence_number(view: WorldView, location: str) -> int | None:
 
 
 def turn_of(view: WorldView, place: str) -> tuple[int, str] | None:
-    """Returns the work number of a place, or of what it is a piece of, with whose it is; None if it has none."""
+    """Returns the work number of a place or of the whole it is part of, with its owner; None if there is none."""
     own = _number(view, place, WORK_NUMBER)
     if own is not None:
         return own, place
@@ -47,7 +48,7 @@ def turn_of(view: WorldView, place: str) -> tuple[int, str] | None:
 
 
 def turns_of_goal(view: WorldView, goal: Sequence[Condition]) -> tuple[tuple[int, str] | None, ...]:
-    """Returns for each condition of a goal whose turn it is about; of several, the last."""
+    """Returns the work number and owner of each condition of a goal; of several, the last."""
     return tuple(_turn_of_condition(view, condition) for condition in goal)
 
 
@@ -62,11 +63,11 @@ def _number(view: WorldView, element: str, property_: str) -> int | None:
 
 
 class Round:
-    """One task's way through the numbers.
+    """Tracks one task's progress through the numbers.
 
     Args:
         view: The world that the task starts from.
-        goal: What the task wants.
+        goal: The goal of the task.
         reached: The highest number that each robot has visited in this task so far.
 
     Attributes:
@@ -82,15 +83,15 @@ class Round:
         self._wanted = [(turn, condition) for turn, condition in zip(turns, goal, strict=False) if turn is not None]
 
     def take(self, view: WorldView, skill: SkillDescription, arguments: Mapping[str, str]) -> Verdict | None:
-        """Takes a step; it moves what its postconditions say.
+        """Applies a step with the moves in its postconditions.
 
         Args:
             view: The world just before it.
-            skill: What is done.
-            arguments: With what, defaults included.
+            skill: Its skill.
+            arguments: Its arguments, defaults included.
 
         Returns:
-            Why it breaks the order; None if it keeps to it.
+            Why it violates the order; None if it does not.
         """
         if not self._counts:
             return None
@@ -130,7 +131,7 @@ def _effects(skill: SkillDescription, arguments: Mapping[str, str]) -> list[obje
 
 
 def _move(view: WorldView, effect: Relate) -> tuple[str, str] | None:
-    """What gets which place, where the effect is a placement."""
+    """Returns the moved element and its new place if the effect is a placement."""
     if not view.ontology.is_placement(effect.relation):
         return None
     moved, placement = view.ontology.placed(effect.subject, effect.relation, effect.object)

@@ -27,13 +27,13 @@ from skiros_py.world.view import WorldView
 
 @dataclass(frozen=True, slots=True)
 class PlanningOptions:
-    """How to plan.
+    """Planning options.
 
     Attributes:
         name: Name of domain and problem.
-        temporal: True to plan in time, with a planner that takes durative actions.
-        each: Wall time that one planner may take to try out a repair [s]. A guard only: how much is tried is counted,
-            so that what is found does not depend on the clock.
+        temporal: True for temporal planning, with a planner that supports durative actions.
+        each: Wall time that one planner may take to try out a repair [s]. A safeguard only: the number of tries is
+            counted, so that results do not depend on the clock.
         together: Wall time for all of them together [s].
     """
 
@@ -44,7 +44,7 @@ class PlanningOptions:
 
 
 USUAL = PlanningOptions()
-"""Where nobody says otherwise."""
+"""The default options."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,10 +53,10 @@ class Planned:
 
     Attributes:
         outcome: The plan, or why there is none.
-        texts: Domain and problem as given to the planner; None if none had to be asked.
+        texts: Domain and problem as given to the planner; None if no planner was needed.
         wall: Wall time from world model to replayed plan [s].
-        planner: Name of the planner that gave the answer; empty if none had to be asked.
-        notes: What went wrong with planners that were asked before it.
+        planner: Name of the planner that gave the answer; empty if no planner was needed.
+        notes: Failures of planners that were tried before it.
     """
 
     outcome: Plan | NoPlan
@@ -76,7 +76,7 @@ def plan(
     options: PlanningOptions = USUAL,
     stopped: Callable[[], bool] = lambda: False,
 ) -> Planned:
-    """Plans; the world given is never changed.
+    """Plans; the given world is never changed.
 
     Args:
         planners: What solves the PDDL: one planner, or several to choose from. They are not closed.
@@ -85,10 +85,11 @@ def plan(
         goal: The conditions that must all hold.
         reached: The highest sequence number that each robot has visited in this task.
         options: How to plan.
-        stopped: Asked while a planner works whether the plan is no longer wanted.
+        stopped: Polled while a planner works; returns True once planning is cancelled.
 
     Raises:
-        PlanningError: The task cannot be written, no planner takes it, all that do broke, or it is no longer wanted.
+        PlanningError: The task cannot be expressed in PDDL, no planner supports it, all planners failed, or it was
+            cancelled.
     """
     started = time.perf_counter()
     gone = sorted({a for c in goal for a in c.arguments if a not in view.ontology.classes and not view.has(a)})
@@ -109,14 +110,15 @@ class _Planning:
         self._stopped = stopped
 
     def plan(self, wanted: Wanted, whole: WorldView | None = None) -> Planned:
-        """Asks for a plan of the task in ever more complete forms.
+        """Solves the task in increasingly complete forms.
 
-        That there is none is said of the complete one only, or where causes prove it. Those are looked for as soon as
-        planners take long or something was tried in vain: they might search for minutes in what there is in plenty.
+        Only the complete form, or proven causes, can show that there is no plan. Causes are searched for as soon as
+        planners take long or an attempt has failed. With many interchangeable things planners might search for
+        minutes.
 
         Args:
-            wanted: What shall be planned.
-            whole: The world with more of its stock than the goal speaks of; None if there is no more.
+            wanted: The planning task.
+            whole: The world with more of its stock than the goal mentions; None if there is no more.
         """
         solver = SolverLoop(self._planners, wanted, self._stopped)
         found: Found | None = None
@@ -137,16 +139,16 @@ class _Planning:
         raise AssertionError("the last attempt is complete")
 
     def _unplanned(self, wanted: Wanted, doubts: Sequence[str], is_hopeless: bool) -> Plan | NoPlan:
-        """Says why there is no plan of the complete task.
+        """Explains why the complete task has no plan.
 
         Args:
-            wanted: What should be planned.
-            doubts: Why it is not proved that there is none.
-            is_hopeless: True if there is none whatever the numbers say.
+            wanted: The planning task.
+            doubts: Why it is not proved that there is no plan.
+            is_hopeless: True if there is no plan even without the numbers.
 
         Raises:
-            PlanningError: All planners broke, took too long, answered with what is no plan or gave up; and nothing else
-                proves that there is none.
+            PlanningError: All planners failed, timed out, returned an invalid plan or gave up; and nothing else proves
+                that there is no plan.
         """
         if doubts:
             raise PlanningError("; ".join(doubts))
@@ -155,7 +157,7 @@ class _Planning:
         return self._explained(wanted)
 
     def _explained(self, wanted: Wanted) -> NoPlan:
-        """Says why there certainly is no plan, and what would help."""
+        """Explains why there certainly is no plan, and what would help."""
         task = build_task(wanted.view, wanted.capabilities, wanted.goal)
         options = self._options
         trial = Trial(
@@ -165,9 +167,9 @@ class _Planning:
         return NoPlan(explained.reasons, explained.causes, explained.repairs)
 
     def _without_numbers(self, wanted: Wanted) -> Plan | NoPlan:
-        """Says how a plan without sequence numbers breaks them; else why there is none anyway.
+        """Explains how a plan without sequence numbers violates them; otherwise why there is no plan at all.
 
-        To be asked where it is proved that there is none with them.
+        To be called if it is proved that there is no plan with them.
         """
         free = self.plan(replace(wanted, view=without_numbers(wanted.view)))
         if isinstance(free.outcome, NoPlan):

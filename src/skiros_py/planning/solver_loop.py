@@ -1,4 +1,4 @@
-"""Asks planners for a plan of one task, one after the other; no answer is believed before its replay."""
+"""Tries planners on one task, one after the other; answers are accepted only after a replay."""
 
 from __future__ import annotations
 
@@ -17,22 +17,21 @@ from skiros_py.planning.planners.planner import Answer, Planner, Unsolvable, aba
 from skiros_py.planning.problem.task import PlanningTask, build_task
 
 _POLL = 0.0005
-"""Time between two looks for an answer [s]."""
+"""Poll interval for an answer [s]."""
 _PATIENCE = 1.0
-"""After so long causes that prove that there is no plan are looked for while the planner works on; the outcome does not
-depend on when that is done [s]."""
+"""Delay until a proof that there is no plan is searched for beside the planner [s]; does not affect the result."""
 
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """What planners say of one task.
+    """The planners' result for one task.
 
     Attributes:
-        texts: The task as written.
-        planner: Name of the last that was asked; empty if none was.
+        texts: The task as PDDL.
+        planner: Name of the last planner tried; empty if none was.
         plan: The plan; None if there is none.
-        doubts: Why that is not proved, where it is not.
-        hurried: True if a planner was stopped that might have found one.
+        doubts: Why the absence of a plan is not proved, if it is not.
+        hurried: True if a planner that might have found one was stopped early.
     """
 
     texts: PddlTexts
@@ -42,30 +41,30 @@ class Found:
     hurried: bool = False
 
     def is_about(self, texts: PddlTexts) -> bool:
-        """Returns whether planners would say the same of these texts."""
+        """Returns whether planners would give the same result for these texts."""
         return not self.hurried and (self.texts.domain, self.texts.problem) == (texts.domain, texts.problem)
 
 
 class _GivenUp(PlanningError):
-    """A planner was stopped, for there is something else to try."""
+    """A planner was stopped because there is something else to try."""
 
 
 class _Hopeless(PlanningError):
-    """A planner was stopped, for there is no plan."""
+    """A planner was stopped because there is no plan."""
 
 
 class SolverLoop:
-    """Asks planners about tasks of one goal.
+    """Runs planners on the tasks of one goal.
 
     Args:
         planners: The planners to choose from.
         wanted: The goal to plan for.
-        stopped: Tells whether the answer is no longer wanted.
-        hurry: How long a planner may take for a task from which something was left out. A limit of wall time, since
-            third-party planners know no other; whether there is a plan does not depend on it [s].
+        stopped: Returns True once planning is cancelled.
+        hurry: Wall time limit of a planner for an incomplete task [s]. Third-party planners support no other kind of
+            limit; whether there is a plan does not depend on it.
 
     Attributes:
-        notes: What went wrong with planners so far.
+        notes: Planner failures so far.
     """
 
     def __init__(
@@ -83,9 +82,9 @@ class SolverLoop:
         self._is_hopeless: bool | None = None
 
     def is_hopeless(self) -> bool:
-        """Returns whether causes prove, without any search, that there is no plan; worked out once.
+        """Returns whether causes prove, without search, that there is no plan; computed once.
 
-        A planner would come to the same, though perhaps after minutes.
+        A planner would reach the same conclusion, but perhaps after minutes.
         """
         if self._is_hopeless is None:
             task = build_task(self._wanted.view, self._wanted.capabilities, self._wanted.goal)
@@ -93,14 +92,14 @@ class SolverLoop:
         return self._is_hopeless
 
     def solve(self, task: PlanningTask, texts: PddlTexts) -> Found:
-        """Asks one planner after the other until one has a plan, or has proved that there is none.
+        """Tries one planner after the other until one finds a plan or proves that there is none.
 
         Args:
-            task: The task; where it is not complete, none may take long for it.
-            texts: The same, as written.
+            task: The task; if it is incomplete, planners get little time.
+            texts: The task as PDDL.
 
         Raises:
-            PlanningError: No planner takes it, all were closed, or the answer is no longer wanted.
+            PlanningError: No planner supports it, all were closed, or planning was cancelled.
         """
         doubts: list[str] = []
         asked, hurried = "", False

@@ -1,4 +1,4 @@
-"""Planning in threads of this process: for tests, and where nothing else needs the interpreter meanwhile."""
+"""Planning in threads of this process: for tests, and if nothing else needs the interpreter meanwhile."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ from skiros_py.world.world import World
 T = TypeVar("T")
 
 _PATIENCE = 1.0
-"""How long work that was stopped may go on before it is interrupted: an author's condition may hang [s]."""
+"""How long cancelled work may continue before it is interrupted: a user-defined condition may hang [s]."""
 
 
 class _Stopped(Interruption):
-    """Raised in a thread whose work was stopped and goes on nevertheless."""
+    """Raised in a thread whose cancelled work does not stop."""
 
 
 class ThreadHost:
     """Answers requests in threads.
 
     Args:
-        world: What requests are about.
-        planners: What solves the PDDL: one planner, or several to choose from. They are not closed.
+        world: The world that requests refer to.
+        planners: The planner that solves the PDDL, or several to choose from. They are not closed.
     """
 
     def __init__(self, world: World, planners: Planner | Planners) -> None:
@@ -42,7 +42,7 @@ class ThreadHost:
         self._working: dict[int, Event] = {}
 
     def ask(self, request: Request[T]) -> Asked[T]:
-        """Begins to answer a request about the world as it is now.
+        """Submits a request about the current world.
 
         Raises:
             PlanningError: It was closed.
@@ -69,7 +69,7 @@ class ThreadHost:
             raise PlanningError("planning was stopped") from None
 
     def _end(self, stop: Event) -> None:
-        """Stops one request; what does not look whether it was stopped is interrupted soon after."""
+        """Cancels one request; work that does not poll for cancellation is interrupted soon after."""
         stop.set()
         timer = Timer(_PATIENCE, self._interrupt, (stop,))
         timer.daemon = True
@@ -82,7 +82,7 @@ class ThreadHost:
                     _raise_in(thread, _Stopped)
 
     def close(self) -> None:
-        """Ends everything that is under way."""
+        """Cancels all pending requests."""
         self._closed.set()
         self._threads.shutdown(wait=False, cancel_futures=True)
         end = time.monotonic() + _PATIENCE
@@ -93,6 +93,6 @@ class ThreadHost:
 
 
 def _raise_in(thread: int, kind: type[BaseException] | None) -> None:
-    """Raises an exception in a thread at its next Python instruction; None takes back one that has not arrived yet."""
+    """Raises an exception in a thread at its next Python instruction; None revokes one that has not been raised yet."""
     exception = None if kind is None else ctypes.py_object(kind)
     ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), exception)

@@ -57,7 +57,8 @@ def ask_for_help(task: TaskHandle, context: TaskContext, text: str) -> Execution
 def believe_done(context: TaskContext, condition: Condition, by: str) -> Failure | None:
     """Makes a condition true in the world model because the user says so, if its effects are well defined.
 
-    Returns: Why it could not be applied, or None.
+    Returns:
+        Why it could not be applied, or None.
     """
     world, refused = context.world, ""
     if not any(argument in world.ontology.classes for argument in condition.arguments):

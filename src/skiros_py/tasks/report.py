@@ -1,4 +1,4 @@
-"""What came of a goal."""
+"""The report on a goal."""
 
 from __future__ import annotations
 
@@ -14,25 +14,25 @@ class Outcome(enum.StrEnum):
     HELD_ALREADY = "held already"
     """Every condition held before anything was done."""
     PARTLY_REACHED = "partly reached"
-    """Something was brought about; each missing condition has its reason."""
+    """Some conditions were achieved; each missing one has its reason."""
     NOT_REACHED = "not reached"
-    """Nothing of it was brought about, or it ended before its time."""
+    """No condition was achieved, or the task ended early."""
     NO_PLAN = "no plan"
     """There was no plan from the start: nothing was done."""
     STOPPED = "stopped"
-    """Somebody stopped it."""
+    """It was stopped by a command."""
 
 
 @dataclass(frozen=True, slots=True)
 class StepReport:
-    """One skill that was run.
+    """One executed skill.
 
     Attributes:
         skill: Its name.
         arguments: Element id by parameter key.
         start, end: Run time [s].
-        reason: Why it failed; empty when it worked.
-        agent: Id of the subsystem that did it.
+        reason: Why it failed; empty on success.
+        agent: Id of the subsystem that ran it.
     """
 
     skill: str
@@ -50,10 +50,10 @@ class ConditionReport:
     Attributes:
         condition: As written.
         believed: Whether it holds in the world model.
-        true: Whether it holds in the simulator's truth; None if nothing physical was there to ask.
-        tries: How often a skill was tried for it before it held or was given up; 0 when it held already.
+        true: Whether it holds in the simulator's ground truth; None if there is none.
+        tries: How many attempts were made before it held or was given up; 0 if it held already.
         reason: Why it is missing; empty when it holds.
-        simulated: Run time after which it was believed for good [s]; None while it is not.
+        simulated: Run time from which it held in the world model until the end [s]; None while it does not.
         wall: Wall time at that moment [s].
     """
 
@@ -68,18 +68,18 @@ class ConditionReport:
 
 @dataclass(frozen=True, slots=True)
 class GoalReport:
-    """The end of a task.
+    """The final report of a task.
 
     Attributes:
         conditions: One report each.
-        steps: Every skill that was run, in order; of very many the last.
+        steps: Every executed skill, in order; if there are very many, only the last ones.
         simulated: Run time used [s].
         wall: Wall time used [s].
-        no_plan: Reasons why there was no plan at all at the start; empty when there was one.
-        stopped: True when somebody stopped it.
+        no_plan: Why there was no initial plan; empty if there was one.
+        stopped: True if it was stopped by a command.
         digest: Hash over joint states and world changes; equal runs have equal digests.
-        fault: Why it ended before its time, where nobody stopped it: a planner that broke, a sequence that cannot work.
-        forgotten: How many skills were run before the steps that are kept.
+        fault: Why it ended early without being stopped, such as a planner failure or an infeasible sequence.
+        forgotten: How many earlier steps were dropped.
     """
 
     conditions: tuple[ConditionReport, ...]
@@ -94,12 +94,12 @@ class GoalReport:
 
     @property
     def reached(self) -> bool:
-        """True when every condition holds: by the truth where there is one, else by belief."""
+        """True if every condition holds: in the ground truth if available, otherwise in the world model."""
         return not (self.stopped or self.fault) and all(map(_holds, self.conditions))
 
     @property
     def outcome(self) -> Outcome:
-        """The whole of it in two words."""
+        """The overall outcome."""
         if self.stopped:
             return Outcome.STOPPED
         if self.reached:
@@ -110,7 +110,7 @@ class GoalReport:
         return Outcome.PARTLY_REACHED if brought and not self.fault else Outcome.NOT_REACHED
 
     def with_truth(self, truths: tuple[bool | None, ...]) -> GoalReport:
-        """Returns the report with the simulator's truth, where it has one, beside each belief."""
+        """Returns the report with the simulator's ground truth, if any, added to each condition."""
         pairs = zip(self.conditions, truths, strict=True)
         return replace(self, conditions=tuple(replace(c, true=t) for c, t in pairs))
 

@@ -1,4 +1,4 @@
-"""The account that is given of a goal: what became of each condition, and when."""
+"""Builds the report on a goal: the result of each condition, and when it was reached."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ from skiros_py.world.world import World
 
 
 class ReportBuilder:
-    """What is noted of one goal, for its report.
+    """Collects the data for the report on one goal.
 
     Args:
         task: The task.
-        context: Where it is done.
-        history: Every step that ran.
+        context: The task's environment.
+        history: Every executed step.
 
     Attributes:
         given_up: Conditions that were given up, with the reason.
-        no_plan: Why there was no plan when nothing had been done yet.
-        stopped: True when somebody stopped it.
+        no_plan: Why there was no initial plan.
+        stopped: True if it was stopped by a command.
     """
 
     def __init__(self, task: TaskHandle, context: TaskContext, history: History) -> None:
@@ -46,14 +46,14 @@ class ReportBuilder:
         return tuple(c for c in self._goal if c not in self.given_up)
 
     def note(self) -> None:
-        """Notes what came to hold by now."""
+        """Records conditions that hold by now."""
         self._moments.note()
 
     def report(self, fault: str = "") -> GoalReport:
         """Returns the report at the end.
 
         Args:
-            fault: Why it ended before its time.
+            fault: Why it ended early.
         """
         steps = tuple(self._history.steps)
         no_plan = () if steps else self.no_plan
@@ -67,7 +67,7 @@ class ReportBuilder:
         )
 
     def report_cut_off(self) -> GoalReport:
-        """Returns the report where nothing may be asked any more: as it was when the world was last looked at."""
+        """Returns the report without further queries: the state when the world was last evaluated."""
         why = self._context.cycle.halted
         conditions = tuple(self._as_last_seen(c, why or "stopped") for c in self._goal)
         return GoalReport(conditions, tuple(self._history.steps), *self._moments.used, stopped=not why, fault=why)
@@ -85,7 +85,7 @@ class ReportBuilder:
 
 
 def end_before_beginning(task: TaskHandle, context: TaskContext) -> None:
-    """Gives a task its report that was ended before its first cycle: everything was halted."""
+    """Sets the report of a task that ended before its first cycle because the system was halted."""
     why, now = context.cycle.halted, context.now
     held = {c: bool(believed(c, context.world)) for c in task.goal}
     conditions = tuple(
@@ -97,7 +97,7 @@ def end_before_beginning(task: TaskHandle, context: TaskContext) -> None:
 
 
 class Moments:
-    """Notes when each condition of a goal came to be believed for good.
+    """Records when each condition of a goal came to hold permanently in the world model.
 
     Args:
         world: The live world model.
@@ -120,16 +120,16 @@ class Moments:
         return self._cycle.board.snapshot.time - self._start[0], time.perf_counter() - self._start[1]
 
     def held(self, condition: Condition) -> bool:
-        """Returns whether a condition was believed when the world was last looked at."""
+        """Returns whether a condition held when the world was last evaluated."""
         return condition in self._since
 
     def since(self, condition: Condition) -> tuple[float | None, float | None]:
-        """Returns simulated and wall time at which a condition that is believed came to be so [s]."""
+        """Returns simulated and wall time since which a condition has held [s]."""
         self.note()
         return self._since.get(condition, (None, None))
 
     def note(self) -> None:
-        """Looks at the conditions, if the world has changed."""
+        """Evaluates the conditions if the world has changed."""
         if self._version == self._world.version:
             return
         self._version = self._world.version

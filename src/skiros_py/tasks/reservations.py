@@ -1,4 +1,4 @@
-"""Which task has which robots and things: what one task plans to use or to move, another one does not touch."""
+"""Reservations of robots and things: a task does not touch what another one plans to use or move."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from skiros_py.world.vocabulary import ROBOT
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Braking:
-    """What a task that is over leaves behind, and still moves."""
+    """Elements of a finished task that are still moving."""
 
     who: str
     ids: frozenset[str]
@@ -28,8 +28,8 @@ class _Braking:
 class Reservations:
     """Robots and things of all tasks of a cell; used in the control thread only.
 
-    A task gets all that it wants or nothing, in the order of asking; who waits keeps nothing but what still moves. So
-    whoever asked first gets its turn, and nobody waits for ever.
+    A task gets everything it requested or nothing, in the order of requests; a waiting task keeps only what still
+    moves. So the first to request is served first, and no task waits forever.
     """
 
     def __init__(self) -> None:
@@ -38,7 +38,7 @@ class Reservations:
         self._braking: list[_Braking] = []
 
     def request(self, who: str, wanted: Iterable[str]) -> None:
-        """Asks for all that the rest of a task's plan uses, in the place of what it asked for before.
+        """Requests everything the rest of a task's plan uses, replacing its earlier request.
 
         Args:
             who: Name of the task.
@@ -52,15 +52,15 @@ class Reservations:
             self._wanted[who] = needs
 
     def waits(self, who: str) -> bool:
-        """Returns whether a task has not got yet what it asked for."""
+        """Returns whether a task's request has not been granted yet."""
         return who in self._wanted
 
     def granted(self, who: str, busy: Iterable[str]) -> bool:
-        """Returns whether a task has what it asked for; takes it if it is free now.
+        """Returns whether a task's request is granted; grants it if everything is free now.
 
         Args:
             who: Name of the task.
-            busy: What it keeps while it waits, for its steps still run there.
+            busy: What it keeps while it waits because its steps still run there.
         """
         if who not in self._wanted:
             return True
@@ -71,30 +71,30 @@ class Reservations:
         return True
 
     def waits_for(self, who: str) -> tuple[str, ...]:
-        """Returns what keeps a task from getting what it asked for: "robot_1 (kit 7)"."""
+        """Returns what a task's request is waiting for: "robot_1 (kit 7)"."""
         wanted = self._wanted.get(who, frozenset())
         return tuple(f"{id_} ({other})" for id_ in sorted(wanted) if (other := self._ahead(who, id_)) is not None)
 
     def keep(self, who: str, ids: Iterable[str]) -> None:
-        """Gives back all that a task has but this."""
+        """Releases everything a task holds except these ids."""
         self._held[who] = self._held.get(who, frozenset()).intersection(ids)
 
     def of(self, who: str) -> frozenset[str]:
-        """Returns all that a task has."""
+        """Returns everything a task holds."""
         return self._held.get(who, frozenset())
 
     def withdraw(self, who: str, ids: Iterable[str]) -> None:
-        """Ends the asking of a task, which stands in nobody's way any more, and gives back all that it has but this."""
+        """Withdraws a task's request, so that it no longer blocks others, and releases all it holds but these ids."""
         self._wanted.pop(who, None)
         self.keep(who, ids)
 
     def release(self, who: str, moving: Iterable[str] = (), stands: Callable[[], bool] = lambda: True) -> None:
-        """Gives back all that a task has, and ends its asking.
+        """Releases everything a task holds and withdraws its request.
 
         Args:
-            who: Name of the task; it may be the name of another one soon.
-            moving: What of it is free for others only when it stands.
-            stands: Tells whether it does.
+            who: Name of the task; it may be reused soon.
+            moving: Those elements that become free only once they are at rest.
+            stands: Returns whether they are at rest.
         """
         self._wanted.pop(who, None)
         ids = self._held.pop(who, frozenset()).intersection(moving)
@@ -102,13 +102,13 @@ class Reservations:
             self._braking.append(_Braking(who, ids, stands))
 
     def of_others(self, who: str) -> frozenset[str]:
-        """Returns all that other tasks have or wait for."""
+        """Returns everything other tasks hold or wait for."""
         all_ = (*self._held.items(), *self._wanted.items())
         theirs = frozenset(id_ for other, ids in all_ if other != who for id_ in ids)
         return theirs.union(*(one.ids for one in self._still_braking()))
 
     def _ahead(self, who: str, id_: str) -> str | None:
-        """Returns the task that has a thing, or asked for it before."""
+        """Returns the task that holds a thing or requested it earlier."""
         for one in self._still_braking():
             if id_ in one.ids:
                 return one.who
@@ -128,7 +128,7 @@ class Reservations:
 
 
 def in_hands(view: WorldView, ids: Iterable[str]) -> frozenset[str]:
-    """Returns which of some things robots have in their hands or carry, and these robots."""
+    """Returns which of the given things are held or carried by robots, and these robots."""
     found: set[str] = set()
     for id_ in ids:
         placement = view.placement(id_) if view.has(id_) else None
@@ -138,15 +138,15 @@ def in_hands(view: WorldView, ids: Iterable[str]) -> frozenset[str]:
 
 
 def robot_of(view: WorldView, agent: str) -> str:
-    """Returns the robot of a subsystem; the subsystem itself where it belongs to none or is gone."""
+    """Returns the robot of a subsystem; the subsystem itself if it belongs to none or is gone."""
     return (owner(view, agent) if view.has(agent) else None) or agent
 
 
 def used_by(steps: Sequence[Step], skills: Mapping[str, SkillDescription], view: WorldView) -> frozenset[str]:
-    """Returns what steps use so that nobody else may meanwhile: robots, what is moved, and where it is put."""
+    """Returns what steps use exclusively: robots, moved elements and their target places."""
     robots = {robot_of(view, step.arguments[skills[step.skill].agent]) for step in steps}
     changed = (id_ for step in steps for id_ in _changed(step, skills[step.skill], view) if not is_token(id_))
-    return frozenset(robots.union(changed))  # of things in stock whoever comes first takes one
+    return frozenset(robots.union(changed))  # things in stock are first come, first served
 
 
 def _changed(step: Step, skill: SkillDescription, view: WorldView) -> set[str]:

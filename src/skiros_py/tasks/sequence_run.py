@@ -1,4 +1,4 @@
-"""A sequence of steps under way: run as it is, so often as wanted; nobody plans."""
+"""Runs a sequence of steps as given, for a number of rounds, without planning."""
 
 from __future__ import annotations
 
@@ -32,10 +32,10 @@ class SequenceRun:
 
     Args:
         task: The task.
-        context: What it is done with.
+        context: The task's environment: world, managers, planning.
         steps: The steps, in order.
-        iterate: How often; None for until it is stopped.
-        anyway: True to try steps that cannot work as far as is known.
+        iterate: Number of rounds; None to repeat until stopped.
+        anyway: True to try steps that are known not to work.
     """
 
     def __init__(
@@ -60,7 +60,7 @@ class SequenceRun:
         self._fault = ""
 
     def execute(self) -> Execution[GoalReport]:
-        """Runs the sequence to its end; the task has a report in any case."""
+        """Runs the sequence to its end; the task always gets a report."""
         task = self._task
         task.plan, task.phase = Plan(self._steps), "running"
         self._dispatcher.trace.write(TraceEventKind.BEGUN, f"{task.name}: {len(self._steps)} steps")
@@ -69,7 +69,7 @@ class SequenceRun:
             task.report = self._report()
         except Exception as error:
             self._fault = str(error) if isinstance(error, SkirosError) else f"it broke: {words(error)}"
-            with suppress(Exception):  # whatever else breaks now: the first fault counts
+            with suppress(Exception):  # ignore further errors: the first one counts
                 yield from self._dispatcher.halt(self._fault)
             raise
         finally:
@@ -103,7 +103,7 @@ class SequenceRun:
         return (yield from self._carry_out())
 
     def _checks(self) -> Execution[tuple[StepCheck, ...]]:
-        """Checks all steps as the world is now, where planning is done."""
+        """Has the planning service check all steps against the current world."""
         able = {c.skill.name: c.agents for c in self._context.capabilities}
         asked = self._context.planning.ask(StepsCheck(self._steps, dict(self._skills), able))
         answer = yield from self._until_stopped(self._context.answer(asked, self._task.control))
@@ -121,7 +121,7 @@ class SequenceRun:
             yield
 
     def _with_agent(self, check: StepCheck) -> Step:
-        """Returns a step whose agent is known, so that its robot is; the rest is inferred when it starts."""
+        """Returns a step with its agent filled in, so that its robot is known; the rest is inferred at its start."""
         agent = {self._skills[check.step.skill].agent: check.agent}
         return Step(check.step.skill, {**check.step.arguments, **agent})
 

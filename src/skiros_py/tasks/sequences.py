@@ -1,4 +1,4 @@
-"""A sequence of steps that a person puts together or changes; after each edit its effects are checked (paper §4.1)."""
+"""A sequence of steps edited by the user; after each edit its effects are checked (paper §4.1)."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ from skiros_py.world.view import WorldView
 
 @dataclass(frozen=True, slots=True)
 class StepCheck:
-    """What is known of one step before it runs.
+    """The result of checking one step before it runs.
 
     Attributes:
         step: The step.
-        problems: What will not hold when its turn comes, one sentence each; empty when it can work.
-        agent: Who does it, as said or else as it is inferred; empty if nobody is found.
+        problems: What will not hold when its turn comes, one sentence each; empty if it can work.
+        agent: The agent that runs it, given or inferred; empty if none is found.
     """
 
     step: Step
@@ -41,7 +41,7 @@ class StepCheck:
 
     @property
     def works(self) -> bool:
-        """True when nothing speaks against it."""
+        """True if it has no problems."""
         return not self.problems
 
     def as_json(self) -> dict[str, Any]:
@@ -51,12 +51,12 @@ class StepCheck:
 
 
 class StepSequence:
-    """Steps to be run one after the other, in the order and with the arguments that a person wants.
+    """Steps to be run one after the other, in the order and with the arguments the user chose.
 
     Args:
-        view: The world that it starts from: the live one, so that a check is always of now.
+        view: The world that it starts from: the live one, so that checks are always current.
         skills: The available skills by name.
-        steps: The steps to begin with, such as those of a plan; none to begin from scratch.
+        steps: The initial steps, such as those of a plan; none to start from scratch.
 
     Raises:
         UsageError: A step names a skill, a parameter or an element that does not exist.
@@ -85,12 +85,12 @@ class StepSequence:
         """Adds a step before another one.
 
         Args:
-            at: Index of that one; the number of steps for the end.
-            skill: What it does.
-            **arguments: Element ids by parameter key; what is left out is inferred when it starts.
+            at: Index of that step; the number of steps to append.
+            skill: Name of the skill.
+            **arguments: Element ids by parameter key; omitted ones are inferred when it starts.
 
         Returns:
-            All steps as they are then, checked.
+            All steps afterwards, checked.
 
         Raises:
             UsageError: There is no such skill, parameter, element or place.
@@ -99,7 +99,7 @@ class StepSequence:
         return self.checks
 
     def remove(self, at: int) -> tuple[StepCheck, ...]:
-        """Takes a step out.
+        """Removes a step.
 
         Raises:
             UsageError: There is no such step.
@@ -123,7 +123,7 @@ class StepSequence:
         return self.checks
 
     def change(self, at: int, **arguments: str | None) -> tuple[StepCheck, ...]:
-        """Gives some parameters of a step other values; None leaves one to be inferred.
+        """Changes some arguments of a step; None leaves one to be inferred.
 
         Raises:
             UsageError: There is no such step, parameter or element.
@@ -136,25 +136,25 @@ class StepSequence:
 
     @property
     def checks(self) -> tuple[StepCheck, ...]:
-        """Every step with what will not hold when its turn comes, as far as that can be known before."""
+        """Every step with the problems that can be foreseen."""
         return check_steps(self._view, self._steps, self._skills)
 
     @property
     def works(self) -> bool:
-        """True when nothing speaks against any step."""
+        """True if no step has problems."""
         return all(check.works for check in self.checks)
 
     def require_steps(self) -> None:
-        """Sees that there is something to be run.
+        """Checks that the sequence is not empty.
 
         Raises:
-            UsageError: There is not.
+            UsageError: It is empty.
         """
         if not self._steps:
             raise UsageError("the sequence has no steps: add one")
 
     def require_works(self) -> None:
-        """Sees that the sequence can be run.
+        """Checks that the sequence can be run.
 
         Raises:
             UsageError: It is empty, or cannot work; the text says which step and why.
@@ -196,13 +196,13 @@ def check_steps(
     skills: Mapping[str, SkillDescription],
     able: Mapping[str, Collection[str]] | None = None,
 ) -> tuple[StepCheck, ...]:
-    """Checks steps in turn; what comes after one that cannot work is judged as if it had worked.
+    """Checks steps in turn; steps after a failing one are checked as if it had worked.
 
     Args:
         view: The world that they start from.
         steps: The steps.
         skills: The available skills by name.
-        able: By skill the subsystems that have it now; None if it is enough that there could be one.
+        able: The subsystems that provide each skill now; None to accept any suitable subsystem.
     """
     overlay = Overlay(with_stock(view, named=tokens_of(steps)))
     return tuple(_check(overlay, step, skills, able) for step in steps)
@@ -210,7 +210,7 @@ def check_steps(
 
 @dataclass(frozen=True, slots=True)
 class StepsCheck:
-    """Asks planning to check steps; see :func:`check_steps` for its attributes."""
+    """A planning request to check steps; see :func:`check_steps` for its attributes."""
 
     steps: tuple[Step, ...]
     skills: Mapping[str, SkillDescription]
@@ -224,7 +224,7 @@ class StepsCheck:
 def _check(
     overlay: Overlay, step: Step, skills: Mapping[str, SkillDescription], able: Mapping[str, Collection[str]] | None
 ) -> StepCheck:
-    """Says what keeps a step from working, and then lets it have worked."""
+    """Returns a step's problems, then applies its effects as if it had worked."""
     if step.skill not in skills:
         return StepCheck(step, (f"nobody has the skill {step.skill} any more",))
     skill = skills[step.skill]
@@ -249,8 +249,8 @@ class Cast:
     """The elements of a step.
 
     Attributes:
-        values: Element ids by parameter key, as far as they are known.
-        open: Why something stays open, one sentence each.
+        values: The known element ids by parameter key.
+        open: Why parameters remain open, one sentence each.
     """
 
     values: Mapping[str, str]
@@ -258,14 +258,14 @@ class Cast:
 
 
 def cast(step: Step, skill: SkillDescription, view: WorldView, able: Collection[str] | None = None) -> Cast:
-    """Finds what a step leaves out.
+    """Infers the arguments that a step omits.
 
     Args:
         step: The step.
-        skill: What is known of its skill.
+        skill: The description of its skill.
         view: The world just before the step.
-        able: The subsystems whose skill managers have the skill; None if it is enough that there could be one. Whom
-            inference would take comes first, then the others by id.
+        able: The subsystems whose skill managers provide the skill; None to accept any suitable one. The one that
+            inference prefers is tried first, then the others by id.
     """
     given = with_defaults(skill, step.arguments)
     found = _inferred(skill, given, view, None)
@@ -276,7 +276,7 @@ def cast(step: Step, skill: SkillDescription, view: WorldView, able: Collection[
 
 
 def _inferred(skill: SkillDescription, given: Mapping[str, str], view: WorldView, agent: str | None) -> Cast:
-    """Asks inference; where an author's condition breaks in it, what was left out stays open."""
+    """Runs inference; if a user-defined condition raises an error, omitted arguments remain open."""
     found: Inferred | Missing | Failure = contained("inference", lambda: infer(skill, given, view, agent))
     if isinstance(found, Failure):
         return Cast(given, (found.reason,))

@@ -1,4 +1,4 @@
-"""The share of one task in the robots and things of the cell: what it asks for, has, and lends while it waits."""
+"""One task's share of the cell's robots and things: what it requests, holds, and lends while it waits."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from skiros_py.tasks.reservations import in_hands, used_by
 
 
 class Share:
-    """What one task has of the cell.
+    """The robots and things of one task.
 
     Args:
         who: Name of the task.
@@ -19,8 +19,8 @@ class Share:
         skills: The available skills by name; extended as managers appear.
 
     Attributes:
-        lent: True while the task waits for a person, who may be long in coming: others may use what stands, but for
-            robots that have a thing of this task in their hands, lest somebody puts it down somewhere.
+        lent: True while the task waits for the user, which may take long: other tasks may use what is at rest, except
+            robots that hold a thing of this task, so that it is not put down elsewhere.
     """
 
     def __init__(self, who: str, context: TaskContext, skills: Mapping[str, SkillDescription]) -> None:
@@ -31,16 +31,16 @@ class Share:
         self._skills = skills
 
     def ask(self, steps: Sequence[Step]) -> None:
-        """Asks for what the steps use that run or are to come; what they use no more is free for others."""
+        """Requests what running and remaining steps use; anything else becomes free for others."""
         self._reservations.request(self._who, self._used(steps))
 
     def granted(self, running: Collection[Step], *, going_on: bool) -> bool:
-        """Returns whether no other task has, or wanted before, what was asked for; takes it if it is free now.
+        """Returns whether no other task holds, or requested earlier, what this task requested; takes it if free now.
 
         Args:
-            running: The steps that run; what they use is kept in any case.
-            going_on: False while no step may start: then it takes nothing, and others need not wait for it. It has to
-                ask again afterwards.
+            running: The running steps; what they use is always kept.
+            going_on: False while no step may start: then it takes nothing and does not block others. It has to request
+                again afterwards.
         """
         reservations, who = self._reservations, self._who
         if self.lent:
@@ -54,15 +54,15 @@ class Share:
 
     @property
     def waits_for(self) -> tuple[str, ...]:
-        """What keeps it from getting what it asked for: "robot_1 (kit 7)"."""
+        """What its request is waiting for: "robot_1 (kit 7)"."""
         return self._reservations.waits_for(self._who)
 
     def release(self, moving: Iterable[str], stands: Callable[[], bool]) -> None:
-        """Gives back everything.
+        """Releases everything.
 
         Args:
-            moving: What of it is free for others only when it stands.
-            stands: Tells whether it does.
+            moving: Those elements that become free only once they are at rest.
+            stands: Returns whether they are at rest.
         """
         self._reservations.release(self._who, moving, stands)
 

@@ -1,4 +1,4 @@
-"""What happened in a task, in sentences for people and as data for machines."""
+"""The trace of a task: its events as sentences and as data."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from typing import Any
 from skiros_py.listeners import Listeners
 
 _LONGEST = 10_000
-"""Entries kept of one task; the oldest go first."""
+"""How many entries are kept per task; the oldest are dropped first."""
 
 
 class TraceEventKind(enum.StrEnum):
-    """What kind of thing happened."""
+    """The kind of event."""
 
     BEGUN = "begun"
     """The task began."""
@@ -26,48 +26,48 @@ class TraceEventKind(enum.StrEnum):
     STARTED = "started"
     """A step started."""
     WAITS = "waits"
-    """A step, or the whole task, waits for something that somebody else uses."""
+    """A step, or the whole task, waits for something that another task uses."""
     ENDED = "ended"
     """A step ended well."""
     FAILED = "failed"
     """A step failed."""
     BROKEN_OFF = "broken off"
-    """A step was ended because it leads nowhere any more, or because somebody stopped the task."""
+    """A step was cancelled because it was no longer useful or the task was stopped."""
     RETRIED = "retried"
-    """The plan still leads to the goal: the step that failed is done once more."""
+    """The plan still leads to the goal: the failed step is repeated."""
     REPLANS = "replans"
-    """The plan leads to the goal no longer."""
+    """The plan no longer leads to the goal."""
     GIVEN_UP = "given up"
     """A condition of the goal was given up."""
     ASKED = "asked"
-    """A person was asked."""
+    """A question was put to the user."""
     ANSWERED = "answered"
-    """A person answered."""
+    """The user answered."""
     PAUSED = "paused"
-    """Everything comes to a standstill where it is."""
+    """Everything comes to a standstill."""
     RESUMED = "resumed"
-    """It goes on after a pause, or by one step."""
+    """It was resumed after a pause, or for one step."""
     STOPPED = "stopped"
-    """Somebody wants the task to end."""
+    """The task was asked to stop."""
     FINISHED = "finished"
     """The task is over; the data has its outcome."""
 
 
 @dataclass(frozen=True, slots=True)
 class TraceEntry:
-    """One thing that happened.
+    """One event.
 
     Attributes:
         time: Run time [s].
-        what: What kind of thing.
-        text: The whole of it in a sentence.
-        step: Number of the step in the order in which steps were started, from 1; None for what is about no step.
+        what: The kind of event.
+        text: The event in one sentence.
+        step: Number of the step in the order in which steps were started, from 1; None if it concerns no step.
         skill: The skill of that step.
         arguments: Its arguments by parameter key.
-        agent: Id of the subsystem that does it.
-        data: What a machine may want besides, as plain data.
-        id: Id of what this is about: the step, whose runs of modules have it as their parent, or the task.
-        parent: Id of what that is part of: the task of a step; empty for a task.
+        agent: Id of the subsystem that runs it.
+        data: Additional details as plain data.
+        id: Id of the subject: the step (the parent of its module runs) or the task.
+        parent: Id of the subject's parent: the task of a step; empty for a task.
     """
 
     time: float
@@ -97,7 +97,7 @@ class Trace:
         longest: How many entries are kept.
 
     Attributes:
-        forgotten: How many entries were dropped since.
+        forgotten: How many entries were dropped.
     """
 
     def __init__(self, longest: int = _LONGEST) -> None:
@@ -107,15 +107,15 @@ class Trace:
 
     @property
     def entries(self) -> tuple[TraceEntry, ...]:
-        """What is kept, oldest first."""
+        """The kept entries, oldest first."""
         return tuple(self._entries)
 
     def subscribe(self, listener: Callable[[TraceEntry], None]) -> Callable[[], None]:
-        """Calls the listener with each new entry, in the control thread; it must be quick. Returns how to end that."""
+        """Calls the listener with each new entry in the control thread, quickly; returns how to unsubscribe."""
         return self._listeners.add(listener)
 
     def add(self, entry: TraceEntry) -> None:
-        """Takes an entry and hands it to all listeners."""
+        """Adds an entry and passes it to all listeners."""
         self.forgotten += len(self._entries) == self._entries.maxlen
         self._entries.append(entry)
         self._listeners.notify(entry)
@@ -129,7 +129,7 @@ class Trace:
 
 
 def step_id(task: str, number: int) -> str:
-    """Returns the id of a step: parent of the run that does it.
+    """Returns the id of a step, which is the parent id of its module run.
 
     Args:
         task: Name of its task.

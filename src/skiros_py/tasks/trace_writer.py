@@ -19,8 +19,8 @@ class TraceWriter:
 
     Args:
         task: Its name.
-        trace: Takes the entries.
-        context: The time and the monitor.
+        trace: Receives the entries.
+        context: Provides the time and the monitor.
         skills: The available skills by name.
     """
 
@@ -32,7 +32,7 @@ class TraceWriter:
         self._waits: set[str] = set()
 
     def write(self, what: TraceEventKind, text: str, data: Mapping[str, Any] | None = None) -> None:
-        """Adds an entry that is about no single step."""
+        """Adds an entry that concerns no single step."""
         self._trace.add(TraceEntry(self._context.now, what, text, data=data or {}, id=self._task))
 
     def write_step(self, what: TraceEventKind, text: str, run: StepRun, data: Mapping[str, Any] | None = None) -> None:
@@ -44,7 +44,7 @@ class TraceWriter:
         self._trace.add(entry)
 
     def write_wait(self, step: Step, why: str) -> None:
-        """Adds that a step has to wait; once for each reason."""
+        """Adds an entry that a step has to wait; once per reason."""
         text = f"{self.describe(step)} waits: {why}"
         if text in self._waits:
             return
@@ -60,20 +60,20 @@ class TraceWriter:
             self._context.monitor.publish(event)
 
     def forget_waits(self) -> None:
-        """Adds waits again: there is another plan."""
+        """Allows waits to be reported again, for a new plan."""
         self._waits.clear()
 
     def agent(self, step: Step) -> str:
-        """Returns who does a step."""
+        """Returns the name of the agent that runs a step."""
         return step.arguments[self._skills[step.skill].agent]
 
     def describe(self, step: Step) -> str:
-        """Returns a step as text: who does what to what."""
+        """Returns a step as text: agent, skill and arguments."""
         return f"{self.agent(step)}: {short_step(step, self._skills[step.skill])}"
 
 
 def short_step(step: Step, skill: SkillDescription) -> str:
-    """Returns a step as people say it: the skill and what people specify of it, without devices and what follows."""
+    """Returns a step in short: the skill and its user-specified arguments, without devices and derived ones."""
     said = [
         str(step.arguments[p.key])
         for p in skill.params

@@ -1,7 +1,7 @@
 """No plan is an answer: why there is none in the operator's words, and the smallest changes that would make one.
 
-Three stages, each asked only where the one before found nothing: what never becomes true even if nothing were ever
-undone; what in the goal excludes each other; a smallest part of the goal that a planner finds no plan for.
+Three stages, each run only if the previous one found nothing: facts that never become true even if nothing were ever
+undone; goal conditions that exclude each other; a minimal part of the goal for which a planner finds no plan.
 """
 
 from skiros_py.planning.explanation.causes import certain_causes, find_causes

@@ -1,4 +1,4 @@
-"""The causes that need no search: what never becomes true, and what in the goal excludes each other."""
+"""The causes found without search: facts that never become true, and goal conditions that exclude each other."""
 
 from __future__ import annotations
 
@@ -20,20 +20,20 @@ from skiros_py.world.vocabulary import HAS_A
 
 
 def certain_causes(task: PlanningTask, view: WorldView) -> tuple[Cause, ...]:
-    """Returns causes each of which proves that there is no plan, without a search; none if nobody knows.
+    """Returns causes that each prove, without search, that there is no plan; none if unknown.
 
     Args:
-        task: The task; one with sequence numbers, or in time, has no plan either where this has none.
+        task: The task; if it has no plan, neither has its variant with sequence numbers or in time.
         view: The world it was made from, with all of its stock.
     """
     return tuple(found.cause for found in find_causes(task, view))
 
 
 def find_causes(task: PlanningTask, view: WorldView) -> tuple[Found, ...]:
-    """Returns the cause of each condition that can never hold by itself, then those of what excludes each other.
+    """Returns the cause of each condition that can never hold by itself, then those of mutually exclusive conditions.
 
-    Each proves by itself that there is no plan. Empty when each condition could hold, and nothing simple keeps them
-    from holding together.
+    Each proves by itself that there is no plan. Empty if each condition could hold and no simple conflict prevents
+    them from holding together.
     """
     task = with_everyone(task, view)
     relaxed = relax(task, view.ontology)
@@ -48,7 +48,7 @@ def find_causes(task: PlanningTask, view: WorldView) -> tuple[Found, ...]:
 
 
 def _cleared(found: Sequence[Found], relaxed: Relaxation, view: WorldView) -> Relaxation:
-    """Returns what could become true if the places that are taken were empty: what excludes each other then, does."""
+    """Returns the facts reachable if the occupied places were empty: conditions exclusive even then are exclusive."""
     obstacles = [one.obstacle for one in found if one.obstacle is not None and one.obstacle.kind is CauseKind.FULL]
     empty = [atom for o in obstacles if (atom := o.missing) is not None and not any(map(is_variable, atom.arguments))]
     if not empty:
@@ -59,10 +59,10 @@ def _cleared(found: Sequence[Found], relaxed: Relaxation, view: WorldView) -> Re
 
 
 def _main_first(hopeless: Sequence[Found], together: Sequence[Found]) -> tuple[Found, ...]:
-    """Puts before all else that conditions want one place, for that is so however the place is cleared.
+    """Puts conflicts over one place first, since they persist however the place is cleared.
 
-    Of conditions that would be hopeless in any place or in that one, that reason is told only; and of a place that is
-    wanted by several, not also that one of these has it.
+    For conditions that are hopeless in any place or in that one, only that reason is given; for a place wanted by
+    several conditions, it is not also reported that one of their things occupies it.
     """
     obstacles = {one.cause.conditions[0]: one.obstacle for one in hopeless}
     rivals = [one for one in together if one.shortage is not None and _is_rivalry(one.cause, obstacles)]
@@ -72,14 +72,14 @@ def _main_first(hopeless: Sequence[Found], together: Sequence[Found]) -> tuple[F
 
 
 def _is_rivalry(cause: Cause, obstacles: Mapping[Condition, Obstacle | None]) -> bool:
-    """Returns whether several conditions want one place in which each of them could be fulfilled by itself one day."""
+    """Returns whether several conditions compete for one place where each alone could eventually be fulfilled."""
     known = [obstacle for condition in cause.conditions if (obstacle := obstacles.get(condition)) is not None]
     one_day = all(obstacle.kind in (CauseKind.FULL, CauseKind.MISSING_FACT) for obstacle in known)
     return cause.kind is CauseKind.CONTRADICTION and len(cause.conditions) > 1 and one_day
 
 
 def _covers(rivalry: Cause, one: Found) -> bool:
-    """Returns whether a place is taken by what is wanted there by another of the conditions that want it."""
+    """Returns whether a place is occupied by the thing that another of the competing conditions wants there."""
     obstacle = one.obstacle
     if obstacle is None or obstacle.kind is not CauseKind.FULL:
         return False
@@ -99,7 +99,7 @@ def _unreachable(condition: Condition, obstacle: Obstacle, view: WorldView) -> F
 
 
 def _full(condition: Condition, obstacle: Obstacle, view: WorldView) -> tuple[str, ...]:
-    """Returns what the condition names that is built of the places that are taken: the kit that is full."""
+    """Returns the elements named by the condition that consist of the occupied places, such as the full kit."""
     if obstacle.kind is not CauseKind.FULL:
         return ()
     named = (argument for argument in condition.arguments if view.has(argument))
@@ -107,10 +107,10 @@ def _full(condition: Condition, obstacle: Obstacle, view: WorldView) -> tuple[st
 
 
 def with_everyone(task: PlanningTask, view: WorldView) -> PlanningTask:
-    """Returns a task in which whoever is of the right class takes part, with the skill or without it.
+    """Returns a task in which every agent of the right class takes part, with or without the skill.
 
     Raises:
-        PlanningError: It cannot be said in PDDL.
+        PlanningError: It cannot be expressed in PDDL.
     """
     everyone = [Capability(c.skill, view.instances(c.skill.agent_class)) for c in task.capabilities]
     able = {Atom(CAN + c.skill.name, (agent,)) for c in task.capabilities for agent in c.agents}

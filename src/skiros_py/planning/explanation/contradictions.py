@@ -1,6 +1,6 @@
-"""Conditions that could each be reached, but exclude each other: one thing in two places, one place for two.
+"""Conditions that are reachable individually but exclude each other: one thing in two places, one place for two.
 
-What of a thing or a place there is only one is known without any search; nothing here depends on the skills' order.
+Shortages of things or places are found without search; nothing here depends on the order of skills.
 """
 
 from __future__ import annotations
@@ -24,16 +24,16 @@ from skiros_py.world.ontology import Ontology
 from skiros_py.world.stock import by_stock
 
 _FEW = 2
-"""Up to so many things or places are named: more are not what it is about."""
+"""How many things or places a cause names at most: with more, they are not the point."""
 
 _MOST = 400
-"""So many demands are held against each other; with more, nothing is said of the rest."""
+"""How many demands are compared; further ones are ignored."""
 
 _Apart = Callable[[Demand, Demand], bool]
 
 
 class Contradictions:
-    """Finds what in a goal excludes each other."""
+    """Finds conditions of a goal that exclude each other."""
 
     def __init__(self, relaxed: Relaxation, ontology: Ontology) -> None:
         self._relaxed = relaxed
@@ -42,7 +42,7 @@ class Contradictions:
         self._exclusive: dict[tuple[str, str], bool] = {}
 
     def found(self) -> tuple[Found, ...]:
-        """Returns each contradiction once; of those about the same conditions, the first."""
+        """Returns each contradiction once; of several about the same conditions, the first."""
         first: dict[frozenset[str], Found] = {}
         for one in self._all():
             first.setdefault(frozenset(map(str, one.cause.conditions)), one)
@@ -58,7 +58,7 @@ class Contradictions:
         yield from self._too_few_things()
         yield from self._too_few_places()
 
-    # ------------------------------------------------------------ what one condition says of another
+    # ------------------------------------------------------------ comparing conditions
 
     def _negations(self) -> Iterator[Cause]:
         for one, other in combinations(self._relaxed.task.conditions, 2):
@@ -89,7 +89,7 @@ class Contradictions:
         return None if literal is None else property_of(literal)
 
     def _agree(self, *atoms: Atom) -> bool:
-        """Returns whether some value is what all atoms about it want."""
+        """Returns whether some value satisfies all atoms about it."""
         literals = [self._relaxed.task.asked[atom.predicate] for atom in atoms]
         inner = [literal.pattern if isinstance(literal, Not) else literal for literal in literals]
         constants = [literal.value for literal in inner if isinstance(literal, Compare)]
@@ -135,7 +135,7 @@ class Contradictions:
                 yield Found(self._full(lacking, places), shortage=Shortage(len(lacking), tuple(places), tuple(things)))
 
     def _full(self, lacking: Sequence[Demand], places: Sequence[str]) -> Cause:
-        """Returns the cause that there are fewer places than are wanted, each of which takes one thing."""
+        """Returns the cause that there are fewer single-thing places than required."""
         conditions = {str(demand.condition) for demand in lacking}
         if len(places) == 1 and len(conditions) > 1 and all(places[0] in d.condition.arguments for d in lacking):
             why = f"{places[0]} takes one {self._kind(lacking)} only"
@@ -148,17 +148,17 @@ class Contradictions:
         return _together(CauseKind.FULL, lacking, text, (*wholes, *places))
 
     def _kind(self, demands: Sequence[Demand]) -> str:
-        """Returns what all that is wanted is, as people call it."""
+        """Returns a common name for all wanted things."""
         objects = self._relaxed.task.problem.objects
         named = [thing for demand in demands for thing in demand.things]
-        types = [objects[thing] for thing in named if thing in objects]  # in a trial, what is named may be removed
+        types = [objects[thing] for thing in named if thing in objects]  # in a trial, it may have been removed
         if not types:
             return "thing"
         class_ = reduce(lambda one, other: common_class(one, other, self._ontology), types)
         return self._ontology.classes[class_].label if class_ in self._ontology.classes else "thing"
 
     def _takes_one(self, relation: str, place: str) -> bool:
-        """Returns whether a place never holds more than one thing; what holds several now may go on to."""
+        """Returns whether a place never holds more than one thing; one that holds several now may continue to."""
         key = relation, place
         if key not in self._exclusive:
             init = self._relaxed.task.problem.init
@@ -169,7 +169,7 @@ class Contradictions:
         return self._exclusive[key]
 
     def _classes(self, demand: Demand) -> tuple[str, ...]:
-        """Returns the classes of which any thing will do; none if the goal means the things."""
+        """Returns the classes of which any thing will do; none if the goal means specific things."""
         if demand.meant:
             return ()
         objects = self._relaxed.task.problem.objects
@@ -178,21 +178,21 @@ class Contradictions:
         return tuple(c for c in named if all(self._ontology.is_a(t, c) for t in types))
 
     def _wholes(self, demands: Sequence[Demand]) -> tuple[str, ...]:
-        """Returns what all conditions name that is neither thing nor place: the kit that they are about."""
+        """Returns what all conditions name besides things and places: the kit they are about."""
         own = [set(demand.condition.arguments) - demand.things - demand.places for demand in demands]
         common = set.intersection(*own)
         return tuple(sorted(a for a in common if a not in self._ontology.classes))
 
 
 def _lacking(apart: Sequence[Demand], of: Callable[[Demand], frozenset[str]]) -> list[Demand]:
-    """Returns the demands for which there is too little of something, all that want nothing else."""
+    """Returns the demands for which there is too little of something, and that want nothing else."""
     few = [apart[i] for i in short([of(demand) for demand in apart])]
     there = frozenset[str]().union(*map(of, few))
     return [demand for demand in apart if few and of(demand) <= there]
 
 
 def _apart(demands: Sequence[Demand], are_apart: _Apart) -> list[Demand]:
-    """Returns demands each of which needs one of its own, for no two could be served by the same."""
+    """Returns demands that each need a resource of their own, since no two could share one."""
     found: list[Demand] = []
     for demand in sorted(demands, key=_narrowest)[:_MOST]:
         if all(are_apart(demand, other) for other in found):
@@ -219,7 +219,7 @@ def _together(kind: CauseKind, demands: Sequence[Demand], why: str, elements: It
 
 
 def _around(constants: Iterable[Value]) -> list[Value | None]:
-    """Returns values among which is one that fulfils comparisons with the constants, if there is any at all."""
+    """Returns test values that include one satisfying the comparisons with the constants, if one exists."""
     values: list[Value | None] = [None, True, False, ""]
     numbers: list[float] = []
     for constant in constants:
@@ -233,7 +233,7 @@ def _around(constants: Iterable[Value]) -> list[Value | None]:
 
 
 def _only(names: frozenset[str]) -> tuple[str, ...]:
-    """Returns the names where they are few enough to be what it is about."""
+    """Returns the names if they are few enough to be mentioned."""
     return tuple(sorted(names)) if len(names) <= _FEW else ()
 
 
@@ -250,7 +250,7 @@ def _is(count: int) -> str:
 
 
 def short(wanted: Sequence[Iterable[str]]) -> tuple[int, ...]:
-    """Returns demands that together could use fewer resources than they are, by index; empty when all can be served.
+    """Returns the indices of demands that outnumber the resources they could use; empty if all can be served.
 
     Args:
         wanted: For each demand the resources of which it needs one.
@@ -265,7 +265,7 @@ def short(wanted: Sequence[Iterable[str]]) -> tuple[int, ...]:
 
 
 def _served(demand: int, options: Sequence[Sequence[str]], taken: dict[str, int], seen: set[int]) -> bool:
-    """Gives a demand a resource, moving others to different ones where need be."""
+    """Assigns a resource to a demand, reassigning others where necessary."""
     seen.add(demand)
     for resource in options[demand]:
         holder = taken.get(resource)

@@ -1,4 +1,4 @@
-"""What a goal wants where: one of these things in one of these places, down into composite conditions."""
+"""Placement demands of a goal, including those in composite conditions: one of some things in one of some places."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ from skiros_py.world.ontology import Ontology
 from skiros_py.world.vocabulary import ELEMENT
 
 _MOST = 2000
-"""How many ways to fulfil one condition are looked at; with more, nothing can be said of it."""
+"""How many ways to fulfil one condition are considered; with more, the condition is skipped."""
 
 
 @dataclass(frozen=True, slots=True)
 class Demand:
-    """A condition wants one of these things in one of these places.
+    """A condition requires one of these things in one of these places.
 
     Attributes:
         condition: The condition.
         relation: The placement relation.
         things: What could be the thing.
         places: Where it could be.
-        meant: True if the goal means these very things: by name, or because it says so of all of a class.
+        meant: True if the goal means these specific things: by name, or because it quantifies over all of a class.
     """
 
     condition: Condition
@@ -39,19 +39,19 @@ class Demand:
 
 @dataclass(frozen=True, slots=True)
 class _Want:
-    """One of these things is wanted in one of these places, whoever wants it."""
+    """One of these things is required in one of these places, regardless of the condition."""
 
     relation: str
     things: frozenset[str]
     places: frozenset[str]
 
     def or_(self, other: _Want) -> _Want:
-        """Returns what is wanted where either of both is."""
+        """Returns what is required if either of the two is."""
         return _Want(self.relation, self.things | other.things, self.places | other.places)
 
 
 def demands_of(relaxed: Relaxation, ontology: Ontology) -> list[Demand]:
-    """Returns what the goal wants where, all of it; what could be in very many ways is left out."""
+    """Returns all placement demands of the goal; conditions with very many alternatives are left out."""
     wants = _Wants(relaxed, ontology)
     return [
         Demand(condition, want.relation, want.things, want.places, want.things.issubset(named))
@@ -63,7 +63,7 @@ def demands_of(relaxed: Relaxation, ontology: Ontology) -> list[Demand]:
 
 
 class _Wants:
-    """Reads the goal's bookkeeping backwards: what must hold of it, and in which ways it can."""
+    """Traces the goal's bookkeeping actions backwards: which facts must hold, and in which ways they can."""
 
     def __init__(self, relaxed: Relaxation, ontology: Ontology) -> None:
         self._relaxed = relaxed
@@ -75,7 +75,7 @@ class _Wants:
                 self._closing.setdefault(effect.predicate, []).append((action, effect))
 
     def of(self, atom: Atom) -> tuple[_Want, ...]:
-        """Returns what holds in some way, each of it, wherever a fact of the goal does."""
+        """Returns the demands that all hold, each in some way, whenever a goal fact holds."""
         if atom not in self._known:
             self._known[atom] = self._worked_out(atom)
         return self._known[atom]
@@ -104,7 +104,7 @@ class _Wants:
 
 
 def _any_of(ways: Sequence[Sequence[_Want]]) -> tuple[_Want, ...]:
-    """Returns what is wanted where one of several ways is taken: of each way one want, in any choice that is made."""
+    """Returns what is required if one of several ways is taken: every choice of one demand per way."""
     if not ways or not all(ways):
         return ()
     count = max(map(len, ways))
@@ -117,9 +117,9 @@ def _joined(wants: Iterable[_Want]) -> _Want:
 
 
 def is_exclusive(relaxed: Relaxation, relation: str, place: str, ontology: Ontology) -> bool:
-    """Returns whether a place takes one thing only: every skill that puts something there wants it to be empty.
+    """Returns whether a place takes only one thing: every skill that puts something there requires it to be empty.
 
-    What is there before a skill, and stays, fills nothing.
+    Things that are there before a skill and stay do not count.
     """
     fillings = [(a, put) for a in relaxed.task.domain.actions if (put := _put(a, relation, place, relaxed))]
     return bool(fillings) and all(
@@ -128,7 +128,7 @@ def is_exclusive(relaxed: Relaxation, relation: str, place: str, ontology: Ontol
 
 
 def _put(action: Action, relation: str, place: str, relaxed: Relaxation) -> list[Atom]:
-    """Returns what an action may newly put into a place."""
+    """Returns the placements an action may add to a place."""
     new = (atom for atom in action.add if atom.predicate == relation and atom not in action.pre)
     return [atom for atom in new if relaxed.fits(place, action.types.get(atom.arguments[1], ""))]
 

@@ -1,4 +1,4 @@
-"""The changes to a scene that repairs are made of; each can be supposed, and written for good."""
+"""The scene changes that make up repairs; each can be applied to a hypothetical view or written to the world."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from skiros_py.world.transaction import Transaction
 
 @dataclass(frozen=True, slots=True)
 class Move:
-    """An element is put somewhere else.
+    """An element is moved.
 
     Attributes:
-        element: What is moved.
+        element: The moved element.
         relation: The placement relation.
-        place: Where it goes.
+        place: Its new place.
     """
 
     element: str
@@ -69,7 +69,7 @@ class Remove:
 
 @dataclass(frozen=True, slots=True)
 class Add:
-    """One more element of a class is brought.
+    """An element of a class is added.
 
     Attributes:
         class_: CURIE of its class.
@@ -104,7 +104,7 @@ class Assign:
         element: Whose.
         property: CURIE of the property.
         value: The value.
-        source: Whose value it is, where it is taken over from a thing of the same kind; empty if it is not.
+        source: The thing of the same kind that the value is copied from; empty if there is none.
     """
 
     element: str
@@ -135,7 +135,7 @@ class Assign:
 
 @dataclass(frozen=True, slots=True)
 class Relate:
-    """A relation is stated that nobody moves by it.
+    """A relation that moves nothing is added.
 
     Attributes:
         subject, relation, object: The statement.
@@ -167,5 +167,5 @@ SceneEdit = Move | Remove | Add | Assign | Relate
 
 
 def _individual(tx: Transaction, name: str) -> str:
-    """Returns the element that a name stands for; a thing of a stock gets one."""
+    """Returns the element that a name stands for; for a thing in stock, creates one."""
     return take(tx, name) if is_token(name) else name

@@ -1,4 +1,4 @@
-"""Another place for what is wanted where it cannot be: the free ones of the same whole first, such as the same kit."""
+"""Alternative places for unreachable placements: free places of the same whole first, such as the same kit."""
 
 from __future__ import annotations
 
@@ -12,24 +12,24 @@ from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import HAS_A
 
 _CHOICES = 4
-"""How many other places are looked at for one condition."""
+"""How many alternative places are considered per condition."""
 _CONDITIONS = 3
-"""For how many conditions."""
+"""For how many conditions alternatives are considered."""
 
 
 def exchanges(found: Found, goal: Sequence[Condition], view: WorldView, room: Room) -> Iterator[Exchange]:
-    """Yields conditions that want the same in another place; whether that can be reached is not tried yet.
+    """Yields conditions with another place instead; whether they are reachable has not been tested yet.
 
     Args:
         found: Why there is no plan.
-        goal: All that is wanted: the places that it names are none to go to.
+        goal: The whole goal; places that it names are not used.
         view: The world.
-        room: Knows which places are free.
+        room: Tells which places are free.
     """
     named = {name for condition in goal for name in condition.names}
     for condition in found.cause.conditions[:_CONDITIONS]:
         if type(condition) is not Condition or condition.negated:
-            continue  # what is wanted of several things, or of none, is not wanted in one place
+            continue  # conditions on several things, or on none, do not name one place
         for place in condition.arguments:
             others = (other for other in _instead_of(place, found, view, room) if other not in named)
             for other in list(others)[:_CHOICES]:
@@ -37,7 +37,7 @@ def exchanges(found: Found, goal: Sequence[Condition], view: WorldView, room: Ro
 
 
 def _instead_of(place: str, found: Found, view: WorldView, room: Room) -> list[str]:
-    """Returns free places that could stand for one that is the trouble; none if it is not."""
+    """Returns free places that could replace one that is the problem; none if it is not."""
     if not view.has(place):
         return []
     obstacle = found.obstacle
@@ -55,7 +55,7 @@ def _instead_of(place: str, found: Found, view: WorldView, room: Room) -> list[s
 
 
 def _like(place: str, class_: str, view: WorldView, room: Room) -> list[str]:
-    """Returns the free places of a class that skills keep to one thing, those of the same whole first."""
+    """Returns the free single-thing places of a class, those of the same whole first."""
     wholes = set(view.subjects(HAS_A, place))
     free = [other for other in view.instances(class_) if other != place and room.is_free(other, view)]
     return sorted(free, key=lambda other: wholes.isdisjoint(view.subjects(HAS_A, other)))

@@ -1,4 +1,4 @@
-"""Explains why there is no plan: causes, a conflict where there is none, repairs."""
+"""Explains why there is no plan: causes, otherwise a conflict, and repairs."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Reachable = Callable[[Sequence[Condition]], bool | None]
 """Returns whether conditions can be reached together, None if that is not known."""
 
 _MOST_CALLS = 16
-"""Planner calls for one explanation, at most."""
+"""Maximum number of planner calls per explanation."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +28,7 @@ class Explanation:
 
     Attributes:
         causes: Why; empty if nothing was found.
-        repairs: Smallest changes after which there is a plan, smallest first.
+        repairs: Minimal changes that make a plan possible, smallest first.
     """
 
     causes: tuple[Cause, ...]
@@ -44,9 +44,9 @@ def explain(task: PlanningTask, view: WorldView, solve: Solve | None = None) -> 
     """Explains why a task has no plan.
 
     Args:
-        task: The task, complete: what was left out of it is not explained.
+        task: The complete task: anything left out of it is not explained.
         view: The world it was made from.
-        solve: Tries changed worlds and goals; left out, no conflict is narrowed down and no repair offered.
+        solve: Tries changed worlds and goals; if omitted, no conflict is narrowed down and no repair is offered.
     """
     found = find_causes(task, view)
     if not found:
@@ -64,10 +64,10 @@ def explain(task: PlanningTask, view: WorldView, solve: Solve | None = None) -> 
 
 
 def smallest_unsolvable(goal: Sequence[Condition], reachable: Reachable) -> tuple[Condition, ...]:
-    """Leaves conditions out for as long as the rest still cannot be reached: a minimal unsolvable subset.
+    """Removes conditions as long as the rest remains unreachable: returns a minimal unsolvable subset.
 
-    What is known to be unsolvable only counts: where the planner does not know, the condition stays. In a goal of more
-    conditions than calls, the last ones stay.
+    Only proven unsolvability counts: if the planner cannot tell, the condition stays. In a goal with more conditions
+    than planner calls, the last ones stay.
     """
     kept = list(goal)
     for condition in goal[:_MOST_CALLS]:
@@ -78,7 +78,7 @@ def smallest_unsolvable(goal: Sequence[Condition], reachable: Reachable) -> tupl
 
 
 def conflict_of(conditions: Sequence[Condition]) -> Cause:
-    """Returns the cause that conditions cannot be reached together although nothing is lacking for each."""
+    """Returns the cause that conditions are unreachable together although each is reachable alone."""
     if len(conditions) > 1:
         why, text = "", f"{listed(map(str, conditions))} could each be reached, but not all of them together"
     else:

@@ -1,4 +1,4 @@
-"""Facts with indexes, and the join over them: which values of variables make atoms true at once."""
+"""Indexed facts, and the join over them: variable bindings that make several atoms true at once."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Fits = Callable[[str, str], bool]
 
 
 class Facts:
-    """Ground atoms, found by their predicate and by each of their arguments."""
+    """Ground atoms, indexed by predicate and by each argument."""
 
     def __init__(self) -> None:
         self._all: dict[Atom, None] = {}
@@ -27,14 +27,14 @@ class Facts:
         return iter(self._all)
 
     def add(self, atom: Atom) -> None:
-        """Adds a fact that is not there yet."""
+        """Adds a new fact."""
         self._all[atom] = None
         self._by_predicate.setdefault(atom.predicate, []).append(atom)
         for position, argument in enumerate(atom.arguments):
             self._by_argument.setdefault((atom.predicate, position, argument), []).append(atom)
 
     def candidates(self, atom: Atom) -> Collection[Atom]:
-        """Returns the facts among which all are that an atom with variables could be: the shortest list there is."""
+        """Returns a superset of the facts that match an atom with variables: the shortest indexed list."""
         bound = [(i, a) for i, a in enumerate(atom.arguments) if not is_variable(a)]
         if len(bound) == len(atom.arguments):
             return (atom,) if atom in self._all else ()
@@ -49,7 +49,7 @@ def is_variable(argument: str) -> bool:
 
 
 def unified(atom: Atom, fact: Atom, binding: Binding, types: Mapping[str, str], fits: Fits) -> dict[str, str] | None:
-    """Binds further variables so that an atom is a fact; None if it cannot be."""
+    """Extends a binding so that an atom matches a fact; None if impossible."""
     result = dict(binding)
     for argument, value in zip(atom.arguments, fact.arguments, strict=True):
         if not is_variable(argument):
@@ -73,7 +73,7 @@ def solutions(
     Args:
         atoms: Atoms over variables and elements.
         facts: The facts.
-        start: What is bound already.
+        start: The initial binding.
         types: Class by variable.
         fits: Tells whether an element is of a class.
     """

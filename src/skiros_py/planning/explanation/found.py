@@ -1,4 +1,4 @@
-"""A cause with what it was found by: what repairs start from."""
+"""A cause with the findings behind it, from which repairs start."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from skiros_py.planning.reasons import Cause, CauseKind
 
 @dataclass(frozen=True, slots=True)
 class Shortage:
-    """More is wanted than there is.
+    """More is required than there is.
 
     Attributes:
-        wanted: How many different ones are wanted.
-        there: The things or places that there are.
-        things: What wants the places, where it could be left out; empty where things are short.
+        wanted: How many different ones are required.
+        there: The existing things or places.
+        things: The things that need the places and could be removed; empty if things are short.
     """
 
     wanted: int
@@ -25,18 +25,18 @@ class Shortage:
 
     @property
     def excess(self) -> int:
-        """How many more are wanted than there are."""
+        """How many more are required than there are."""
         return self.wanted - len(self.there)
 
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """A cause with what it was found by.
+    """A cause with the findings behind it.
 
     Attributes:
         cause: The cause.
         obstacle: What never holds; None for conditions that exclude each other.
-        shortage: What there is too little of; None if that is not it.
+        shortage: What is short; None if the cause is not a shortage.
     """
 
     cause: Cause
@@ -46,15 +46,15 @@ class Found:
 
 @dataclass(frozen=True, slots=True)
 class Obstacle:
-    """The first thing in the way.
+    """The reason why a fact never becomes true.
 
     Attributes:
-        kind: What kind of thing.
-        text: The way down to it in words.
-        core: The last of that by itself: what is the case instead of what would be needed.
-        skill: The skill that would give what is lacking; None if there is none.
-        precondition: What that skill needs and never gets, in words.
-        elements: Elements and classes it is about.
+        kind: The kind of cause.
+        text: The chain of reasons in words.
+        core: The last link alone: the actual state that prevents the required one.
+        skill: The skill that would provide the missing fact; None if there is none.
+        precondition: The unreachable precondition of that skill, in words.
+        elements: The elements and classes involved.
         missing: The fact that never holds, perhaps with variables left; None if it is not one fact.
         types: Classes of the variables of that fact.
     """

@@ -12,14 +12,14 @@ from skiros_py.world.view import WorldView
 
 
 class HypotheticalView(ExtendedView):
-    """An overlay with more elements than the world has, and without some that it has."""
+    """An overlay that adds elements to the world and hides others."""
 
     def __init__(self, base: WorldView) -> None:
         super().__init__(base)
         self._gone: set[str] = set()
 
     def add(self, class_: str) -> str:
-        """Supposes one more element of a class and returns its id."""
+        """Adds a hypothetical element of a class and returns its id."""
         name = f"new_{local_name(class_).lower()}_{len(self.further) + 1}"
         while self.has(name):
             name += "_"
@@ -27,7 +27,7 @@ class HypotheticalView(ExtendedView):
         return name
 
     def remove(self, element: str) -> None:
-        """Supposes that an element is gone."""
+        """Hides an element."""
         self.unplace(element)
         self._gone.add(element)
 
@@ -35,7 +35,7 @@ class HypotheticalView(ExtendedView):
         """Returns one element.
 
         Raises:
-            UnknownName: There is none of that id.
+            UnknownName: There is no element with that id.
         """
         if element_id in self._gone:
             raise UnknownName("element", element_id, self.further)
@@ -54,7 +54,7 @@ class HypotheticalView(ExtendedView):
         return tuple(i for i in super().instances(class_) if i not in self._gone)
 
     def some_instances(self, class_: str, limit: int, after: str = "") -> tuple[str, ...]:
-        """Returns the first of the instances of a class that sort after an id, at most so many.
+        """Returns the first instances of a class that sort after an id, up to a limit.
 
         Raises:
             UnknownName: It is not a class.
@@ -63,7 +63,7 @@ class HypotheticalView(ExtendedView):
         return tuple(i for i in found if i not in self._gone)[:limit]
 
     def instances_among(self, class_: str, ids: Iterable[str]) -> tuple[str, ...]:
-        """Returns those of the ids that are instances of a class, in their order.
+        """Returns the given ids that are instances of a class, in their order.
 
         Raises:
             UnknownName: It is not a class, or there is none of an id.

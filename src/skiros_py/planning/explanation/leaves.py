@@ -1,4 +1,4 @@
-"""Facts that are not so and that no skill changes: what kind of obstacle that is, and what is the case instead."""
+"""False facts that no skill can change: the kind of obstacle, and the actual state."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from skiros_py.world.names import local_name
 from skiros_py.world.view import WorldView
 
 _SHOWN = 4
-"""How many things that are elsewhere are named."""
+"""How many misplaced things are named."""
 _COUNTED = 32
 """How many elements of a class one obstacle names as data."""
 
@@ -24,7 +24,7 @@ Types = Mapping[str, str]
 
 
 class Leaves:
-    """Says of facts what is the case instead."""
+    """Describes the actual state for false facts."""
 
     def __init__(self, task: PlanningTask, view: WorldView, wording: Wording) -> None:
         self._task = task
@@ -32,7 +32,7 @@ class Leaves:
         self._wording = wording
 
     def of(self, atom: Atom, types: Types) -> Obstacle:
-        """Returns the obstacle that a fact is that no skill gives."""
+        """Returns the obstacle for a fact that no skill provides."""
         if atom.predicate.startswith(CAN):
             return self._no_skill(atom, types)
         if atom.predicate.startswith(NOTHING):
@@ -44,7 +44,7 @@ class Leaves:
         return self._plainly(atom, types)
 
     def none_of(self, class_: str) -> Obstacle:
-        """Returns the obstacle that there is nothing of a class."""
+        """Returns the obstacle that a class has no elements."""
         return Obstacle(CauseKind.MISSING_ELEMENT, f"there is no {local_name(class_)}", elements=(class_,))
 
     def _is_placement(self, relation: str) -> bool:
@@ -73,7 +73,7 @@ class Leaves:
         return Obstacle(CauseKind.FULL, text, elements=elements, missing=atom, types=types)
 
     def _elsewhere(self, atom: Atom, types: Types) -> Obstacle:
-        """Says where the things are that should be in a place."""
+        """Describes where the things are that should be in a place."""
         first, second = atom.arguments
         at_object = self._view.ontology.relations[atom.predicate].place_end == "object"
         moved, place = (first, second) if at_object else (second, first)
@@ -91,7 +91,7 @@ class Leaves:
         return Obstacle(CauseKind.MISSING_FACT, text, elements=elements, missing=atom, types=types)
 
     def _still_there(self, atom: Atom, types: Types) -> Obstacle:
-        """Says what is where it should not be."""
+        """Describes what is in a place where it should not be."""
         relation = atom.predicate.removeprefix(NOT)
         subjects, objects = (self._things(argument, types) for argument in atom.arguments)
         there = [(s, o) for s in subjects for o in objects if self._view.related(s, relation, o)][:_SHOWN]
@@ -103,7 +103,7 @@ class Leaves:
         return Obstacle(CauseKind.MISSING_FACT, text, elements=elements, missing=atom, types=types)
 
     def _plainly(self, atom: Atom, types: Types) -> Obstacle:
-        """Says that a fact is not so, with the reason where one is known."""
+        """States that a fact is false, with the reason if known."""
         asked = self._task.asked.get(atom.predicate)
         kind = CauseKind.DOES_NOT_FIT if isinstance(asked, Computed) else CauseKind.MISSING_FACT
         named = (*(types.get(a, a) for a in atom.arguments),)
@@ -128,7 +128,7 @@ class Leaves:
         return f"that is not so ({self._wording.atom(atom, types)})"
 
     def _things(self, argument: str, types: Types) -> tuple[str, ...]:
-        """Returns what an argument could be; a bounded number of it."""
+        """Returns the elements an argument could be; a bounded number of them."""
         if not is_variable(argument):
             return (argument,)
         class_ = types.get(argument, "")

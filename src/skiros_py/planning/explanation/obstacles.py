@@ -1,4 +1,4 @@
-"""Why a fact never becomes true: down from the skill that would give it to the precondition that it never gets."""
+"""Explains why a fact never becomes true: from the skill that would provide it to its unreachable precondition."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ Types = Mapping[str, str]
 
 _DEPTH = 6
 _GROUNDINGS = 6
-"""Of how many things that a precondition could be about each is looked at by itself."""
+"""Up to how many candidate things of a precondition are examined individually."""
 _WAYS = 64
-"""How many ways to begin with an action are compared."""
+"""How many partial groundings of an action are compared."""
 _MOST = 400
-"""So many facts are looked into for one explanation: then the nearest answer has to do."""
+"""How many facts are examined per explanation; after that, the closest answer so far is used."""
 
 _SPECIFIC = (
     CauseKind.FULL,
@@ -36,18 +36,18 @@ _SPECIFIC = (
     CauseKind.MISSING_ELEMENT,
     CauseKind.NO_SKILL,
 )
-"""Where things are kept from it by different obstacles, the one that is named: what is nearest to working."""
+"""Which obstacle is named if things have different ones: the one closest to working."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Try:
-    """An action that would give a fact, and how far it gets.
+    """An action that would provide a fact, and how far it gets.
 
     Attributes:
         action: The action.
-        start: What the fact binds.
-        types: Classes of its variables, narrowed by what is wanted.
-        direct: What is in the way before any precondition; None if nothing is.
+        start: The binding given by the fact.
+        types: Classes of its variables, narrowed by the fact.
+        direct: The obstacle before any precondition; None if there is none.
         ways: Ways to make the preconditions before :attr:`stuck` true.
         stuck: The first precondition that never holds together with those.
         progress: Share of the preconditions that can hold together.
@@ -81,7 +81,7 @@ class Obstacles:
         Args:
             atom: The fact.
             types: Classes of its variables.
-            chain: The facts that it would be needed for, one for the other: what needs itself needs no second telling.
+            chain: The chain of facts that require this one; used to stop at cycles.
         """
         types = types or {}
         self._left -= 1
@@ -95,7 +95,7 @@ class Obstacles:
         return self._told(best, (*chain, atom))
 
     def _is_open(self, one: _Try) -> bool:
-        """Returns whether it is stuck at something that could be otherwise: not at what things are made of."""
+        """Returns whether it is stuck at something changeable, not at what things are made of."""
         if one.stuck is None:
             return True
         relation = one.stuck.predicate.removeprefix(NOT)
@@ -110,7 +110,7 @@ class Obstacles:
         return replace(leaf, kind=CauseKind.NO_SKILL, text=text)
 
     def _could_give(self, action: Action, effect: Atom, atom: Atom, types: Types) -> bool:
-        """Returns whether an effect is of the kind that is wanted; a wrong element is for the obstacle to name."""
+        """Returns whether an effect is of the required kind; a wrong element is left for the obstacle to report."""
         if effect.predicate != atom.predicate:
             return False
         own = action.types
@@ -150,7 +150,7 @@ class Obstacles:
         if not lacking:
             return None
         nowhere = [class_ for class_ in lacking if not self._view.instances(class_)]
-        if not nowhere and self._view.instances(ROBOT):  # the task speaks only of what some skill has to do with
+        if not nowhere and self._view.instances(ROBOT):  # the task mentions only elements that some skill involves
             text = f"no skill of the robots that are there has to do with {some(self._label(lacking[0]))}"
             return Obstacle(CauseKind.NO_SKILL, text, action.skill, elements=(lacking[0],))
         class_ = nowhere[0] if nowhere and ROBOT not in nowhere else ROBOT
@@ -173,10 +173,10 @@ class Obstacles:
         return _Try(action, start, types, None, tuple(ways), None, 1.0)
 
     def _givens_first(self, action: Action, start: Mapping[str, str], types: Types) -> list[Atom]:
-        """Puts what is so already, or never changes, before what has to be brought about; in both the rarest first.
+        """Orders facts that hold already or never change before those to be achieved; in both groups the rarest first.
 
-        So the obstacle named is what could not be brought about for the things at hand. Who has the skill is asked last
-        of what never changes: then it is known of whom.
+        So the reported obstacle is a fact that could not be achieved for the things at hand. Which agent has the skill
+        comes last among the facts that never change: by then the agent is bound.
         """
         init = self._task.problem.init
 
@@ -188,7 +188,7 @@ class Obstacles:
 
         return sorted(action.pre, key=rank)
 
-    # ------------------------------------------------------------ telling it
+    # ------------------------------------------------------------ describing it
 
     def _told(self, one: _Try, chain: Chain) -> Obstacle:
         if one.stuck is None:
@@ -207,7 +207,7 @@ class Obstacles:
         return found if found.skill is not None else replace(found, skill=one.action.skill, precondition=words)
 
     def _below(self, one: _Try, stuck: Atom, chain: Chain) -> tuple[Atom, Obstacle]:
-        """Returns the precondition as precisely as the ways so far tell it, and why it never holds."""
+        """Returns the precondition, bound as precisely as the ways so far allow, and why it never holds."""
         same = {k: v for k, v in one.ways[0].items() if all(way.get(k) == v for way in one.ways)}
         free = stuck.bind({**one.start, **same})
         grounded = list(dict.fromkeys(stuck.bind(way) for way in one.ways))
@@ -228,7 +228,7 @@ class Obstacles:
 
 
 def _merged(each: Sequence[Obstacle]) -> Obstacle:
-    """Makes one obstacle of those of several things, none of which will do."""
+    """Merges the obstacles of several things, none of which is suitable."""
     kind = next(kind for kind in _SPECIFIC if any(one.kind is kind for one in each))
     own = [one for one in each if one.kind is kind]
     elements = tuple(dict.fromkeys(e for one in own for e in one.elements))

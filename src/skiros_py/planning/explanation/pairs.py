@@ -1,7 +1,7 @@
-"""Facts that never hold at once, whatever is done: reachable pairs of facts (Haslum & Geffner 2000, h² = ∞).
+"""Facts that can never hold together: reachable pairs of facts (Haslum & Geffner 2000, h² = ∞).
 
-Finds what follows from several skills together: a robot that drives with empty hands only cannot hold a part from one
-place and stand in another.
+Finds conflicts that follow from several skills together: a robot that drives only with empty hands cannot hold a part
+from one place and stand in another.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ from skiros_py.skills.conditions import Condition
 from skiros_py.world.ontology import Ontology
 
 _OBJECTS, _FACTS, _STEPS = 120, 600, 4000
-"""Up to so many objects, facts that change, and ground actions it is worked out: more would take seconds."""
+"""Maximum number of objects, changing facts and ground actions for this analysis: more would take seconds."""
 
 
 def exclusive_conditions(task: PlanningTask, ontology: Ontology) -> tuple[Condition, ...]:
-    """Returns two conditions of the goal (or one) that never hold at once; none if that is not so or not known.
+    """Returns two conditions of the goal (or one) that never hold together; none if there are none or it is unknown.
 
     Args:
-        task: The task, all of whose conditions could hold each by itself.
+        task: The task; each of its conditions could hold by itself.
         ontology: Classes.
     """
     if len(task.problem.objects) > _OBJECTS:
@@ -46,7 +46,7 @@ def exclusive_conditions(task: PlanningTask, ontology: Ontology) -> tuple[Condit
 
 
 def _steps(relaxed: Relaxation, changing: set[str]) -> Iterator[Action]:
-    """Yields ground actions, each with what changes of its preconditions only."""
+    """Yields ground actions, each with only those preconditions that can change."""
     seen: set[tuple[tuple[Atom, ...], ...]] = set()
     for action in relaxed.task.domain.actions:
         for binding in solutions(action.pre, relaxed.facts, {}, action.types, relaxed.fits):
@@ -61,12 +61,12 @@ def _steps(relaxed: Relaxation, changing: set[str]) -> Iterator[Action]:
 
 
 def _filled(atoms: tuple[Atom, ...], relaxed: Relaxation) -> tuple[Atom, ...]:
-    """Lets what no precondition binds be anything at once: more than is possible, so nothing is excluded wrongly."""
+    """Binds free variables to all values at once: an over-approximation, so nothing is excluded wrongly."""
     return tuple(fact for atom in atoms for fact in relaxed.facts.candidates(atom))
 
 
 def _reachable(task: PlanningTask, steps: list[Action], number: dict[Atom, int]) -> NDArray[np.bool_]:
-    """Returns which pairs of facts could hold at once."""
+    """Returns which pairs of facts could hold together."""
     reached: NDArray[np.bool_] = np.zeros((len(number), len(number)), dtype=np.bool_)
     start = [number[atom] for atom in task.problem.init if atom in number]
     reached[np.ix_(start, start)] = True

@@ -1,6 +1,6 @@
-"""What could ever become true if nothing were ever undone: the delete relaxation (Hoffmann & Nebel 2001).
+"""Facts that could ever become true if nothing were ever undone: the delete relaxation (Hoffmann & Nebel 2001).
 
-Things that nothing tells apart are looked at once, so that five hundred parts cost no more than a few.
+Indistinguishable things are treated as one, so that five hundred parts cost no more than a few.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.world.ontology import Ontology
 
 _FEW = 40
-"""Up to so many objects none are taken together: finding out which are alike would cost more."""
+"""Up to this many objects none are grouped: finding indistinguishable ones would cost more."""
 
 
 def relax(task: PlanningTask, ontology: Ontology, *, together: bool = True) -> Relaxation:
@@ -31,10 +31,10 @@ class Relaxation:
     Args:
         task: The task.
         ontology: Classes.
-        together: Takes things together that nothing tells apart; not where it matters how many there are.
+        together: True to group indistinguishable things; False if their number matters.
 
     Attributes:
-        facts: They; of things that nothing tells apart, those of one.
+        facts: These facts; of indistinguishable things, those of one representative.
         task: The task.
     """
 
@@ -54,7 +54,7 @@ class Relaxation:
     # ------------------------------------------------------------ asking
 
     def fits(self, element: str, class_: str) -> bool:
-        """Returns whether an object is of a class; the empty one is any. What there is no longer is of none."""
+        """Returns whether an object is of a class; the empty class matches any. Removed objects are of none."""
         if class_ in ("", "object"):
             return True
         if element not in self._types:
@@ -69,18 +69,18 @@ class Relaxation:
         return any(self.fits(thing, class_) for thing in self._objects)
 
     def alike(self, element: str) -> tuple[str, ...]:
-        """Returns the objects that an element of these facts stands for, itself first."""
+        """Returns the objects that an element represents, itself first."""
         return self._like.get(element, (element,))
 
     def ways(
         self, action: Action, atoms: Sequence[Atom], start: Binding, types: Mapping[str, str], limit: int
     ) -> list[dict[str, str]]:
-        """Returns ways to make atoms of an action true at once, at most so many.
+        """Returns bindings that make atoms of an action true together, up to a limit.
 
         Args:
             action: The action.
             atoms: Some of its preconditions.
-            start: What is bound already.
+            start: The initial binding.
             types: Class by variable, perhaps narrower than the action's own.
             limit: How many at most.
         """
@@ -89,7 +89,7 @@ class Relaxation:
     # ------------------------------------------------------------ growing
 
     def grow(self) -> None:
-        """Finds all facts."""
+        """Computes all reachable facts."""
         while self._new:
             self._take(self._new.popleft())
 
@@ -112,7 +112,7 @@ class Relaxation:
             self._new.append(atom)
 
     def _take(self, fact: Atom) -> None:
-        """Fires what the fact was the last missing precondition of."""
+        """Fires the actions of which the fact was the last missing precondition."""
         self.facts.add(fact)
         for action, index in self._uses.get(fact.predicate, ()):
             binding = unified(action.pre[index], fact, {}, action.types, self.fits)
@@ -121,7 +121,7 @@ class Relaxation:
                 self._extend(action, rest, binding)
 
     def _extend(self, action: Action, rest: Sequence[Atom], binding: dict[str, str]) -> None:
-        """Makes the rest of the preconditions true in every way, and learns what the action gives then."""
+        """Satisfies the remaining preconditions in every way and adds the resulting effects."""
         adds = [atom.bind(binding) for atom in action.add]
         if all(atom in self._known for atom in adds):
             return
@@ -138,7 +138,7 @@ class Relaxation:
                 self._extend(action, others, further)
 
     def _learn_all(self, atom: Atom, action: Action) -> None:
-        """Learns an atom for everything that its variables could be that no precondition speaks of."""
+        """Adds an atom for every value of variables that occur in no precondition."""
         free = [v for v in action.parameters if v.name in atom.arguments]
         for values in product(*(self._of(variable) for variable in free)):
             self._learn(atom.bind({v.name: value for v, value in zip(free, values, strict=True)}))
@@ -148,7 +148,7 @@ class Relaxation:
 
 
 def _alike(task: PlanningTask) -> dict[str, tuple[str, ...]]:
-    """Returns one of each group of objects that nothing tells apart, with the whole group; goals name their own."""
+    """Returns a representative of each group of indistinguishable objects, with the group; goals name their own."""
     objects = task.problem.objects
     if len(objects) <= _FEW:
         return {thing: (thing,) for thing in objects}

@@ -1,4 +1,4 @@
-"""What could be done about a cause: single changes, none of them tried yet."""
+"""Possible remedies for a cause: single changes, not yet tested."""
 
 from __future__ import annotations
 
@@ -22,18 +22,18 @@ from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import FLOOR, HAS_A, ON
 
 _CHOICES = 3
-"""Of how many things or places each is a choice of its own."""
+"""How many things or places are offered as individual choices."""
 
 
 @dataclass(frozen=True, slots=True)
 class Remedy:
-    """One thing to do.
+    """One possible change.
 
     Attributes:
-        cost: How much of a change it is; the smallest is offered first.
-        edits: What it changes in the scene.
+        cost: The size of the change; the smallest is offered first.
+        edits: Its changes to the scene.
         without: Conditions to give up.
-        instead: Conditions to want otherwise.
+        instead: Conditions to replace.
     """
 
     cost: int
@@ -43,13 +43,13 @@ class Remedy:
 
 
 def remedies(found: Found, goal: Sequence[Condition], view: WorldView, room: Room) -> list[Remedy]:
-    """Returns what could be done about a cause, smallest changes first."""
+    """Returns the possible remedies for a cause, smallest changes first."""
     otherwise = (Remedy(1, instead=(exchange,)) for exchange in exchanges(found, goal, view, room))
     return sorted((*otherwise, *_edits(found, view, room), *_given_up(found)), key=lambda remedy: remedy.cost)
 
 
 def _given_up(found: Found) -> Iterator[Remedy]:
-    """Gives up one condition, or at once as many as are wanted too much."""
+    """Gives up one condition, or as many as exceed the supply."""
     conditions = found.cause.conditions
     yield from (Remedy(4, without=(condition,)) for condition in conditions[:_CHOICES])
     excess = found.shortage.excess if found.shortage is not None else 0
@@ -58,7 +58,7 @@ def _given_up(found: Found) -> Iterator[Remedy]:
 
 
 def advice(cause: Cause) -> str:
-    """Returns what somebody has to see to outside of the scene; empty if nothing is known."""
+    """Returns what the user has to arrange outside the scene; empty if unknown."""
     if cause.kind is CauseKind.NO_SKILL and cause.skill is not None and not cause.precondition:
         return f"give {listed(cause.elements, 'or')} the skill '{cause.skill}', or start a robot that has it"
     if cause.kind is CauseKind.MISSING_ELEMENT:
@@ -89,7 +89,7 @@ def _edits(found: Found, view: WorldView, room: Room) -> Iterator[Remedy]:
 
 
 def _more(cause: Cause, shortage: Shortage, view: WorldView, room: Room) -> Iterator[Remedy]:
-    """Brings as many more as are lacking."""
+    """Adds as many things as are lacking."""
     for class_ in (name for name in cause.elements if name in view.ontology.classes):
         for home in room.homes(class_, view)[:_CHOICES]:
             if shortage.excess == 1 or not room.keeps_one(home, view):
@@ -97,7 +97,7 @@ def _more(cause: Cause, shortage: Shortage, view: WorldView, room: Room) -> Iter
 
 
 def _fewer(cause: Cause, shortage: Shortage, view: WorldView) -> Iterator[Remedy]:
-    """Takes out of the scene what there is no room for; not what the goal names, and nothing that has parts."""
+    """Removes things that there is no room for from the scene, except things the goal names or that have parts."""
     named = {name for condition in cause.conditions for name in condition.arguments}
     things = [
         t for t in dict.fromkeys(shortage.things) if t not in named and view.has(t) and not view.objects(t, HAS_A)
@@ -107,7 +107,7 @@ def _fewer(cause: Cause, shortage: Shortage, view: WorldView) -> Iterator[Remedy
 
 
 def _taken_out(obstacle: Obstacle, view: WorldView, room: Room) -> Iterator[Remedy]:
-    """Takes a thing from where it should not be."""
+    """Removes a thing from a place where it should not be."""
     atom = obstacle.missing
     relation = atom.predicate.removeprefix(NOT) if atom is not None else ""
     if atom is None or relation not in view.ontology.relations or not view.ontology.is_placement(relation):
@@ -120,7 +120,7 @@ def _taken_out(obstacle: Obstacle, view: WorldView, room: Room) -> Iterator[Reme
 
 
 def _cleared(obstacle: Obstacle, view: WorldView, room: Room) -> Iterator[Remedy]:
-    """Takes away what is in the way."""
+    """Removes what blocks a place."""
     for thing in obstacle.elements:
         at = view.placement(thing) if view.has(thing) else None
         if at is not None and at.place in obstacle.elements:
@@ -128,7 +128,7 @@ def _cleared(obstacle: Obstacle, view: WorldView, room: Room) -> Iterator[Remedy
 
 
 def _away(thing: str, places: Sequence[str], view: WorldView, room: Room) -> Iterator[Remedy]:
-    """Takes a thing out of places: to where such things lie, else to the floor, else out of the scene."""
+    """Moves a thing out of places: to where such things are stored, else to the floor, else out of the scene."""
     homes = room.homes(view.element(thing).type, view, besides=places)
     yield from (Remedy(1, (Move(thing, home.relation, home.place),)) for home in homes[:1])
     if not homes:
@@ -161,7 +161,7 @@ def _things(argument: str, obstacle: Obstacle, view: WorldView) -> tuple[str, ..
 
 
 def _valued(property_: str, things: tuple[str, ...], view: WorldView) -> Iterator[Remedy]:
-    """Takes the value over from a thing of the same class; nobody invents one."""
+    """Copies the value from a thing of the same class; values are never invented."""
     for thing in things:
         like = (other for other in view.instances(view.element(thing).type) if other != thing)
         donors = ((other, view.value(other, property_)) for other in like)
@@ -172,7 +172,7 @@ def _valued(property_: str, things: tuple[str, ...], view: WorldView) -> Iterato
 
 
 def _value(comparison: Comparison) -> Constant | None:
-    """Returns a value that compares as wanted; None if none is as good as any other."""
+    """Returns a value that satisfies the comparison; None if no particular value is preferable."""
     value = comparison.value
     tried: list[Constant] = [value]
     if isinstance(value, bool):
@@ -188,7 +188,7 @@ def _related(
     ontology = view.ontology
     for subject, object_ in product(subjects, objects):
         if ontology.family(relation) in (Family.COMPUTED, Family.STRUCTURE):
-            return  # saying so would not make it so
+            return  # stating it would not make it true
         if ontology.is_placement(relation):
             element, placement = ontology.placed(subject, relation, object_)
             if room.has_room(placement, view):

@@ -1,4 +1,4 @@
-"""The smallest changes after which there is a plan: a search over remedies, each result tried before it is offered."""
+"""Finds minimal changes that make a plan possible: a search over remedies, each tested before it is offered."""
 
 from __future__ import annotations
 
@@ -26,20 +26,20 @@ Solve = Callable[[WorldView, Sequence[Condition]], bool | None]
 
 _OFFERED = 5
 _LOOKED_AT = 32
-"""How many combinations of changes are looked at."""
+"""How many combinations of changes are examined."""
 _TRIED = 12
-"""How many of them are planned for."""
+"""For how many of them a planner is run."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Change:
-    """Some remedies taken together.
+    """A combination of remedies.
 
     Attributes:
-        cost: How much of a change that is.
-        edits: What they change in the scene.
+        cost: The size of the change.
+        edits: Their changes to the scene.
         without: Conditions given up.
-        instead: Conditions wanted otherwise.
+        instead: Conditions replaced.
     """
 
     cost: int = 0
@@ -50,7 +50,7 @@ class _Change:
     def and_(self, remedy: Remedy) -> _Change | None:
         """Returns the change with one more remedy.
 
-        None if that is nothing new, moves a thing once more, or changes what is wanted otherwise already.
+        None if it adds nothing new, moves a thing again, or changes an already replaced condition.
         """
         edits = tuple(e for e in remedy.edits if isinstance(e, Add) or e not in self.edits)
         without = tuple(c for c in remedy.without if c not in self.without)
@@ -62,12 +62,12 @@ class _Change:
         return _Change(self.cost + remedy.cost, *both)
 
     def wanted(self, goal: Sequence[Condition]) -> list[Condition]:
-        """Returns what is wanted after it."""
+        """Returns the goal after the change."""
         by = {exchange.condition: exchange.by for exchange in self.instead}
         return [by.get(condition, condition) for condition in goal if condition not in self.without]
 
     def leaving_out(self) -> Iterator[_Change]:
-        """Yields the changes that do one thing less."""
+        """Yields the changes with one remedy less."""
         for i in range(len(self.edits)):
             yield replace(self, edits=self.edits[:i] + self.edits[i + 1 :])
         for condition in self.without:
@@ -77,29 +77,29 @@ class _Change:
 
     @property
     def key(self) -> tuple[tuple[str, ...], ...]:
-        """The same for changes that come to the same."""
+        """A key that is equal for equivalent changes."""
         return tuple(tuple(sorted(map(str, each))) for each in (self.edits, self.without, self.instead))
 
     @property
     def is_nothing(self) -> bool:
-        """Whether it leaves all as it is."""
+        """Whether it changes nothing."""
         return not (self.edits or self.without or self.instead)
 
     def includes(self, offer: Repair) -> bool:
-        """Returns whether it does all that an offer does; one other place is as good as another."""
+        """Returns whether it does everything an offer does; alternative places are considered equivalent."""
         otherwise = {exchange.condition for exchange in offer.instead}
         also = otherwise <= {exchange.condition for exchange in self.instead}
         return also and set(offer.edits) <= set(self.edits) and set(offer.without) <= set(self.without)
 
     def repair(self) -> Repair:
-        """Returns it as an offer."""
+        """Returns it as a repair to be offered."""
         given_up = [f"give up {listed(map(str, self.without))}"] if self.without else []
         text = " and ".join([*map(str, self.instead), *map(str, dict.fromkeys(self.edits)), *given_up])
         return Repair(text, self.edits, self.without, self.instead)
 
 
 def _placed(edits: Sequence[SceneEdit]) -> set[str]:
-    """Returns what is put somewhere, or taken away."""
+    """Returns the elements that are placed or removed."""
     return {edit.element for edit in edits if isinstance(edit, Move | Remove)}
 
 
@@ -110,10 +110,9 @@ def find_repairs(
     capabilities: Sequence[Capability],
     solve: Solve,
 ) -> tuple[Repair, ...]:
-    """Finds changes after which there is a plan, smallest first.
+    """Finds changes that make a plan possible, smallest first.
 
-    Causes are taken one by one: what is done about the first may show another one behind it. A planner is asked only
-    where no cause is left.
+    Causes are handled one by one: fixing the first may reveal another one. A planner is run only if no cause is left.
 
     Args:
         found: The causes.
@@ -133,7 +132,7 @@ def find_repairs(
 
 
 def _outside(found: Sequence[Found]) -> list[Repair]:
-    """Returns what somebody has to see to; nothing where conditions exclude each other, for that would stay so."""
+    """Returns what the user has to arrange; nothing if conditions exclude each other, since that would remain."""
     causes = [one.cause for one in found]
     if any(cause.kind is CauseKind.CONTRADICTION for cause in causes):
         return []
@@ -141,9 +140,9 @@ def _outside(found: Sequence[Found]) -> list[Repair]:
 
 
 def _simplest(offers: Sequence[Repair]) -> list[Repair]:
-    """Leaves out what changes more than is needed, or the scene and the goal as well where one of both is enough.
+    """Removes offers that change more than needed, or both scene and goal if one of them is enough.
 
-    To give up more is never enough for that: other changes of both that keep a condition are milder.
+    Giving up more conditions never counts as enough: changes to both that keep a condition are milder.
     """
     fewest = min((_size(offer) for offer in offers), default=0)
     short = [offer for offer in offers if _size(offer) <= fewest + 1]
@@ -177,11 +176,11 @@ class _Search:
         self._tried = 0
 
     def extend(self, change: _Change, found: Sequence[Found], view: WorldView) -> None:
-        """Puts everything that could be done about the first of the causes that are left into the queue."""
+        """Queues every possible remedy for the first of the remaining causes."""
         made = set(view.further) if isinstance(view, HypotheticalView) else set[str]()
         for remedy in remedies(found[0], change.wanted(self._goal), view, self._room):
             if made.intersection(name for edit in remedy.edits for name in edit.elements):
-                continue  # what is only brought by the change has no name yet
+                continue  # elements added by the change have no name yet
             further = change.and_(remedy)
             if further is not None and self._is_new(further):
                 self._seen.add(further.key)
@@ -189,12 +188,12 @@ class _Search:
                 heapq.heappush(self._queue, (left, next(self._order), further))
 
     def _is_new(self, change: _Change) -> bool:
-        """Returns whether a change is worth a look: not seen, not more than one that is offered, and a goal is left."""
+        """Returns whether a change is worth examining: new, not larger than an offered one, and leaving a goal."""
         more = any(change.includes(offer) for offer in self.offers)
         return not more and change.key not in self._seen and len(change.without) < len(self._goal)
 
     def step(self) -> bool:
-        """Looks at the most promising change; returns False if there is nothing left to do."""
+        """Examines the most promising change; returns False if there is nothing left to do."""
         if not self._queue or len(_simplest(self.offers)) == _OFFERED or self._tried == _TRIED:
             return False
         _, _, change = heapq.heappop(self._queue)
@@ -202,7 +201,7 @@ class _Search:
             return True
         try:
             self._look_at(change)
-        except SkirosError:  # a change that cannot be made, or after which the goal cannot be said, is no repair
+        except SkirosError:  # a change that cannot be applied, or breaks the goal, is no repair
             return True
         return True
 
@@ -219,14 +218,14 @@ class _Search:
                 self.offers.append(smallest.repair())
 
     def _after(self, change: _Change) -> tuple[WorldView, list[Condition]]:
-        """Returns the world and the goal as they are after a change."""
+        """Returns the world and the goal after a change."""
         view = HypotheticalView(self._view)
         for edit in change.edits:
             edit.suppose(view)
         return view, change.wanted(self._goal)
 
     def _reduced(self, change: _Change) -> _Change:
-        """Leaves out of a change that works everything without which it works still."""
+        """Reduces a working change to a minimal one."""
         for smaller in change.leaving_out():
             if not smaller.is_nothing and self._works(smaller):
                 return self._reduced(smaller)

@@ -1,4 +1,4 @@
-"""Where a person can put a thing: not into places that skills keep to one thing, where something is already."""
+"""Where a thing can be put by hand: not into occupied places that skills reserve for a single thing."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from skiros_py.world.vocabulary import FLOOR, LOCATION, UNKNOWN_LOCATION
 
 
 class Room:
-    """Knows which places skills keep to one thing: those that they want to be empty.
+    """Determines which places skills reserve for a single thing: those they require to be empty.
 
     Args:
         capabilities: The available skills.
@@ -28,14 +28,14 @@ class Room:
         self._kept = frozenset(kept for action in actions for kept in _kept_empty(action))
 
     def homes(self, class_: str, view: WorldView, besides: Sequence[str] = ()) -> list[Placement]:
-        """Returns where things of a class are stored, or else of the next wider one of which some are anywhere.
+        """Returns where things of a class are stored, or else of the nearest superclass with stored things.
 
-        Places that are kept to one thing come only where nothing is stored otherwise, and only free ones.
+        Single-thing places are returned only if there is no other storage, and only free ones.
 
         Args:
             class_: CURIE of the class.
             view: The world.
-            besides: Places that are none.
+            besides: Places to exclude.
         """
         free: dict[Placement, None] = {}
         for above in view.ontology.ancestors(class_):
@@ -52,12 +52,12 @@ class Room:
         return not (self.keeps_one(placement, view) and view.subjects(placement.relation, placement.place))
 
     def is_free(self, place: str, view: WorldView) -> bool:
-        """Returns whether skills keep a place to one thing, and nothing is there."""
+        """Returns whether a place is a single-thing place and empty."""
         relations = {r for r, c in self._kept if self._ontology.is_a(view.element(place).type, c)}
         return bool(relations) and not any(view.subjects(relation, place) for relation in relations)
 
     def keeps_one(self, placement: Placement, view: WorldView) -> bool:
-        """Returns whether skills keep a place to one thing."""
+        """Returns whether skills reserve a place for a single thing."""
         type_ = view.element(placement.place).type
         return any(placement.relation == r and self._ontology.is_a(type_, c) for r, c in self._kept)
 
@@ -68,7 +68,7 @@ class Room:
 
 
 def _kept_empty(action: Action) -> Iterator[tuple[str, str]]:
-    """Yields relation and class of the places that an action wants to be empty."""
+    """Yields relation and class of the places that an action requires to be empty."""
     types = action.types
     for atom in action.pre:
         if atom.predicate.startswith(NOTHING):

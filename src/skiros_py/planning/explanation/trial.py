@@ -16,23 +16,23 @@ from skiros_py.skills.conditions import Condition
 from skiros_py.world.view import WorldView
 
 _QUICK = "kairos"
-"""The planner that answers in milliseconds: asked where it is there and fits."""
+"""The planner that answers in milliseconds: used if available and suitable."""
 _GLANCE = 0.0005
-"""Time between two looks for an answer [s]."""
+"""Poll interval for an answer [s]."""
 
 
 class Trial:
-    """Asks a quick planner; what :func:`skiros_py.planning.explanation.explain` wants as ``solve``.
+    """Runs a quick planner; the ``solve`` argument of :func:`skiros_py.planning.explanation.explain`.
 
-    What takes long is given up: an explanation that comes late is none. That only ever leaves something out of it. How
-    much is tried at all is counted by who asks; planners know no bound but time, so these limits are wall time.
+    Slow trials are given up, since a late explanation is useless; this can only omit something from it. The caller
+    bounds the number of trials; planners support no bound but time, so these limits are wall time.
 
     Args:
         planners: The planners to choose from.
         capabilities: The available skills.
         each: Wall time for one answer [s].
         together: Wall time for all planners' answers together [s].
-        stopped: Tells whether the explanation is no longer wanted.
+        stopped: Returns True once the explanation is cancelled.
     """
 
     def __init__(
@@ -51,7 +51,7 @@ class Trial:
         self._stopped = stopped
 
     def __call__(self, view: WorldView, goal: Sequence[Condition]) -> bool | None:
-        """Returns whether there is a plan that survives its replay; None when the planner broke or took too long."""
+        """Returns whether there is a plan that survives its replay; None if the planner failed or took too long."""
         task = build_task(view, self._capabilities, goal)
         texts = write_pddl(task.domain, task.problem, name="trial")
         planner = self._planner_for(texts.requirements)

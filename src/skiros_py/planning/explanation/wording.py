@@ -12,17 +12,17 @@ from skiros_py.world.names import local_name
 from skiros_py.world.ontology import Ontology
 
 _SHOWN = 4
-"""How many things of one kind are named before it gets long."""
+"""How many things of one kind are named at most."""
 
 
 class Wording:
-    """Says atoms as a person would."""
+    """Words atoms in natural language."""
 
     def __init__(self, ontology: Ontology) -> None:
         self._ontology = ontology
 
     def atom(self, atom: Atom, types: Mapping[str, str]) -> str:
-        """Says an atom.
+        """Words an atom.
 
         Args:
             atom: The atom, perhaps with variables left.
@@ -51,7 +51,7 @@ class Wording:
         return f"{names[0]} {verb} {' '.join(names[1:])}".strip()
 
     def none(self, atom: Atom, types: Mapping[str, str]) -> str:
-        """Says that a relation with variables is so of none: "compressor_1 fits in no Compartment"."""
+        """Words that a relation with variables holds for none: "compressor_1 fits in no Compartment"."""
         names: list[str] = []
         for argument in atom.arguments:
             word = "any" if any(name.startswith("no ") for name in names) else "no"
@@ -59,7 +59,7 @@ class Wording:
         return f"{names[0]} {self.term(atom.predicate)} {' '.join(names[1:])}"
 
     def term(self, term: str) -> str:
-        """Returns what people call a relation or property."""
+        """Returns the display name of a relation or property."""
         if term in self._ontology.relations:
             label = self._ontology.relations[term].label
             return f"is {label}" if self._ontology.is_placement(term) else label
@@ -72,7 +72,7 @@ def some(noun: str) -> str:
 
 
 def listed(names: Iterable[str], word: str = "and") -> str:
-    """Returns names as a list for people; of very many, the first."""
+    """Returns names as a readable list; if there are very many, only the first."""
     all_ = list(names)
     shown = all_ if len(all_) <= _SHOWN else [*all_[:_SHOWN], f"{len(all_) - _SHOWN} more"]
     return " ".join(filter(None, [", ".join(shown[:-1]), word if len(shown) > 1 else "", *shown[-1:]]))

@@ -1,1 +1,1 @@
-"""Several robots: who does what, in which sequence, and what may go on at once."""
+"""Multi-robot planning: allocation, ordering and concurrency."""

@@ -1,8 +1,8 @@
-"""Who sees to which part of a goal: decided before planning, so that all robots get a fair share of the work.
+"""Allocates the parts of a goal to robots before planning, so that all robots get a fair share of the work.
 
-A planner that looks for short plans gives everything to one robot: what several do side by side is no shorter to it.
-So the parts of the goal are dealt out by estimated time, and a static fact says who may handle what. That task is
-narrower than the one given: where it has no plan, the other is still to be asked.
+A planner that minimizes plan length gives everything to one robot, since parallel work does not shorten the plan. So
+the parts of the goal are allocated by estimated time, and static facts state which robot may handle which thing. The
+resulting task is more constrained than the original: if it has no plan, the original still has to be tried.
 """
 
 from __future__ import annotations
@@ -19,22 +19,22 @@ from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import HAS_A, ROBOT
 
 ASSIGNED = "assigned"
-"""Predicate that says that an agent may handle a thing."""
+"""Predicate stating that an agent may handle a thing."""
 
 _SAME = 1e-6
-"""Estimates that differ by less are the same [s]."""
+"""Estimates that differ by less count as equal [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Share:
-    """What one robot sees to.
+    """The part of a goal allocated to one robot.
 
     Attributes:
         robot: Its id.
         agents: Its subsystems that have skills.
         parts: Indices of the conditions of the goal.
-        things: The elements that are left to it alone.
-        effort: How long that is estimated to take [s].
+        things: The elements that only it may handle.
+        effort: The estimated time [s].
     """
 
     robot: str
@@ -45,11 +45,11 @@ class Share:
 
 
 def deal(view: WorldView, task: PlanningTask) -> PlanningTask:
-    """Returns the task in which everybody handles only what was dealt out to him; the same where nothing was.
+    """Returns the task in which each robot handles only what was allocated to it; unchanged if nothing was allocated.
 
     Args:
         view: The world.
-        task: Any task; that of one robot comes back as it is.
+        task: Any task; a single-robot task is returned unchanged.
     """
     robots = teams(view, task)
     if len(robots) < 2:
@@ -62,9 +62,9 @@ def deal(view: WorldView, task: PlanningTask) -> PlanningTask:
 
 
 def shares(view: WorldView, task: PlanningTask) -> tuple[Share, ...]:
-    """Deals the parts of the goal out, the longest first, each to whoever has done all his soonest with it.
+    """Allocates the parts of the goal, the longest first, each to the robot that would finish all its parts soonest.
 
-    What only one can do is his; what nobody can do alone, nobody is kept from.
+    Parts that only one robot can do go to that robot; parts that no robot can do alone are not restricted.
     """
     robots = teams(view, task)
     if len(robots) < 2:
@@ -75,7 +75,7 @@ def shares(view: WorldView, task: PlanningTask) -> tuple[Share, ...]:
 
 
 def teams(view: WorldView, task: PlanningTask) -> dict[str, frozenset[str]]:
-    """Returns the subsystems that have skills, by the robot that they belong to (by themselves where to none)."""
+    """Returns the subsystems that have skills, by robot (by their own id if they belong to none)."""
     found: dict[str, set[str]] = {}
     for agent in sorted({agent for c in task.capabilities for agent in c.agents}):
         wholes = _wholes(view, agent)
@@ -95,13 +95,13 @@ def _wholes(view: WorldView, element: str) -> Iterator[str]:
 
 @dataclass(frozen=True, slots=True)
 class _Group:
-    """Conditions of the goal that are about the same things, and so are one robot's.
+    """Goal conditions about the same things, which therefore belong to one robot.
 
     Attributes:
         parts: Their indices.
-        things: What they are about; empty for "any starter in the kit", which leaves it open.
-        kind: The class of what will do, where that is left open.
-        named: All elements that they speak of.
+        things: The things they are about; empty for an open choice such as "any starter in the kit".
+        kind: The accepted class, if the choice is open.
+        named: All elements that they name.
     """
 
     parts: tuple[int, ...]
@@ -111,10 +111,10 @@ class _Group:
 
 
 class _Dealing:
-    """The parts of one goal, being dealt out to some robots.
+    """The allocation of one goal's parts to robots.
 
     Attributes:
-        surplus: Things of an open kind that nobody was given: others will do.
+        surplus: Unallocated things of an open kind: others are used instead.
     """
 
     def __init__(self, view: WorldView, task: PlanningTask, robots: Mapping[str, frozenset[str]]) -> None:
@@ -134,12 +134,12 @@ class _Dealing:
 
     @property
     def shares(self) -> tuple[Share, ...]:
-        """What each got."""
+        """Each robot's share."""
         each = zip(self._robots.items(), self._parts, self._things, self._loads, strict=True)
         return tuple(Share(r, a, tuple(sorted(p)), frozenset(t), load) for (r, a), p, t, load in each)
 
     def run(self) -> None:
-        """Deals everything out."""
+        """Allocates all parts."""
         for agents in self._robots.values():
             self._costs.append(efforts(self._sketch, self._ontology, agents))
         wanted = {group: [self._effort(group, cost) for cost in self._costs] for group in self._groups}
@@ -154,7 +154,8 @@ class _Dealing:
     def _give(self, group: _Group, wanted: Sequence[float]) -> bool:
         places = self._places(group.things)
         loads = [load + effort for load, effort in zip(self._loads, wanted, strict=True)]
-        # Whoever goes to a place anyway takes what else is there, up to a fair share: two would be in each other's way.
+        # A robot that visits a place anyway also gets the other parts there, up to a fair share: two would block each
+        # other.
         there = [bool(places & self._places(things)) for things in self._things]
         goes = [is_there and load <= self._fair + _SAME for is_there, load in zip(there, loads, strict=True)]
         robot = min(range(len(wanted)), key=lambda r: (not goes[r], loads[r], r))
@@ -181,10 +182,10 @@ class _Dealing:
         return _Group((part,), frozenset(), next(kinds, ""), frozenset(named))
 
     def _sketched(self) -> PlanningTask:
-        """The task without what makes estimates slow and hardly better.
+        """The task without details that make estimates slow but hardly better.
 
-        That is what is moved and not wanted, and what is known of things that different parts of the goal speak of,
-        such as that a part would fit into the compartment of another.
+        These are movable things not in the goal, and facts between things of different goal parts, such as that a part
+        would fit into the compartment of another.
         """
         speakers: dict[str, list[int]] = {}
         for number, group in enumerate(self._groups):
@@ -202,7 +203,7 @@ class _Dealing:
         return replace(self._task, problem=replace(self._task.problem, init=init))
 
     def _unwanted(self, named: Collection[str]) -> set[str]:
-        """Things that could be moved, and that the goal does not speak of."""
+        """Movable things that the goal does not mention."""
         kinds = [group.kind for group in self._groups if group.kind]
         objects = self._task.problem.objects.items()
         movable = {o: class_ for o, class_ in objects if o not in named and self._handling.is_moved(class_)}
@@ -218,7 +219,7 @@ class _Dealing:
         return [o for o, class_ in objects if o not in taken and self._handling.is_one_of(class_, [kind])]
 
     def _nearest(self, kind: str, robot: int) -> frozenset[str]:
-        """The free thing of a kind that a robot has done something with soonest, if there is any."""
+        """The free thing of a kind that a robot can finish soonest, if there is any."""
         free = set(self._free(kind))
         touched = ((cost, a) for atom, cost in self._costs[robot].items() if cost > 0.0 for a in atom.arguments)
         nearest = min(((cost, thing) for cost, thing in touched if thing in free), default=None)
@@ -238,11 +239,11 @@ def _merged(groups: Iterable[_Group]) -> list[_Group]:
     return found
 
 
-# ------------------------------------------------------------ who may handle what, as static facts
+# ------------------------------------------------------------ permissions as static facts
 
 
 def _narrowed(view: WorldView, task: PlanningTask, owners: Mapping[str, frozenset[str]]) -> PlanningTask:
-    """Lets only owners handle what is owned."""
+    """Restricts the handling of owned things to their owners."""
     handling = Handling(task, view.ontology)
     kinds = {task.problem.objects[thing] for thing in owners}
     asking: dict[str, tuple[Atom, ...]] = {}

@@ -1,7 +1,7 @@
-"""Which of several docking places a robot takes: planners know no distances, so a plan may cross the hall for nothing.
+"""Chooses among docking places: planners ignore distances, so a plan may cross the hall unnecessarily.
 
-Places are exchanged for others that are just like them (pieces of one thing, of one class) where that makes for less
-driving and the plan still holds.
+Places are exchanged for equivalent ones (parts of one thing, of one class) if that shortens the driving and the plan
+remains valid.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import AT, DRIVING_POSE, HAS_A
 
 _MOST = 20
-"""So many exchanges are made at most."""
+"""Maximum number of exchanges."""
 _WORTH = 0.1
-"""An exchange saves at least so much driving [m]."""
+"""Minimum driving distance an exchange must save [m]."""
 
 Point = tuple[float, float]
 
@@ -35,13 +35,13 @@ Point = tuple[float, float]
 def docking_nearer(
     view: WorldView, task: PlanningTask, texts: PddlTexts, plan: Plan, reached: Mapping[str, int] | None = None
 ) -> Plan:
-    """Returns the plan with docking places exchanged as long as the robots drive less and the plan still holds.
+    """Returns the plan with docking places exchanged while that shortens the driving and the plan remains valid.
 
     Args:
         view: The world that the plan starts from.
-        task: What was planned.
-        texts: The task as written.
-        plan: The steps, replayed and found right.
+        task: The planned task.
+        texts: The task as PDDL.
+        plan: The steps, validated by replay.
         reached: The highest sequence number that each robot has visited in this task.
     """
     skills = {c.skill.name: c.skill for c in task.capabilities}
@@ -64,7 +64,7 @@ class _Ride(NamedTuple):
 
 
 class _Docking:
-    """Where the robots drive in a plan, and where else they could stand."""
+    """The robots' stops in a plan, and their alternatives."""
 
     def __init__(self, view: WorldView, task: PlanningTask) -> None:
         self._view = view
@@ -79,21 +79,21 @@ class _Docking:
         return [changed for _, changed in sorted(worth, key=lambda found: found[0])]
 
     def _exchanged(self, steps: tuple[Step, ...]) -> Iterator[tuple[Step, ...]]:
-        """Exchanges places for all robots; for one alone only where no other comes to either of them."""
+        """Exchanges places for all robots; for a single one only if no other robot visits either of them."""
         rides = list(self._rides(steps))
         for pair in self._alike({ride.place for ride in rides}):
             names = dict(zip(pair, reversed(pair), strict=True))
             yield tuple(step.renamed(names) for step in steps)
             for robot in sorted({ride.robot for ride in rides if ride.place in pair}):
                 if {ride.robot for ride in rides if ride.place in pair} == {robot}:
-                    continue  # that is the same as for all
+                    continue  # same as the exchange for all robots
                 places = {ride.place for ride in rides if ride.robot != robot}
                 taken = {ride.place for ride in rides if ride.robot == robot and ride.place in pair}
                 if places.isdisjoint(set(pair) - taken):
                     yield tuple(step.renamed(names) if self._robot(step) == robot else step for step in steps)
 
     def _alike(self, places: set[str]) -> list[tuple[str, str]]:
-        """Returns pairs of pieces of one thing and of one class, of which one at least is driven to."""
+        """Returns pairs of equivalent places (parts of one thing, of one class), at least one of which is visited."""
         owners = sorted({owner for place in places for owner in self._view.subjects(HAS_A, place)})
         pairs = {pair for owner in owners for pair in combinations(sorted(self._view.objects(owner, HAS_A)), 2)}
         return sorted(pair for pair in pairs if not places.isdisjoint(pair) and self._are_alike(*pair))
@@ -103,7 +103,7 @@ class _Docking:
         return same and None not in (self._standing(one), self._standing(other))
 
     def _driven(self, steps: Sequence[Step]) -> float:
-        """Returns how far the robots drive as the crow flies [m], as far as is known where places are."""
+        """Returns the robots' straight-line driving distance [m], as far as positions are known."""
         ways: dict[str, list[Point]] = {}
         for robot, place in self._rides(steps):
             way = ways.setdefault(robot, self._start(robot))
@@ -119,7 +119,7 @@ class _Docking:
                     yield _Ride(pattern.subject, pattern.object)
 
     def _start(self, robot: str) -> list[Point]:
-        """Returns where a robot stands at the start: at its place, or where its base is; nothing if unknown."""
+        """Returns a robot's start position: its place, or where its base is; empty if unknown."""
         placement = self._view.placement(robot)
         at = None if placement is None else self._standing(placement.place)
         poses = (map_pose(self._view, piece) for piece in self._view.objects(robot, HAS_A))

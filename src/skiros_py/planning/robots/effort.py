@@ -1,7 +1,7 @@
-"""How long facts take at least to bring about, ignoring that skills undo things: a quick estimate before planning.
+"""Estimates how long facts take to achieve, ignoring that skills undo things: a quick estimate before planning.
 
 The additive heuristic of Bonet and Geffner (2001), spread from the cheapest fact to the dearest as Knuth (1977) does:
-what a fact costs is the cheapest action that gives it with everything that this needs.
+a fact costs as much as the cheapest action that achieves it, including that action's preconditions.
 """
 
 from __future__ import annotations
@@ -16,18 +16,18 @@ from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.world.ontology import Ontology
 
 USUAL = 10.0
-"""How long a skill is taken to last of which nobody knows [s]."""
+"""Assumed duration of a skill with unknown duration [s]."""
 
 Binding = dict[str, str]
 
 
 def efforts(task: PlanningTask, ontology: Ontology, agents: Collection[str] | None = None) -> Mapping[Atom, float]:
-    """Returns the estimated time [s] to every fact that can be reached; what cannot is not in it.
+    """Returns the estimated time [s] to every reachable fact.
 
     Args:
         task: The task.
         ontology: Classes.
-        agents: Who may do something; everyone where left out.
+        agents: The agents that may act; default: all.
     """
     spread = _Spread(task, ontology)
     for atom in sorted(task.problem.init):
@@ -38,7 +38,7 @@ def efforts(task: PlanningTask, ontology: Ontology, agents: Collection[str] | No
 
 
 class _Spread:
-    """Facts with their costs, settled in the order of these."""
+    """Facts with their costs, settled in order of cost."""
 
     def __init__(self, task: PlanningTask, ontology: Ontology) -> None:
         self.settled: dict[Atom, float] = {}
@@ -74,7 +74,7 @@ class _Spread:
             self._by_argument.setdefault((atom.predicate, place, argument), []).append(atom)
 
     def _apply(self, action: Action, place: int, fact: Atom) -> None:
-        """Offers what an action gives whose last precondition has just been settled."""
+        """Queues the effects of an action whose last precondition has just been settled."""
         types = action.types
         start = self._matched(action.pre[place], fact, {}, types)
         if start is None:
@@ -113,7 +113,7 @@ class _Spread:
                 return
 
     def _candidates(self, atom: Atom, binding: Binding) -> Sequence[Atom]:
-        """The fewest settled facts among which are all that the atom could be."""
+        """The smallest indexed set of settled facts that contains all matches of the atom."""
         bound = [(at, binding.get(a, a)) for at, a in enumerate(atom.arguments)]
         known = [(at, value) for at, value in bound if not value.startswith("?")]
         if not known:

@@ -1,4 +1,4 @@
-"""What actions handle: the things that they move, and what they are done to. Where robots go is no such thing."""
+"""The things actions handle: those they move or act on, but not the places robots go to."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from skiros_py.world.vocabulary import ROBOT
 
 
 def moved_by(action: Action, ontology: Ontology) -> tuple[tuple[str, str], ...]:
-    """Returns what an action gives a new place, each with that place, as the action's variables."""
+    """Returns the things an action moves, each with its new place, as the action's variables."""
     relations = ontology.relations
     placed = (a for a in action.add if a.predicate in relations and ontology.is_placement(a.predicate))
     return tuple(moved_and_place(atom, ontology) for atom in placed)
 
 
 def columns(predicate: str, actions: Iterable[Action], task: PlanningTask, ontology: Ontology) -> tuple[str, ...]:
-    """Returns the classes of a predicate's arguments: the nearest that take in all that actions use it with."""
+    """Returns the classes of a predicate's arguments: the most specific ones covering all uses in actions."""
     found: tuple[str, ...] = ()
     for action in actions:
         types = {**task.problem.objects, **action.types}
@@ -34,9 +34,8 @@ class Handling:
     """What the actions of a task handle.
 
     Attributes:
-        variables: The variables that stand for what is handled, by action name; actions that handle nothing are not in
-            it.
-        agents: The variable that stands for who does it, by action name.
+        variables: The variables of handled things, by action name; without actions that handle nothing.
+        agents: The variable of the acting agent, by action name.
     """
 
     def __init__(self, task: PlanningTask, ontology: Ontology) -> None:
@@ -60,15 +59,15 @@ class Handling:
         self._done_to -= self._moved
 
     def things(self, named: Iterable[str]) -> frozenset[str]:
-        """Returns those of some elements that somebody moves; where there are none, those that something is done to."""
+        """Returns the given elements that some action moves; if there are none, those that some action acts on."""
         known = {name: self._objects[name] for name in named if name in self._objects}
         moved = frozenset(name for name, class_ in known.items() if self.is_one_of(class_, self._moved))
         return moved or frozenset(name for name, class_ in known.items() if self.is_one_of(class_, self._done_to))
 
     def is_moved(self, class_: str) -> bool:
-        """Returns whether things of a class are moved by somebody."""
+        """Returns whether some action moves things of a class."""
         return self.is_one_of(class_, self._moved)
 
     def is_one_of(self, class_: str, classes: Iterable[str]) -> bool:
-        """Returns whether a class is one of some classes or below one of them."""
+        """Returns whether a class is one of the given classes or a subclass of one."""
         return any(c in ("", "object") or (class_ != "object" and self._ontology.is_a(class_, c)) for c in classes)

@@ -1,6 +1,6 @@
-"""Which steps of a plan have to wait for which others, and when each could start.
+"""Derives which steps of a plan have to wait for which others, and when each can start.
 
-A plan comes as a sequence. Two steps of it may run side by side, or change places, unless one writes what the other
+A plan comes as a sequence. Two steps may run concurrently, or swap, unless one writes what the other
 reads or writes, or both need the same device.
 """
 
@@ -21,22 +21,22 @@ from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.view import WorldView
 
 Order = tuple[frozenset[int], ...]
-"""For each step the indices of the steps that must have ended before it starts; only those that no other implies."""
+"""For each step the indices of the steps that must have ended before it starts; without transitive ones."""
 
 
 def order(view: WorldView, task: PlanningTask, texts: PddlTexts, plan: Plan) -> Plan:
-    """Returns a plan with its partial order, and with start times where it is known how long each step takes.
+    """Returns a plan with its partial order, and with start times if all step durations are known.
 
-    It stays strictly sequential where no other order can be told.
+    It stays strictly sequential if no other order can be derived.
 
-    The order comes from the PDDL plan. Conditions may know more than PDDL does (what a reasoner computes counts as it
-    was at the start), so the sequence that departs most from the given one is replayed before the order is believed.
+    The order comes from the PDDL plan. Conditions may depend on more than PDDL models (reasoner results are frozen at
+    the start), so the sequence that departs most from the given one is replayed before the order is accepted.
 
     Args:
         view: The world that the plan starts from.
-        task: What was planned.
-        texts: The task as written.
-        plan: The steps, replayed and found right, and their PDDL lines.
+        task: The planned task.
+        texts: The task as PDDL.
+        plan: The steps, validated by replay, and their PDDL lines.
     """
     skills = {c.skill.name: c.skill for c in task.capabilities}
     after = partial_order(texts, plan.pddl, skills)
@@ -56,12 +56,12 @@ def _starts(texts: PddlTexts, plan: Plan, after: Order) -> tuple[float, ...]:
 
 
 def partial_order(texts: PddlTexts, lines: Sequence[str], skills: Mapping[str, SkillDescription]) -> Order:
-    """Orders the skills of a PDDL plan; every sequence that keeps to it does the same as the plan.
+    """Orders the skills of a PDDL plan; every sequence consistent with it has the same result as the plan.
 
     Args:
         texts: The task as written.
-        lines: The plan, "(drive base_1 robot_1 box_a)" each; the task's bookkeeping is looked through.
-        skills: What is known of each skill: which of its parameters are devices.
+        lines: The plan, "(drive base_1 robot_1 box_a)" each; bookkeeping actions are skipped.
+        skills: The skill descriptions, which state the device parameters.
     """
     actions = _only_changing([_ground(texts, line, skills) for line in lines])
     before: list[int] = []  # for each action those that precede it, as bits
@@ -90,7 +90,7 @@ def _nearest(index: int, steps: Sequence[int], before: Sequence[int]) -> frozens
 
 @dataclass(frozen=True, slots=True)
 class _Ground:
-    """One action of the plan: what it reads and writes, and the devices it needs."""
+    """One action of the plan: its reads and writes, and the devices it needs."""
 
     is_step: bool
     reads: frozenset[Atom]
@@ -131,13 +131,13 @@ def _devices(action: Action, binding: Mapping[str, str], skills: Mapping[str, Sk
 
 
 def _only_changing(actions: Sequence[_Ground]) -> list[_Ground]:
-    """Forgets what is read and never written: it orders nothing."""
+    """Drops facts that are read but never written: they order nothing."""
     changing = frozenset(atom for action in actions for atom in action.writes)
     return [replace(action, reads=action.reads & changing) for action in actions]
 
 
 def _interfere(one: _Ground, other: _Ground) -> bool:
-    """Returns whether two actions may not change places."""
+    """Returns whether two actions must not be swapped."""
     return not (
         one.writes.isdisjoint(other.reads)
         and one.reads.isdisjoint(other.writes)
@@ -150,7 +150,7 @@ def _interfere(one: _Ground, other: _Ground) -> bool:
 
 
 def _touches(action: _Ground, none: Sequence[NoneSuch]) -> bool:
-    """Returns whether an action writes anything that others look for and do not want to find."""
+    """Returns whether an action writes anything that others require to be absent."""
     return any(_matches(wanted, atom) for such in none for wanted in such.atoms for atom in action.writes)
 
 
@@ -163,7 +163,7 @@ def _matches(wanted: Atom, atom: Atom) -> bool:
 
 
 def contrary(after: Order) -> tuple[int, ...]:
-    """Returns the steps in the sequence that keeps to an order and departs most from the given one: last things first.
+    """Returns the steps in the sequence that respects an order but departs most from the given one: last steps first.
 
     >>> contrary((frozenset(), frozenset({0}), frozenset()))
     (2, 0, 1)
@@ -188,7 +188,7 @@ def contrary(after: Order) -> tuple[int, ...]:
 def schedule(
     after: Order, durations: Sequence[float], needs: Sequence[frozenset[str]] | None = None
 ) -> tuple[float, ...]:
-    """Returns when each step starts [s] when all start as soon as they can.
+    """Returns the start time of each step [s] if all start as early as possible.
 
     >>> schedule((frozenset(), frozenset({0}), frozenset()), [2.0, 1.0, 5.0])
     (0.0, 2.0, 0.0)
@@ -196,8 +196,8 @@ def schedule(
     Args:
         after: The order.
         durations: How long each step takes [s].
-        needs: For each step what it needs for itself; of two that need the same, the one with more behind it goes
-            first. Left out where the order says all.
+        needs: The exclusive resources of each step; of two steps that share one, the one with the longer tail goes
+            first. Omit it if the order is complete.
     """
     wanted = needs if needs is not None else [frozenset[str]()] * len(after)
     tails = _tails(after, durations)
@@ -218,7 +218,7 @@ def makespan(starts: Sequence[float], durations: Sequence[float]) -> float:
 
 
 def _tails(after: Order, durations: Sequence[float]) -> list[float]:
-    """For each step how long what follows it takes at least, itself included [s]."""
+    """The minimum time from the start of each step to the end of the plan [s]."""
     tails = list(durations)
     for index in reversed(range(len(after))):
         for earlier in after[index]:

@@ -1,9 +1,9 @@
-"""Rounds of several robots, arranged so that they do not stand in each other's way.
+"""Arranges the rounds of several robots so that they do not block each other.
 
-A planner writes a sequence: first all that one robot does, then all that the next does. Where both go to the same
-places, the second then waits at each of them. What a robot does for one thing (fetch it, bring it) is a round; rounds
-are arranged again, one after the other, for whoever is free first and such that each ends as soon as it can (list
-scheduling, greedy).
+A planner returns a sequence: first everything one robot does, then everything the next does. If both visit the same
+places, the second then waits at each of them. The steps of a robot for one thing (fetch it, bring it) form a round;
+rounds are rearranged one after the other, for the robot that is free first and such that each ends as early as
+possible (greedy list scheduling).
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.view import WorldView
 
 _MOST_ROUNDS = 40
-"""Plans of more rounds stay as they are: to try them out would take seconds."""
+"""Plans with more rounds are not rearranged: it would take seconds."""
 _USUAL = 10.0
 """How long a step is taken to last where nobody knows [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Round:
-    """What one robot does for one thing."""
+    """The steps of one robot for one thing."""
 
     robot: str
     steps: tuple[Step, ...]
@@ -40,13 +40,13 @@ class _Round:
 def arranged(
     view: WorldView, task: PlanningTask, texts: PddlTexts, plan: Plan, reached: Mapping[str, int] | None = None
 ) -> Plan:
-    """Returns the plan with its rounds in the sequence that ends soonest, of those that were tried.
+    """Returns the plan with its rounds in the sequence that ends soonest among those tried.
 
     Args:
         view: The world that the plan starts from.
-        task: What was planned.
-        texts: The task as written.
-        plan: The steps, replayed and found right.
+        task: The planned task.
+        texts: The task as PDDL.
+        plan: The steps, validated by replay.
         reached: The highest sequence number that each robot has visited in this task.
     """
     plan = docking_nearer(view, task, texts, plan, reached)
@@ -64,7 +64,7 @@ def arranged(
 
 
 class _Arrangement:
-    """The rounds of a plan, and what is tried with them."""
+    """The rounds of a plan, and their rearrangement."""
 
     def __init__(self, view: WorldView, task: PlanningTask, texts: PddlTexts, plan: Plan) -> None:
         self.skills: Mapping[str, SkillDescription] = {c.skill.name: c.skill for c in task.capabilities}
@@ -75,13 +75,13 @@ class _Arrangement:
         self.rounds = tuple(self._rounds(plan.steps, Handling(task, view.ontology)))
 
     def lasts(self, lines: Sequence[str]) -> float:
-        """Returns how long a plan takes when all that can runs side by side [s]."""
+        """Returns how long a plan takes with maximum concurrency [s]."""
         after = partial_order(self._texts, lines, self.skills)
         durations = self._durations(lines)
         return makespan(schedule(after, durations), durations)
 
     def best(self) -> tuple[Step, ...] | None:
-        """Arranges the rounds; None if they cannot follow each other in any of the ways that were tried."""
+        """Arranges the rounds; None if no tried sequence is valid."""
         left = list(self.rounds)
         state, steps, lines = TaskState(self._task, self._ontology), list[Step](), list[str]()
         ends = dict.fromkeys((round_.robot for round_ in left), 0.0)
@@ -99,7 +99,7 @@ class _Arrangement:
     def _next(
         self, state: TaskState, lines: list[str], left: Sequence[_Round], robot: str
     ) -> tuple[_Round, TaskState, list[str], float] | None:
-        """Returns the round of a robot that ends soonest when it comes next, with what is then the case."""
+        """Returns the round of a robot that would end soonest if next, with the resulting state."""
         tried = [self._after(state, lines, round_) for round_ in left if round_.robot == robot]
         return min(filter(None, tried), key=lambda found: found[3], default=None)
 
@@ -139,13 +139,13 @@ class _Arrangement:
         return self._robots.get(agent, agent)
 
     def _thing(self, step: Step, handling: Handling) -> str | None:
-        """Returns what a step moves, or is done to; None for one that only moves its robot."""
+        """Returns the thing a step moves or acts on; None for one that only moves its robot."""
         actions = (a for a in self._task.domain.actions if a.skill == step.skill)
         keys = (variable.lstrip("?") for a in actions for variable in handling.variables.get(a.name, ()))
         return next((step.arguments[key] for key in keys if key in step.arguments), None)
 
 
 def _free_first(ends: Mapping[str, float], left: Sequence[_Round]) -> list[str]:
-    """Returns the robots that have something left to do, who is free first at the front."""
+    """Returns the robots with remaining rounds, the one that is free first at the front."""
     busy = {round_.robot for round_ in left}
     return sorted(busy, key=lambda robot: (ends[robot], robot))

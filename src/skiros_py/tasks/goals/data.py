@@ -21,21 +21,21 @@ _LONGEST_PATH = 20
 
 
 def goal_from_data(data: object, view: WorldView, conditions: Mapping[str, ConditionType]) -> tuple[Condition, ...]:
-    """Makes a goal of plain data.
+    """Creates a goal from plain data.
 
     Args:
         data: One condition, or a list of them that must hold together; see the head of this module.
         view: The world, for elements and classes; an element may be given by id or by its label.
-        conditions: The condition words there are.
+        conditions: The known condition words.
 
     Returns:
         Conditions that must hold together, each once; what "all_of" joins becomes several.
 
     Raises:
         UnknownName: A word is unknown; the message gives the nearest that exists.
-        UsageError: A field is wrong, and the message gives its path; or what it says makes no sense.
+        UsageError: A field is wrong, and the message gives its path; or the goal makes no sense.
     """
-    from pydantic import ValidationError  # when it is needed only: the command line must start quickly
+    from pydantic import ValidationError  # imported only when needed: the command line must start quickly
 
     from skiros_py.tasks.goals.fields import GOALS
 
@@ -49,7 +49,7 @@ def goal_from_data(data: object, view: WorldView, conditions: Mapping[str, Condi
 
 
 def goal_as_data(goal: Sequence[Condition]) -> list[dict[str, Any]]:
-    """Returns a goal as plain data, of which :func:`goal_from_data` makes the same one."""
+    """Returns a goal as plain data that :func:`goal_from_data` turns back into the same goal."""
     return [_data(condition) for condition in goal]
 
 
@@ -66,7 +66,7 @@ def _data(condition: Condition) -> dict[str, Any]:
 
 
 def _path(loc: Sequence[int | str]) -> str:
-    """Writes the way to a field ("[0].not.arguments[1]"); names in angle brackets are kinds, not fields."""
+    """Formats the path to a field ("[0].not.arguments[1]"); names in angle brackets are kinds, not fields."""
     fields = [f"[{name}]" if isinstance(name, int) else f".{name}" for name in loc if not str(name).startswith("<")]
     cut = (
         fields if len(fields) <= _LONGEST_PATH else [*fields[: _LONGEST_PATH // 2], "…", *fields[-_LONGEST_PATH // 2 :]]

@@ -28,7 +28,7 @@ class WordField(_Fields):
 
 
 class NotField(_Fields):
-    """It shall not hold."""
+    """It must not hold."""
 
     part: AnyGoal = Field(alias="not")
 
@@ -58,7 +58,7 @@ class AnyField(_Fields):
 
 
 class IfField(_Fields):
-    """Where the one holds, so does the other."""
+    """If one condition holds, so does the other."""
 
     premise: AnyGoal = Field(alias="if")
     then: AnyGoal
@@ -93,7 +93,7 @@ class ExistsField(_Fields):
 
 
 def _kind(value: Any) -> str | None:
-    """Returns the kind of a goal, by the first field that tells it."""
+    """Returns the kind of a goal, from the first field that determines it."""
     if not isinstance(value, Mapping):
         return None
     return next((f"<{kind}>" for kind in _KINDS if kind in value), None)

@@ -1,4 +1,4 @@
-"""The two written forms of goals, each by a grammar of its own."""
+"""The two written forms of goals, each with its own grammar."""
 
 from __future__ import annotations
 
@@ -40,10 +40,10 @@ _WORDS: Mapping[str, str] = {
 
 @lru_cache(maxsize=128)
 def read(text: str) -> Said:
-    """Reads a goal written as text or, in parentheses, as PDDL; a factory orders the same few again and again.
+    """Reads a goal written as text or, in parentheses, as PDDL; cached, since a factory repeats the same few goals.
 
     Raises:
-        GoalSyntaxError: It is neither; the text tells where the form stops that fits further.
+        GoalSyntaxError: It is neither; the message gives the error position in the form that matches further.
     """
     try:
         return _read(text, "text")
@@ -58,7 +58,7 @@ def read(text: str) -> Said:
 
 def _read(text: str, form: str) -> Said:
     try:
-        said: Said = _grammar(form).parse(text)  # type: ignore[assignment]  # what the transformer makes of the tree
+        said: Said = _grammar(form).parse(text)  # type: ignore[assignment]  # the transformer's result
     except UnexpectedInput as error:
         raise GoalSyntaxError(re.sub(r"\s", " ", text), _column(error, text), _reason(error)) from error
     return said
@@ -71,7 +71,7 @@ def _grammar(form: str) -> Lark:
 
 
 def _column(error: UnexpectedInput, text: str) -> int:
-    """Returns the place in the whole text, which may have several lines."""
+    """Returns the position in the whole text, which may have several lines."""
     at_end = isinstance(error, UnexpectedToken) and error.token.type == "$END"
     return len(text.rstrip()) + 1 if at_end else (error.pos_in_stream or 0) + 1
 
@@ -82,14 +82,14 @@ def _reason(error: UnexpectedInput) -> str:
         names = set(error.accepts or error.expected)
     elif isinstance(error, UnexpectedCharacters):
         names = set(error.allowed or ())
-    if {"WORD", "LPAR"} <= names:  # where a condition of a text begins
+    if {"WORD", "LPAR"} <= names:  # at the beginning of a condition
         return "expected a condition such as InKit(Starter, kit_1)"
     *most, last = sorted({_WORDS[name] for name in names if name in _WORDS}) or ["a condition"]
     return f"expected {', '.join(most)}{' or ' if most else ''}{last}"
 
 
 class _Form(Transformer[Token, Said]):
-    """What both forms have in common; called by the parser from the inside out, so depth does not matter."""
+    """The common part of both forms; called by the parser from the inside out, so depth does not matter."""
 
     def start(self, parts: Sequence[Said]) -> Said:
         return parts[0]
@@ -117,14 +117,14 @@ class _Form(Transformer[Token, Said]):
 
 
 class _Text(_Form):
-    """Goals as people write them."""
+    """Goals in text form."""
 
     def declaration(self, parts: Sequence[Token]) -> list[tuple[str, str]]:
         return [(str(parts[0]), _name(parts[1]).text)]
 
 
 class _Pddl(_Form):
-    """Goals as PDDL says them."""
+    """Goals in PDDL form."""
 
     def declaration(self, parts: Sequence[Token]) -> list[tuple[str, str]]:
         *variables, class_ = map(_name, parts)

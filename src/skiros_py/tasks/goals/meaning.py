@@ -1,4 +1,4 @@
-"""From what was said to conditions: every word is looked up, every class checked, every variable bound."""
+"""Turns parsed goals into conditions: looks up words, checks classes and binds variables."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import ELEMENT, SPATIAL_THING
 
 DEEPEST = 50
-"""Conditions nested deeper than this are refused: nobody could read why they do not hold."""
+"""Conditions nested deeper than this are refused: the explanations would be unreadable."""
 
 MOST_LOOKED_AT = 2_000
-"""So often the words of a goal may be looked at to tell whether it holds: the control cycle waits for that."""
+"""Maximum number of condition evaluations per goal, since the control cycle waits for them."""
 
 _OF_A_CLASS = 10
-"""So many elements of a class that stands for any of them are looked at in the time of a condition."""
+"""How many elements of a class argument ("any of them") are evaluated per unit of work."""
 
 _Scope = Mapping[str, str]
 """Class by variable."""
@@ -32,9 +32,9 @@ def goal_of(said: Iterable[Said], view: WorldView, conditions: Mapping[str, Cond
     """Returns the conditions that must hold together, each once; what "and" joins becomes several.
 
     Args:
-        said: What was said.
+        said: The parsed goals.
         view: The world, for elements and classes.
-        conditions: The condition words there are.
+        conditions: The known condition words.
 
     Raises:
         UnknownName: A word is unknown; the message gives the nearest that exists.
@@ -53,7 +53,7 @@ def _split(condition: Condition) -> tuple[Condition, ...]:
 
 
 def _check_work(number: int) -> None:
-    """Refuses what nobody could evaluate in time."""
+    """Refuses goals that take too long to evaluate."""
     if number > MOST_LOOKED_AT:
         raise UsageError(
             f"the goal has to be looked at in {number} places to tell whether it holds, and {MOST_LOOKED_AT} are"
@@ -63,7 +63,7 @@ def _check_work(number: int) -> None:
 
 
 def _work(condition: Condition, view: WorldView) -> int:
-    """Returns how often words are looked at to tell whether a condition holds."""
+    """Returns how many evaluations it takes to tell whether a condition holds."""
     match condition:
         case Junction(parts=parts):
             return sum(_work(part, view) for part in parts)
@@ -75,7 +75,7 @@ def _work(condition: Condition, view: WorldView) -> int:
 
 
 class Meaning:
-    """Makes conditions of what was said.
+    """Turns parsed goals into conditions.
 
     Args:
         view: The world, for elements and classes.
@@ -90,9 +90,9 @@ class Meaning:
         """Returns the condition.
 
         Args:
-            said: What was said.
-            scope: Class by variable that is bound around it.
-            depth: How deep it is nested.
+            said: The parsed goal.
+            scope: Class by variable bound in the enclosing goal.
+            depth: Its nesting depth.
 
         Raises:
             UnknownName: A word is unknown.
@@ -184,7 +184,7 @@ class Meaning:
 
 
 def _some(view: WorldView, class_: str) -> str:
-    """Names elements of a class, of very many the first."""
+    """Names elements of a class; if there are very many, only the first."""
     there = view.instances(class_)
     return (", ".join(there[:_SHOWN]) + (", …" if len(there) > _SHOWN else "")) or "none"
 
@@ -207,7 +207,7 @@ class Lexicon:
         self._spelt_elements: dict[str, NameMap] = {}
 
     def word(self, word: str) -> ConditionType:
-        """Returns a condition's word, whatever its capitals.
+        """Returns a condition's word, ignoring case.
 
         Raises:
             UnknownName: There is none.
@@ -223,10 +223,10 @@ class Lexicon:
         return {spelt.pddl(name): type_ for name, type_ in self._conditions.items()} | own
 
     def class_(self, name: str, above: str) -> str | None:
-        """Returns the CURIE of a class, or None if no class at or below another one is called so.
+        """Returns the CURIE of a class, or None if no class at or below another one has that name.
 
         Raises:
-            UsageError: Classes of several ontologies are called so.
+            UsageError: Classes of several ontologies have that name.
         """
         below = self._view.ontology.subclasses(above)
         if name in below:
@@ -239,11 +239,11 @@ class Lexicon:
         return named[0] if named else _back(self._spelt_classes[above], name)
 
     def is_taken(self, variable: str) -> bool:
-        """Returns whether an element or a class has this very name: what is written so would be mistaken for it."""
+        """Returns whether an element or a class has this very name: the variable would be mistaken for it."""
         return self._view.has(variable) or variable in map(local_name, self._view.ontology.subclasses(ELEMENT))
 
     def element(self, name: str, class_: str) -> str | None:
-        """Returns the id of an element that is called so, or None.
+        """Returns the id of the element with that name, or None.
 
         An id comes first, then a class, for which None is returned (a part without a label of its own is called like
         its class), then a label that no other element has, one of the scene before an abstract one, then the id of an

@@ -1,4 +1,4 @@
-"""Goals as text: read, and written so that they are read as the same."""
+"""Goals as text: reading, and writing such that reading gives the same goal."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def parse_goal(texts: Sequence[str], view: WorldView, conditions: Mapping[str, C
     Args:
         texts: One or more goals; all must hold together.
         view: The world, for elements and classes; an element may be given by id or by its label.
-        conditions: The condition words there are.
+        conditions: The known condition words.
 
     Returns:
         Conditions that must hold together, each once; what "and" joins becomes several.
@@ -33,7 +33,7 @@ def parse_goal(texts: Sequence[str], view: WorldView, conditions: Mapping[str, C
 
 
 def goal_as_text(goal: Sequence[Condition]) -> str:
-    """Writes a goal as a text that :func:`parse_goal` reads as the same, wherever there are the same elements."""
+    """Writes a goal as text that :func:`parse_goal` reads back as the same goal in a world with the same elements."""
     return " and ".join(_enclosed(condition) if len(goal) > 1 else condition.written(_quoted) for condition in goal)
 
 
@@ -43,7 +43,7 @@ def _enclosed(condition: Condition) -> str:
 
 
 def _quoted(name: str) -> str:
-    """Writes a name as it is, or in double quotes where the grammar asks for them."""
+    """Returns a name, in double quotes if the grammar requires them."""
     if _PLAIN.fullmatch(name):
         return name
     return '"' + re.sub(r'(["\\])', r"\\\1", name) + '"'

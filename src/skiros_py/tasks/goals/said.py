@@ -1,4 +1,4 @@
-"""What somebody said who stated a goal: its structure, with words that nobody has looked up yet."""
+"""A parsed goal: its structure, with words that have not been looked up yet."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Literal
 
 @dataclass(frozen=True, slots=True)
 class Name:
-    """What an argument is called.
+    """The name of an argument.
 
     Attributes:
         text: Id, label or class of an element, or a variable.
@@ -31,7 +31,7 @@ class Word:
 
 @dataclass(frozen=True, slots=True)
 class Negation:
-    """It shall not hold."""
+    """It must not hold."""
 
     part: Said
 
@@ -58,7 +58,7 @@ Said = Word | Negation | Joined | Quantification
 
 
 def implication(premises: Sequence[Said]) -> Said:
-    """Returns "a implies b implies c", that is "not a or (not b or c)"; the last one alone where it is alone."""
+    """Returns "a implies b implies c", that is "not a or (not b or c)"; a single one is returned as it is."""
     result = premises[-1]
     for premise in reversed(premises[:-1]):
         result = Joined("or", (Negation(premise), result))

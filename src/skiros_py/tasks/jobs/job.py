@@ -113,8 +113,8 @@ class Job(BaseModel):
         plan: The last plan, one line per step.
         attempts: How often it was started: once more after each restart of the program.
         seen: Version of the world up to which ``materials`` are known; None while it does not run.
-        version: Incremented with every change, also across successive jobs with the same id. ordered, started, ended,
-            changed: When, the last for any change of it [s since 1970].
+        version: Incremented with every change, also across successive jobs with the same id.
+        ordered, started, ended, changed: Times of these events, the last of any change [s since 1970].
     """
 
     model_config = ConfigDict(frozen=True)

@@ -128,7 +128,7 @@ class JobLookups:
         self.store.forget_announcements(upto)
 
     def subscribe(self, listener: Callable[[Job], None]) -> Callable[[], None]:
-        """Calls the listener with every new version of a job, in the thread that made it; returns how to end that."""
+        """Calls the listener with every new version of a job, in the writing thread; returns how to unsubscribe."""
         return self._book.subscribe(listener)
 
     def on_remove(self, listener: Callable[[Job], None]) -> Callable[[], None]:
