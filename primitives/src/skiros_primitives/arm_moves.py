@@ -1,4 +1,4 @@
-"""What the arm primitives share: asking for a motion and following it."""
+"""Common base of the arm primitives: planning a motion and following it."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from skiros_py.world.vocabulary import GRIPPER, HAS_A
 _ARRIVED = 0.02
 """Greatest joint error at the end of a motion [rad]."""
 _COURTESY = 120.0
-"""Longest time for which robots that drive past are waited for [s]."""
+"""Longest wait for passing robots [s]."""
 
 
 class ArmPrimitive(Primitive[Any]):
@@ -63,7 +63,7 @@ class ArmPrimitive(Primitive[Any]):
 
     @property
     def is_planned(self) -> bool:
-        """False in a cell without an arm planner: it has no bodies, so there is nothing to move around."""
+        """False in a cell without an arm planner: it has no bodies, hence no obstacles."""
         return self.context.ports.find(ArmPlanner, self.params.arm) is not None
 
     def held(self) -> Held | None:
@@ -72,7 +72,7 @@ class ArmPrimitive(Primitive[Any]):
         return found[1] if found else None
 
     def around(self, without: frozenset[str] = frozenset()) -> tuple[Obstacle, ...]:
-        """Everything not to touch."""
+        """All obstacles."""
         return (*obstacles(self.context, parts=True, without=without), *bodies(self.context, self.robot.id))
 
     def open_wide(self, gripper: Gripper) -> Execution[GripperState]:
@@ -83,9 +83,9 @@ class ArmPrimitive(Primitive[Any]):
     def plan(
         self, routes: Sequence[Route], *, around: tuple[Obstacle, ...] | None = None, speed: float = 1.0
     ) -> Execution[MotionPlan | NoMotion]:
-        """Asks for the best of several routes from where the arm is now, and takes the floor below it.
+        """Plans the best of several routes from the arm's current position and reserves the floor below it.
 
-        While other robots are on their way there, it waits; as they stand elsewhere then, it plans again.
+        While other robots drive there, it waits; since they stand elsewhere afterwards, it plans again.
         """
         deadline = self.context.now + _COURTESY
         while True:
@@ -96,14 +96,14 @@ class ArmPrimitive(Primitive[Any]):
             refusal = yield from self._reach_out(planned.covers, deadline)
             if refusal is not None:
                 return refusal
-            if driving <= self._driving():  # nobody has come to stand anywhere meanwhile
+            if driving <= self._driving():  # no robot has stopped at a new place meanwhile
                 return planned
 
     def _driving(self) -> set[str]:
         return {o.id for o in others(self.context, self.robot.id) if self.context.floor.is_driving(o.id)}
 
     def _reach_out(self, outline: Outline, deadline: float) -> Execution[NoMotion | None]:
-        """Waits until nobody drives where the arm shall move, and takes the floor there."""
+        """Waits until no robot drives where the arm will move, and reserves the floor there."""
         told: tuple[str, ...] = ()
         while there := self.context.floor.stretch(self.params.arm, outline):
             if self.context.now >= deadline:
@@ -132,9 +132,9 @@ class ArmPrimitive(Primitive[Any]):
         return (yield from self.wait(self.context.port(ArmPlanner, self.params.arm).plan(request)))
 
     def follow(self, trajectory: Trajectory) -> Execution[NoMotion | None]:
-        """Sends a trajectory, one sample per cycle, until the arm stands; returns why it did not get there.
+        """Sends a trajectory, one sample per cycle, until the arm is at rest; returns why it did not arrive.
 
-        It goes by the clock of the run: when that slows down because the run is paused, the arm brakes along its way.
+        It follows the clock of the run: when that slows down because the run is paused, the arm brakes along its path.
         """
         playback = Playback(trajectory, self.context.board.period, self.context.now)
         while not playback.ended:
@@ -151,7 +151,7 @@ class ArmPrimitive(Primitive[Any]):
         return None
 
     def follow_all(self, *trajectories: Trajectory) -> Execution[NoMotion | None]:
-        """Follows one trajectory after the other; the first that does not get there ends it."""
+        """Follows one trajectory after the other; stops at the first that does not arrive."""
         for trajectory in trajectories:
             refusal = yield from self.follow(trajectory)
             if refusal is not None:
@@ -159,14 +159,14 @@ class ArmPrimitive(Primitive[Any]):
         return None
 
     def follow_from_here(self, trajectory: Trajectory) -> Execution[NoMotion | None]:
-        """Follows the rest of a trajectory, from the sample nearest to where the arm is."""
+        """Follows the rest of a trajectory, from the sample nearest to the arm's current position."""
         away = np.abs(trajectory.positions - np.asarray(self.arm.state.positions)).max(axis=1)
         nearest = int(away.argmin())
         rest = Trajectory(trajectory.positions[nearest:], trajectory.velocities[nearest:])
         return (yield from self.follow(rest))
 
     def go(self, routes: Sequence[Route], **options: Any) -> Execution[NoMotion | None]:
-        """Plans and follows all moves of the best route; returns why not where there is none."""
+        """Plans and follows all moves of the best route; returns the reason if there is none."""
         planned = yield from self.plan(routes, **options)
         if isinstance(planned, NoMotion):
             return planned

@@ -1,4 +1,4 @@
-"""What the primitives share that ask a person."""
+"""Common base of the primitives that ask the user."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from skiros_py.skills.questions import QuestionKind
 
 
 class AskingPrimitive(Primitive[Any]):
-    """Base of the primitives that ask a person; their parameters have a field ``patience`` [s], None for ever."""
+    """Base of the primitives that ask the user; their parameters have a field ``patience`` [s], None for no limit."""
 
     def start(self) -> Failure | None:
-        """Fails at once where nobody would hear the question."""
+        """Fails at once if no user interface could show the question."""
         if not self.context.questions.heard:
             return Failure(f"{self.name}: nobody listens who could answer; run it where a person watches")
         return None
 
     def ask(self, kind: QuestionKind, text: str, options: tuple[str, ...]) -> Execution[str | Failure]:
-        """Asks and waits for the answer, one of the options; a question that is no longer needed is withdrawn."""
+        """Asks a question and waits for the answer, one of the options; a question no longer needed is withdrawn."""
         questions, asked_at = self.context.questions, self.context.now
         asked = questions.ask(kind, text, options, asker=self.name, time=asked_at)
         self.progress(1, text)

@@ -1,7 +1,8 @@
-"""Which believed part is which seen one.
+"""Associates detected parts with parts in the world model.
 
-Same type and place; nearest believed pose first, else an individual nobody has seen yet, else one seen elsewhere in the
-place, else one of the place's stock, which stays without an individual, else a missing one, else a new one.
+Type and place must match; the nearest believed pose comes first, then an individual that was never seen, then one seen
+elsewhere in the place, then one of the place's stock, which stays without an individual, then a missing one, otherwise
+a new one.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ _SAME = 0.10
 
 @dataclass(frozen=True, slots=True)
 class Association:
-    """What a look means for the beliefs about one place.
+    """The result of associating one look with the world model of a place.
 
     Attributes:
         seen: (element id, or None for a new element; type; map pose).
@@ -38,8 +39,8 @@ def associate(context: RunContext, place: str, types: Sequence[str], detections:
 
     Args:
         context: The run.
-        place: Where was looked.
-        types: Part types that can be told apart; only parts of these are reported as unseen.
+        place: The place in view.
+        types: Distinguishable part types; only parts of these are reported as unseen.
         detections: What was seen there.
     """
     seen: list[tuple[str | None, str, Pose]] = []
@@ -60,7 +61,7 @@ def associate(context: RunContext, place: str, types: Sequence[str], detections:
 
 
 def _missing(context: RunContext, type_: str) -> list[str]:
-    """Returns parts of a type that nobody knows the place of: one that turns up may be one of them."""
+    """Returns the parts of a type whose place is unknown: a newly detected part may be one of them."""
     view = context.world
     return [e for e in view.instances(type_) if view.element(e).type == type_ and view.value(e, MISSING) is True]
 
@@ -78,8 +79,8 @@ def _pair(known: Sequence[str], here: int, poses: Sequence[Pose], believed: dict
     for _, index, element in near:
         if index not in pairs and element not in pairs.values():
             pairs[index] = element
-    # Whoever has no pose yet may be any of the rest, then whoever was believed elsewhere in the place; the missing,
-    # which come last in ``known``, last.
+    # The remaining detections go to parts without a pose, then to parts believed elsewhere in the place, then to
+    # missing parts, which come last in ``known``.
     unobserved = [e for e in known if e not in pairs.values()]
     unobserved.sort(key=lambda e: (known.index(e) >= here, believed[e] is not None, e))
     for index in range(len(poses)):

@@ -1,4 +1,4 @@
-"""Asks a person to choose, and writes the choice into the world where it is wanted."""
+"""Asks the user to choose, and writes the choice to an element of the world."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from skiros_py.world.vocabulary import ELEMENT
 
 
 class Choose(AskingPrimitive):
-    """Asks a person to choose one of several; whoever goes on finds the choice as a property of an element."""
+    """Asks the user to choose one of several options; the choice is stored as a property of an element."""
 
     name: ClassVar[str] = "choose"
 
@@ -35,7 +35,7 @@ class Choose(AskingPrimitive):
         )
 
     def start(self) -> Failure | None:
-        """Looks whether there is a choice, and whether each could be written down."""
+        """Checks that there are options, and that each could be stored."""
         if len(set(self.params.options)) < 2 or len(set(self.params.options)) < len(self.params.options):
             return Failure(f"options: give two or more that differ, not {list(self.params.options)}")
         if (self.params.element is None) != (self.params.property is None):
@@ -43,7 +43,7 @@ class Choose(AskingPrimitive):
         return self._unwritable() or super().start()
 
     def execute(self) -> Execution[Outcome]:
-        """Asks, and writes the answer."""
+        """Asks, and stores the answer."""
         answer = yield from self.ask(QuestionKind.CHOOSE, self.params.question, self.params.options)
         if isinstance(answer, Failure):
             return answer

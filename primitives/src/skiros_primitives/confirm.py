@@ -1,4 +1,4 @@
-"""Asks a person whether something is so, or may be done."""
+"""Asks the user to confirm something."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from skiros_py.skills.questions import QuestionKind
 
 
 class Confirm(AskingPrimitive):
-    """Asks a person a question of yes or no; "no" is a failure."""
+    """Asks the user a yes-or-no question; "no" is a failure."""
 
     name: ClassVar[str] = "confirm"
 

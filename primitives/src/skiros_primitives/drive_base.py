@@ -1,4 +1,4 @@
-"""Drives a mobile base to where a place can be worked at, around everything that stands in the way."""
+"""Drives a mobile base to where a place can be worked at, around all obstacles."""
 
 from __future__ import annotations
 
@@ -24,19 +24,19 @@ _ARRIVED = 0.03
 """Greatest distance from the driving pose after standstill [m]."""
 _FACING = math.radians(2.0)
 _ASIDE = 0.06
-"""Greatest distance from the line of a leg [m]; the paths keep more than this from everything."""
+"""Greatest distance from the line of a leg [m]; paths keep a larger distance from obstacles."""
 _PATIENCE = 60.0
 """Longest time for one leg [s]."""
 _COURTESY = 120.0
-"""Longest time for which other robots are waited for [s]."""
+"""Longest wait for other robots [s]."""
 _LOOK_AGAIN = 5.0
-"""Longest time between two plans while another robot stands in the way [s]."""
+"""Longest time between two plans while another robot blocks the way [s]."""
 _APART = 0.02
-"""Distance between two robots where both are as far from their path as they may be [m]."""
+"""Distance between two robots that both deviate from their paths by the maximum [m]."""
 
 
 class DriveBase(DrivingPrimitive):
-    """Turns, drives straight, turns: what a differential drive can do; follows localisation, ends at standstill."""
+    """Turns, drives straight, turns, as a differential drive can; follows localisation, ends at standstill."""
 
     name: ClassVar[str] = "drive_base"
 
@@ -51,7 +51,7 @@ class DriveBase(DrivingPrimitive):
     _waits_for = ""
 
     def execute(self) -> Execution[Outcome]:
-        """Plans, waits until the way is free, drives, and says where the robot is when it stands."""
+        """Plans, waits until the way is free, drives, and writes where the robot is once it has stopped."""
         goal = self._goal()
         if isinstance(goal, Failure):
             return goal
@@ -90,7 +90,7 @@ class DriveBase(DrivingPrimitive):
         return place @ driving
 
     def _plan(self, base: Base, goal: Pose, outline: Outline) -> Execution[BasePath | NoMotion | None]:
-        """Plans around everything that stands; None if there is a way, but for another robot that stands there."""
+        """Plans around everything at rest; None if only another standing robot blocks the way."""
         margin = max(_ASIDE, reach(outline) - reach(self._spec().footprint)) + _APART
         standing = other_robots.standing(self.context, self.params.robot, margin=margin)
         path = yield from self._path(base, goal, standing)
@@ -112,14 +112,14 @@ class DriveBase(DrivingPrimitive):
         return (yield from self.wait(planner.plan(request)))
 
     def _outline(self) -> Outline:
-        """What the robot covers while it drives; alone in its cell it need not know."""
+        """The robot's outline while it drives; not needed if it is alone in its cell."""
         if len(self.context.cell.robots) == 1:
             return self._spec().footprint
         robot = self.context.cell.group_of(self.params.base)
         return other_robots.outline(self.context, robot)
 
     def _is_free(self, way: Way, deadline: float) -> Execution[bool]:
-        """Waits for those who are in the way; not for one who stands there, nor for ever."""
+        """Waits for robots in the way, up to a deadline; not for one that stands still."""
         while not way.free:
             self._tell(way.waits_for())
             if way.blocked or self.context.now >= deadline:
@@ -134,7 +134,7 @@ class DriveBase(DrivingPrimitive):
             self.progress(1, f"waits for {waits_for} to clear the way")
 
     def _pause(self, deadline: float) -> Execution[None]:
-        """Waits until another robot drives off or has arrived; some have only moved an arm."""
+        """Waits until another robot drives off or has arrived; some robots only moved an arm."""
         end = min(deadline, self.context.now + _LOOK_AGAIN)
         before = self._driving()
         while self.context.now < end and self._driving() == before:
@@ -158,7 +158,7 @@ class DriveBase(DrivingPrimitive):
         return (yield from self.turn(base, heading, fastest=self._spec().max_angular, patience=_PATIENCE))
 
     def _straight(self, base: Base, leg: BaseLeg, way: Way, driven: int) -> Execution[bool]:
-        """Follows the line from here to the leg's end; steers by heading and by distance from the line."""
+        """Follows the line from here to the leg's end, steering by heading and distance from the line."""
         spec, deadline = self._spec(), self.context.now + _PATIENCE
         x0, y0, _ = base.state.pose.position
         length = math.hypot(leg.x - x0, leg.y - y0)

@@ -1,4 +1,4 @@
-"""What the primitives share that drive a differential-drive base."""
+"""Common base of the primitives that drive a differential-drive base."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class DrivingPrimitive(Primitive[Any]):
         return any(frame == self.params.base or self.rides(frame) for frame in frames)
 
     def leave(self, reason: str) -> None:
-        """Writes that the robot is on the floor: it is at no place while it drives."""
+        """Places the robot on the floor: it is at no location while it drives."""
         floors = self.world.instances(FLOOR)
         placement = self.world.placement(self.params.robot)
         if floors and (placement is None or placement.place != floors[0]):
@@ -39,7 +39,7 @@ class DrivingPrimitive(Primitive[Any]):
             patience: Longest time [s].
 
         Returns:
-            Whether it got there.
+            Whether it reached the heading.
         """
         limit, deadline = base.spec.max_angular_acceleration, self.context.now + patience
         while self.context.now < deadline:
@@ -52,7 +52,7 @@ class DrivingPrimitive(Primitive[Any]):
         return False
 
     def stand(self, base: Base) -> Execution[None]:
-        """Brakes, and gives localisation a moment to settle."""
+        """Brakes, and waits for localisation to settle."""
         deadline = self.context.now + 5.0
         yield
         while not base.state.still and self.context.now < deadline:

@@ -1,4 +1,4 @@
-"""Moving the fingers of a parallel gripper and feeling what they do."""
+"""Moving the fingers of a parallel gripper and sensing the result."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from skiros_py.skills.primitive import Execution
 _STILL_FOR = 0.1
 _PATIENCE = 2.0
 _FIRM = 0.5
-"""Share of a gripper's greatest force that parts are held with: enough for what it may carry, and gentle."""
+"""Fraction of a gripper's maximum force that parts are held with: enough for its payload, but gentle."""
 
 
 def firm_force(gripper: GripperSpec) -> float:
@@ -18,12 +18,12 @@ def firm_force(gripper: GripperSpec) -> float:
 
 
 def move_fingers(context: RunContext, gripper: Gripper, gap: float, force: float) -> Execution[GripperState]:
-    """Moves the fingers until they have stood still for a moment, and returns what they feel then.
+    """Moves the fingers until they have been still for a moment, and returns the gripper state.
 
     Args:
         context: The run.
         gripper: The gripper.
-        gap: Wanted gap between the pads [m]; 0 to close on whatever is between.
+        gap: Wanted gap between the pads [m]; 0 to close on whatever is between them.
         force: Greatest force per finger [N].
     """
     gripper.command(GripperTarget(gap, force))

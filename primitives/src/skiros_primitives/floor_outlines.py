@@ -1,4 +1,4 @@
-"""What things cover of the floor, seen from above."""
+"""Floor area covered by things, seen from above."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from skiros_py.geometry import Array, Pose, Primitive
 from skiros_py.ports.motion import Obstacle
 
 _TALLEST = 1.6
-"""What begins higher is in no base's way [m]."""
+"""Things above this height do not obstruct a base [m]."""
 
 
 def covered(obstacle: Obstacle) -> BaseGeometry:
-    """Returns what an obstacle covers of the floor [m in the map]; of round blocks, the square around them."""
+    """Returns the floor area covered by an obstacle [m, map frame]; for round blocks, the enclosing square."""
     corners = [(obstacle.pose @ block.pose).apply(_corners(block)) for block in obstacle.solid.primitives]
     outlines = [shapely.MultiPoint(block[:, :2]).convex_hull for block in corners if block[:, 2].min() < _TALLEST]
     return shapely.union_all(outlines)
 
 
 def placed(outline: Sequence[tuple[float, float]], base: Pose) -> BaseGeometry:
-    """Returns what an outline in the frame of a base covers where that stands [m in the map]."""
+    """Returns the area covered by an outline in the frame of a base at a given pose [m, map frame]."""
     points = base.apply(np.array([(x, y, 0.0) for x, y in outline]))
     return shapely.MultiPoint(points[:, :2]).convex_hull
 

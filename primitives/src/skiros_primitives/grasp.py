@@ -1,4 +1,4 @@
-"""Grasps a part that was registered, lifts it, and feels whether it is held."""
+"""Grasps a registered part, lifts it, and checks by touch whether it is held."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ from skiros_py.world.vocabulary import ARM, GRIPPER, HELD_BY, MANIPULATABLE
 _LIFT = 0.12
 """How far above the grasp the approach starts and the lift ends [m]."""
 _GAP_TOLERANCE = 0.007
-"""The gap over a grasped part differs from its width by at most this [m]."""
+"""Maximum difference between finger gap and part width when grasped [m]."""
 _FIRM = 2.0
-"""A held part is pressed with at least this force per finger [N]."""
+"""Minimum force per finger on a held part [N]."""
 
 
 class Grasp(ArmPrimitive):
@@ -45,7 +45,7 @@ class Grasp(ArmPrimitive):
     _lifting = False
 
     def start(self) -> Failure | None:
-        """Looks whether anybody said how to take such a part."""
+        """Checks that a grasp is known for the part."""
         try:
             grasp_of(self.world, self.params.part)
         except DescriptionError as error:
@@ -53,7 +53,7 @@ class Grasp(ArmPrimitive):
         return None
 
     def execute(self) -> Execution[Outcome]:
-        """Approaches, closes, lifts, feels."""
+        """Approaches, closes, lifts, checks the grasp."""
         part_pose = map_pose(self.context, self.params.part)
         if part_pose is None:
             return Failure(f"{self.params.part} has no exact pose yet")
@@ -108,7 +108,7 @@ class Grasp(ArmPrimitive):
         return abs(state.gap - grasp.width) <= _GAP_TOLERANCE and state.force >= _FIRM
 
     def recover(self) -> Execution[None]:
-        """Opens at the bottom and comes back up on the checked line; what was being lifted is put back first."""
+        """Opens at the bottom and retracts along the checked line; a part being lifted is put back first."""
         if self._retreat is None:
             return
         if self._lifting:
@@ -120,11 +120,11 @@ class Grasp(ArmPrimitive):
         self._retreat = None
 
     def _let_go(self, gripper: Gripper, grasp: GraspData, up: Trajectory) -> Execution[Outcome]:
-        """Puts down whatever is between the fingers and opens; where the part lies now must be looked for."""
+        """Puts down whatever is between the fingers and opens; the part then has to be located again."""
         felt = _felt(gripper.state)
         with self.world.transaction(author=self.name, reason=f"grasp failed: {felt}") as tx:
             set_pose(tx, self.world, self.params.part, None)
-        if gripper.state.force >= _FIRM:  # something is held, only not as it should be: it must not be dropped
+        if gripper.state.force >= _FIRM:  # something is held, but not as expected: do not drop it
             yield from self.follow(_reversed(up))
             self._retreat, self._lifting = up, False
         yield from self.open_wide(gripper)

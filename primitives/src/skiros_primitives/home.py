@@ -1,4 +1,4 @@
-"""Brings a robot's arms home and opens its empty grippers: the posture in which work begins."""
+"""Moves a robot's arms home and opens its empty grippers: the initial posture for work."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.world.vocabulary import ARM, HELD_BY, ROBOT
 
 _FELT = 2.0
-"""Fingers that are pressed apart with this force hold something [N]."""
+"""Finger force from which the gripper counts as holding something [N]."""
 
 
 class Home(Primitive["Home.Params"]):
-    """Brings one arm or all arms home and opens empty grippers; one that holds something stays closed."""
+    """Moves one arm or all arms home and opens empty grippers; one that holds something stays closed."""
 
     name: ClassVar[str] = "home"
     takes: ClassVar[tuple[str, ...]] = ("robot",)
@@ -31,13 +31,13 @@ class Home(Primitive["Home.Params"]):
         arm: str | None = param(ARM, "The arm; left out: all arms.", kind=Kind.OPTIONAL, default=None)
 
     def start(self) -> Failure | None:
-        """Looks whether the arm is one of the robot's."""
+        """Checks that the arm belongs to the robot."""
         if self.params.arm not in (None, *(arm.id for arm in self._robot.of(ArmSpec))):
             return Failure(f"{self.params.arm} is no arm of {self.params.robot}")
         return None
 
     def execute(self) -> Execution[Outcome]:
-        """Moves the arms first: what is between the fingers must not fall before it is where it can be seen."""
+        """Moves the arms first: anything between the fingers must not fall where it cannot be seen."""
         arm, robot = self.params.arm, self.params.robot
         moved = yield from self.call("move_arm", arm=arm) if arm else self.call("stow_arms", robot=robot)
         if isinstance(moved, Failure):
@@ -56,6 +56,6 @@ class Home(Primitive["Home.Params"]):
         return next(r for r in self.context.cell.robots if r.id == self.params.robot)
 
     def _holds(self, gripper: GripperSpec) -> bool:
-        """Believed or felt: a part that nobody knows of must not be dropped, either."""
+        """Returns whether it holds a part, believed or sensed: an unknown part must not be dropped, either."""
         felt = self.context.board.snapshot.state(gripper.id, GripperState).force >= _FELT
         return felt or bool(self.world.subjects(HELD_BY, gripper.id))

@@ -1,4 +1,4 @@
-"""Drives a base by a little, as a person wants it who sets a robot up."""
+"""Jogs a base by a small step, for robot setup."""
 
 from __future__ import annotations
 
@@ -32,23 +32,23 @@ _TURN = 0.35
 _SPEED, _TURNING = 0.1, 0.3
 """Greatest speeds [m/s, rad/s]."""
 _CLOSE = 0.02
-"""Distance kept from everything [m]; what is nearer before must not get nearer."""
+"""Distance kept from everything [m]; things already nearer must not get nearer."""
 _NEARER = 0.001
-"""Coming nearer by less than this is no coming nearer [m]."""
+"""Approaching by less than this does not count [m]."""
 _SHORT = 0.002
-"""A way shorter than this is none [m]."""
+"""A shorter distance counts as zero [m]."""
 _STEP = math.radians(3.0)
-"""Turn between two outlines that are looked at [rad]."""
+"""Turn between two checked outlines [rad]."""
 _STOWED = 0.05
-"""Greatest joint error of an arm that is in its travelling posture [rad]."""
+"""Maximum joint error of an arm in its travelling posture [rad]."""
 _PATIENCE = 20.0
-"""Longest time for the way, and for a turn [s]."""
+"""Time limit for the straight path and for each turn [s]."""
 
 
 class JogBase(DrivingPrimitive):
-    """Drives a base by at most 0.2 m and 0.35 rad, with its arms at home, where nothing is touched.
+    """Drives a base by at most 0.2 m and 0.35 rad, with its arms at home, if nothing is touched.
 
-    A step to the side is a turn, a straight way and a turn back: wheels do not roll sideways.
+    A sideways step is a turn, a straight path and a turn back: wheels do not roll sideways.
     """
 
     name: ClassVar[str] = "jog_base"
@@ -65,7 +65,7 @@ class JogBase(DrivingPrimitive):
         dyaw: float = param("number", "How far it turns to the left; 0.35 rad at most.", default=0.0, unit="rad")
 
     def start(self) -> Failure | None:
-        """Looks whether it is a small step, and the arms are where they travel."""
+        """Checks that the step is small and the arms are in their travelling posture."""
         way = math.hypot(self.params.dx, self.params.dy)
         if way > _FARTHEST or abs(self.params.dyaw) > _TURN:
             said = f"{way:.3g} m and {abs(self.params.dyaw):.3g} rad"
@@ -76,7 +76,7 @@ class JogBase(DrivingPrimitive):
         return None
 
     def execute(self) -> Execution[Outcome]:
-        """Drives, where the way is free, and says how far it came."""
+        """Drives if the way is free, and returns how far it got."""
         base = Base(self.context.board, self.params.base)
         before = base.state.pose
         goal = before @ Pose.of(self.params.dx, self.params.dy, 0.0, yaw=self.params.dyaw)
@@ -99,12 +99,12 @@ class JogBase(DrivingPrimitive):
         now = self.context.board.snapshot.state(arm, ArmState).positions
         return max(abs(is_ - wanted) for is_, wanted in zip(now, home, strict=True)) <= _STOWED
 
-    # ------------------------------------------------------------------ what is in the way
+    # ------------------------------------------------------------------ obstacles
 
     def _touched(self, start: Pose, path: BasePath) -> str:
-        """Returns the first thing that would be touched, or come nearer than may be; empty if the way is free.
+        """Returns the first thing that would be touched or come too near; empty if the way is free.
 
-        Folded arms are above everything but other robots.
+        Folded arms are above everything except other robots.
         """
         things = [o for o in obstacles(self.context, parts=False) if not self.rides(o.id)]
         robots = other_robots.standing(self.context, self.params.robot, margin=0.0)
@@ -128,7 +128,7 @@ class JogBase(DrivingPrimitive):
         return (yield from self.turn(base, heading, fastest=_TURNING, patience=_PATIENCE))
 
     def _straight(self, base: Base, leg: BaseLeg) -> Execution[bool]:
-        """Goes along its heading until it is beside the leg's end."""
+        """Drives along its heading until it is level with the leg's end."""
         limit, deadline = base.spec.max_linear_acceleration, self.context.now + _PATIENCE
         while self.context.now < deadline:
             left = _ahead(base.state.pose, leg)
@@ -146,7 +146,7 @@ class JogBase(DrivingPrimitive):
 
 
 def _path(start: Pose, goal: Pose) -> BasePath:
-    """The straight way, driven forwards or backwards, whichever takes the smaller turn."""
+    """The straight path, driven forwards or backwards, whichever needs the smaller turn."""
     x, y, _ = (start.inverse() @ goal).position
     if math.hypot(x, y) < _SHORT:
         return BasePath((), goal.yaw)
@@ -154,13 +154,13 @@ def _path(start: Pose, goal: Pose) -> BasePath:
 
 
 def _ahead(pose: Pose, leg: BaseLeg) -> float:
-    """How far a leg's end lies before the base [m]; negative where it lies behind."""
+    """How far a leg's end is ahead of the base [m]; negative if behind."""
     dx, dy = leg.x - pose.position[0], leg.y - pose.position[1]
     return dx * math.cos(pose.yaw) + dy * math.sin(pose.yaw)
 
 
 def _stations(start: Pose, path: BasePath) -> Iterator[Pose]:
-    """Yields poses on the way, near enough to each other for what the robot covers."""
+    """Yields poses along the path, close enough for collision checks of the outline."""
     at, heading = start.position, start.yaw
     for leg in path.legs:
         along = math.atan2(leg.y - at[1], leg.x - at[0]) + (math.pi if leg.backwards else 0.0)
@@ -179,7 +179,7 @@ def _turning(at: tuple[float, float, float], before: float, after: float) -> Ite
 
 
 def _nearing(around: Sequence[Obstacle], outline: Outline, start: Pose, path: BasePath) -> list[str]:
-    """Returns the ids of what an outline comes too near to: nearer than the margin, and than it is at the start."""
+    """Returns the ids of things that an outline comes too near to: nearer than the margin and than at the start."""
     standing = placed(outline, start)
     area = shapely.union_all([placed(outline, pose) for pose in _stations(start, path)])
     return [obstacle.id for obstacle in around if _too_near(covered(obstacle), standing, area)]

@@ -1,4 +1,4 @@
-"""Turns the joints of an arm by a little, as a person wants it who sets a robot up."""
+"""Jogs the joints of an arm by a small step, for robot setup."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ from skiros_py.world.vocabulary import ARM
 _FARTHEST = 0.2
 """Farthest turn of one joint in one step [rad]."""
 _SHOWN = 0.0005
-"""A joint that turns less is not told of [rad]."""
+"""Smaller joint motions are not reported [rad]."""
 _SPEED = 0.3
-"""Share of the joint speeds that is used."""
+"""Fraction of the maximum joint speeds that is used."""
 _DETOUR = 0.02
-"""By how much a joint may turn more than it is told [rad]: more is a way around something."""
+"""How much farther than commanded a joint may turn [rad]: more means a detour around something."""
 
 
 class JogJoints(ArmPrimitive):
-    """Turns the joints of an arm by at most 0.2 rad each, straight and only where nothing is touched."""
+    """Turns the joints of an arm by at most 0.2 rad each, straight and only if nothing is touched."""
 
     name: ClassVar[str] = "jog_joints"
 
@@ -40,7 +40,7 @@ class JogJoints(ArmPrimitive):
         )
 
     def start(self) -> Failure | None:
-        """Looks whether it is a small step of this arm."""
+        """Checks that it is a small step of this arm."""
         joints, deltas = self.arm_spec.joints, self.params.deltas
         if len(deltas) != len(joints):
             return Failure(
@@ -52,7 +52,7 @@ class JogJoints(ArmPrimitive):
         return None
 
     def execute(self) -> Execution[Outcome]:
-        """Moves, where the straight way is free."""
+        """Moves if the straight path is free."""
         before = self.arm.state.positions
         goal = tuple(position + delta for position, delta in zip(before, self.params.deltas, strict=True))
         if not self.is_planned:
@@ -64,7 +64,7 @@ class JogJoints(ArmPrimitive):
         return Success(self._turned())
 
     def _turned(self) -> str:
-        """Says which joints were turned, and by how much."""
+        """Describes which joints were turned, and by how much."""
         ways = zip(self.arm_spec.joints, self.params.deltas, strict=True)
         turned = [f"{joint} by {delta:.3f} rad" for joint, delta in ways if abs(delta) >= _SHOWN]
         return f"turned {', '.join(turned)}" if turned else "nothing to turn"

@@ -1,4 +1,4 @@
-"""Moves the tool of an arm by a little, as a person wants it who sets a robot up."""
+"""Jogs the tool of an arm by a small step, for robot setup."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ _TURN = 0.35
 _SPEED = 0.05
 """Greatest speed of the tool [m/s]."""
 _SHARE = 0.3
-"""Share of the joint speeds that is used."""
+"""Fraction of the maximum joint speeds that is used."""
 
 Triple = tuple[float, float, float]
 
 
 class JogTool(ArmPrimitive):
-    """Moves and turns the tool of an arm by at most 0.1 m and 0.35 rad, straight and only where nothing is touched."""
+    """Moves and turns the tool of an arm by at most 0.1 m and 0.35 rad, straight and only if nothing is touched."""
 
     name: ClassVar[str] = "jog_tool"
 
@@ -60,7 +60,7 @@ class JogTool(ArmPrimitive):
         )
 
     def start(self) -> Failure | None:
-        """Looks whether it is a small step, in a frame that there is."""
+        """Checks that it is a small step in an existing frame."""
         way, turn = math.hypot(*self.params.translation), math.hypot(*self.params.rotation)
         if way > _FARTHEST or turn > _TURN:
             return Failure(
@@ -73,7 +73,7 @@ class JogTool(ArmPrimitive):
         return None
 
     def execute(self) -> Execution[Outcome]:
-        """Moves on a line, where that is free."""
+        """Moves along a line if it is free."""
         tool = self.tool_pose()
         line = LineMove(self._goal(tool), speed=_SPEED, touching=self._touching())
         refusal = yield from self.go([(line,)], speed=_SHARE)
@@ -117,7 +117,7 @@ class JogTool(ArmPrimitive):
 
 
 def _quaternion(rotation: Triple) -> tuple[float, float, float, float]:
-    """Writes a rotation vector [rad] as a unit quaternion."""
+    """Converts a rotation vector [rad] to a unit quaternion."""
     angle = math.hypot(*rotation)
     if angle == 0.0:
         return (0.0, 0.0, 0.0, 1.0)

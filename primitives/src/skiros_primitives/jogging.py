@@ -1,4 +1,4 @@
-"""What the primitives share that move a robot by hand, a little at a time."""
+"""Common parts of the jogging primitives."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from skiros_py.ports.motion import MotionPlan, NoMotion, Trajectory
 from skiros_py.skills.primitive import Execution
 
 _SPEED = 0.3
-"""Mean joint speed of a motion that nobody plans [rad/s]."""
+"""Mean joint speed of an unplanned motion [rad/s]."""
 
 
 def even(start: Sequence[float], goal: Sequence[float], period: float) -> Trajectory:
-    """Returns a straight motion from rest to rest, for arms that nothing is planned for.
+    """Returns a straight motion from rest to rest, for arms without a planner.
 
     Args:
         start: Joint angles where it begins [rad].
@@ -30,7 +30,7 @@ def even(start: Sequence[float], goal: Sequence[float], period: float) -> Trajec
 
 
 def slip(arm: ArmPrimitive, planned: MotionPlan) -> Execution[NoMotion | None]:
-    """Follows what was planned, and keeps the floor below where the arm ends; returns why it did not get there."""
+    """Follows a plan and keeps the floor below the arm's end position reserved; returns why it did not arrive."""
     refusal = yield from arm.follow_all(*planned.legs)
     if refusal is None:
         arm.context.floor.stretch(arm.params.arm, planned.ends)

@@ -1,4 +1,4 @@
-"""Looks over a storage place, tells parts apart by their shape, and writes where they are."""
+"""Looks over a storage place, recognizes parts by their shape, and writes where they are."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ from skiros_py.world.vocabulary import (
 )
 
 _CLEAR = 0.9
-"""A look is clear when the camera saw at least this share of the place."""
+"""Minimum fraction of the place that the camera must see for a clear look."""
 _MISSES = 2
-"""A part that so many clear looks do not show is missing."""
+"""A part absent from this many clear looks is missing."""
 
 
 class Locate(LookingPrimitive):
-    """Looks from above; looks again where something expected is not seen."""
+    """Looks from above; looks again if something expected is not seen."""
 
     name: ClassVar[str] = "locate"
 
@@ -83,7 +83,7 @@ class Locate(LookingPrimitive):
                 part = element or tx.add(type_, placement=Placement(IN, self.params.place))
                 set_pose(tx, self.world, part, pose)
                 if element:
-                    tx.place(part, IN, self.params.place)  # one that was missing is found
+                    tx.place(part, IN, self.params.place)  # a missing part is found
                     tx.set(part, MISSED_LOOKS, None)
                     tx.set(part, MISSING, None)
                 seen.add(part)
@@ -92,7 +92,7 @@ class Locate(LookingPrimitive):
         return seen
 
     def _count_misses(self, tx: Transaction, found: Association, *, unknown: int) -> None:
-        """Something unknown may be a part that was expected, so it excuses as many of those."""
+        """Counts misses of expected parts; each unknown detection may be one of them, so as many are excused."""
         for part in found.unseen[: max(0, len(found.unseen) - unknown)]:
             before = self.world.value(part, MISSED_LOOKS)
             misses = (before if isinstance(before, int) else 0) + 1
@@ -104,7 +104,7 @@ class Locate(LookingPrimitive):
                 self._empty_stock(tx, self.world.element(part).type)
 
     def _empty_stock(self, tx: Transaction, type_: str) -> None:
-        """Where one of a type is missing, each that was seen is another known one: nothing is left in stock."""
+        """If a part of a type is missing, all seen ones are other known parts: the stock is empty."""
         for stock in stocks(self.world):
             if (stock.class_, stock.placement.place) == (type_, self.params.place):
                 tx.set(stock.id, STOCK_COUNT, 0)

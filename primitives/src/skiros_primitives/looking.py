@@ -1,4 +1,4 @@
-"""What the primitives share that look: a picture from straight above, and the parts it shows."""
+"""Common base of the looking primitives: an image from straight above, and the parts it shows."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from skiros_py.ports.values import DepthImage
 from skiros_py.skills.primitive import Execution
 
 _LOOK_HEIGHTS = (0.46, 0.40, 0.34)
-"""Heights of the camera above what it looks at, best first [m]; low ones where the arm cannot reach higher."""
+"""Heights of the camera above the viewed surface, best first [m]; low ones for when the arm cannot reach higher."""
 
 
 class LookingPrimitive(ArmPrimitive):
@@ -42,9 +42,9 @@ class LookingPrimitive(ArmPrimitive):
             camera: The camera.
             x: Where to look, in the map [m].
             y: Where to look, in the map [m].
-            surface: Height of what is looked at, in the map [m].
-            aside: How far to draw the tool back [m]: a part in the gripper hides that side of the picture, so that the
-                point should lie on the other.
+            surface: Height of the viewed surface, in the map [m].
+            aside: How far to retract the tool [m]: a part in the gripper hides that side of the image, so the point
+                should lie on the other side.
         """
         tool_camera = self._camera_in_tool(camera)
         answer: NoMotion | None = NoMotion("no height tried")
@@ -57,7 +57,7 @@ class LookingPrimitive(ArmPrimitive):
         return NoMotion(f"cannot look at ({x:.2f}, {y:.2f}) from above: {answer.reason}" if answer else "")
 
     def camera_pose(self, camera: CameraSpec, image: DepthImage) -> Pose:
-        """Returns the pose of the camera in the map when it took a picture, as known from joints and localisation."""
+        """Returns the camera pose in the map when it took an image, from joints and localisation."""
         return self.context.frames.at(image.snapshot).located(camera.id)
 
     def camera_spec(self, camera: str) -> CameraSpec:

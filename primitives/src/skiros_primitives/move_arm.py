@@ -15,7 +15,7 @@ from skiros_py.world.vocabulary import ARM
 
 
 class MoveArm(ArmPrimitive):
-    """Moves freely, around obstacles, with whatever is held."""
+    """Moves around obstacles, with whatever is held."""
 
     name: ClassVar[str] = "move_arm"
 

@@ -1,4 +1,4 @@
-"""The other robots of the cell, as things not to touch, and what a robot itself covers of the floor."""
+"""The other robots of the cell as obstacles, and a robot's own floor outline."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from skiros_py.skills.context import RunContext
 from skiros_py.skills.floor import Outline
 
 _HEIGHT = 1.2
-"""How high a base with its folded arm is taken to be [m]."""
+"""Assumed height of a base with its folded arm [m]."""
 _HAND = 0.12
 """How far hand and camera stick out around the arm's tip [m]."""
 _CORNERS = 8
 
 
 def others(context: RunContext, robot: str) -> tuple[RobotSpec, ...]:
-    """Returns all robots of the cell but one."""
+    """Returns all robots of the cell except one."""
     return tuple(other for other in context.cell.robots if other.id != robot)
 
 
 def bodies(context: RunContext, robot: str, *, margin: float = 0.0) -> tuple[Obstacle, ...]:
-    """Returns what the other robots are to a robot: a block around each where it is now.
+    """Returns the other robots as obstacles: a block around each at its current pose.
 
     Args:
         context: The run.
@@ -49,12 +49,12 @@ def _block(context: RunContext, robot: RobotSpec, outline: Outline, margin: floa
 
 
 def standing(context: RunContext, robot: str, *, margin: float) -> tuple[Obstacle, ...]:
-    """Returns the other robots that do not drive, with their arms as they are stretched out or about to be.
+    """Returns the other robots that do not drive, with their arms as currently or soon extended.
 
     Args:
         context: The run.
         robot: Id of the robot that is not to touch them.
-        margin: By how much each is taken to be wider than it is, on each side [m].
+        margin: By how much each is enlarged on each side [m].
     """
     there = [other for other in others(context, robot) if not context.floor.is_driving(other.id)]
     found = [_body(context, other, margin) for other in there]
@@ -67,7 +67,7 @@ def standing(context: RunContext, robot: str, *, margin: float) -> tuple[Obstacl
 
 
 def _arm(context: RunContext, robot: RobotSpec, tip: Pose, margin: float) -> Obstacle:
-    """The block above which an arm is, from the middle of its base to its hand."""
+    """The block below an arm, from the centre of its base to its hand."""
     x, y, _ = tip.position
     along = Pose.of(x / 2.0, y / 2.0, 0.0, yaw=math.atan2(y, x))
     length, width = math.hypot(x, y) + 2.0 * (_HAND + margin), 2.0 * (_HAND + margin)
@@ -76,7 +76,7 @@ def _arm(context: RunContext, robot: RobotSpec, tip: Pose, margin: float) -> Obs
 
 
 def outline(context: RunContext, robot: RobotSpec) -> Outline:
-    """Returns what a robot covers of the floor while it drives: its base, and its hands in their travelling posture."""
+    """Returns a robot's floor outline while it drives: its base, and its hands in their travelling posture."""
     points = list(robot.outline)
     for tip in _tips(context, robot, now=False):
         turns = (2.0 * math.pi * corner / _CORNERS for corner in range(_CORNERS))
@@ -85,7 +85,7 @@ def outline(context: RunContext, robot: RobotSpec) -> Outline:
 
 
 def reach(points: Outline) -> float:
-    """Returns how far an outline reaches from the middle of the base [m]."""
+    """Returns how far an outline reaches from the centre of the base [m]."""
     return max(math.hypot(x, y) for x, y in points)
 
 

@@ -1,4 +1,4 @@
-"""What the ontology says about types of parts: shape, how to grasp them."""
+"""Part types from the ontology: shape and grasps."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import GRASP_HEIGHT, GRASP_POSE, GRASP_WIDTH, MANIPULATABLE, SOLID
 
 _ROUND_TURNS = 8
-"""From so many sides a round part is tried."""
+"""How many grasp directions are tried for a round part."""
 
 
 @dataclass(frozen=True, slots=True)
 class Grasp:
-    """How to take a part.
+    """How to grasp a part.
 
     Attributes:
-        poses: Poses of the tool in the part's frame that do equally well.
+        poses: Equivalent tool poses in the part's frame.
         width: Finger gap there when the part is held [m].
     """
 
@@ -31,7 +31,7 @@ class Grasp:
 
 
 def part_models(view: WorldView) -> tuple[PartModel, ...]:
-    """Returns every part type that has a shape of its own."""
+    """Returns every part type that has its own shape."""
     models = []
     for class_ in sorted(view.ontology.subclasses(MANIPULATABLE)):
         text = view.ontology.class_value(class_, SOLID)
@@ -41,10 +41,10 @@ def part_models(view: WorldView) -> tuple[PartModel, ...]:
 
 
 def grasp_of(view: WorldView, part: str) -> Grasp:
-    """Returns how to grasp a part: as it says itself, else as was taught for its class, else as its class says.
+    """Returns how to grasp a part: from the part itself, else as taught for its class, else from its class.
 
     Raises:
-        DescriptionError: Nobody says how.
+        DescriptionError: No grasp is known.
     """
     pose, height, width = (view.value(part, name) for name in (GRASP_POSE, GRASP_HEIGHT, GRASP_WIDTH))
     own = view.element(part).properties
@@ -57,7 +57,7 @@ def grasp_of(view: WorldView, part: str) -> Grasp:
 
 
 def _alike(pose: Pose, solid: Solid | None) -> tuple[Pose, ...]:
-    """The grasp itself and with the fingers exchanged; from all sides of a part that looks the same from them."""
+    """The grasp itself and with the fingers swapped; for round parts, from all sides."""
     if solid is not None and _is_round(solid):
         turns = (Pose.of(0.0, 0.0, 0.0, yaw=2.0 * math.pi * k / _ROUND_TURNS) for k in range(_ROUND_TURNS))
         return tuple(turn @ pose for turn in turns)

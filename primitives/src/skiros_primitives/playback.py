@@ -1,4 +1,4 @@
-"""Where an arm shall be on its trajectory, by a clock that may slow down and stand still."""
+"""Plays back a trajectory by a clock that may slow down or stop."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from skiros_py.devices.arm import ArmTarget
 from skiros_py.ports.motion import Trajectory
 
 _SAME = 1e-6
-"""Clock times that differ by less than this part of a period are the same."""
+"""Clock times that differ by less than this fraction of a period count as equal."""
 
 
 class Playback:
-    """Samples a trajectory at the time that has passed on a clock; the path is the same, however the clock goes.
+    """Samples a trajectory at the time that has passed on a clock; the path is independent of the clock's speed.
 
     Args:
         trajectory: Samples, one per period.
@@ -29,11 +29,11 @@ class Playback:
 
     @property
     def ended(self) -> bool:
-        """True when the last sample has been given out."""
+        """True once the last sample has been returned."""
         return self._sample >= len(self._trajectory.positions) - 1
 
     def target(self, now: float) -> ArmTarget:
-        """Returns the set-point for the end of the coming cycle, in which the clock goes on as it did in the last one.
+        """Returns the set-point for the end of the coming cycle, assuming the clock runs as in the last one.
 
         Args:
             now: Time on the clock, once per cycle [s].
@@ -51,6 +51,6 @@ class Playback:
 
 
 def _rounded(periods: float) -> float:
-    """Returns a whole number where only rounding is off: on a clock that runs on time each sample is hit exactly."""
+    """Returns a whole number if within rounding error: on a regular clock each sample is hit exactly."""
     whole = math.floor(periods + 0.5)
     return float(whole) if abs(periods - whole) < _SAME else periods

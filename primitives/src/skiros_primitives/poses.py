@@ -1,4 +1,4 @@
-"""Poses of tools and parts that primitives reckon with."""
+"""Poses of tools and parts used by primitives."""
 
 from __future__ import annotations
 
@@ -13,5 +13,5 @@ def downward(x: float, y: float, z: float, yaw: float) -> Pose:
 
 
 def level(pose: Pose) -> Pose:
-    """Returns a pose without its tilt: things are believed to stand as they are described, whatever a look says."""
+    """Returns a pose without its tilt: things are assumed to stand upright, regardless of the measured tilt."""
     return Pose.of(*pose.position, yaw=pose.yaw)

@@ -79,7 +79,7 @@ class PutDown(ArmPrimitive):
         return routes
 
     def _places(self) -> list[Pose]:
-        """Where in the compartment the part may be let go: as was taught, else in its middle, sides along sides."""
+        """Release poses in the compartment: as taught, else in its centre, with sides aligned."""
         placing = self.world.value(self.params.compartment, PLACING_POSE)
         if isinstance(placing, Pose):
             x, y, z = placing.position
@@ -112,14 +112,14 @@ class PutDown(ArmPrimitive):
         return Success(f"released over {self.params.compartment}")
 
     def _write_released(self) -> None:
-        """It is no longer held; where it is now, a look has to say."""
+        """Writes that the part is no longer held; its pose has to be determined by a look."""
         part, compartment = self.params.part, self.params.compartment
         with self.world.transaction(author=self.name, reason=f"released over {compartment}, not seen yet") as tx:
             tx.place(part, ON, self.world.instances(UNKNOWN_LOCATION)[0])
             set_pose(tx, self.world, part, None)
 
     def recover(self) -> Execution[None]:
-        """Comes back up on the line that was checked, with what it still holds."""
+        """Retracts along the checked line, with anything it still holds."""
         if self._retreat is not None:
             yield from self.follow_from_here(self._retreat)
             self._retreat = None

@@ -1,4 +1,4 @@
-"""Asks a person to bring something to a place."""
+"""Asks the user to bring something to a place."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _DONE, _CANNOT = "done", "cannot"
 
 
 class Refill(AskingPrimitive):
-    """Asks a person to bring something to a place; what is there then has to be looked for before it is relied on."""
+    """Asks the user to bring something to a place; it has to be located before it is used."""
 
     name: ClassVar[str] = "refill"
 
@@ -36,7 +36,7 @@ class Refill(AskingPrimitive):
         )
 
     def start(self) -> Failure | None:
-        """Looks whether it can be asked for."""
+        """Checks that the thing can be requested."""
         if not self.world.ontology.is_a(self.params.what, MANIPULATABLE):
             return Failure(f"what: {self.params.what} is no {MANIPULATABLE}, so nobody can bring it")
         if self.params.count < 1:
@@ -44,7 +44,7 @@ class Refill(AskingPrimitive):
         return super().start()
 
     def execute(self) -> Execution[Outcome]:
-        """Asks, and believes what the person says until a look says otherwise."""
+        """Asks, and takes the answer as true until a look contradicts it."""
         place, count = self.params.place, self.params.count
         text = f"Bring {count} x {local_name(self.params.what)} to {self.world.element(place).label} ({place})"
         answer = yield from self.ask(QuestionKind.REFILL, text, (_DONE, _CANNOT))
@@ -58,7 +58,7 @@ class Refill(AskingPrimitive):
         return Success(f"{place} was refilled")
 
     def _unverify(self, tx: Transaction) -> None:
-        """Whoever was at the place may have moved what lies there."""
+        """Marks the place's things as unverified: the user may have moved them."""
         for thing in self.world.subjects(IN, self.params.place):
             if self.world.ontology.is_a(self.world.element(thing).type, MANIPULATABLE):
                 self._forget(tx, thing)

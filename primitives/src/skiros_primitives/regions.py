@@ -19,7 +19,7 @@ def support_region(context: RunContext, place: str) -> Region | str:
 
 
 def inner_region(context: RunContext, compartment: str) -> Region | str:
-    """Returns the floor of a compartment in the map, or why it is not known."""
+    """Returns the floor of a compartment in the map, or why it is unknown."""
     pose = map_pose(context, compartment)
     solid = context.world.value(compartment, SOLID)
     if pose is None or solid is None:

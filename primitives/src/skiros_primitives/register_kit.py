@@ -1,4 +1,4 @@
-"""Looks at a kit and corrects where it is believed to be, before something is put into it."""
+"""Looks at a kit and corrects its believed pose before something is put into it."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from skiros_py.skills.surroundings import map_pose, set_pose, solid_of
 from skiros_py.world.vocabulary import ARM, CAMERA, CONTAINER, POSE_FRAME
 
 _ASIDE = (0.0, 0.06, 0.09)
-"""How far the tool is drawn back for each further look [m]: what it holds may hide the kit."""
+"""How far the tool is retracted for each look [m]: a held part may hide the kit."""
 
 
 class RegisterKit(LookingPrimitive):
-    """The kit's walls are fitted to what the camera sees; a bad fit is an answer, not a pose."""
+    """Fits the kit's walls to the camera image; a bad fit gives a failure, not a pose."""
 
     name: ClassVar[str] = "register_kit"
 
@@ -34,7 +34,7 @@ class RegisterKit(LookingPrimitive):
         kit: str = param(CONTAINER, "The kit.")
 
     def execute(self) -> Execution[Outcome]:
-        """Looks, and corrects the belief."""
+        """Looks, and corrects the believed pose."""
         believed = map_pose(self.context, self.params.kit)
         if believed is None:
             return Failure(f"nobody said where {self.params.kit} is")

@@ -1,4 +1,4 @@
-"""Looks again from straight above one part, for its exact pose and to be sure of its type."""
+"""Looks again from straight above one part, to get its exact pose and confirm its type."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from skiros_py.world.vocabulary import ARM, CAMERA, MANIPULATABLE
 _NEAR = 0.05
 """The part seen may lie at most this far from where the first look saw it [m]."""
 _HALF = 0.10
-"""Half side of the square that is searched [m]."""
+"""Half the side length of the searched square [m]."""
 
 
 class RegisterPart(LookingPrimitive):
@@ -35,7 +35,7 @@ class RegisterPart(LookingPrimitive):
         part: str = param(MANIPULATABLE, "The part; a first look has seen it.")
 
     def execute(self) -> Execution[Outcome]:
-        """Looks, and corrects the belief."""
+        """Looks, and corrects the believed pose."""
         believed = map_pose(self.context, self.params.part)
         if believed is None:
             return Failure(f"{self.params.part} has not been seen yet")

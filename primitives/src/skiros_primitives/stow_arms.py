@@ -1,4 +1,4 @@
-"""Brings all arms of a robot into their travelling posture, unless they are in it."""
+"""Moves all arms of a robot to their travelling posture, unless they are already there."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.world.vocabulary import ROBOT
 
 _STOWED = 0.05
-"""Greatest joint error of an arm that is in its posture [rad]."""
+"""Maximum joint error of an arm in its posture [rad]."""
 
 
 class StowArms(Primitive["StowArms.Params"]):
-    """Brings all arms into their travelling posture: a base must not drive with one stretched out.
+    """Moves all arms to their travelling posture: a base must not drive with an extended arm.
 
     The base's paths are planned for its outline alone.
     """

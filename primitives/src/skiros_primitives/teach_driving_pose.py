@@ -1,4 +1,4 @@
-"""Learns where a base stands to work at a kind of place: where it stands now."""
+"""Learns the driving pose for a kind of place from the current base pose."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from skiros_py.world.vocabulary import BASE, DRIVING_POSE, LOCATION, TAUGHT_DRIV
 
 
 class TeachDrivingPose(Primitive["TeachDrivingPose.Params"]):
-    """Learns where to stand at places of a class: where the base stands now, seen from one of them."""
+    """Learns where to stand at places of a class: the current base pose relative to one of them."""
 
     name: ClassVar[str] = "teach_driving_pose"
 
@@ -33,11 +33,11 @@ class TeachDrivingPose(Primitive["TeachDrivingPose.Params"]):
         )
 
     def start(self) -> Failure | None:
-        """Looks whether the place is one of those."""
+        """Checks that the place is of that class."""
         return other_class(self.world, self.params.location, self.params.type)
 
     def execute(self) -> Execution[Outcome]:
-        """Writes down where the base stands."""
+        """Stores the base pose."""
         yield from ()
         place, base = map_pose(self.context, self.params.location), Base(self.context.board, self.params.base)
         if place is None:

@@ -1,4 +1,4 @@
-"""Learns how to grasp a kind of part: as the gripper has it now."""
+"""Learns how to grasp a kind of part from the current grasp."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from skiros_py.skills.surroundings import held_by, map_pose
 from skiros_py.world.vocabulary import ARM, GRASP_POSE, GRASP_WIDTH, GRIPPER, MANIPULATABLE, TAUGHT_GRASP
 
 _OPEN = 0.002
-"""Fingers that are less than this from wide open are not closed on anything [m]."""
+"""Fingers less than this from fully open hold nothing [m]."""
 
 
 class TeachGrasp(ArmPrimitive):
-    """Learns how to take parts of a class: as the gripper has one of them now."""
+    """Learns how to grasp parts of a class from the current grasp of one of them."""
 
     name: ClassVar[str] = "teach_grasp"
 
@@ -37,11 +37,11 @@ class TeachGrasp(ArmPrimitive):
         )
 
     def start(self) -> Failure | None:
-        """Looks whether the part is one of those."""
+        """Checks that the part is of that class."""
         return other_class(self.world, self.params.part, self.params.type)
 
     def execute(self) -> Execution[Outcome]:
-        """Writes down where the tool is on the part, and how far the fingers are apart."""
+        """Stores the tool pose on the part, and the finger gap."""
         yield from ()  # it takes no time
         tool = self._tool_on_part()
         if tool is None:

@@ -1,4 +1,4 @@
-"""Learns how things are put into a kind of container: as one is now."""
+"""Learns how things are put into a kind of container, from an example."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from skiros_py.world.vocabulary import ARM, CONTAINER, GRIPPER, MANIPULATABLE, P
 
 
 class TeachPlacingPose(ArmPrimitive):
-    """Learns how to put things into containers of a class: as the part is now, in the gripper or where it was seen."""
+    """Learns how to put things into containers of a class from the part's current pose, held or seen."""
 
     name: ClassVar[str] = "teach_placing_pose"
 
@@ -32,11 +32,11 @@ class TeachPlacingPose(ArmPrimitive):
         )
 
     def start(self) -> Failure | None:
-        """Looks whether the container is one of those."""
+        """Checks that the container is of that class."""
         return other_class(self.world, self.params.container, self.params.type)
 
     def execute(self) -> Execution[Outcome]:
-        """Writes down where the part is in the container."""
+        """Stores the part's pose in the container."""
         yield from ()  # it takes no time
         container, part = (map_pose(self.context, one) for one in (self.params.container, self.params.part))
         if container is None or part is None:

@@ -1,4 +1,4 @@
-"""What the primitives share that are taught: for which class of things it counts, and keeping it."""
+"""Common parts of the teaching primitives: the class a lesson applies to, and storing it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from skiros_py.world.world import World
 
 
 def other_class(world: World, element: str, type_: str | None) -> Failure | None:
-    """Returns why something cannot be taught by the example of an element for a class: it must be of that class."""
+    """Returns why an element cannot serve as an example for a class: it must be of that class."""
     line = world.ontology.ancestors(world.element(element).type)
     if type_ is None or type_ in line:
         return None
@@ -22,14 +22,14 @@ def other_class(world: World, element: str, type_: str | None) -> Failure | None
 def keep(
     world: World, lesson: ClassName, element: str, type_: str | None, values: Mapping[str, Value], *, author: str
 ) -> Outcome:
-    """Keeps what was shown on one element for all things of its class.
+    """Stores data shown on one element for all things of its class.
 
     Args:
         world: The world.
-        lesson: Class of what is learned.
-        element: On which it was shown.
-        type_: The class that it is about; that of the element where left out.
-        values: What was shown, by property.
+        lesson: Class of the learned data.
+        element: The example element.
+        type_: The class it applies to; by default, that of the element.
+        values: The shown values, by property.
         author: Who was taught.
     """
     class_ = type_ or world.element(element).type

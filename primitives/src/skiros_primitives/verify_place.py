@@ -1,4 +1,4 @@
-"""Looks into a compartment after something was put there, and writes what is seen."""
+"""Looks into a compartment after something was put there, and writes the result."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _LOOKS = 2
 
 
 class VerifyPlace(LookingPrimitive):
-    """Only what was seen in the compartment is believed to be in it."""
+    """Only parts seen in the compartment are believed to be in it."""
 
     name: ClassVar[str] = "verify_place"
 

@@ -1,4 +1,4 @@
-"""Watches in the background whether the gripper still holds what it is believed to hold."""
+"""Monitors in the background whether the gripper still holds the part it is believed to hold."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from skiros_py.skills.surroundings import set_pose
 from skiros_py.world.vocabulary import FLOOR, GRASP_WIDTH, GRIPPER, HELD_BY, ON
 
 _TOLERANCE = 0.008
-"""Fingers that close this much further than the part is wide have lost it [m]."""
+"""Fingers that close this much further than the part's width have lost it [m]."""
 _FOR = 0.1
-"""How long they must be that close [s]: a single reading is no evidence."""
+"""How long they must be that close [s]: a single reading is not sufficient."""
 
 
 class WatchGrasp(Primitive["WatchGrasp.Params"]):
-    """Never ends by itself: the arm's skill manager runs it whenever the gripper is there."""
+    """Never ends by itself: the arm's skill manager runs it whenever the gripper is available."""
 
     name: ClassVar[str] = "watch_grasp"
     watches: ClassVar[str | None] = GRIPPER
@@ -31,7 +31,7 @@ class WatchGrasp(Primitive["WatchGrasp.Params"]):
         device: str = param(GRIPPER, "The gripper to watch; it is not taken from those who move it.")
 
     def execute(self) -> Execution[Outcome]:
-        """Reads the gap in every cycle; a part that slipped out is on the floor, as far as anybody can feel."""
+        """Reads the gap in every cycle; a lost part is assumed to be on the floor."""
         gripper = Gripper(self.context.board, self.params.device)
         lost_since: float | None = None
         while True:

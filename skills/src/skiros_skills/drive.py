@@ -34,6 +34,6 @@ DRIVE = Skill(
         Do.of("stow_arms", robot=P("Robot")),
         Do.of("drive_base", base=P("Base"), robot=P("Robot"), location=P("Location")),
     ),
-    takes=("Robot",),  # nobody else moves an arm while the base drives
+    takes=("Robot",),  # no arm may move while the base drives
 )
 DRIVE_FAKE = Skill(DESCRIPTION, AssertEffects(seconds=5.0), driver="fake")

@@ -55,6 +55,6 @@ PLACE = Skill(
         Do.of("verify_place", arm=P("Arm"), camera=P("Camera"), part=P("Object"), compartment=P("Compartment")),
     ),
     finish=Do.of("move_arm", arm=P("Arm")),
-    takes=("Kit",),  # one arm at a time over a kit, whichever side its robot stands at
+    takes=("Kit",),  # only one arm at a time over a kit, from whichever side
 )
 PLACE_FAKE = Skill(DESCRIPTION, AssertEffects(seconds=5.0), driver="fake")

@@ -1,4 +1,4 @@
-"""What the blocking and the asynchronous client have in common."""
+"""The common base of the blocking and the asynchronous client."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class AnyClient(Topics[C]):
     def of_data(cls, data: str | Path, **options: Any) -> Self:
         """Returns the client of the server that owns a data directory of this machine; it needs no key.
 
-        A server that takes its place later, perhaps at another address, is found as well.
+        A replacement server started later, perhaps at another address, is found as well.
 
         Args:
             data: The data directory.

@@ -17,7 +17,7 @@ T = TypeVar("T")
 
 
 class AsyncClient(AnyClient[AsyncSender]):
-    """Speaks with one server, as :class:`~skiros_py.client.client.Client` does, with ``await``.
+    """Communicates with one server like :class:`~skiros_py.client.client.Client`, with ``await``.
 
     Args:
         url: Address of the server.
@@ -27,17 +27,17 @@ class AsyncClient(AnyClient[AsyncSender]):
 
     Attributes:
         url: Address of the server.
-        http: Sends; its base address is that of the API.
+        http: The HTTP client; its base URL is that of the API.
 
     Raises:
-        UsageError: That is no address, or no key.
+        UsageError: The URL or the key is malformed.
     """
 
     http: httpx2.AsyncClient
     _http = httpx2.AsyncClient
 
     async def send(self, call: Call[T]) -> T:
-        """Sends a call, perhaps several times, and returns what it asked for.
+        """Sends a call, with retries if needed, and returns its result.
 
         Raises:
             ProblemError: The server refused.
@@ -56,7 +56,7 @@ class AsyncClient(AnyClient[AsyncSender]):
             return error
 
     def follow(self, stream: Stream[T], *, after: str | None = None, patience: float = 60.0) -> AsyncIterator[T]:
-        """Yields what happens for ``async for``; see :meth:`skiros_py.client.client.Client.follow`."""
+        """Yields events for ``async for``; see :meth:`skiros_py.client.client.Client.follow`."""
         return follow_later(self.http, stream, after=after, patience=patience)
 
     async def close(self) -> None:

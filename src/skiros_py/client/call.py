@@ -19,18 +19,17 @@ C_co = TypeVar("C_co", bound="Sender | AsyncSender", covariant=True)
 
 @dataclass(frozen=True, slots=True)
 class Call(Generic[T]):
-    """One request, and what its answer is read as.
+    """One request, and how its response is parsed.
 
     Attributes:
         method: HTTP method.
-        path: Path below ``/api/v1``, quoted already.
-        read: What a good answer is read as: a model, a list of models, or a function of the response.
+        path: Path below ``/api/v1``, already quoted.
+        read: How a successful response is parsed: a model, a list of models, or a function of the response.
         query: Query parameters; None leaves one out.
         json: Body, as plain data; None for none.
-        content: Body as it is, in the place of data; the headers say what it is.
+        content: Raw body instead of ``json``; the headers give its type.
         headers: Further headers; None leaves one out.
-        repeatable: True if the same request twice does no harm, so that it may be sent again when the connection
-            breaks.
+        repeatable: True if repeating the request is safe, so that it may be sent again when the connection breaks.
     """
 
     method: str
@@ -43,17 +42,17 @@ class Call(Generic[T]):
     content: bytes | None = None
 
     def result(self, response: httpx2.Response) -> T:
-        """Reads a good answer.
+        """Parses a successful response.
 
         Raises:
-            ValueError: The answer is not of the expected shape.
+            ValueError: The response does not have the expected shape.
         """
         result: T = _reader(self.read)(response)
         return result
 
 
 def _reader(read: Any) -> Callable[[httpx2.Response], Any]:
-    """Returns the function that reads an answer as a model or a list of models; another function is one already."""
+    """Returns the function that parses a response as a model or a list of models; functions are returned as is."""
     if isinstance(read, GenericAlias) or (isinstance(read, type) and issubclass(read, BaseModel)):
         return lambda response: _adapter(read).validate_json(response.content)
     return read  # type: ignore[no-any-return]
@@ -88,10 +87,10 @@ class Topic(Generic[C_co]):
 
 
 class Method(Generic[P, T]):
-    """A method of a topic, made from a function that makes a call: blocking or awaitable, as the client is.
+    """A method of a topic, made from a function that creates a call: blocking or awaitable, depending on the client.
 
     Args:
-        make: Makes the call.
+        make: Creates the call.
     """
 
     def __init__(self, make: Callable[P, Call[T]]) -> None:
@@ -118,24 +117,24 @@ def _send(client: Sender | AsyncSender, make: Callable[P, Call[T]], /, *args: P.
 
 
 def path_of(*parts: str | int) -> str:
-    """Returns the path of something, below ``/api/v1``; each part is quoted."""
+    """Returns a resource path below ``/api/v1``; each part is quoted."""
     return "".join(f"/{quote(str(part), safe='')}" for part in parts)
 
 
 def if_match(version: int | None, otherwise: str | None = None) -> dict[str, str | None]:
-    """Returns the header that says which version was seen.
+    """Returns the header with the expected version.
 
     Args:
         version: The version.
-        otherwise: What it says where there is none; None to leave it out.
+        otherwise: The value if there is no version; None to omit the header.
     """
     return {"If-Match": otherwise if version is None else f'"{version}"'}
 
 
 def plain(response: httpx2.Response) -> Any:
-    """Reads an answer as plain data."""
+    """Parses a response as plain data."""
     return response.json()
 
 
 def nothing(_response: httpx2.Response) -> None:
-    """Reads an answer without a body."""
+    """Accepts a response without a body."""

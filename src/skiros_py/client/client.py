@@ -17,9 +17,9 @@ T = TypeVar("T")
 
 
 class Client(AnyClient[Sender]):
-    """Speaks with one server. Close it, or use it in a ``with``; several threads may share it.
+    """Communicates with one server. Close it, or use it in a ``with`` statement; thread-safe.
 
-    What breaks on the way is sent again, where that does no harm: orders of jobs are, and are done once nevertheless.
+    Failed requests are retried if that is safe; job orders are retried, too, and still executed only once.
 
     Args:
         url: Address of the server.
@@ -29,17 +29,17 @@ class Client(AnyClient[Sender]):
 
     Attributes:
         url: Address of the server.
-        http: Sends; its base address is that of the API.
+        http: The HTTP client; its base URL is that of the API.
 
     Raises:
-        UsageError: That is no address, or no key.
+        UsageError: The URL or the key is malformed.
     """
 
     http: httpx2.Client
     _http = httpx2.Client
 
     def send(self, call: Call[T]) -> T:
-        """Sends a call, perhaps several times, and returns what it asked for.
+        """Sends a call, with retries if needed, and returns its result.
 
         Raises:
             ProblemError: The server refused.
@@ -58,11 +58,11 @@ class Client(AnyClient[Sender]):
             return error
 
     def follow(self, stream: Stream[T], *, after: str | None = None, patience: float = 60.0) -> Iterator[T]:
-        """Yields what happens, over broken connections and restarts of the server; leave the loop to end that.
+        """Yields events, across broken connections and server restarts; leave the loop to stop.
 
         Args:
             stream: What to follow, from :mod:`skiros_py.client.calls.events`.
-            after: Id of the last event seen; None for what comes from now on (of a job: for all that is kept).
+            after: Id of the last event seen; None for events from now on (for a job: all that are kept).
             patience: How long the server may stay silent before this gives up [s].
 
         Raises:

@@ -1,4 +1,4 @@
-"""Which server a data directory belongs to: the file that it leaves there, and the lock that says whether it lives."""
+"""Finds the server of a data directory: by the file it writes there, and the lock it holds while it runs."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ _LONGEST = 4096
 
 
 def find_server(data: Path) -> LocalServer | None:
-    """Returns the server that owns a data directory now; None if there is none, whatever an earlier one left.
+    """Returns the server that owns a data directory now; None if there is none, regardless of old files.
 
     Raises:
-        FileError: What it says of itself cannot be read, such as when it belongs to somebody else.
+        FileError: Its file cannot be read, for example because it belongs to another user.
     """
     owner = _owner(data)
     if owner is None:
@@ -31,14 +31,14 @@ def find_server(data: Path) -> LocalServer | None:
 
 
 def _announced(data: Path) -> LocalServer | None:
-    """Returns what the last server of a data directory says of itself, whether it lives or not."""
+    """Returns the file contents of the last server of a data directory, whether it is running or not."""
     path = data / SERVER_FILE
     try:
         return LocalServer.model_validate_json(path.read_bytes())
     except FileNotFoundError:
         return None
     except ValidationError:
-        return None  # an unfinished one of another version: it is written in one go
+        return None  # incomplete, so of another version: it is written atomically
     except PermissionError:
         raise FileError(
             path, "belongs to somebody else's server: reach it by its address (--url), with a key of your own"
@@ -51,7 +51,7 @@ def server_of(data: Path) -> LocalServer:
     """Returns the server that owns a data directory.
 
     Raises:
-        FileError: There is none; or what it says of itself cannot be read.
+        FileError: There is none, or its file cannot be read.
     """
     server = find_server(data)
     if server is None:
@@ -60,10 +60,10 @@ def server_of(data: Path) -> LocalServer:
 
 
 class InStep(httpx2.Auth):
-    """Sends each request to the server that owns a data directory then: one that is restarted has another key.
+    """Sends each request to the server that currently owns a data directory: a restarted one has another key.
 
-    The lock of the directory is not looked at, as that could be in the way of a server that starts: where none lives,
-    nobody answers.
+    The directory's lock is not checked, since that could interfere with a starting server; without a running server
+    the connection simply fails.
 
     Args:
         data: The data directory.
@@ -84,7 +84,7 @@ class InStep(httpx2.Auth):
 
 
 def _owner(data: Path) -> int | None:
-    """Returns the process that has the directory's lock; None if it is free. The kernel knows, not the file."""
+    """Returns the process that holds the directory's lock, from the kernel; None if it is free."""
     try:
         file = os.open(data / "lock", os.O_RDONLY)
     except OSError:

@@ -1,4 +1,4 @@
-"""Why a call came to nothing: the server refused it, or does not answer."""
+"""Errors of calls: the server refused, or does not answer."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ _LONGEST_NUMBER = 5
 
 
 class ProblemError(SkirosError):
-    """The server says why it does not do what it was asked for.
+    """The server refused a request and gave the reason.
 
     Attributes:
-        problem: All that it says.
-        retry_after: When it may be asked again [s]; None if it does not say.
+        problem: The problem document.
+        retry_after: When to retry [s]; None if not given.
     """
 
     def __init__(self, problem: ProblemDetails, retry_after: float | None = None) -> None:
@@ -27,17 +27,17 @@ class ProblemError(SkirosError):
 
     @property
     def status(self) -> int:
-        """The HTTP status: 404 for what is not there, 409 for what cannot be done now, 412 for a stale version, …."""
+        """The HTTP status: 404 for not found, 409 for a conflict with the current state, 412 for a stale version, …."""
         return self.problem.status
 
     @property
     def code(self) -> str:
-        """The kind of problem, for programs ("UnknownJobOrderID"); empty if it did not come from our server."""
+        """The kind of problem, for programs ("UnknownJobOrderID"); empty if it did not come from a SkiROS server."""
         return self.problem.code
 
     @property
     def detail(self) -> str:
-        """What is wrong with this request, and what would be right."""
+        """What is wrong with this request, and how to correct it."""
         return self.problem.detail
 
 
@@ -45,7 +45,7 @@ class Unreachable(DeviceError):
     """The server does not answer; whether a request that was sent took effect is unknown.
 
     Attributes:
-        url: Where it was tried.
+        url: The URL that was tried.
     """
 
     def __init__(self, url: str, why: str) -> None:
@@ -56,11 +56,11 @@ class Unreachable(DeviceError):
 
 
 class TookTooLong(SkirosError):
-    """What was waited for did not come true in time; it may later."""
+    """The awaited condition did not become true in time; it may later."""
 
 
 def problem_of(response: httpx2.Response) -> ProblemError:
-    """Reads why the server refused; what is no problem document (of a proxy, say) is shown as it is."""
+    """Parses the server's refusal; other responses (such as a proxy's) are shown as they are."""
     later = _retry_after(response)
     try:
         problem = ProblemDetails.model_validate_json(response.content)

@@ -1,4 +1,4 @@
-"""When a call is sent once more: the connection broke, or the server has too much to do."""
+"""When a call is retried: the connection broke, or the server is overloaded."""
 
 from __future__ import annotations
 
@@ -14,29 +14,29 @@ from skiros_py.client.errors import ProblemError, Unreachable
 from skiros_py.errors import UsageError
 
 _FIRST, _LONGEST = 0.1, 5.0
-"""The waits between two tries grow from the one to the other [s]."""
+"""First and longest wait between two attempts [s]."""
 _APART = 0.1
-"""A random time that is added to each [s]: it keeps many clients from coming back together."""
+"""Maximum random time added to each wait [s]: keeps many clients from retrying at the same moment."""
 _LONGEST_ASKED = 30.0
-"""Who is asked to wait for longer than that [s] tells the caller instead."""
+"""If the server asks for a longer wait [s], the error is raised to the caller instead."""
 _TOO_MANY_REQUESTS, _UNAVAILABLE = 429, 503
 
 
 class Attempts(Protocol):
-    """The tries of one call, for ``for`` and ``async for``: each is a ``with`` that ends the loop where it succeeds."""
+    """The attempts at one call, for ``for`` and ``async for``: each is a ``with`` block; success ends the loop."""
 
     def __iter__(self) -> Iterator[stamina.Attempt]:
-        """Yields the tries, and waits between them."""
+        """Yields the attempts, and waits between them."""
         ...
 
     def __aiter__(self) -> AsyncIterator[stamina.Attempt]:
-        """Yields the tries, and lets others run between them."""
+        """Yields the attempts, and awaits between them."""
         ...
 
 
 @dataclass(frozen=True, slots=True)
 class Patience:
-    """How often, and after which waits, a call is sent again.
+    """How often, and after which waits, a call is retried.
 
     Attributes:
         tries: How often it is sent at most.
@@ -49,7 +49,7 @@ class Patience:
             raise UsageError(f"tries: 1 or more, not {self.tries}")
 
     def attempts(self, call: Call[Any]) -> Attempts:
-        """Returns the tries of a call; the last one raises what went wrong."""
+        """Returns the attempts at a call; the last one raises the error."""
         return stamina.retry_context(
             on=lambda error: wait_after(error, call),
             attempts=self.tries,
@@ -61,25 +61,25 @@ class Patience:
 
 
 def wait_after(error: Exception, call: Call[Any]) -> bool | float:
-    """Returns whether a call is sent again: True after the usual wait, False for not, a number after so long [s].
+    """Returns whether a call is sent again: True after the usual wait, False for no, a number to wait that long [s].
 
     Args:
-        error: What came of the last try.
-        call: What was sent.
+        error: The error of the last attempt.
+        call: The call.
     """
     if isinstance(error, ProblemError):
         return _asked_wait(error, call)
     if not isinstance(error, Unreachable):
         return False
     broken = error.__cause__
-    # What never reached the server was not done: that may be sent again whatever it is.
+    # A request that never reached the server had no effect: it may always be sent again.
     never_arrived = isinstance(broken, httpx2.ConnectError | httpx2.ConnectTimeout | httpx2.PoolTimeout)
     return (call.repeatable or never_arrived) and not isinstance(broken, httpx2.UnsupportedProtocol)
 
 
 def _asked_wait(problem: ProblemError, call: Call[Any]) -> bool | float:
-    """Returns the wait that the server asks for [s]; False if it did not, or for longer than anybody waits."""
-    refused = problem.status == _TOO_MANY_REQUESTS  # nothing was done
+    """Returns the wait the server asks for [s]; False if there is none, or it is too long."""
+    refused = problem.status == _TOO_MANY_REQUESTS  # the request had no effect
     if not refused and not (call.repeatable and problem.status == _UNAVAILABLE):
         return False
     seconds = problem.retry_after

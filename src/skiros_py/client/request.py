@@ -1,4 +1,4 @@
-"""How calls become requests, and what comes of them a result: the same for both clients."""
+"""Turns calls into requests and responses into results, for both clients."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from skiros_py.errors import SkirosError, UsageError
 
 T = TypeVar("T")
 Outcome: TypeAlias = httpx2.Response | httpx2.TransportError
-"""What comes of sending a request: an answer, or a broken connection."""
+"""The outcome of sending a request: a response, or a connection error."""
 
 _PREFIX = "/api/v1"
 _DOTS = {".": "%2E", "..": "%2E%2E"}
@@ -29,7 +29,7 @@ def settings_for(url: str, key: str | None, timeout: float) -> dict[str, Any]:
         timeout: How long an answer may take [s].
 
     Raises:
-        UsageError: That is no address, or no key.
+        UsageError: The URL or the key is malformed.
     """
     parsed = _address(url)
     if key is not None and (not key.isascii() or not key.isprintable() or " " in key):
@@ -38,9 +38,9 @@ def settings_for(url: str, key: str | None, timeout: float) -> dict[str, Any]:
         "base_url": f"{str(parsed).rstrip('/')}{_PREFIX}",
         "headers": {} if key is None else {"Authorization": f"Bearer {key}"},
         "timeout": timeout,
-        # A proxy for the way out must not come between two programs of one machine.
+        # A proxy for internet access must not be used between two programs on one machine.
         "trust_env": not _is_here(parsed.host),
-        **({"verify": False} if parsed.scheme == "http" else {}),  # certificates take 20 ms to read, and are for https
+        **({"verify": False} if parsed.scheme == "http" else {}),  # certificates take 20 ms to load; https only
     }
 
 
@@ -66,8 +66,8 @@ def _is_here(host: str) -> bool:
 
 
 def arguments_of(call: Call[Any]) -> dict[str, Any]:
-    """Returns what an HTTP client needs to send a call."""
-    # "." and ".." are fine ids, and would be taken for directions on the way.
+    """Returns the HTTP client arguments for a call."""
+    # "." and ".." are valid ids, but would be resolved as relative paths.
     path = "/".join(_DOTS.get(part, part) for part in call.path.split("/"))
     return {
         "method": call.method,
@@ -81,13 +81,13 @@ def arguments_of(call: Call[Any]) -> dict[str, Any]:
 
 def _headers_of(call: Call[Any]) -> dict[str, str]:
     headers = {name: value for name, value in call.headers.items() if value is not None}
-    if call.method == "POST" and call.repeatable:  # one key for all tries: the server knows what it has done already
+    if call.method == "POST" and call.repeatable:  # one key for all tries: lets the server recognize them
         headers.setdefault("Idempotency-Key", str(uuid.uuid4()))
     return headers
 
 
 def result_of(call: Call[T], outcome: Outcome, url: str) -> T:
-    """Returns what a call asked for.
+    """Returns the result of a call.
 
     Raises:
         ProblemError: The server refused.

@@ -1,4 +1,4 @@
-"""Following what happens: streams that outlive broken connections and servers that are restarted."""
+"""Event streams that survive broken connections and server restarts."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ from skiros_py.client.errors import Unreachable, problem_of
 T = TypeVar("T")
 
 _FIRST, _LONGEST = 0.2, 5.0
-"""The waits between two tries to connect grow from the one to the other [s]."""
+"""First and longest wait between two connection attempts [s]."""
 _QUIET = 30.0
-"""A server says every ten seconds that it is still there: after this time without a word it is not [s]."""
+"""How long the server may be silent before it counts as gone; it sends a heartbeat every ten seconds [s]."""
 _LATER = (429, 502, 503, 504)
-"""Answers that mean: come again."""
+"""Status codes that mean: retry later."""
 
 
 @dataclass(frozen=True, slots=True)
 class Stream(Generic[T]):
-    """Something to follow, as a value: made by :mod:`skiros_py.client.calls.events`.
+    """An event stream as a value: made by :mod:`skiros_py.client.calls.events`.
 
     Attributes:
-        path: Path below ``/api/v1``, quoted already.
-        read: Makes an item of a server-sent event.
+        path: Path below ``/api/v1``, already quoted.
+        read: Parses an item from a server-sent event.
         query: Query parameters; None leaves one out.
     """
 
@@ -40,15 +40,15 @@ class Stream(Generic[T]):
 
 
 def follow(http: httpx2.Client, stream: Stream[T], *, after: str | None = None, patience: float = 60.0) -> Iterator[T]:
-    """Yields what happens, one after the other, for ever; close it, or leave the loop, to end that.
+    """Yields events indefinitely; close the iterator, or leave the loop, to stop.
 
-    When the connection breaks it is made again, and nothing is missed or comes twice; where the server cannot fill a
-    gap, there is a :class:`~skiros_py.api.events.ResetInfo` among the items.
+    A broken connection is re-established without missing or repeating events; if the server cannot fill a gap, there
+    is a :class:`~skiros_py.api.events.ResetInfo` among the items.
 
     Args:
-        http: Sends; its base address is that of the API.
-        stream: What to follow.
-        after: Id of the last event seen; None for what comes from now on (of a job: for all that is kept).
+        http: The HTTP client; its base URL is that of the API.
+        stream: The stream to follow.
+        after: Id of the last event seen; None for events from now on (for a job: all that are kept).
         patience: How long the server may stay silent before this gives up [s].
 
     Raises:
@@ -75,7 +75,7 @@ def follow(http: httpx2.Client, stream: Stream[T], *, after: str | None = None, 
 async def follow_later(
     http: httpx2.AsyncClient, stream: Stream[T], *, after: str | None = None, patience: float = 60.0
 ) -> AsyncIterator[T]:
-    """Yields what happens, as :func:`follow` does, for ``async for``."""
+    """Yields events like :func:`follow`, for ``async for``."""
     place = _Place(stream, after, patience, str(http.base_url))
     while True:
         try:
@@ -94,7 +94,7 @@ async def follow_later(
 
 
 class _Place:
-    """Where a client stands in a stream, and how patient it is."""
+    """A client's position in a stream, and its patience."""
 
     def __init__(self, stream: Stream[Any], after: str | None, patience: float, url: str) -> None:
         self._stream = stream
@@ -107,14 +107,14 @@ class _Place:
         self._url = url
 
     def request(self) -> dict[str, Any]:
-        """Returns how the stream is asked for."""
+        """Returns the request arguments for the stream."""
         query = {name: value for name, value in self._stream.query.items() if value not in (None, "", (), [])}
         headers = {"Last-Event-ID": self._after} if self._after else {}
         return {"url": self._stream.path, "params": query, "headers": headers, "timeout": httpx2.Timeout(_QUIET)}
 
     @staticmethod
     def refuses(response: httpx2.Response) -> bool:
-        """Returns whether an answer is not a stream of events."""
+        """Returns whether a response is not an event stream."""
         return response.status_code != httpx2.codes.OK
 
     def require(self, response: httpx2.Response) -> None:
@@ -131,13 +131,13 @@ class _Place:
             raise problem_of(response)
 
     def takes(self, event: ServerSentEvent) -> bool:
-        """Notes where the stream is; returns False for what only says that."""
+        """Records the position in the stream; returns False for events that only carry the position."""
         self._heard, self._tries, self._why, self._asked = time.monotonic(), 0, None, 0.0
         self._after = event.id or self._after
         return bool(event.data)
 
     def broke(self, error: httpx2.TransportError) -> None:
-        """Notes that the connection broke, or was never made."""
+        """Records that the connection broke, or was never established."""
         self._why = error
 
     def wait(self) -> float:

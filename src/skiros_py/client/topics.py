@@ -1,4 +1,4 @@
-"""What can be asked of a server, one class for each topic of the API; the same for both clients."""
+"""The server's operations, one class per topic of the API; the same for both clients."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ C = TypeVar("C", bound=Sender | AsyncSender)
 
 
 class Alarms(Topic[C]):
-    """What stopped a robot, or waits for a person."""
+    """Conditions that stopped a robot or need the user."""
 
     list = Method(alarms.list_alarms)
     get = Method(alarms.get_alarm)
@@ -41,20 +41,20 @@ class Alarms(Topic[C]):
 
 
 class Audit(Topic[C]):
-    """Who changed what, and who was refused."""
+    """The audit log: changes and refused requests."""
 
     list = Method(access.list_audit)
 
 
 class Events(Topic[C]):
-    """What happened, in pages; :meth:`follow` of the client follows what happens."""
+    """Past events, in pages; the client's :meth:`follow` streams new ones."""
 
     list = Method(events.list_events)
     state = Method(events.get_state)
 
 
 class Keys(Topic[C]):
-    """Who may come in."""
+    """API keys."""
 
     list = Method(access.list_keys)
     create = Method(access.create_key)
@@ -71,7 +71,7 @@ class Session(Topic[C]):
 
 
 class Station(Topic[C]):
-    """All robots at once."""
+    """All robots together."""
 
     stop = Method(robots.stop)
     get_stop = Method(robots.get_stop)
@@ -79,7 +79,7 @@ class Station(Topic[C]):
 
 
 class Webhooks(Topic[C]):
-    """Which other systems are told of jobs."""
+    """Job notifications to other systems."""
 
     list = Method(webhooks.list_webhooks)
     create = Method(webhooks.create_webhook)
@@ -105,7 +105,7 @@ class World(Topic[C]):
 
 
 class Elements(Topic[C]):
-    """What there is, one by one, and how it is related."""
+    """The elements of the world and their relations."""
 
     list = Method(elements.list_elements)
     get = Method(elements.read_element)
@@ -119,7 +119,7 @@ class Elements(Topic[C]):
 
 
 class Ontology(Topic[C]):
-    """What there can be."""
+    """The classes, relations and properties of the world."""
 
     classes = Method(ontology.read_classes)
     get = Method(ontology.read_class)
@@ -129,13 +129,13 @@ class Ontology(Topic[C]):
 
 
 class Queries(Topic[C]):
-    """Questions in SPARQL."""
+    """SPARQL queries."""
 
     ask = Method(world.ask_question)
 
 
 class Learned(Topic[C]):
-    """What robots were taught."""
+    """Data taught to robots."""
 
     list = Method(world.list_learned)
     forget = Method(world.forget_learned)
@@ -143,7 +143,7 @@ class Learned(Topic[C]):
 
 
 class Locks(Topic[C]):
-    """Who keeps others from editing what."""
+    """Edit locks on elements."""
 
     list = Method(world.list_locks)
     lock = Method(world.lock_elements)
@@ -151,7 +151,7 @@ class Locks(Topic[C]):
 
 
 class Jobs(Topic[C]):
-    """Orders: given, followed, commanded."""
+    """Jobs: ordering, following, commanding."""
 
     order = Method(jobs.order_job)
     put = Method(jobs.put_job)
@@ -189,14 +189,14 @@ class Jobs(Topic[C]):
     def wait(
         self: Jobs[Any], job: str, *, until: Callable[[Job], bool] = is_over, timeout: float | None = None
     ) -> Job | Awaitable[Job]:
-        """Waits until something is true of a job, also while the server restarts, and returns the job.
+        """Waits until a condition holds for a job, also across server restarts, and returns the job.
 
-        A job that waits for a person waits for long: ``until=lambda job: job.outcome or job.choices`` returns it.
+        A job may wait for the user for long: ``until=lambda job: job.outcome or job.choices`` returns it then.
 
         Args:
             job: Its id.
-            until: What is waited for; that it is over where left out.
-            timeout: How long to wait [s]; None for ever.
+            until: The condition; by default, that the job is over.
+            timeout: How long to wait [s]; None for no limit.
 
         Raises:
             TookTooLong: It did not become true in time.
@@ -208,7 +208,7 @@ class Jobs(Topic[C]):
 
 
 class Goals(Topic[C]):
-    """Goals: checked, and those that go with the scene."""
+    """Goals: checking, and those stored with the scene."""
 
     check = Method(goals.check_goal)
     get = Method(goals.get_goals)
@@ -237,7 +237,7 @@ class Documents(Topic[C]):
 
 
 class Previews(Topic[C]):
-    """Goals that are planned and not done."""
+    """Goals that are planned but not executed."""
 
     ask = Method(goals.ask_preview)
     list = Method(goals.list_previews)
@@ -246,7 +246,7 @@ class Previews(Topic[C]):
 
 
 class Scenes(Topic[C]):
-    """Scenes: those that can be loaded, and the present one."""
+    """Scenes: those that can be loaded, and the current one."""
 
     list = Method(scenes.list_scenes)
     get = Method(scenes.get_scene)
@@ -260,7 +260,7 @@ class Scenes(Topic[C]):
 
 
 class Simulation(Topic[C]):
-    """The simulation: what really is, apart from what is believed."""
+    """The simulation: the ground truth, as opposed to the world model."""
 
     get = Method(simulation.get_simulation)
     bodies = Method(simulation.list_bodies)
@@ -272,7 +272,7 @@ class Simulation(Topic[C]):
 
 
 class Modules(Topic[C]):
-    """Skills and primitives by themselves, and who runs them."""
+    """Skills and primitives, run individually, and their managers."""
 
     managers = Method(modules.list_managers)
     open_manager = Method(modules.open_manager)
@@ -291,14 +291,14 @@ class Modules(Topic[C]):
 
 
 class Plugins(Topic[C]):
-    """Plug-ins that are installed, and their faults."""
+    """Installed plug-ins and their faults."""
 
     list = Method(modules.list_plugins)
     faults = Method(modules.list_plugin_faults)
 
 
 class Robots(Topic[C]):
-    """Robots: looked at, moved by hand, taught."""
+    """Robots: state, jogging, teaching."""
 
     list = Method(robots.list_robots)
     get = Method(robots.get_robot)
@@ -313,7 +313,7 @@ class Robots(Topic[C]):
 
 
 class Devices(Topic[C]):
-    """Devices of any kind, and what they say."""
+    """Devices of any kind, and their readings."""
 
     list = Method(robots.list_devices)
     get = Method(robots.get_device)
@@ -323,7 +323,7 @@ class Devices(Topic[C]):
 
 
 class Signals(Topic[C]):
-    """Signals of the cell, read and set."""
+    """Signals of the cell: reading and setting."""
 
     list = Method(robots.list_signals)
     read = Method(robots.read_signals)
@@ -331,7 +331,7 @@ class Signals(Topic[C]):
 
 
 class Sequences(Topic[C]):
-    """Sequences of steps that somebody puts together."""
+    """Sequences of steps edited by the user."""
 
     list = Method(sequences.list_sequences)
     create = Method(sequences.create_sequence)
@@ -345,7 +345,7 @@ class Sequences(Topic[C]):
 
 
 class Tasks(Topic[C]):
-    """Goals that are pursued at this moment."""
+    """Goals that are being pursued now."""
 
     list = Method(tasks.list_tasks)
     begin = Method(tasks.begin_task)
@@ -355,36 +355,36 @@ class Tasks(Topic[C]):
 
 
 class Topics(Generic[C]):
-    """What can be asked of a server, by topic.
+    """The server's operations, by topic.
 
     Attributes:
-        alarms: What stopped a robot, or waits for a person.
-        audit: Who changed what, and who was refused.
-        events: What happened, in pages; :meth:`follow` of the client follows what happens.
-        keys: Who may come in.
+        alarms: Conditions that stopped a robot or need the user.
+        audit: The audit log: changes and refused requests.
+        events: Past events, in pages; the client's :meth:`follow` streams new ones.
+        keys: API keys.
         session: The caller's own session.
-        station: All robots at once.
-        webhooks: Which other systems are told of jobs.
+        station: All robots together.
+        webhooks: Job notifications to other systems.
         world: The world as a whole.
-        elements: What there is, one by one, and how it is related.
-        ontology: What there can be.
-        queries: Questions in SPARQL.
-        learned: What robots were taught.
-        locks: Who keeps others from editing what.
-        jobs: Orders: given, followed, commanded.
-        goals: Goals: checked, and those that go with the scene.
+        elements: The elements of the world and their relations.
+        ontology: The classes, relations and properties of the world.
+        queries: SPARQL queries.
+        learned: Data taught to robots.
+        locks: Edit locks on elements.
+        jobs: Jobs: ordering, following, commanding.
+        goals: Goals: checking, and those stored with the scene.
         documents: Documents that robots run.
         templates: Named goals with parameters.
-        previews: Goals that are planned and not done.
-        scenes: Scenes: those that can be loaded, and the present one.
-        simulation: The simulation: what really is, apart from what is believed.
-        modules: Skills and primitives by themselves, and who runs them.
-        plugins: Plug-ins that are installed, and their faults.
-        robots: Robots: looked at, moved by hand, taught.
-        devices: Devices of any kind, and what they say.
+        previews: Goals that are planned but not executed.
+        scenes: Scenes: those that can be loaded, and the current one.
+        simulation: The simulation: the ground truth, as opposed to the world model.
+        modules: Skills and primitives, run individually, and their managers.
+        plugins: Installed plug-ins and their faults.
+        robots: Robots: state, jogging, teaching.
+        devices: Devices of any kind, and their readings.
         signals: Signals of the cell.
-        sequences: Sequences of steps that somebody puts together.
-        tasks: Goals that are pursued at this moment.
+        sequences: Sequences of steps edited by the user.
+        tasks: Goals that are being pursued now.
     """
 
     def __init__(self, client: C) -> None:

@@ -1,4 +1,4 @@
-"""Waiting until something has become of a job."""
+"""Waiting for a state of a job."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from skiros_py.client.calls import jobs
 from skiros_py.client.errors import TookTooLong, Unreachable
 
 _FIRST, _LONGEST = 0.05, 1.0
-"""The waits between two looks grow from the one to the other [s]."""
+"""First and longest polling interval [s]."""
 _OUTAGE = 60.0
-"""How long the server may be silent, such as while it is restarted [s]."""
+"""How long the server may be unreachable, for example during a restart [s]."""
 
 
 def is_over(job: Job) -> bool:
-    """Returns whether a job is over, whatever came of it."""
+    """Returns whether a job is over, regardless of its outcome."""
     return job.outcome is not None
 
 
 def wait_for(client: Sender, job: str, until: Callable[[Job], bool], timeout: float | None) -> Job:
-    """Waits until something is true of a job; see ``Jobs.wait``."""
+    """Waits until a condition holds for a job; see ``Jobs.wait``."""
     looks = _Looks(job, timeout)
     for pause in looks:
         try:
@@ -36,7 +36,7 @@ def wait_for(client: Sender, job: str, until: Callable[[Job], bool], timeout: fl
 
 
 async def wait_for_async(client: AsyncSender, job: str, until: Callable[[Job], bool], timeout: float | None) -> Job:
-    """Waits as :func:`wait_for` does, and lets others run meanwhile."""
+    """Waits like :func:`wait_for`, without blocking the event loop."""
     looks = _Looks(job, timeout)
     for pause in looks:
         try:
@@ -49,7 +49,7 @@ async def wait_for_async(client: AsyncSender, job: str, until: Callable[[Job], b
 
 
 class _Looks:
-    """When to look again, and when to give up."""
+    """When to poll again, and when to give up."""
 
     def __init__(self, job: str, timeout: float | None) -> None:
         self._job = job
@@ -59,7 +59,7 @@ class _Looks:
         self._last = "nothing is known of it"
 
     def __iter__(self) -> Iterator[float]:
-        """Yields, for each look, how long to wait after it [s]; there is one more at the very end."""
+        """Yields for each poll how long to wait after it [s]; there is one more poll at the very end."""
         pause = _FIRST
         while (left := self._end - time.monotonic()) > 0.0:
             yield min(pause, left)
@@ -67,20 +67,20 @@ class _Looks:
         yield 0.0
 
     def seen(self, job: Job) -> Job:
-        """Notes what was seen."""
+        """Records the job as seen."""
         self._heard = time.monotonic()
         self._last = f"it is {job.state.text}{f': {job.detail}' if job.detail else ''}"
         return job
 
     def missed(self, error: Unreachable) -> None:
-        """Notes that there was no answer.
+        """Records that there was no answer.
 
         Raises:
-            Unreachable: That is so for too long.
+            Unreachable: There has been no answer for too long.
         """
         if time.monotonic() - self._heard > _OUTAGE:
             raise error
 
     def given_up(self) -> TookTooLong:
-        """Returns the fault that says how far it came."""
+        """Returns the error with the job's last seen state."""
         return TookTooLong(f"job '{self._job}' did not come so far within {self._timeout:g} s: {self._last}")

@@ -1,1 +1,1 @@
-"""What can be asked of a server, one module for each topic: functions that make a :class:`Call`, and send nothing."""
+"""The server's operations, one module per topic: functions that create a :class:`Call` without sending it."""

@@ -7,7 +7,7 @@ from skiros_py.client.call import Call, nothing, path_of
 
 
 def list_audit(limit: int = 100, cursor: str | None = None) -> Call[AuditPage]:
-    """Lists requests that changed something or were refused, the youngest first."""
+    """Lists requests that changed something or were refused, newest first."""
     query = {"limit": limit, "cursor": cursor}
     return Call("GET", "/audit", AuditPage, query=query)
 
@@ -18,18 +18,18 @@ def list_keys() -> Call[list[ApiKey]]:
 
 
 def create_key(order: KeyOrder) -> Call[NewKey]:
-    """Makes a key, which is shown this once."""
+    """Creates a key; its secret is shown only this once."""
     body = order.model_dump(mode="json", exclude_none=True)
     return Call("POST", "/keys", NewKey, json=body, repeatable=False)
 
 
 def get_key(key: str) -> Call[ApiKey]:
-    """Describes a key, by its id."""
+    """Returns a key by its id."""
     return Call("GET", path_of("keys", key), ApiKey)
 
 
 def revoke_key(key: str) -> Call[ApiKey]:
-    """Takes a key out of use, by its id."""
+    """Revokes a key by its id."""
     return Call("DELETE", path_of("keys", key), ApiKey)
 
 
@@ -39,10 +39,10 @@ def get_session() -> Call[Me]:
 
 
 def login(key: str) -> Call[Me]:
-    """Logs in as web pages do; programs need not, they show their key with each request."""
+    """Starts a login session, as web pages do; not needed by programs, which send their key with each request."""
     return Call("POST", "/session", Me, json=Login(key=key).model_dump())
 
 
 def logout() -> Call[None]:
-    """Ends such a login."""
+    """Ends the session."""
     return Call("DELETE", "/session", nothing)

@@ -1,4 +1,4 @@
-"""Alarms: what stopped a robot, or waits for a person."""
+"""Alarms: conditions that stopped a robot or need the user."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ def list_alarms(*, active: bool | None = None, limit: int = 100, cursor: str | N
 
 
 def get_alarm(alarm: str) -> Call[AlarmInfo]:
-    """Describes one alarm."""
+    """Returns one alarm."""
     return Call("GET", path_of("alarms", alarm), AlarmInfo)
 
 
 def acknowledge_alarm(alarm: str) -> Call[AlarmInfo]:
-    """Notes that somebody has seen it."""
+    """Acknowledges an alarm."""
     return Call("POST", path_of("alarms", alarm, "acknowledge"), AlarmInfo)
 
 
 def answer_alarm(alarm: str, answer: str, *, question: int | None = None) -> Call[AlarmInfo]:
-    """Answers who waits.
+    """Answers the question of an alarm.
 
     Args:
         alarm: Its id.
         answer: One of its choices.
-        question: What it asked when it was looked at, so that nothing else is answered; None for whatever it asks.
+        question: Id of the question as seen by the caller, so that no other one is answered; None for the current one.
     """
     body = AlarmAnswer(answer=answer, question=question).model_dump(mode="json")
     return Call("POST", path_of("alarms", alarm, "answer"), AlarmInfo, json=body, repeatable=False)

@@ -20,7 +20,7 @@ def list_documents(kind: str) -> Call[Documents]:
 
 
 def get_document(kind: str, id_: str) -> Call[DocumentInfo]:
-    """Looks at a document."""
+    """Returns a document."""
     return Call("GET", path_of("documents", kind, id_), DocumentInfo)
 
 
@@ -30,13 +30,13 @@ def list_document_revisions(kind: str, id_: str) -> Call[Documents]:
 
 
 def put_document(kind: str, id_: str, data: Mapping[str, Any], *, seen: int | None = None) -> Call[DocumentInfo]:
-    """Writes a document; its next run is of this revision.
+    """Writes a document; the next run uses this revision.
 
     Args:
         kind: Its kind.
         id_: Its id.
-        data: What it says.
-        seen: Revision of the one that is there already.
+        data: Its content.
+        seen: Revision of the existing document, if any.
     """
     headers = if_match(seen)
     return Call(

@@ -22,11 +22,11 @@ def list_elements(
     """Lists elements in the order of their ids.
 
     Args:
-        class_: Of this class or one below.
-        label: Called exactly so.
-        text: With this text in id, label or class.
-        place: Placed directly here.
-        abstract: True for what the ontology describes and what was learned.
+        class_: Only of this class or a subclass.
+        label: Only with exactly this label.
+        text: Only with this text in id, label or class.
+        place: Only those placed directly here.
+        abstract: True for elements described by the ontology or learned.
         limit: How many at most.
         cursor: ``next`` of the page before.
     """
@@ -36,11 +36,11 @@ def list_elements(
 
 
 def read_element(element: str, *, computed: Sequence[str] = ()) -> Call[ElementDetails]:
-    """Describes an element.
+    """Returns an element.
 
     Args:
         element: Its id.
-        computed: Computed relations to work out; "all" for all.
+        computed: Computed relations to evaluate; "all" for all.
     """
     return Call("GET", path_of("elements", element), ElementDetails, query={"computed": list(computed) or None})
 
@@ -52,7 +52,7 @@ def list_relations(
 
     Args:
         element: Its id.
-        relation: Only of this relation or one below; also a computed one.
+        relation: Only this relation or its sub-relations; may be a computed one.
         limit: How many at most.
         cursor: ``next`` of the page before.
     """
@@ -63,7 +63,7 @@ def list_relations(
 def read_element_history(
     element: str, *, newest_first: bool = True, limit: int | None = None, cursor: str | None = None
 ) -> Call[ChangePage]:
-    """Returns which changes touched an element, which may be gone.
+    """Returns the changes that affected an element, which may have been removed.
 
     Args:
         element: Its id.
@@ -86,7 +86,7 @@ def change_element(element: str, patch: ElementPatch, *, version: int | None = N
 
     Args:
         element: Its id.
-        patch: What becomes different.
+        patch: The changes.
         version: The version that was seen; None for whatever it is now.
     """
     body = patch.model_dump(mode="json", by_alias=True, exclude_unset=True)
@@ -94,7 +94,7 @@ def change_element(element: str, patch: ElementPatch, *, version: int | None = N
 
 
 def remove_element(element: str, *, version: int | None = None, reason: str | None = None) -> Call[Written]:
-    """Removes an element with its pieces.
+    """Removes an element with its parts.
 
     Args:
         element: Its id.
@@ -130,7 +130,7 @@ def state_relation(
 def take_back_relation(
     element: str, relation: str, other: str, *, version: int | None = None, reason: str | None = None
 ) -> Call[Written]:
-    """Takes back a stated relation; arguments as for :func:`state_relation`."""
+    """Removes a stated relation; arguments as for :func:`state_relation`."""
     path = _related(element, relation, other)
     return Call("DELETE", path, Written, query={"reason": reason}, headers=if_match(version, "*"), repeatable=False)
 

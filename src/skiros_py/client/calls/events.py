@@ -1,4 +1,4 @@
-"""What happens: asked for in pages, or followed; and the robots' state at this moment."""
+"""Events, in pages or as a stream, and the current state of the robots."""
 
 from __future__ import annotations
 
@@ -15,24 +15,24 @@ from skiros_py.client.streams import Stream
 def stream_events(
     *, kinds: Sequence[EventKind] = (), types: Sequence[str] = (), job: str = "", element: str = ""
 ) -> Stream[EventInfo | ResetInfo]:
-    """Follows what happens.
+    """Streams events.
 
     Args:
         kinds: Only events of these kinds; empty for all.
-        types: Only where this happened; empty for anything.
-        job: Only what belongs to this job.
-        element: Only what touches this element of the world.
+        types: Only events of these types; empty for all.
+        job: Only events of this job.
+        element: Only events that affect this element of the world.
     """
     return Stream("/events", _event, {"kind": list(kinds), "type": list(types), "job": job, "element": element})
 
 
 def stream_job_events(job: str) -> Stream[EventInfo | ResetInfo]:
-    """Follows a job; first comes what is kept of it already."""
+    """Streams the events of a job, starting with those already recorded."""
     return Stream(path_of("jobs", job, "events"), _event)
 
 
 def stream_state(rate: float = 10.0) -> Stream[StationState]:
-    """Watches the robots move.
+    """Streams the robots' state.
 
     Args:
         rate: How often at most [Hz]; up to 20.
@@ -49,7 +49,7 @@ def list_events(
     after: str | None = None,
     limit: int = 100,
 ) -> Call[EventPage]:
-    """Lists what happened after an event, oldest first; the page says where to go on."""
+    """Lists the events after a given one, oldest first; the page gives the cursor for the next."""
     query = {
         "kind": list(kinds) or None,
         "type": list(types) or None,
@@ -62,7 +62,7 @@ def list_events(
 
 
 def get_state() -> Call[StationState]:
-    """Returns the state of all robots at this moment."""
+    """Returns the current state of all robots."""
     return Call("GET", "/state", StationState)
 
 

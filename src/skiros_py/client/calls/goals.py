@@ -1,4 +1,4 @@
-"""Goals: checked, previewed, kept as templates."""
+"""Goals: checking, previews, templates."""
 
 from __future__ import annotations
 
@@ -11,22 +11,22 @@ from skiros_py.client.call import Call, if_match, nothing, path_of
 
 
 def check_goal(order: GoalOrder) -> Call[CheckedGoal]:
-    """Says how a goal is understood, and whether it holds now; nothing is ordered."""
+    """Returns how a goal is interpreted, and whether it holds now; nothing is ordered."""
     body = order.model_dump(mode="json", by_alias=True, exclude_defaults=True, include=set(GoalOrder.model_fields))
     return Call("POST", "/goals/check", CheckedGoal, json=body)
 
 
 def get_goals() -> Call[tuple[SceneGoals, str]]:
-    """Shows the goals that go with the scene, and their version, for :func:`put_goals`."""
+    """Returns the goals stored with the scene, and their version for :func:`put_goals`."""
     return Call("GET", "/goals", lambda r: (SceneGoals.model_validate_json(r.content), r.headers["etag"]))
 
 
 def put_goals(goals: Sequence[str | GoalData], *, seen: str) -> Call[SceneGoals]:
-    """Replaces the goals that go with the scene.
+    """Replaces the goals stored with the scene.
 
     Args:
         goals: Texts or structured conditions; empty for none.
-        seen: Their version, as :func:`get_goals` says it.
+        seen: Their version, from :func:`get_goals`.
     """
     body = GoalTexts(goals=tuple(goals)).model_dump(mode="json")
     headers = {"If-Match": seen}
@@ -37,7 +37,7 @@ def list_goal_conditions(*, every: bool = False) -> Call[ConditionWords]:
     """Lists the words of the language of goals.
 
     Args:
-        every: True for those as well that no present robot can do anything for.
+        every: True to include those that no current robot can achieve.
     """
     query = {"all": "true" if every else None}
     return Call("GET", "/goals/conditions", ConditionWords, query=query)
@@ -49,7 +49,7 @@ def list_goal_templates() -> Call[GoalTemplates]:
 
 
 def get_goal_template(name: str) -> Call[GoalTemplate]:
-    """Looks at a goal template."""
+    """Returns a goal template."""
     return Call("GET", path_of("goal-templates", name), GoalTemplate)
 
 
@@ -58,8 +58,8 @@ def put_goal_template(name: str, content: GoalTemplateContent, *, seen: int | No
 
     Args:
         name: Its name.
-        content: What it says.
-        seen: Version of the one that is there already.
+        content: Its content.
+        seen: Version of the existing template, if any.
     """
     body = content.model_dump(mode="json", by_alias=True, exclude_defaults=True)
     headers = if_match(seen)
@@ -72,18 +72,18 @@ def remove_goal_template(name: str, *, seen: int) -> Call[None]:
 
 
 def ask_preview(order: GoalOrder) -> Call[Preview]:
-    """Begins to plan for a goal."""
+    """Starts planning for a goal."""
     body = order.model_dump(mode="json", by_alias=True, exclude_defaults=True, include=set(GoalOrder.model_fields))
     return Call("POST", "/previews", Preview, json=body)
 
 
 def list_previews() -> Call[PreviewPage]:
-    """Lists the previews that are kept, the latest first."""
+    """Lists the stored previews, newest first."""
     return Call("GET", "/previews", PreviewPage)
 
 
 def get_preview(preview: str, *, wait: float = 0.0) -> Call[Preview]:
-    """Looks at a preview.
+    """Returns a preview.
 
     Args:
         preview: Its id.
@@ -93,6 +93,6 @@ def get_preview(preview: str, *, wait: float = 0.0) -> Call[Preview]:
 
 
 def apply_repair(preview: str, repair: int) -> Call[AppliedRepair]:
-    """Makes the changes to the world that a repair consists of."""
+    """Applies the world changes of a repair."""
     path = path_of("previews", preview, "repairs", repair, "apply")
     return Call("POST", path, AppliedRepair, repeatable=False)

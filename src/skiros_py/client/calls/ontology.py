@@ -1,4 +1,4 @@
-"""The ontology: what may be."""
+"""The ontology: classes, relations and properties."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from skiros_py.client.call import Call, path_of
 
 
 def read_classes(root: str | None = None, *, depth: int | None = None) -> Call[ClassNode]:
-    """Returns what kinds of things there can be, as a tree.
+    """Returns the tree of classes.
 
     Args:
-        root: The class to begin with.
+        root: The root class.
         depth: How many levels below it.
     """
     query = {"root": root, "depth": depth}
@@ -18,19 +18,19 @@ def read_classes(root: str | None = None, *, depth: int | None = None) -> Call[C
 
 
 def read_class(name: str) -> Call[ClassDetails]:
-    """Describes a class."""
+    """Returns a class."""
     path = path_of("ontology", "classes", name)
     return Call("GET", path, ClassDetails)
 
 
 def list_ontology_relations(*, limit: int | None = None, cursor: str | None = None) -> Call[RelationPage]:
-    """Lists the relations that there may be, by name."""
+    """Lists the relations by name."""
     query = {"limit": limit, "cursor": cursor}
     return Call("GET", "/ontology/relations", RelationPage, query=query)
 
 
 def list_ontology_properties(*, limit: int | None = None, cursor: str | None = None) -> Call[PropertyPage]:
-    """Lists the properties that elements may have, by name."""
+    """Lists the properties by name."""
     query = {"limit": limit, "cursor": cursor}
     return Call("GET", "/ontology/properties", PropertyPage, query=query)
 
@@ -43,14 +43,14 @@ def read_placements(
     limit: int | None = None,
     cursor: str | None = None,
 ) -> Call[PlacementOptions]:
-    """Returns where something may be put.
+    """Returns where something may be placed.
 
     Args:
-        class_: A new thing of this class.
-        element: Or this element.
-        relation: Only by this relation.
-        limit: How many places of each relation at most.
-        cursor: ``next`` of an option as told before, together with its relation.
+        class_: The class of a new thing.
+        element: Or an existing element.
+        relation: Only this placement relation.
+        limit: Maximum number of places per relation.
+        cursor: ``next`` of an earlier option, together with its relation.
     """
     query = {"class": class_, "element": element, "relation": relation, "limit": limit, "cursor": cursor}
     return Call("GET", "/ontology/placements", PlacementOptions, query=query)

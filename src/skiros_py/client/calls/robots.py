@@ -1,4 +1,4 @@
-"""Robots, devices and signals: looked at, moved by hand, taught, opened, closed and stopped."""
+"""Robots, devices and signals: state, jogging, teaching, opening, closing and stopping."""
 
 from __future__ import annotations
 
@@ -11,43 +11,43 @@ from skiros_py.client.call import Call, nothing, path_of
 
 
 def list_robots() -> Call[list[RobotInfo]]:
-    """Lists the robots with what each is made of."""
+    """Lists the robots with their components."""
     return Call("GET", "/robots", list[RobotInfo])
 
 
 def get_robot(robot: str) -> Call[RobotInfo]:
-    """Returns what a robot is made of."""
+    """Returns a robot with its components."""
     return Call("GET", path_of("robots", robot), RobotInfo)
 
 
 def get_robot_state(robot: str) -> Call[RobotReading]:
-    """Returns where a robot is at this moment."""
+    """Returns the current state of a robot."""
     return Call("GET", path_of("robots", robot, "state"), RobotReading)
 
 
 def get_robot_motion(robot: str) -> Call[RobotMotion]:
-    """Returns where a robot is about to go."""
+    """Returns the planned motion of a robot."""
     return Call("GET", path_of("robots", robot, "motion"), RobotMotion)
 
 
 def get_look(robot: str, camera: str) -> Call[Look]:
-    """Returns what a camera saw last."""
+    """Returns the last image of a camera."""
     path = path_of("robots", robot, "cameras", camera, "look")
     return Call("GET", path, Look)
 
 
 def jog_robot(robot: str, jog: Jog) -> Call[ModuleRunInfo]:
-    """Moves joints, tool, base or fingers by a little."""
+    """Jogs joints, tool, base or fingers."""
     return _start(path_of("robots", robot, "jog"), jog.model_dump(mode="json", exclude_none=True))
 
 
 def teach_robot(robot: str, lesson: Teach) -> Call[ModuleRunInfo]:
-    """Has a robot learn from how it stands now."""
+    """Teaches a robot from its current configuration."""
     return _start(path_of("robots", robot, "teach"), lesson.model_dump(mode="json"))
 
 
 def home_robot(robot: str, arm: str | None = None) -> Call[ModuleRunInfo]:
-    """Brings one arm or all home."""
+    """Moves one arm or all arms home."""
     return _start(path_of("robots", robot, "home"), {} if arm is None else {"arm": arm})
 
 
@@ -56,12 +56,12 @@ def _start(path: str, body: object) -> Call[ModuleRunInfo]:
 
 
 def get_robot_model(robot: str) -> Call[str]:
-    """Returns what a robot looks like, as URDF."""
+    """Returns the model of a robot as URDF."""
     return Call("GET", path_of("robots", robot, "model"), lambda r: r.text)
 
 
 def get_robot_mesh(robot: str, mesh: str) -> Call[bytes]:
-    """Gives a mesh that the model names, as binary STL.
+    """Returns a mesh of the model as binary STL.
 
     Args:
         robot: The robot.
@@ -71,12 +71,12 @@ def get_robot_mesh(robot: str, mesh: str) -> Call[bytes]:
 
 
 def list_devices() -> Call[list[DeviceInfo]]:
-    """Lists the devices with the values that each offers."""
+    """Lists the devices with their values."""
     return Call("GET", "/devices", list[DeviceInfo])
 
 
 def get_device(device: str) -> Call[DeviceInfo]:
-    """Describes a device."""
+    """Returns a device."""
     return Call("GET", path_of("devices", device), DeviceInfo)
 
 
@@ -106,7 +106,7 @@ def read_signals(*names: str) -> Call[SignalReadings]:
 
 
 def set_signal(name: str, value: SignalValue) -> Call[None]:
-    """Sets an input; the value counts from the next control cycle on."""
+    """Sets an input; it takes effect in the next control cycle."""
     return Call("PUT", path_of("signals", name, "value"), nothing, json={"value": value})
 
 
@@ -114,16 +114,16 @@ def stop(reason: str = "") -> Call[StopInfo]:
     """Halts all robots in the next control cycle.
 
     Args:
-        reason: Why, for a person.
+        reason: Why, for the user.
     """
     return Call("POST", "/stop", StopInfo, json={"reason": reason})
 
 
 def get_stop() -> Call[StopInfo]:
-    """Returns whether everything is halted."""
+    """Returns whether the system is halted."""
     return Call("GET", "/stop", StopInfo)
 
 
 def reset() -> Call[StopInfo]:
-    """Lets things start again after a halt: somebody has looked why that was."""
+    """Resets a halt after its cause has been checked, so that things can start again."""
     return Call("POST", "/reset", StopInfo)

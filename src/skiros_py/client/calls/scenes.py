@@ -1,4 +1,4 @@
-"""Scenes: those that can be loaded, and the present one."""
+"""Scenes: those that can be loaded, and the current one."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ def list_scenes(*, limit: int = 100, cursor: str | None = None) -> Call[Scenes]:
 
 
 def get_scene_file(name: str) -> Call[Scene]:
-    """Returns what a scene consists of, without loading it."""
+    """Returns the contents of a scene without loading it."""
     return Call("GET", path_of("scenes", name), Scene)
 
 
 def save_scene(name: str, *, version: int | None = None) -> Call[SceneEntry]:
-    """Saves the present scene.
+    """Saves the current scene.
 
     Args:
-        name: Under which name.
-        version: The version of the saved scene of that name that it replaces; None if it shall be a new one.
+        name: The name to save it under.
+        version: The version of the saved scene that it replaces; None for a new one.
     """
     return Call(
         "POST",
@@ -34,38 +34,38 @@ def save_scene(name: str, *, version: int | None = None) -> Call[SceneEntry]:
 
 
 def delete_scene(name: str, *, version: int | None = None) -> Call[None]:
-    """Removes a saved scene; where a version is given, only that one."""
+    """Removes a saved scene; if a version is given, only that one."""
     return Call("DELETE", path_of("scenes", name), nothing, headers=if_match(version))
 
 
 def get_scene() -> Call[PresentScene]:
-    """Tells about the present scene."""
+    """Returns the current scene."""
     return Call("GET", "/scene", PresentScene)
 
 
 def load_scene(name: str, *, version: int | None = None) -> Call[PresentScene]:
-    """Makes the present scene another one; it is answered when the station is up in it.
+    """Loads a scene; returns once the station is up in it.
 
     Args:
         name: Its name.
-        version: The version of the world that you have seen; None for any.
+        version: The version of the world the caller has seen; None for any.
     """
     headers = if_match(version, "*")
     return Call("PUT", "/scene", PresentScene, json={"name": name}, headers=headers, repeatable=False)
 
 
 def upload_scene(turtle: str, *, version: int | None = None) -> Call[PresentScene]:
-    """Makes the present scene the one that a Turtle text describes; see :func:`load_scene`."""
+    """Loads a scene from Turtle text; see :func:`load_scene`."""
     headers = {**if_match(version, "*"), "Content-Type": "text/turtle"}
     return Call("PUT", "/scene", PresentScene, content=turtle.encode(), headers=headers, repeatable=False)
 
 
 def get_scene_turtle() -> Call[str]:
-    """Returns the present scene as Turtle."""
+    """Returns the current scene as Turtle."""
     return Call("GET", "/scene.ttl", lambda r: r.text)
 
 
 def get_scene_difference(name: str, *, limit: int = 100, cursor: str | None = None) -> Call[SceneDifference]:
-    """Returns what makes the present scene of another one."""
+    """Returns the difference from another scene to the current one."""
     query = {"with": name, "limit": limit, "cursor": cursor}
     return Call("GET", "/scene/diff", SceneDifference, query=query)

@@ -1,4 +1,4 @@
-"""Sequences: steps that a person puts together, changes and runs."""
+"""Sequences of steps: editing and running."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ def list_sequences() -> Call[Sequences]:
 
 
 def create_sequence(sequence: NewSequence) -> Call[SequenceInfo]:
-    """Makes a sequence of steps, of a plan for a goal, or of the plan of a job, a task or a preview."""
+    """Creates a sequence from steps, from a plan for a goal, or from the plan of a job, a task or a preview."""
     body = sequence.model_dump(mode="json", exclude_none=True)
     return Call("POST", "/sequences", SequenceInfo, json=body, repeatable=False)
 
 
 def get_sequence(sequence: str) -> Call[SequenceInfo]:
-    """Shows a sequence with every step checked as things are now."""
+    """Returns a sequence with every step checked against the current world."""
     return Call("GET", path_of("sequences", sequence), SequenceInfo)
 
 
 def delete_sequence(sequence: str, version: int) -> Call[None]:
-    """Throws a sequence away; the version says which one was seen."""
+    """Deletes a sequence, if it has the given version."""
     return Call("DELETE", path_of("sequences", sequence), nothing, headers=if_match(version), repeatable=False)
 
 
@@ -38,12 +38,12 @@ def insert_step(sequence: str, version: int, step: InsertStep) -> Call[SequenceI
 
 
 def change_step(sequence: str, version: int, number: int, step: WantedStep) -> Call[SequenceInfo]:
-    """Puts another step in the place of one, by its index from 0."""
+    """Replaces a step, by its index from 0."""
     return _edit("PUT", path_of("sequences", sequence, "steps", number), version, step.model_dump(mode="json"))
 
 
 def remove_step(sequence: str, version: int, number: int) -> Call[SequenceInfo]:
-    """Takes a step out, by its index from 0."""
+    """Removes a step, by its index from 0."""
     return _edit("DELETE", path_of("sequences", sequence, "steps", number), version, None)
 
 
@@ -53,7 +53,7 @@ def move_step(sequence: str, version: int, number: int, to: int) -> Call[Sequenc
 
 
 def run_sequence(sequence: str, how: RunSequence | None = None) -> Call[TaskInfo]:
-    """Runs the steps as they are, so often as wanted; what is answered is the task that does it."""
+    """Runs the steps as they are, once or repeatedly; returns the task that runs them."""
     body = RunSequence.model_validate({} if how is None else how).model_dump(mode="json")
     path = path_of("sequences", sequence, "run")
     return Call("POST", path, TaskInfo, json=body, repeatable=False)

@@ -1,4 +1,4 @@
-"""The simulation, apart from what robots believe."""
+"""The simulation, independent of the world model."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ _UPRIGHT = (0.0, 0.0, 0.0, 1.0)
 
 
 def get_simulation() -> Call[SimulationState]:
-    """Returns how the simulation goes on."""
+    """Returns the state of the simulation."""
     return Call("GET", "/simulation", SimulationState)
 
 
 def list_bodies() -> Call[Bodies]:
-    """Returns where everything really is, which no robot knows."""
+    """Returns the true poses of all bodies, which no robot has access to."""
     return Call("GET", "/simulation/bodies", Bodies)
 
 
 def move_body(body: str, position: Sequence[float], orientation: Sequence[float] = _UPRIGHT) -> Call[None]:
-    """Puts a body somewhere else, and tells no robot.
+    """Moves a body without informing any robot.
 
     Args:
         body: Its id.
@@ -33,18 +33,18 @@ def move_body(body: str, position: Sequence[float], orientation: Sequence[float]
 
 
 def remove_body(body: str) -> Call[None]:
-    """Takes a body away, and tells no robot."""
+    """Removes a body without informing any robot."""
     return Call("DELETE", path_of("simulation", "bodies", body), nothing)
 
 
 def reset_simulation(*, force: bool = False) -> Call[SimulationState]:
-    """Brings everything up again as it is believed; with force it is stopped first where something is under way."""
+    """Restarts the simulation from the world model; with ``force``, running work is stopped first."""
     read = SimulationState
     return Call("POST", "/simulation/reset", read, query={"force": str(force).lower()}, repeatable=False)
 
 
 def set_pace(pace: float) -> Call[Pace]:
-    """Lets simulated time go on so many times as fast as the clock on the wall."""
+    """Sets the ratio of simulated time to wall time."""
     return Call("PUT", "/simulation/pace", Pace, json={"pace": pace})
 
 
@@ -55,13 +55,13 @@ def get_picture(
     width: int = 640,
     height: int = 480,
 ) -> Call[bytes]:
-    """Draws the scene as it really is, as PNG.
+    """Renders the true scene as PNG.
 
     Args:
-        eye: Where the observer is, in the map [m].
-        target: Where the observer looks [m].
-        width: [px].
-        height: [px].
+        eye: Camera position, in the map [m].
+        target: Point the camera looks at [m].
+        width: Image width [px].
+        height: Image height [px].
     """
     query = {"eye": _point(eye), "target": _point(target), "width": width, "height": height}
     return Call("GET", "/simulation/picture", lambda r: r.content, query=query)

@@ -1,4 +1,4 @@
-"""The world as a whole, what robots were taught, locks, and questions in SPARQL."""
+"""The world as a whole, taught data, locks, and SPARQL queries."""
 
 from __future__ import annotations
 
@@ -25,20 +25,20 @@ from skiros_py.client.call import Call, if_match, path_of
 
 
 def read_world() -> Call[WorldInfo]:
-    """Tells the world's version and what is in it, in numbers."""
+    """Returns the world's version and element counts."""
     return Call("GET", "/world", WorldInfo)
 
 
 def read_tree(
     root: str | None = None, *, depth: int | None = None, limit: int | None = None, cursor: str | None = None
 ) -> Call[TreeNode]:
-    """Returns what is placed where and what things are built of.
+    """Returns the tree of placements and parts.
 
     Args:
-        root: Where to begin; above everything where left out.
+        root: The root element; by default, the root of the world.
         depth: How many levels below it.
-        limit: How many children of each node at most.
-        cursor: ``next`` of the root as told before.
+        limit: Maximum number of children per node.
+        cursor: ``next`` of the root from an earlier call.
     """
     query = {"root": root, "depth": depth, "limit": limit, "cursor": cursor}
     return Call("GET", "/tree", TreeNode, query=query)
@@ -51,7 +51,7 @@ def list_changes(
     limit: int | None = None,
     cursor: str | None = None,
 ) -> Call[ChangePage]:
-    """Returns what changed, by whom and why.
+    """Returns changes with their authors and reasons.
 
     Args:
         since: Only changes after this number.
@@ -64,22 +64,22 @@ def list_changes(
 
 
 def read_change(number: int, *, limit: int | None = None, cursor: str | None = None) -> Call[Change]:
-    """Tells a change with its edits.
+    """Returns a change with its edits.
 
     Args:
         number: Its number.
         limit: How many edits at most.
-        cursor: ``next`` of what was told before.
+        cursor: ``next`` of an earlier call.
     """
     query = {"limit": limit, "cursor": cursor}
     return Call("GET", f"/world/changes/{number:d}", Change, query=query)
 
 
 def write_transaction(order: TransactionOrder, *, version: int | None = None) -> Call[Written]:
-    """Does several writes as one change, or none.
+    """Applies several writes as one change, all or none.
 
     Args:
-        order: What is written, and which versions of elements were seen.
+        order: The writes, and the expected versions of elements.
         version: The version of the world that was seen; None for whatever it is now.
     """
     body = order.model_dump(mode="json", by_alias=True, exclude_unset=True)
@@ -94,7 +94,7 @@ def write_transaction(order: TransactionOrder, *, version: int | None = None) ->
 
 
 def undo_edit(change: int | None = None) -> Call[Change]:
-    """Takes back the last edit that a person made.
+    """Undoes the last edit made by a user.
 
     Args:
         change: Only if it is this one.
@@ -104,23 +104,23 @@ def undo_edit(change: int | None = None) -> Call[Change]:
 
 
 def read_view(elements: Sequence[str] | None = None) -> Call[WorldView]:
-    """Returns where everything is believed to be, and what it looks like.
+    """Returns the believed poses and the shapes of all elements.
 
     Args:
-        elements: Only these, with what moves or is gone with them, at most 100; everything where left out.
+        elements: Only these, with what moves or disappears with them, at most 100; by default everything.
     """
     query = {"element": None if elements is None else list(elements)}
     return Call("GET", "/view", WorldView, query=query)
 
 
 def list_learned(*, limit: int | None = None, cursor: str | None = None) -> Call[LearnedPage]:
-    """Lists what robots were taught."""
+    """Lists the data taught to robots."""
     query = {"limit": limit, "cursor": cursor}
     return Call("GET", "/learned", LearnedPage, query=query)
 
 
 def forget_learned(element: str, *, version: int | None = None, reason: str | None = None) -> Call[Written]:
-    """Forgets something with its pieces; an undo brings it back.
+    """Deletes a taught element with its parts; an undo restores it.
 
     Args:
         element: Its id.
@@ -138,26 +138,26 @@ def forget_learned(element: str, *, version: int | None = None, reason: str | No
 
 
 def export_learned() -> Call[str]:
-    """Returns everything that was learned as the text of a Turtle file."""
+    """Returns all learned data as Turtle text."""
     return Call("GET", "/learned.ttl", lambda r: r.text)
 
 
 def list_locks() -> Call[LockList]:
-    """Returns who alone may edit which elements."""
+    """Returns the edit locks."""
     return Call("GET", "/locks", LockList)
 
 
 def lock_elements(order: LockOrder) -> Call[LockList]:
-    """Keeps other people and jobs from editing elements for a while; again, it lasts longer."""
+    """Locks elements against edits by other users and jobs for a while; calling it again extends the lock."""
     return Call("POST", "/locks", LockList, json=order.model_dump(mode="json"))
 
 
 def end_locks(elements: Sequence[str] | None = None, *, owner: str | None = None) -> Call[LockList]:
-    """Ends one's own locks, and answers with those that are left.
+    """Releases the caller's locks and returns the remaining ones.
 
     Args:
-        elements: On which elements; all where left out.
-        owner: Whose; those of others only an admin ends.
+        elements: The elements; by default all.
+        owner: Owner of the locks; only an admin may release those of others.
     """
     query = {"elements": None if elements is None else list(elements), "owner": owner}
     return Call("DELETE", "/locks", LockList, query=query)
@@ -167,7 +167,7 @@ _ANSWER: TypeAdapter[SelectAnswer | AskAnswer | ConstructAnswer] = TypeAdapter(Q
 
 
 def ask_question(question: Query) -> Call[SelectAnswer | AskAnswer | ConstructAnswer]:
-    """Answers SELECT, ASK or CONSTRUCT."""
+    """Runs a SELECT, ASK or CONSTRUCT query."""
     return Call("POST", "/queries", _answer, json=question.model_dump(mode="json"))
 
 

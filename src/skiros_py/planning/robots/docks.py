@@ -128,7 +128,7 @@ class _Docking:
         return [] if found is None else [found]
 
     def _standing(self, place: str) -> Point | None:
-        """Returns where a robot stands that works at a place [m in the map]; None if unknown."""
+        """Returns where a robot stands when working at a place [m in the map]; None if unknown."""
         if not self._view.has(place):
             return None
         pose, driving = map_pose(self._view, place), self._view.value(place, DRIVING_POSE)

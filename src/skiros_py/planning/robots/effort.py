@@ -91,9 +91,9 @@ class _Spread:
     def _joined(
         self, atoms: Sequence[Atom], binding: Binding, types: Mapping[str, str], given: set[str]
     ) -> Iterator[tuple[Binding, float]]:
-        """Yields ways to make the atoms settled facts, with what these cost together.
+        """Yields bindings that make the atoms settled facts, with their total cost.
 
-        What nobody asks for afterwards, as the place that is left, is bound to the cheapest only.
+        Variables not used afterwards, such as the place that is left, are bound to the cheapest value only.
         """
         if not atoms:
             yield binding, 0.0

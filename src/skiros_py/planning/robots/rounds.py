@@ -120,7 +120,7 @@ class _Arrangement:
         return [_USUAL if a.duration is None else a.duration for a in actions if a.skill is not None]
 
     def _rounds(self, steps: Sequence[Step], handling: Handling) -> Iterator[_Round]:
-        """Parts a plan into rounds: a robot's steps up to the last one for the same thing; its moves begin the next."""
+        """Splits a plan into rounds: a robot's steps up to the last one for a thing; its moves start the next round."""
         for robot in dict.fromkeys(map(self._robot, steps)):
             own: list[Step] = []
             last, thing = 0, None
