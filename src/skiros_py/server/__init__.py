@@ -1,1 +1,1 @@
-"""The door for machines and people: the REST API of one station (D8 of the design)."""
+"""The REST API of one station, for machines and people (D8 of the design)."""

@@ -1,4 +1,4 @@
-"""The application: routes, the gate in front of them, how faults are answered, and its documentation."""
+"""The application: routes, the gate in front of them, error handlers, and its documentation."""
 
 from __future__ import annotations
 
@@ -58,10 +58,10 @@ _TOPICS = (
 
 
 def create_app(services: Services) -> FastAPI:
-    """Makes the ASGI application of a server.
+    """Creates the ASGI application of a server.
 
     Args:
-        services: What its routes reach; its maker starts and closes it.
+        services: The services that its routes use; started and closed by the caller.
     """
     app = GuardedApi(
         title="skiros-py",
@@ -71,7 +71,7 @@ def create_app(services: Services) -> FastAPI:
         docs_url=None,
         redoc_url=None,
         redirect_slashes=False,
-        telemetry={"tracing": False},  # it is not collected, and costs a tenth of a request
+        telemetry={"tracing": False},  # traces are not collected, and take a tenth of the time of a request
         generate_unique_id_function=lambda route: route.name,
     )
     app.state.services = services
@@ -80,21 +80,21 @@ def create_app(services: Services) -> FastAPI:
     app.include_router(health.router)
     add_documentation(app, PREFIX)
     add_problem_handlers(app)
-    app.add_middleware(Gate, services, Pages(pages_of(services.settings)))  # it reads and limits bodies, too
+    app.add_middleware(Gate, services, Pages(pages_of(services.settings)))  # the gate also reads and limits bodies
     app.add_middleware(RequestMetrics, services.metrics)
     return app
 
 
 def add_documentation(app: FastAPI, prefix: str) -> None:
-    """Adds the description ``openapi.json``, the page ``docs`` about it, and what that is made of.
+    """Adds the description ``openapi.json``, the page ``docs`` that shows it, and the files of that page.
 
     Args:
-        app: The application; it has neither of its own.
-        prefix: Where the API lies.
+        app: The application; it has neither yet.
+        prefix: Path prefix of the API.
     """
     assets = f"{prefix}/docs/assets"
 
-    def description(_request: Request) -> JSONResponse:  # in a thread: it takes a second to make
+    def description(_request: Request) -> JSONResponse:  # in a thread: it takes a second to build
         return JSONResponse(app.openapi())
 
     async def page(_request: Request) -> HTMLResponse:

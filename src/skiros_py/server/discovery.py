@@ -1,4 +1,4 @@
-"""What a server leaves in its data directory while it listens, so that programs of the same user find it."""
+"""Lets programs of the same user find the server: it announces itself in its data directory while it listens."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from skiros_py.errors import FileError
 
 @contextmanager
 def announced(data: Path, url: str, token: str) -> Iterator[LocalServer]:
-    """Says, while the block runs, where the server of a data directory listens.
+    """Announces the server of a data directory for the duration of the block.
 
     Args:
-        data: The data directory; its lock is ours.
+        data: The data directory; the caller holds its lock.
         url: Address of the server.
         token: The key that programs of the same user may use until the server ends.
 
     Raises:
-        FileError: It cannot be written down.
+        FileError: The announcement cannot be written.
     """
     server = LocalServer(url=url, pid=os.getpid(), token=token)
     path = data / SERVER_FILE
@@ -32,14 +32,14 @@ def announced(data: Path, url: str, token: str) -> Iterator[LocalServer]:
     try:
         yield server
     finally:
-        with suppress(OSError):  # a leftover is recognised: the lock is free
+        with suppress(OSError):  # a leftover announcement is recognised by the free lock
             path.unlink()
 
 
 def _write(path: Path, text: str) -> None:
-    """Writes a file atomically that other users can never read."""
+    """Writes a file atomically, and so that other users can never read it."""
     new = path.with_name(f"{path.name}.new")
-    new.unlink(missing_ok=True)  # one that is left may be readable for others
+    new.unlink(missing_ok=True)  # a leftover file may be readable for others
     with open(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="utf-8") as file:  # noqa: PTH123
         file.write(text)
     new.replace(path)

@@ -1,4 +1,4 @@
-"""Versions of what can be changed: ETag and If-Match, so that no change is overwritten unseen."""
+"""Versions of resources: ETag and If-Match, so that no change is overwritten unseen."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ async def _if_match(
 
 
 SeenDep = Annotated[Seen | None, Depends(_if_match)]
-"""For routes: the version that If-Match names; None where there is no such header."""
+"""For routes: the version in If-Match; None if there is no such header."""
 
 NEEDS_VERSION: dict[int | str, dict[str, Any]] = {
     428: {
@@ -41,14 +41,14 @@ NEEDS_VERSION: dict[int | str, dict[str, Any]] = {
         "content": {"application/problem+json": {}},
     }
 }
-"""What a route answers that takes no write without a version; for ``responses=``."""
+"""Answers of a route that requires a version for each write; for ``responses=``."""
 
 
 def tagged(*statuses: int) -> dict[int | str, dict[str, Any]]:
-    """Documents that answers carry an ETag; for ``responses=``.
+    """Returns the documentation of answers that carry an ETag; for ``responses=``.
 
     Args:
-        statuses: Of these answers; 200 where left out.
+        statuses: Status codes of these answers; 200 if omitted.
     """
     header = {"description": "The present version, for If-Match.", "schema": {"type": "string", "examples": ['"17"']}}
     return {status: {"headers": {"ETag": header}} for status in statuses or (200,)}
@@ -60,19 +60,19 @@ def etag(version: int) -> str:
 
 
 def with_etag(found: V, response: Response) -> V:
-    """Returns what was found, with its version in the head of the answer."""
+    """Returns the resource and puts its version into the headers of the answer."""
     response.headers["ETag"] = etag(found.version)
     return found
 
 
 def expected_version(given: str | None) -> int | None:
-    """Returns the version that If-Match names; None where there is no such header, or it takes any version ("*").
+    """Returns the version in If-Match; None if there is no such header, or it accepts any version ("*").
 
     Args:
-        given: What If-Match says.
+        given: Value of If-Match.
 
     Raises:
-        Problem: The header is no ETag of ours (412: that version never was), or names several (400).
+        Problem: The header is not an ETag of this server (412: no such version existed), or has several (400).
     """
     if given is None or given.strip() == "*":
         return None

@@ -1,6 +1,6 @@
-"""Logs: one line for each thing that happened, as JSON or for people, with the job that it belongs to.
+"""Logs: one line per record, as JSON or for people, with the id of the job to which it belongs.
 
-Modules and plug-ins log with Python's own :mod:`logging` and need to know nothing of this.
+Modules and plug-ins use Python's own :mod:`logging` and do not depend on this module.
 """
 
 from __future__ import annotations
@@ -20,18 +20,18 @@ from skiros_py.station.events.log import EventLog
 LogForm = Literal["console", "json"]
 
 request_id: ContextVar[str] = ContextVar("request_id", default="")
-"""The request that is being answered in this context; empty outside of one."""
+"""The request being answered in this context; empty outside of requests."""
 
 _log = logging.getLogger("skiros_py.jobs")
 
 
 def log_to(stream: TextIO = sys.stderr, *, form: LogForm = "console", level: int = logging.INFO) -> None:
-    """Has everything that is logged in this process written to a stream; called again, it replaces the first.
+    """Writes all log records of this process to a stream; a second call replaces the first.
 
     Args:
-        stream: Where to.
+        stream: The stream.
         form: "json": one JSON object a line; "console": for people.
-        level: What is less important is left out.
+        level: Records below this level are omitted.
     """
     shared: list[structlog.types.Processor] = [
         structlog.stdlib.add_log_level,
@@ -56,7 +56,7 @@ def log_to(stream: TextIO = sys.stderr, *, form: LogForm = "console", level: int
         root.removeHandler(old)
     root.addHandler(handler)
     root.setLevel(level)
-    for loud in ("httpx2", "httpcore2", "uvicorn"):  # what they say in good times is what our own log has
+    for loud in ("httpx2", "httpcore2", "uvicorn"):  # their routine records duplicate our own log
         logging.getLogger(loud).setLevel(max(level, logging.WARNING))
 
 
@@ -64,24 +64,24 @@ _HANDLER = "skiros"
 _TRACEBACKS = structlog.processors.ExceptionRenderer(
     structlog.tracebacks.ExceptionDictTransformer(show_locals=False, max_frames=20)
 )
-"""Without the values of variables: keys may be among them."""
+"""Tracebacks without the values of variables, which may contain keys."""
 
 
 def _with_request(
     _logger: Any, _name: str, entry: MutableMapping[str, Any]
 ) -> MutableMapping[str, Any]:  # structlog's signature
-    """Names the request in whose course something is logged."""
+    """Adds the id of the request during which a record is logged."""
     request = request_id.get()
-    for twice in ("color_message", "message", "asctime"):  # of uvicorn, and of other handlers of the same record
+    for twice in ("color_message", "message", "asctime"):  # added by uvicorn, and by other handlers of the same record
         entry.pop(twice, None)
     return {**entry, "request": request} if request else entry
 
 
 def job_events_logged(events: EventLog) -> None:
-    """Has every new state of a job, and each step of a task, logged with the job's id.
+    """Logs every new state of a job, and each step of a task, with the job's id.
 
     Args:
-        events: What happens; it is told at most once of each event, in the thread where it happened.
+        events: The event log; the listener is called at most once per event, in the thread of the event.
     """
     seen, guard = events.last, threading.Lock()
 

@@ -1,4 +1,4 @@
-"""Figures for those who watch many servers: Prometheus metrics of requests, jobs, and the control cycle."""
+"""Prometheus metrics of requests, jobs, and the control cycle, for monitoring many servers."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ _STREAM = "text/event-stream"
 
 
 class Metrics:
-    """The figures of one server.
+    """The metrics of one server.
 
-    What can be read off at any time is read off when somebody asks; only requests are counted as they come.
+    Most metrics are read from the station when they are collected; only requests are counted as they arrive.
 
     Args:
         control: Runs the session.
-        events: What happens.
+        events: The event log.
 
     Attributes:
-        registry: All of them, for those who add some or export them.
+        registry: All metrics, to add further ones or to export them.
     """
 
     def __init__(self, control: ControlThread, events: EventLog) -> None:
@@ -52,22 +52,22 @@ class Metrics:
 
         Args:
             method: Its HTTP method.
-            route: The template of its path: ids of jobs are no names of figures.
+            route: The template of its path, since ids of jobs must not become labels.
             status: Status of the answer.
-            seconds: How long it took [s].
+            seconds: Its duration [s].
         """
         self._requests.labels(method, route, str(status)).observe(seconds)
 
 
 class _Station(Collector):
-    """What the station says of itself at the moment of asking."""
+    """Metrics of the station at the moment of collection."""
 
     def __init__(self, control: ControlThread, events: EventLog) -> None:
         self._control = control
         self._events = events
 
     def collect(self) -> Iterable[Metric]:
-        """Yields the figures."""
+        """Yields the metrics."""
         yield _count("skiros_cycles", "Control cycles since the server started.", self._control.beat)
         yield _count("skiros_events", "Events since the server started.", self._events.last)
         yield _gauge("skiros_ready", "1 while the station runs.", float(self._control.alive))
@@ -98,11 +98,11 @@ def _count(name: str, words: str, value: float) -> Metric:
 
 
 class RequestMetrics:
-    """ASGI middleware that counts requests; streams are left out, for they last as long as somebody listens.
+    """ASGI middleware that counts requests; streams are excluded, because they last as long as the client listens.
 
     Args:
-        app: What is behind it.
-        metrics: Where they are counted.
+        app: The application behind it.
+        metrics: The metrics that count them.
     """
 
     def __init__(self, app: ASGIApp, metrics: Metrics) -> None:
@@ -110,7 +110,7 @@ class RequestMetrics:
         self._metrics = metrics
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Passes a request on, and counts it when it is answered."""
+        """Passes on a request, and counts it when it is answered."""
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
@@ -135,5 +135,5 @@ _METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"
 
 
 def _method(given: str) -> str:
-    """Returns the method; what strangers invent is one figure, not as many as they like."""
+    """Returns the method as a label; all unknown methods share one label, so that callers cannot create many."""
     return given if given in _METHODS else "other"

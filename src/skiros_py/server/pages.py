@@ -1,4 +1,4 @@
-"""The pages that people see: files of an installed distribution; where there is none, one that says what to install."""
+"""The web pages: files of an installed distribution; if there is none, one page that names what to install."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ from skiros_py.server.problems import Problem
 from skiros_py.server.settings import ServerSettings
 
 GROUP, NAME = "skiros.pages", "web"
-"""Entry point by which a distribution says where its pages are: a :class:`pathlib.Path` of a folder."""
+"""Entry point with which a distribution provides its pages: a :class:`pathlib.Path` of a folder."""
 
 _INDEX = "index.html"
 _READ = frozenset({"GET", "HEAD"})
 _NO_PAGES = frozenset({"api", "metrics", "healthz", "readyz"})
-"""First words of addresses that are for programs."""
+"""First segments of paths that are for programs."""
 _HASHED = "assets"
 _PACKED = (("br", ".br"), ("gzip", ".gz"))
-"""Encodings of files that lie packed beside the others, the smallest first."""
+"""Encodings of precompressed files beside the originals, smallest first."""
 _TYPES = {".js": "text/javascript", ".mjs": "text/javascript", ".woff2": "font/woff2", ".map": "application/json"}
-"""What not every machine's table has, and browsers insist on."""
+"""MIME types that browsers require and that are missing in the tables of some machines."""
 _POLICY = (
     "default-src 'self'",
     "script-src 'self'",
@@ -52,12 +52,12 @@ _log = logging.getLogger(__name__)
 
 
 def is_page(method: str, path: str) -> bool:
-    """Returns whether a request is for a page: something to be read, and nothing of the API, health or figures."""
+    """Returns whether a request is for a page: it only reads, and not from the API, health or metrics."""
     return method in _READ and path.removeprefix("/").partition("/")[0] not in _NO_PAGES
 
 
 def installed_pages() -> Path | None:
-    """Returns the folder of the pages that are installed; None where none are, or what is there holds no pages."""
+    """Returns the folder of the installed pages; None if there are none, or the folder contains no pages."""
     for entry in installation().of(GROUP):
         if entry.name == NAME:
             plugin = load(entry)
@@ -69,16 +69,16 @@ def installed_pages() -> Path | None:
 
 
 def pages_of(settings: ServerSettings) -> Path | None:
-    """Returns the folder of the pages that a server has; None for none."""
+    """Returns the folder of the pages of a server; None for none."""
     return installed_pages() if settings.pages == "installed" else settings.pages
 
 
 class Pages:
-    """ASGI application that serves the pages; to be asked for what :func:`is_page` says only.
+    """ASGI application that serves the pages; only for requests accepted by :func:`is_page`.
 
     Args:
-        folder: Where they are: ``index.html``, and what it needs, of which that below ``assets`` is named by its
-            content. None for none.
+        folder: Folder with ``index.html`` and the files that it uses; names of files below ``assets`` contain a hash of
+            their content. None for none.
 
     Raises:
         UsageError: The folder has no ``index.html``.
@@ -100,7 +100,7 @@ class Pages:
             return
         try:
             await self._files(scope, receive, send)
-        except HTTPException as error:  # 401 is how the files of others are refused: there are none, for strangers
+        except HTTPException as error:  # 401 is raised for files that cannot be read: answered like missing files
             raise _missing(scope) from error
 
     def _without(self, scope: Scope) -> Response:
@@ -115,7 +115,7 @@ def _missing(scope: Scope) -> Problem:
 
 
 class _Files(StaticFiles):
-    """Files, packed where the browser takes that; an address without a file is one that the first page knows."""
+    """Serves files, compressed if the browser accepts that; paths without a file are routes of the first page."""
 
     async def get_response(self, path: str, scope: Scope) -> Response:
         try:
@@ -146,12 +146,12 @@ class _Files(StaticFiles):
         return response
 
     def _kept(self, path: Path) -> str:
-        """Returns for how long browsers may keep a file: forever what is named by its content."""
+        """Returns how long browsers may cache a file: forever if its name contains a hash of its content."""
         return _FOREVER if _HASHED in path.parts[len(Path(os.path.realpath(str(self.directory))).parts) :] else _ANEW
 
 
 def _packed(path: Path, accepted: str) -> Iterator[tuple[str, Path]]:
-    """Yields the packed neighbours of a file that a browser takes, the best first."""
+    """Yields the compressed variants of a file that a browser accepts, best first."""
     takes = set(_taken(accepted))
     for encoding, suffix in _PACKED:
         packed = path.with_name(path.name + suffix)

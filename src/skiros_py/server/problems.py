@@ -1,4 +1,4 @@
-"""Problems: every request that cannot be fulfilled is answered in the same form (RFC 9457)."""
+"""Problem documents: every failed request is answered in the same form (RFC 9457)."""
 
 from __future__ import annotations
 
@@ -36,16 +36,16 @@ from skiros_py.errors import (
 _log = logging.getLogger(__name__)
 
 _TYPE = "urn:skiros:problem:"
-"""Kinds of problems are names, not addresses: they must not look like something to fetch."""
+"""Problem types are names, not addresses: they must not look like something to fetch."""
 
 
 class Problem(Exception):
-    """A request cannot be fulfilled; raised by routes, answered as a problem document.
+    """A request cannot be fulfilled; raised by routes and answered as a problem document.
 
     Args:
         status: HTTP status.
         code: The kind of problem, for programs.
-        detail: What is wrong, and what would be right.
+        detail: Describes the fault, and what would be correct.
         headers: Further headers of the answer.
         extra: Further members of the problem document.
     """
@@ -71,7 +71,7 @@ _REFUSED = {
     "SceneUnreadable": 422,
     "VersionMissing": 428,
 }
-"""Status of a refusal by its code; 409 for all others."""
+"""HTTP status of a refusal by its code; 409 for all others."""
 _NAMES = {"SceneUnreadable": "SceneBroken"}
 """Codes of refusals that are answered with the same code but another status."""
 
@@ -98,7 +98,7 @@ _JOB_KINDS: tuple[tuple[type[SkirosError], int, str], ...] = (
 )
 """The same for orders and jobs, with the codes of the standard (OPC 10031-4 v2.00, annex B.2)."""
 _JOB_TOPICS = ("jobs", "goals", "goal-templates", "previews")
-"""First part of the address of what has to do with orders and jobs."""
+"""First part of the paths of routes for orders and jobs."""
 
 
 def _answer_fault(request: Request, error: Exception) -> Response:
@@ -144,7 +144,7 @@ def _lock(element: str, owner: str, seconds: float) -> dict[str, str]:
 
 
 def _of_file(error: FileError) -> Problem:
-    """A file of the server itself: what was wrong with a file of the caller was said where that was read."""
+    """Handles faults in files of the server itself; faults in a caller's file are reported where it is read."""
     detail = f"{error.path.name}: {error.reason.replace(str(error.path.parent), '…')}"
     if _is_full(error.__cause__):
         return Problem(507, "DiskFull", detail)
@@ -157,7 +157,7 @@ def _is_full(cause: BaseException | None) -> bool:
 
 
 def problem_response(request: Request, problem: Problem) -> Response:
-    """Makes the answer to a request that cannot be fulfilled."""
+    """Returns the answer to a request that cannot be fulfilled."""
     details = ProblemDetails(
         type=_TYPE + problem.code,
         title=_title(problem.code),
@@ -167,7 +167,7 @@ def problem_response(request: Request, problem: Problem) -> Response:
         instance=getattr(request.state, "id", ""),
         **{"return_status": _return_status(request, problem), **problem.extra},
     )
-    # In ASCII, since a text that was refused may hold what cannot be written in UTF-8.
+    # In ASCII, since a refused text may contain characters that cannot be encoded in UTF-8.
     content = json.dumps(details.model_dump(exclude_none=True), default=str)
     return Response(content, problem.status, problem.headers, media_type="application/problem+json")
 
@@ -183,21 +183,21 @@ _INVALID_REQUEST = 32
 
 
 def _return_status(request: Request, problem: Problem) -> int | None:
-    """Returns the ISA-95 return status of what has to do with jobs (OPC 10031-4 v2.00, annex B.2); None elsewhere."""
+    """Returns the ISA-95 return status of a problem with jobs (OPC 10031-4 v2.00, annex B.2); None for others."""
     if not _is_about_jobs(request) or (problem.status >= 500 and problem.code not in _BITS):
         return None
     return 1 << _BITS.get(problem.code, _INVALID_REQUEST)
 
 
 def _title(code: str) -> str:
-    """Writes a code as words: "UnknownJobOrderID" is "Unknown job order ID"."""
+    """Returns a code as words: "UnknownJobOrderID" becomes "Unknown job order ID"."""
     words = "".join(f" {c}" if c.isupper() and code[max(0, i - 1)].islower() else c for i, c in enumerate(code))
     first, *rest = words.split() or ["Problem"]
     return " ".join([first, *(word if word.isupper() else word.lower() for word in rest)])
 
 
 def add_problem_handlers(app: FastAPI) -> None:
-    """Has every fault answered as a problem document."""
+    """Installs handlers that answer every exception with a problem document."""
 
     def answering(make: Callable[[Any], Problem]) -> Callable[[Request, Exception], Response]:
         return lambda request, error: problem_response(request, make(error))
@@ -234,17 +234,17 @@ def _of_validation(error: RequestValidationError) -> Problem:
 
 
 def _field(fault: Mapping[str, Any]) -> dict[str, Any]:
-    """Says of one field what is wrong; kind and limit let a page say the same in its own language."""
+    """Describes the fault of one field; kind and limit allow a page to translate the message."""
     limit = fault_limit(fault)
     said = {"field": _where(fault["loc"]), "message": fault_words(fault)[:_LONGEST], "kind": str(fault["type"])}
     return said if limit is None else {**said, "limit": limit}
 
 
 _LONGEST = 4000
-"""Length of what is said about wrong fields; names of fields may be as long as the body."""
+"""Maximum length of messages about wrong fields; names of fields may be as long as the body."""
 
 
-# By reference: for a model FastAPI builds a validator per route and status, which took most of the server's start.
+# By reference: for a model, FastAPI builds a validator per route and status, which took most of the start-up time.
 _CONTENT = {"application/problem+json": {"schema": {"$ref": f"#/components/schemas/{ProblemDetails.__name__}"}}}
 PROBLEMS: dict[int | str, dict[str, Any]] = {
     status: {"description": words, "content": _CONTENT}
@@ -266,4 +266,4 @@ PROBLEMS: dict[int | str, dict[str, Any]] = {
         507: "The disk is full: nothing was changed.",
     }.items()
 }
-"""What any route may answer; for ``responses=``."""
+"""Problem answers common to all routes; for ``responses=``."""

@@ -1,4 +1,4 @@
-"""What the routes reach: the station, access, streams, webhooks. Start it, and close it."""
+"""The services that routes use: the station, access, streams, webhooks. Start them, and close them."""
 
 from __future__ import annotations
 
@@ -29,21 +29,21 @@ from skiros_py.station.station import Station, StationLimits
 
 
 class Services:
-    """What one server is made of. Start it, and close it, or use it in a ``with``.
+    """The services of one server. Start it, and close it, or use it in a ``with``.
 
     Args:
         opening: Opens the session.
         data: The data directory.
-        settings: How the server is set up.
+        settings: Settings of the server.
 
     Attributes:
-        settings: How the server is set up.
+        settings: Settings of the server.
         station: The use cases that routes call.
         keys: API keys; from :meth:`start` on.
-        authenticator: Finds out who makes a request; from :meth:`start` on.
-        audit: Who changed what, and who was refused; from :meth:`start` on.
-        streams: Who listens to events.
-        metrics: Figures for those who watch the server.
+        authenticator: Identifies the caller of a request; from :meth:`start` on.
+        audit: The log of changes and refusals; from :meth:`start` on.
+        streams: The event streams.
+        metrics: The metrics of the server.
         webhooks: Subscriptions and deliveries; from :meth:`start` on.
     """
 
@@ -81,12 +81,12 @@ class Services:
         session.jobs.subscribe(lambda _job: self.send_webhooks())
 
     def send_webhooks(self) -> None:
-        """Wakes the sender of webhooks; quick, and for any thread."""
+        """Wakes the sender of webhooks; does not block; callable from any thread."""
         if self._sender is not None:
             self._sender.wake()
 
     def close(self) -> None:
-        """Stops everything and ends all that was started; may be called twice."""
+        """Stops everything and closes all services; may be called twice."""
         self._stack.close()
 
     def __enter__(self) -> Self:
@@ -99,7 +99,7 @@ class Services:
         self.close()
 
 
-async def _services(request: Request) -> Services:  # not in the thread pool: a stop must not wait for a place there
+async def _services(request: Request) -> Services:  # not in the thread pool: a stop must not wait for a free thread
     services: Services = request.app.state.services
     return services
 
@@ -110,7 +110,7 @@ async def _station(request: Request) -> Station:
 
 
 ServicesDep = Annotated[Services, Depends(_services)]
-"""For routes: everything there is."""
+"""For routes: all services."""
 StationDep = Annotated[Station, Depends(_station)]
 """For routes: the use cases."""
 
@@ -119,17 +119,17 @@ def set_up_access(settings: ServerSettings, data: Path, stack: ExitStack) -> tup
     """Opens the keys and the audit log of a data directory.
 
     Args:
-        settings: How the server is set up.
+        settings: Settings of the server.
         data: The data directory.
         stack: Closes them at the end.
 
     Raises:
-        UsageError: Other machines could reach the server, and there is no key to come in with.
-        FileError: The file cannot be opened or made, or is damaged.
+        UsageError: Other machines can reach the server, and there is no key.
+        FileError: The file cannot be opened or created, or is damaged.
     """
     keys = stack.enter_context(closing(KeyStore(data)))
     check_access(settings, keys)
-    # A connection of its own: a request that asks for its key never waits for what is being written.
+    # A separate connection: a request that looks up its key never waits for writes.
     audit = AuditLog(open_access(data), besides=keys.keep_uses)
     stack.callback(audit.close)
     audit.start()
@@ -137,11 +137,11 @@ def set_up_access(settings: ServerSettings, data: Path, stack: ExitStack) -> tup
 
 
 def open_sender(station: Station, hosts: Sequence[str], stack: ExitStack) -> tuple[WebhookStore, WebhookSender]:
-    """Opens the file of webhooks and begins to send.
+    """Opens the file of webhooks and starts to send.
 
     Args:
         station: The station whose jobs are announced.
-        hosts: Hosts that webhooks may be sent to.
+        hosts: Hosts to which webhooks may be sent.
         stack: Closes them.
     """
     origin = f"urn:skiros:{socket.gethostname()}:{station.data.name}"

@@ -1,4 +1,4 @@
-"""Serving: listens first, opens the station, serves until somebody ends it, and leaves everything standing."""
+"""Runs the server: listens first, opens the station, serves until ended, and leaves everything at a standstill."""
 
 from __future__ import annotations
 
@@ -20,20 +20,20 @@ from skiros_py.server.services import Services
 from skiros_py.server.settings import ServerSettings
 
 _SWITCH = 0.001
-"""How long a thread keeps the interpreter when others want it [s]."""
+"""Switch interval of the interpreter [s]."""
 _GRACE = 3
-"""How long open connections (streams) are waited for at the end [s]."""
+"""Maximum wait for open connections (streams) at shutdown [s]."""
 _NO_FREE_PORT = (errno.EADDRINUSE, errno.EACCES)
-"""Another port does where the address itself is good."""
+"""Errors after which another port can help, since the address itself is valid."""
 _log = logging.getLogger(__name__)
 
 
 @contextmanager
 def switching_quickly() -> Iterator[None]:
-    """Has threads hand on the interpreter sooner while the block runs.
+    """Makes threads release the interpreter sooner for the duration of the block.
 
-    The control thread asks for it 200 times a second and would wait for 5 ms each time that a request is being
-    answered: a whole cycle.
+    The control thread needs it 200 times a second, and would wait for 5 ms, a whole cycle, whenever a request is being
+    answered.
     """
     before = sys.getswitchinterval()
     sys.setswitchinterval(_SWITCH)
@@ -44,18 +44,18 @@ def switching_quickly() -> Iterator[None]:
 
 
 def bind(settings: ServerSettings) -> socket.socket:
-    """Takes the address, before anything else is started.
+    """Binds the address before anything else is started.
 
     Raises:
-        UsageError: Another program has it, or there is no such address.
+        UsageError: The address is in use, or does not exist.
     """
     family = socket.AF_INET6 if ":" in settings.host else socket.AF_INET
     listening = socket.socket(family, socket.SOCK_STREAM)
     listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listening.bind((settings.host, settings.port))
-        listening.listen()  # two sockets that only wait to listen may have one address
-    except (OSError, OverflowError, ValueError) as error:  # ValueError: of a host that cannot be written in ASCII
+        listening.listen()  # two sockets that are bound but not listening may share an address
+    except (OSError, OverflowError, ValueError) as error:  # ValueError: for a host that cannot be encoded in ASCII
         listening.close()
         raise UsageError(f"cannot listen at {settings.host}:{settings.port}: {_why(error)}") from None
     return listening
@@ -69,7 +69,7 @@ def _why(error: OSError | OverflowError | ValueError) -> str:
 
 
 def url_of(listening: socket.socket) -> str:
-    """Returns the address at which a server that listens there is reached from this machine."""
+    """Returns the URL at which a server with this socket is reached from this machine."""
     host, port = listening.getsockname()[:2]
     here = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(host, host)  # noqa: S104 - it is compared with, not bound
     return f"http://[{here}]:{port}" if ":" in here else f"http://{here}:{port}"
@@ -79,7 +79,7 @@ class Serving:
     """One run of the server.
 
     Args:
-        services: Started already; its maker closes it.
+        services: The services, already started; closed by the caller.
         listening: From :func:`bind`.
         on_listening: Called as soon as requests are answered.
     """
@@ -93,29 +93,29 @@ class Serving:
             log_config=None,
             access_log=False,
             server_header=False,
-            proxy_headers=False,  # any program on this machine could claim to speak for somebody else
+            proxy_headers=False,  # any program on this machine could otherwise forge the address of its requests
             timeout_graceful_shutdown=_GRACE,
         )
         self._server = _Server(config, on_listening, lambda: _halt(services))
         self._listening = listening
 
     def run(self) -> None:
-        """Serves until :meth:`end`, then brakes everything and lets open requests come to their end."""
+        """Serves until :meth:`end`, then brakes everything and lets open requests finish."""
         self._server.run(sockets=[self._listening])
 
     def end(self) -> None:
-        """Asks the server to end; safe to call from a signal handler."""
+        """Requests the end of the server; safe to call from a signal handler."""
         self._server.should_exit = True
 
 
 async def _warm_up(app: FastAPI) -> None:
-    """Has everything made that is made for the first request, which may be somebody's stop."""
+    """Does all lazy initialisation in advance, because the first request may be a stop."""
     async with httpx2.AsyncClient(transport=httpx2.ASGITransport(app), base_url="http://127.0.0.1") as client:
         await client.get("/healthz")
 
 
 class _Server(uvicorn.Server):
-    """Tells when it listens and when it ends; its caller handles signals."""
+    """Reports when it starts to listen and when it ends; its caller handles signals."""
 
     def __init__(self, config: uvicorn.Config, on_listening: Callable[[], None], on_end: Callable[[], None]) -> None:
         super().__init__(config)
@@ -136,7 +136,7 @@ class _Server(uvicorn.Server):
 
 
 def _halt(services: Services) -> None:
-    """Brakes everything before the connections are waited for; running jobs wait for a person then."""
+    """Brakes everything before waiting for connections to close; running jobs then wait for a person."""
     services.streams.end()
     if not services.station.control.alive:
         return

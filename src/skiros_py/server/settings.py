@@ -1,4 +1,4 @@
-"""How the server is set up."""
+"""Settings of the server."""
 
 from __future__ import annotations
 
@@ -21,26 +21,26 @@ _USUAL_PORTS = {"http": 80, "https": 443}
 
 @dataclass(frozen=True, slots=True)
 class ServerSettings:
-    """How the server is set up.
+    """Settings of the server.
 
     Attributes:
-        host: Address to listen at.
-        port: Port to listen at; 0 for any free one.
-        authentication: "keys": every request needs a key; "none": none does; "auto": as soon as there are keys,
-            and always where other machines reach the server.
-        allowed_hosts: Further names under which the server is reached, for the check of the Host header.
+        host: Address on which to listen.
+        port: Port on which to listen; 0 for any free one.
+        authentication: "keys": every request needs a key; "none": no request does; "auto": keys are needed as soon as
+            there are any, and always if other machines can reach the server.
+        allowed_hosts: Further names of the server, for the check of the Host header.
         allowed_origins: Origins of web pages (``https://mes.example``) that may use the API from a browser.
-        webhook_hosts: Hosts, perhaps with a port, that webhooks may be sent to; none are where it is empty.
-        rate: Requests in a second that one caller may make.
-        requests: Requests that may be under way at the same time, streams included.
-        open_jobs: Jobs that may be open at the same time.
-        streams: Event streams that may be open at the same time.
-        body: Longest body of a request [bytes].
-        kept_events: Events that are kept for replay.
-        pages: Folder of the pages for people; None for none.
+        webhook_hosts: Hosts, optionally with a port, to which webhooks may be sent; if empty, none are sent.
+        rate: Maximum number of requests of one caller per second.
+        requests: Maximum number of concurrent requests, including streams.
+        open_jobs: Maximum number of open jobs.
+        streams: Maximum number of open event streams.
+        body: Maximum length of a request body [bytes].
+        kept_events: Number of events kept for replay.
+        pages: Folder of the web pages; None for none.
 
     Raises:
-        UsageError: Everybody could move the robots, or a host or origin is none that a request can ever come with.
+        UsageError: Anyone could move the robots, or a host or origin can never match that of a request.
     """
 
     host: str = "127.0.0.1"
@@ -80,7 +80,7 @@ class ServerSettings:
 
 
 def is_loopback(host: str) -> bool:
-    """Returns whether only programs on this machine reach an address."""
+    """Returns whether an address can be reached only by programs on this machine."""
     return host == "localhost" or (_is_address(host) and ipaddress.ip_address(host).is_loopback)
 
 

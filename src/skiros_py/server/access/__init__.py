@@ -1,1 +1,1 @@
-"""Who may do what: keys, roles, limits, and the log of what was done."""
+"""Access control: keys, roles, limits, and the audit log."""

@@ -1,4 +1,4 @@
-"""The audit log: who changed what, when and from where, and who was refused."""
+"""The audit log: who changed what, when and from where, and which requests were refused."""
 
 from __future__ import annotations
 
@@ -17,33 +17,33 @@ from skiros_py.errors import SkirosError
 _log = logging.getLogger(__name__)
 
 _KEPT = 100_000
-"""Entries that are kept."""
+"""Number of entries kept."""
 _WAITING = 20_000
-"""Entries that may wait to be written; should the disk hang, the oldest of them are lost rather than any request."""
+"""Limit of entries waiting to be written: if the disk hangs, the oldest entries are dropped and requests go on."""
 _BATCH = 1000
 _PAUSE = 0.5
-"""How long entries are collected before they are written together [s]."""
+"""Time during which entries are collected before they are written together [s]."""
 _IDLE = 10.0
-"""How often that is done which is done besides [s]."""
+"""Period of the additional work, see ``besides`` [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class AuditEntry:
-    """One request that changed something or was refused. Keys and bodies are never in it.
+    """One request that changed something or was refused; contains neither keys nor bodies.
 
     Attributes:
-        wall: When [s since 1970].
-        caller: Name of who made it; empty for strangers.
-        role: Their role; empty for strangers.
-        key: Id of their key; empty where none was needed.
-        address: The address it came from.
+        wall: Time of the request [s since 1970].
+        caller: Name of the caller; empty for unauthenticated callers.
+        role: Role of the caller; empty for unauthenticated callers.
+        key: Id of the caller's key; empty if none was needed.
+        address: The address from which it came.
         method: HTTP method.
-        path: What it was about.
-        operation: What it asked for; empty where it did not get as far.
+        path: Path of the request.
+        operation: Id of the operation; empty if the request was not routed.
         status: HTTP status of the answer.
-        request: Id of the request; logs have the same.
-        job: Id of the job that it was about; empty where it was about none.
-        comment: What the caller said about it.
+        request: Id of the request, the same as in the logs.
+        job: Id of the job that the request concerned; empty if none.
+        comment: Comment by the caller.
     """
 
     wall: float
@@ -61,22 +61,22 @@ class AuditEntry:
 
 
 def note(request: Request, *, job: str = "", comment: str = "") -> None:
-    """Adds to what the audit log will say about a request; for routes.
+    """Adds details to the audit log entry of a request; for routes.
 
     Args:
         request: The request.
-        job: Id of the job that it is about, where the path does not say so.
+        job: Id of the job that the request concerns, if the path does not contain it.
         comment: What the caller said about it.
     """
     request.state.audit = {"job": job[:200], "comment": comment[:1000]}
 
 
 class AuditLog:
-    """Writes entries down, in a thread of its own, so that no request waits for the disk. Start it, and close it.
+    """Writes entries in a thread of its own, so that no request waits for the disk. Start it, and close it.
 
     Args:
         database: From :func:`~skiros_py.server.access.file.open_access`, its own connection; closed at the end.
-        besides: What else is written now and then; gets the database.
+        besides: Writes other data from time to time; receives the database.
     """
 
     def __init__(self, database: Database, besides: Callable[[Database], None] = lambda _database: None) -> None:
@@ -93,16 +93,16 @@ class AuditLog:
         self._thread.start()
 
     def append(self, entry: AuditEntry) -> None:
-        """Has an entry written soon; quick, and for any thread."""
+        """Queues an entry for writing; does not block; callable from any thread."""
         self._entries.append(entry)
         self._asked.set()
 
     def page(self, before: int | None = None, limit: int = 100) -> tuple[tuple[int, AuditEntry], ...]:
-        """Returns entries with their numbers, the youngest first.
+        """Returns entries with their numbers, newest first.
 
         Args:
-            before: Only those with smaller numbers.
-            limit: How many at most.
+            before: Return only entries with smaller numbers.
+            limit: Maximum number of entries.
         """
         self._write()
         end = 2**63 - 1 if before is None else before
@@ -112,7 +112,7 @@ class AuditLog:
         return tuple((number, AuditEntry(**json.loads(data))) for number, data in rows)
 
     def close(self) -> None:
-        """Writes what waits, and closes the file; may be called twice."""
+        """Writes the queued entries and closes the file; may be called twice."""
         if self._ending.is_set():
             return
         self._ending.set()

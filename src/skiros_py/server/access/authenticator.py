@@ -1,4 +1,4 @@
-"""Who makes a request: found from the key they show, or the login that stands for one."""
+"""Identifies the caller of a request by the key or login that the request carries."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ from skiros_py.server.problems import Problem
 from skiros_py.server.settings import ServerSettings, is_loopback
 
 _GUESSES = 10
-"""Wrong keys that one address may show in a minute."""
+"""Number of wrong keys accepted from one address per minute."""
 _LONGEST_USER = 100
 _REALM = {"WWW-Authenticate": 'Bearer realm="skiros"'}
 
 
 def check_access(settings: ServerSettings, keys: KeyStore) -> None:
-    """Checks that nobody from outside can come in without a key.
+    """Checks that the server cannot be reached from other machines without a key.
 
     Args:
-        settings: How the server is set up.
-        keys: The keys there are.
+        settings: Settings of the server.
+        keys: The API keys.
 
     Raises:
-        UsageError: Other machines could reach the server, and there is no key to come in with.
+        UsageError: Other machines can reach the server, and there is no key.
     """
     if not is_loopback(settings.host) and not any(key.valid for key in keys.all()):
         raise UsageError(
@@ -43,15 +43,15 @@ def check_access(settings: ServerSettings, keys: KeyStore) -> None:
 
 
 class Authenticator:
-    """Finds the caller of a request. For the thread of the event loop.
+    """Identifies the caller of a request. To be used in the thread of the event loop only.
 
     Args:
-        settings: How the server is set up.
-        keys: The keys there are.
+        settings: Settings of the server.
+        keys: The API keys.
 
     Attributes:
-        keys: The keys there are.
-        logins: Who is logged in from a web page.
+        keys: The API keys.
+        logins: Logins from web pages.
     """
 
     def __init__(self, settings: ServerSettings, keys: KeyStore) -> None:
@@ -69,14 +69,14 @@ class Authenticator:
         return wanted == "keys"
 
     def caller(self, headers: Headers, address: str) -> Caller:
-        """Finds out who makes a request. A key that is shown has to be right, also where none is needed.
+        """Identifies the caller of a request. A key in the request must be valid even if none is needed.
 
         Args:
             headers: The request's headers.
-            address: Where it comes from.
+            address: Address from which the request comes.
 
         Raises:
-            Problem: There is no key (401), a wrong one (401), or there were many wrong ones (429).
+            Problem: There is no key (401), the key is wrong (401), or there were too many wrong keys (429).
         """
         shown = _shown(headers)
         if shown is not None:
@@ -93,13 +93,13 @@ class Authenticator:
 
         Args:
             text: The key.
-            address: Where they come from.
+            address: Address from which the request comes.
 
         Returns:
             The key, and the text of the cookie.
 
         Raises:
-            Problem: The key is wrong (401), or there were many wrong ones (429).
+            Problem: The key is wrong (401), or there were too many wrong keys (429).
         """
         key = self.keys.check(text)
         if key is None:
@@ -107,20 +107,20 @@ class Authenticator:
         return key, self.logins.begin(key.id)
 
     def logout(self, headers: Headers) -> None:
-        """Ends the login that a request shows, if there is one."""
+        """Ends the login that the request carries, if any."""
         text = _cookie(headers)
         if text is not None:
             self.logins.end(text)
 
     def still(self, caller: Caller) -> bool:
-        """Returns whether a caller may stay: their key was not revoked meanwhile; for streams."""
+        """Returns whether a caller's key is still valid; for streams."""
         if not caller.key:
             return not self.keys_needed
         return caller.key == LOCAL or self.keys.still(caller.key) is not None
 
     def _by_key(self, shown: str, headers: Headers, address: str) -> Caller:
-        # A right key passes however many wrong ones came from the same address: nobody can lock their neighbours out,
-        # and with 256 random bits a key cannot be guessed at any rate.
+        # A correct key passes regardless of the number of wrong keys from the same address: a caller cannot lock out
+        # others who share its address, and a key of 256 random bits cannot be guessed at any rate.
         key = self.keys.check(shown)
         if key is not None:
             return Caller(key.name, key.role, key.id)
@@ -142,7 +142,7 @@ class Authenticator:
 
 
 def _shown(headers: Headers) -> str | None:
-    """Returns the key that headers show; None for none, something wrong for what cannot be made out."""
+    """Returns the key in the headers; None if there is none, an invalid key if it cannot be parsed."""
     authorization = headers.get("authorization")
     if authorization is None:
         return headers.get("x-api-key")
@@ -162,7 +162,7 @@ def _cookie(headers: Headers) -> str | None:
 
 
 def _user(headers: Headers) -> str:
-    """Returns how somebody calls themselves who needs no key: for authorship only."""
+    """Returns the name that a caller without a key gives; used for authorship only."""
     given = headers.get("x-skiros-user", "").encode("latin-1").decode("utf-8", "replace")
     return "".join(c for c in given if c.isprintable())[:_LONGEST_USER].strip() or LOCAL
 
@@ -172,31 +172,31 @@ def _stranger(detail: str) -> Problem:
 
 
 COOKIE = "skiros_session"
-"""Name of the cookie, where the address has no port."""
+"""Name of the cookie if the address has no port."""
 LIFETIME = 12 * 3600
-"""How long a login lasts [s]."""
+"""Lifetime of a login [s]."""
 _MOST = 1000
-"""Logins that are kept; the oldest goes when there is one more."""
+"""Number of logins kept; one more replaces the oldest."""
 
 
 def cookie_name(host: str) -> str:
-    """Returns the name of the cookie: browsers show a cookie to every port of a host, and each may be another server.
+    """Returns the name of the cookie: browsers send a cookie to all ports of a host, and each may be another server.
 
     Args:
-        host: The address as the browser calls it: the Host header.
+        host: The Host header, which is the address as the browser sees it.
     """
     port = re.search(r":(\d{1,5})$", host)
     return f"{COOKIE}_{port[1]}" if port else COOKIE
 
 
 class Logins:
-    """Who is logged in; in memory only, so that a start of the server ends every login. Used by any thread."""
+    """The active logins; in memory only, so that a restart of the server ends every login. Thread-safe."""
 
     def __init__(self) -> None:
         self._logins: OrderedDict[bytes, tuple[str, float]] = OrderedDict()
 
     def begin(self, key: str) -> str:
-        """Logs the owner of a key in, and returns the text of the cookie."""
+        """Logs in the owner of a key, and returns the text of the cookie."""
         text = secrets.token_urlsafe(32)
         self._logins[_digest(text)] = (key, time.monotonic() + LIFETIME)
         while len(self._logins) > _MOST:
@@ -204,15 +204,15 @@ class Logins:
         return text
 
     def key(self, text: str) -> str | None:
-        """Returns the id of the key that a cookie stands for; None where the login is over, or never was."""
+        """Returns the id of the key to which a cookie belongs; None if the login has ended or never existed."""
         key, until = self._logins.get(_digest(text), ("", 0.0))
         return key if time.monotonic() < until else None
 
     def end(self, text: str) -> None:
-        """Logs out; once more does no harm."""
+        """Logs out; may be called again."""
         self._logins.pop(_digest(text), None)
 
 
 def _digest(text: str) -> bytes:
-    # Looking a digest up takes as long for one guess as for another.
+    # The lookup by digest takes the same time for every guess.
     return hashlib.sha256(text.encode("utf-8", "surrogatepass")).digest()

@@ -1,4 +1,4 @@
-"""Bodies of requests: read at the door, so that what is behind it only ever sees sound ones."""
+"""Request bodies: read and checked by the gate, so that routes only ever see valid ones."""
 
 from __future__ import annotations
 
@@ -13,27 +13,27 @@ from starlette.types import Message, Receive
 from skiros_py.server.problems import Problem
 
 _DEEPEST = 64
-"""How deep lists and objects may be nested."""
+"""Maximum nesting depth of lists and objects."""
 _LARGEST = 2**63
-"""Whole numbers stay below: neither databases nor other languages take larger ones."""
+"""Integers must be smaller: databases and other languages do not support larger ones."""
 _FORMS = frozenset({"", "text/plain", "application/x-www-form-urlencoded", "multipart/form-data"})
-"""What any page may have a browser send anywhere without asking first."""
+"""Content types that any web page may have a browser send to any server without a preflight request."""
 _OUTSIDE_TEXTS = re.compile(rb'"[^"\\]*(?:\\.[^"\\]*)*"?|[^\[\]{}"]+', re.DOTALL)
 _SUSPICIOUS = re.compile(rb"NaN|Infinity|\xed[\xa0-\xbf]|\\u(?:0000|[dD][89a-fA-F])|[eE]\+?\d{3}|\d{19}")
 _NOT_TEXT = re.compile("[\0\ud800-\udfff]")
 
 
 async def read_body(headers: Headers, receive: Receive, longest: int, seconds: float) -> bytes:
-    """Reads and checks the body of a request that may change something.
+    """Reads and checks the body of a request that can change something.
 
     Args:
         headers: The request's headers.
-        receive: Gives the body, piece by piece.
-        longest: How long it may be [bytes].
-        seconds: How long it may take to arrive [s].
+        receive: Yields the body in chunks.
+        longest: Maximum length [bytes].
+        seconds: Maximum time until it has arrived [s].
 
     Raises:
-        Problem: It is too long (413), too slow (408), of a type that forms have (415), or JSON that is none (400).
+        Problem: It is too long (413), too slow (408), of a content type of forms (415), or invalid JSON (400).
     """
     announced = headers.get("content-length", "0")
     if not announced.isdecimal() or len(announced) > 18 or int(announced) > longest:
@@ -49,7 +49,7 @@ async def read_body(headers: Headers, receive: Receive, longest: int, seconds: f
 
 
 def replayed(body: bytes, receive: Receive) -> Receive:
-    """Returns what gives a body that was read already, and after it what comes next."""
+    """Returns a receive function that yields a body already read, followed by the next messages."""
     given = False
 
     async def again() -> Message:
@@ -88,13 +88,13 @@ def _check(content_type: str, body: bytes) -> None:
 
 
 def check_json(body: bytes) -> None:
-    """Checks that a JSON text holds nothing that no part of the platform takes.
+    """Checks that a JSON text contains nothing that the platform cannot handle.
 
-    Those are: nesting without end, numbers that are none, and characters that cannot be written down (NUL, half a
-    pair of surrogates). Whether it is JSON at all is left to its reader.
+    These are excessive nesting, numbers that are not finite, and characters that cannot be encoded (NUL, unpaired
+    surrogates). Whether the text is JSON at all is left to its parser.
 
     Raises:
-        Problem: It does.
+        Problem: It contains such a thing.
     """
     if b"\0" in body:
         raise _bad("JSON is written in UTF-8, and holds no NUL")
@@ -104,12 +104,12 @@ def check_json(body: bytes) -> None:
         try:
             value = json.loads(body, parse_constant=_constant, parse_float=_float, parse_int=_int)
         except ValueError:
-            return  # no JSON: that is said where it is read, with line and column
+            return  # not JSON: the parser reports that, with line and column
         _check_texts(value)
 
 
 def _too_deep(body: bytes) -> bool:
-    """Returns whether a text is nested too deep, or never closes what it opens; in C, not bracket by bracket."""
+    """Returns whether a text is nested too deep or has unclosed brackets; runs in C, not bracket by bracket."""
     brackets = _OUTSIDE_TEXTS.sub(b"", body).translate(_SAME_BRACKETS)
     for _ in range(_DEEPEST):
         shorter = brackets.replace(b"[]", b"")  # the innermost ones
@@ -140,7 +140,7 @@ def _int(text: str) -> int:
 
 
 def _check_texts(value: Any) -> None:
-    # No deeper than was allowed above, so that calls in calls will do.
+    # The depth was limited above, so recursion is safe.
     if isinstance(value, str):
         if _NOT_TEXT.search(value):
             raise _bad(f"{value[:60]!a} holds a character that cannot be written down")

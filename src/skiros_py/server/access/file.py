@@ -1,4 +1,4 @@
-"""The file that keeps who may come in and what was done: ``access.db`` of a data directory."""
+"""The file with the keys and the audit log: ``access.db`` in a data directory."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ CREATE TABLE audit (number INTEGER PRIMARY KEY AUTOINCREMENT, data TEXT NOT NULL
 """
 
 _SCHEMA = Schema("list of keys", "the keys of a server", 0x736B6163, (_TABLES,))
-"""Such a file is marked "skac"."""
+"""Application id of such a file: "skac"."""
 
 
 def open_access(data: Path) -> Database:
-    """Opens the file of a data directory; created if missing, readable by its owner only.
+    """Opens the file in a data directory; created if missing, readable by its owner only.
 
-    Other processes may use it at the same time: keys are made and revoked from the shell while the server runs.
+    Other processes may use it at the same time: keys are created and revoked from the shell while the server runs.
 
     Raises:
-        FileError: It cannot be opened or made, or is damaged.
+        FileError: It cannot be opened or created, or is damaged.
     """
     path = data / FILE
     database = Database(path, _SCHEMA, durable=True, shared=True)
-    with suppress(OSError):  # some file systems know no rights; keys are kept hashed in any case
+    with suppress(OSError):  # some file systems have no permissions; keys are stored hashed in any case
         path.chmod(0o600)
     return database

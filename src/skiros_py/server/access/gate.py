@@ -1,4 +1,4 @@
-"""The gate: every request passes it, and has a caller afterwards, or an answer that says why not."""
+"""The gate: every request passes it and is either assigned a caller or answered with the reason of its refusal."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ _API = "/api/v1"
 _HEALTH = frozenset((method, path) for method in ("GET", "HEAD") for path in ("/healthz", "/readyz"))
 _LOGIN = ("POST", f"{_API}/session")
 OPEN = _HEALTH | {_LOGIN}
-"""What needs no key: methods and paths."""
+"""Methods and paths that need no key."""
 _STOP = ("POST", f"{_API}/stop")
-"""What always passes, be there ever so much to do; so do requests for the server's health."""
+"""The request to stop: it always passes, regardless of the load; so do requests for the server's health."""
 _LONGEST_LOGIN = 4 << 10
 _PATIENCE = 30.0
 _PATIENCE_WITH_STRANGERS = 2.0
-"""How long a body may take to arrive [s]."""
+"""Maximum time until a body has arrived [s]."""
 _NOBODY = Caller("", Role.VIEWER)
 
 _LONGEST_URL = 8 << 10
@@ -47,32 +47,32 @@ _REQUEST_ID = re.compile(r"[A-Za-z0-9._-]{1,64}")
 _KEY_IN_URL = re.compile(rb"(?:^|&)(?:x-)?(?:api[_-]?key|access_token|authorization)=", re.IGNORECASE)
 _REFUSALS = 30
 _REFUSALS_OF_ALL = 300
-"""Refusals that the audit log takes in a minute, of one address and of all: refusals must not fill it."""
+"""Refusals recorded in the audit log per minute, of one address and of all: refusals must not fill it."""
 _HEADERS = {
     "X-Content-Type-Options": "nosniff",
     "X-Frame-Options": "DENY",
     "Referrer-Policy": "no-referrer",
     "Cache-Control": "no-store",
 }
-"""What answers say to browsers, where the route says nothing else."""
+"""Headers of answers for browsers, unless the route sets others."""
 
 
 class Guarded(Protocol):
-    """What the gate needs of the server; some of it is there only once the server was started."""
+    """The parts of the server that the gate needs; some of them exist only after the server was started."""
 
     @property
     def settings(self) -> ServerSettings:
-        """How the server is set up."""
+        """Settings of the server."""
         ...
 
     @property
     def authenticator(self) -> Authenticator:
-        """Finds the caller of a request."""
+        """Identifies the caller of a request."""
         ...
 
     @property
     def audit(self) -> AuditLog:
-        """What was done and refused."""
+        """The log of changes and refusals."""
         ...
 
 
@@ -80,9 +80,9 @@ class Gate:
     """ASGI middleware that refuses requests without permission.
 
     Args:
-        app: What is behind it.
-        services: What is guarded.
-        pages: What answers for pages, which hold no data and are for everybody; None for none.
+        app: The application behind the gate.
+        services: The server that it guards.
+        pages: Application that serves the web pages, which contain no data and need no key; None for none.
     """
 
     def __init__(self, app: ASGIApp, services: Guarded, pages: ASGIApp | None = None) -> None:
@@ -97,7 +97,7 @@ class Gate:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answers a request, or passes it on."""
-        if scope["type"] == "websocket":  # there are none, and none shall come in unasked
+        if scope["type"] == "websocket":  # there are no WebSocket routes, and none must get past the gate
             await send({"type": "websocket.close", "code": 1008})
         elif scope["type"] != "http":
             await self._app(scope, receive, send)
@@ -119,7 +119,7 @@ class Gate:
             if answer.revoked:
                 return
             _log.exception("request %s broke: %s", request.state.id, error)
-            if answer.status:  # it had begun: all that can be done is to break off
+            if answer.status:  # the answer has begun: it can only be cut off
                 raise
             await problem_response(request, _broken(request.state.id))(scope, receive, answer)
         finally:
@@ -144,7 +144,7 @@ class Gate:
             return
         if what not in OPEN:
             request.state.caller = self._services.authenticator.caller(headers, _address(scope))
-        if what in OPEN or what == _STOP:  # which is obeyed whatever its body is, or before it is there
+        if what in OPEN or what == _STOP:  # a stop is executed whatever its body is, and before the body has arrived
             await self._app(scope, receive, answer)
             return
         self._check_rate(request.state.caller)
@@ -160,7 +160,7 @@ class Gate:
             raise Problem(429, "TooManyRequests", detail, headers={"Retry-After": "1"})
 
     def _keep(self, request: Request, status: int) -> None:
-        """Has the audit log remember what changed something, and what was refused."""
+        """Records requests that changed something, and those refused, in the audit log."""
         changed = request.method not in SAFE and request.state.caller is not _NOBODY and status != 429
         if changed or (status in _REFUSED and self._may_fill_log(_address(request.scope))):
             self._services.audit.append(_entry(request, status))
@@ -173,7 +173,7 @@ _REFUSED = frozenset({400, 401, 403, 429})
 
 
 class _Answer:
-    """Sends an answer: adds what all answers say, and ends a stream whose reader may not read any more."""
+    """Sends an answer: adds the common headers, and ends a stream whose reader has lost permission."""
 
     def __init__(self, send: Send, request: Request, more: dict[str, str], services: Guarded) -> None:
         self.status = 0

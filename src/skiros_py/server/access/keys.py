@@ -1,4 +1,4 @@
-"""API keys: made once, shown once, kept hashed; revoked at once."""
+"""API keys: created and shown once, stored hashed; a revocation takes effect immediately."""
 
 from __future__ import annotations
 
@@ -22,30 +22,30 @@ from skiros_py.server.access.roles import LOCAL, Role
 
 _LONGEST_NAME = 100
 _MOST = 10_000
-"""Keys that are kept, revoked ones included."""
+"""Maximum number of keys, including revoked ones."""
 _COLUMNS = "id, name, role, digest, ending, created, expires, revoked, used"
 _TOKEN = re.compile(r"sk_([a-z0-9]{1,32})_[A-Za-z0-9_-]{43}")
 _LIKE_A_TOKEN = re.compile(r"sk(?:_|%5[fF])[A-Za-z0-9]{1,32}(?:_|%5[fF])[A-Za-z0-9_%-]{8,}")
 
 
 def without_keys(text: str) -> str:
-    """Returns a text in which keys, whole or cut off, are hidden: for logs."""
+    """Returns a text in which keys, complete or truncated, are masked; for logs."""
     return _LIKE_A_TOKEN.sub("sk_…", text) if "sk" in text else text
 
 
 @dataclass(frozen=True, slots=True)
 class Key:
-    """A key, without what is secret about it.
+    """A key without its secret.
 
     Attributes:
-        id: Names it, and stands in the key itself.
-        name: Who has it; author of what they write.
-        role: What they may do.
-        ending: Its last four characters, to tell keys apart.
-        created: When it was made [s since 1970].
-        expires: From when on it is not valid any more [s since 1970]; None for never.
-        revoked: When it was revoked; None while it is not.
-        used: When it was last used, about; None before that.
+        id: Its id, which is part of the key itself.
+        name: Name of its owner; author of the changes made with it.
+        role: Role of its owner.
+        ending: Its last four characters, to distinguish keys.
+        created: When it was created [s since 1970].
+        expires: When it expires [s since 1970]; None for never.
+        revoked: When it was revoked [s since 1970]; None if it was not.
+        used: When it was last used, approximately [s since 1970]; None if never.
         digest: SHA-256 of the whole key.
     """
 
@@ -61,12 +61,12 @@ class Key:
 
     @property
     def valid(self) -> bool:
-        """True while it opens the door."""
+        """True if it is neither revoked nor expired."""
         return self.revoked is None and (self.expires is None or time.time() < self.expires)
 
 
 def shown(key: Key) -> ApiKey:
-    """Returns a key as it may be shown."""
+    """Returns a key as the API shows it."""
     return ApiKey.model_validate(
         {
             "id": key.id,
@@ -83,20 +83,20 @@ def shown(key: Key) -> ApiKey:
 
 
 class KeyStore:
-    """The keys of a data directory; used by any thread and by several processes.
+    """The keys of a data directory; usable by any thread and by several processes.
 
-    What a request needs is kept in memory, and read again as soon as anybody, in any process, has changed the file.
-    Keys are made and revoked over a connection of its own, so that no request waits for the disk, or for other
-    programs that write. Close it.
+    Data that requests need is kept in memory, and read again as soon as any process has changed the file. Keys are
+    created and revoked over a separate connection, so that no request waits for the disk or for other programs that
+    write. Close it.
 
     Args:
         data: The data directory.
 
     Raises:
-        FileError: Its file cannot be opened or made, or is damaged.
+        FileError: Its file cannot be opened or created, or is damaged.
 
     Attributes:
-        local_token: Opens everything to programs that may read the data directory; made again at each start.
+        local_token: Gives full access to programs that can read the data directory; renewed at each start.
     """
 
     def __init__(self, data: Path) -> None:
@@ -118,19 +118,19 @@ class KeyStore:
         self._writes.close()
 
     def create(self, name: str, role: Role, expires: float | None = None) -> tuple[Key, str]:
-        """Makes a key.
+        """Creates a key.
 
         Args:
-            name: Who gets it.
-            role: What they may do.
-            expires: From when on it is not valid any more [s since 1970]; None for never.
+            name: Name of its owner.
+            role: Role of its owner.
+            expires: When it expires [s since 1970]; None for never.
 
         Returns:
-            The key, and its text, which is kept nowhere.
+            The key, and its text, which is not stored.
 
         Raises:
-            UsageError: The name is no name, or the time has passed.
-            Busy: There are very many keys already.
+            UsageError: The name is not valid, or the time of expiry has passed.
+            Busy: There are too many keys already.
         """
         _check_name(name)
         if expires is not None and not time.time() < expires < _END_OF_TIME:
@@ -152,15 +152,15 @@ class KeyStore:
         return key, text
 
     def revoke(self, key_id: str, *, open_to_others: bool = False) -> Key:
-        """Takes a key out of use; once more does no harm.
+        """Revokes a key; revoking it again has no effect.
 
         Args:
             key_id: Its id.
-            open_to_others: True where other machines reach the server: the last key of an administrator stays then.
+            open_to_others: True if other machines can reach the server: the last key of an administrator is then kept.
 
         Raises:
             UnknownName: There is no such key.
-            WrongState: It is the last key that can make keys.
+            WrongState: It is the last key that can create keys.
         """
         with self._writes.transaction() as connection:
             keys = {key.id: key for key in _keys(connection.execute(f"SELECT {_COLUMNS} FROM keys").fetchall())}  # noqa: S608
@@ -175,7 +175,7 @@ class KeyStore:
         return self.key(key_id)
 
     def all(self) -> tuple[Key, ...]:
-        """Returns all keys, the oldest first, revoked ones too."""
+        """Returns all keys, oldest first, including revoked ones."""
         return tuple(sorted(self._now().values(), key=lambda key: (key.created, key.id)))
 
     def key(self, key_id: str) -> Key:
@@ -191,19 +191,19 @@ class KeyStore:
 
     @property
     def needed(self) -> bool:
-        """True once a key was ever made.
+        """True once a key has been created.
 
-        Those that expired or were revoked count: a door that was locked does not open because the last key is gone.
-        A user who may read the data directory opens it again, with the local token or another key.
+        Expired and revoked keys count: the server does not become open because its last key is gone. A user who can
+        read the data directory can still get in, with the local token or by creating another key.
         """
         return bool(self._now())
 
     def is_local(self, text: str) -> bool:
-        """Returns whether that is the token of this start of the server."""
+        """Returns whether the text is the local token of this start of the server."""
         return hmac.compare_digest(_digest(text), _digest(self.local_token))
 
     def check(self, text: str) -> Key | None:
-        """Returns the valid key that a text is; None where it is none."""
+        """Returns the valid key with this text; None if there is none."""
         match = _TOKEN.fullmatch(text)
         key = self._now().get(match[1]) if match else None
         if key is None or not hmac.compare_digest(key.digest, _digest(text)) or not key.valid:
@@ -212,15 +212,15 @@ class KeyStore:
         return key
 
     def still(self, key_id: str) -> Key | None:
-        """Returns a key that was checked before, if it is still valid."""
+        """Returns a key that was checked before if it is still valid."""
         key = self._now().get(key_id)
         return key if key is not None and key.valid else None
 
     def keep_uses(self, database: Database) -> None:
-        """Writes down when keys were last used.
+        """Stores when keys were last used.
 
         Args:
-            database: Where to; another connection than the one that requests wait for.
+            database: The database; a different connection from the one on which requests wait.
         """
         uses, self._uses = self._uses, {}
         if uses:
@@ -228,7 +228,7 @@ class KeyStore:
                 connection.executemany("UPDATE keys SET used = ? WHERE id = ?", [(at, key) for key, at in uses.items()])
 
     def _now(self) -> Mapping[str, Key]:
-        # data_version tells in 3 µs that other connections wrote; this one only reads, and waits for none of them.
+        # data_version shows within 3 µs whether other connections wrote; this one only reads, and never waits for them.
         ((version,),) = self._reads.rows("PRAGMA data_version")
         if version != self._seen:
             with self._guard:
@@ -238,12 +238,12 @@ class KeyStore:
 
 
 _END_OF_TIME = 253_402_300_800.0
-"""The year 10000 [s since 1970]: later times cannot be written as dates."""
+"""The year 10000 [s since 1970]: later times cannot be represented as dates."""
 
 
 def _digest(text: str) -> bytes:
-    # A fast hash is enough: the secret is 256 random bits, not a word somebody chose, so there is nothing to guess
-    # through; a slow one would only let strangers keep the server busy.
+    # A fast hash is enough: the secret is 256 random bits, not a chosen password, so it cannot be guessed; a slow
+    # hash would only let unauthenticated callers keep the server busy.
     return hashlib.sha256(text.encode("utf-8", "surrogatepass")).digest()
 
 

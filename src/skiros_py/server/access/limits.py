@@ -1,4 +1,4 @@
-"""Limits: how often and how much at once a caller, or a stranger's network, may ask."""
+"""Limits: how many requests, per time and at once, a caller or an unauthenticated network may make."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from skiros_py.server.problems import Problem
 
 
 def network_of(address: str) -> str:
-    """Returns what tells one stranger from another: the address, or of IPv6, where everybody has many, the network."""
+    """Returns the key by which unauthenticated callers are counted: the address, or the network for IPv6."""
     try:
         number = ipaddress.ip_address(address)
     except ValueError:
@@ -25,16 +25,16 @@ def network_of(address: str) -> str:
 
 
 class Rates:
-    """A bucket of permits for each of many people, filled again as time passes; for one thread.
+    """A token bucket for each of many callers; to be used in one thread.
 
-    The rate limiters that exist go by the wall clock, so that a clock put back an hour locks everybody out for an hour,
-    and start a thread each 10 ms while requests come, which a control cycle of 5 ms can do without.
+    Existing rate limiters use the wall clock, so that setting it back by an hour locks all callers out for an hour, and
+    start a thread every 10 ms while requests arrive, which would disturb a control cycle of 5 ms.
 
     Args:
-        most: How many permits a bucket holds.
-        seconds: In what time an empty bucket is full again [s].
-        people: For how many people buckets are kept; a newcomer replaces the one seen longest ago.
-        clock: Gives the time [s]; never goes back.
+        most: Number of permits in a full bucket.
+        seconds: Time in which an empty bucket is refilled [s].
+        people: Number of callers for whom buckets are kept; a new caller replaces the least recently seen one.
+        clock: Returns the time [s]; monotonic.
     """
 
     def __init__(
@@ -47,7 +47,7 @@ class Rates:
         self._buckets: OrderedDict[str, tuple[float, float]] = OrderedDict()
 
     def take(self, who: str) -> bool:
-        """Takes a permit; False where there is none left."""
+        """Takes a permit; returns False if none is left."""
         left = self._left(who)
         self._buckets[who] = (left - 1 if left >= 1 else left, self._clock())
         self._buckets.move_to_end(who)
@@ -56,7 +56,7 @@ class Rates:
         return left >= 1
 
     def wait(self, who: str) -> float:
-        """Returns how long it takes until there is a permit [s]."""
+        """Returns the time until there is a permit [s]."""
         return max(0.0, (1 - self._left(who)) / self._pace)
 
     def _left(self, who: str) -> float:
@@ -65,16 +65,16 @@ class Rates:
 
 
 _STRANGERS = 50
-"""Logins that may be under way at the same time."""
+"""Maximum number of concurrent logins."""
 _OF_ONE = 10
-"""How many of these one address may have."""
+"""Maximum number of these from one address."""
 
 
 class Load:
-    """Counts requests that are under way; for the thread of the event loop.
+    """Counts requests in progress; to be used in the thread of the event loop only.
 
     Args:
-        most: How many may be under way of those who were let in.
+        most: Maximum number of concurrent requests of authenticated callers.
     """
 
     def __init__(self, most: int) -> None:
@@ -84,7 +84,7 @@ class Load:
 
     @contextmanager
     def known(self) -> Iterator[None]:
-        """Counts a request of somebody who was let in, while the block lasts.
+        """Counts a request of an authenticated caller for the duration of the block.
 
         Raises:
             Problem: There are too many (503).
@@ -99,13 +99,13 @@ class Load:
 
     @contextmanager
     def stranger(self, address: str) -> Iterator[None]:
-        """Counts a request of somebody who is not known yet, while the block lasts.
+        """Counts a request of an unauthenticated caller for the duration of the block.
 
         Args:
-            address: Where it comes from.
+            address: Address from which it comes.
 
         Raises:
-            Problem: There are too many, all together or from there (503).
+            Problem: There are too many, in total or from this address (503).
         """
         who = network_of(address)
         if self._strangers.total() >= _STRANGERS or self._strangers[who] >= _OF_ONE:

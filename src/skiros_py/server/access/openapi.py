@@ -1,4 +1,4 @@
-"""What the API's own description says about access: how keys are shown, and which roles may do what."""
+"""Access in the OpenAPI description: how keys are sent, and which roles may call which operation."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _SCHEMES = {
 
 
 class GuardedApi(FastAPI):
-    """An API whose description says who may do what: ``x-roles`` of each operation."""
+    """An API whose description lists the permitted roles of each operation as ``x-roles``."""
 
     def openapi(self) -> dict[str, Any]:
         """Returns the description."""
@@ -43,7 +43,7 @@ class GuardedApi(FastAPI):
 
 
 def operations(app: FastAPI) -> Mapping[str, tuple[Need, ...]]:
-    """Returns what each operation asks of a caller, by the id that it has in the API's description."""
+    """Returns the requirements of each operation, by its id in the OpenAPI description."""
     return {operation: needs for _, _, operation, needs in _asked(app)}
 
 

@@ -1,4 +1,4 @@
-"""Where a request comes from, as browsers tell it: the names we are called by, and the pages that may use us."""
+"""Checks of the Host and Origin headers: the names of this server, and the web pages that may use it."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ _TOLD = "ETag, Location, Retry-After, X-Request-Id"
 
 
 class OriginPolicy:
-    """Checks what browsers say about the page that makes a request; other programs say nothing, or what they like.
+    """Checks the headers in which browsers name the page behind a request; other programs may send anything.
 
     Args:
-        settings: How the server is set up.
+        settings: Settings of the server.
     """
 
     def __init__(self, settings: ServerSettings) -> None:
@@ -34,14 +34,14 @@ class OriginPolicy:
         self._origins = frozenset(origin.rstrip("/").lower() for origin in settings.allowed_origins)
 
     def check_host(self, headers: Headers) -> None:
-        """Checks that we are called by a name of ours: a page of somebody else can have its own name lead to us.
+        """Checks that the Host header names this server: a foreign page can have its own name resolve to it.
 
         Raises:
-            Problem: We are not.
+            Problem: It does not.
         """
-        match = _HOST.fullmatch(", ".join(headers.getlist("host")))  # two of them are no name at all
+        match = _HOST.fullmatch(", ".join(headers.getlist("host")))  # two of them are not a valid name
         name = match[1].strip("[]").lower() if match else ""
-        # An address cannot be made to lead elsewhere, so where we listen at all of them any will do.
+        # An IP address cannot be made to resolve elsewhere, so any is accepted if the server listens on all of them.
         if name not in self._names and not (self._any_address and _is_address(name)):
             raise Problem(
                 403,
@@ -50,10 +50,10 @@ class OriginPolicy:
             )
 
     def check_origin(self, method: str, scheme: str, headers: Headers) -> None:
-        """Checks that no page of somebody else has its visitor's browser change anything here.
+        """Checks that a request that changes something does not come from a foreign page in a user's browser.
 
         Raises:
-            Problem: One does.
+            Problem: It does.
         """
         if method in SAFE or self.allowed(headers):
             return
@@ -68,22 +68,22 @@ class OriginPolicy:
             )
 
     def allowed(self, headers: Headers) -> str | None:
-        """Returns the origin of a page of somebody else that may use us; None where there is none such."""
+        """Returns the origin of a foreign page that may use this server; None if there is none."""
         origin = headers.get("origin", "")
         return origin if origin.lower() in self._origins else None
 
     def answer(self, headers: Headers) -> dict[str, str]:
-        """Returns what an answer says to the browser of a page that may use us; nothing for others."""
+        """Returns the CORS headers for a page that may use this server; none for others."""
         origin = self.allowed(headers)
         if origin is None:
             return {}
         return {"Access-Control-Allow-Origin": origin, "Vary": "Origin", "Access-Control-Expose-Headers": _TOLD}
 
     def preflight(self, headers: Headers) -> dict[str, str]:
-        """Returns what is said to a browser that asks whether a page may use us.
+        """Returns the headers of the answer to a preflight request.
 
         Raises:
-            Problem: It may not.
+            Problem: The page may not use this server.
         """
         if self.allowed(headers) is None:
             raise Problem(403, "OriginRefused", "pages of that origin may not use this server")

@@ -15,10 +15,10 @@ from skiros_py.server.problems import Problem
 
 
 def check_query(request: Request) -> None:
-    """Checks that the route knows all query parameters of a request.
+    """Checks that the route has all query parameters of a request.
 
     Raises:
-        Problem: It does not (422); the text names the nearest that it knows.
+        Problem: A parameter is unknown (422); the text names the most similar known one.
     """
     if not request.query_params:
         return
@@ -32,7 +32,7 @@ def check_query(request: Request) -> None:
 
 
 _KNOWN: WeakKeyDictionary[Callable[..., Any], frozenset[str]] = WeakKeyDictionary()
-"""What a route's function takes; worked out when it is first asked something."""
+"""The parameters of a route's function; determined at its first request."""
 
 
 def _names(dependant: Dependant) -> Iterator[str]:

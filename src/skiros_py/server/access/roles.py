@@ -1,4 +1,4 @@
-"""Roles, and what a route asks of them."""
+"""Roles, and the role that a route requires."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from skiros_py.server.problems import Problem
 from skiros_py.station.requests import Author
 
 LOCAL = "local"
-"""Stands for a key with programs that may read the data directory; they say themselves who they work for."""
+"""Used instead of a key by programs that can read the data directory; they name their user themselves."""
 
 
 class Role(enum.StrEnum):
-    """What somebody may do; each of the first four may do what those before it may."""
+    """Permissions of a caller; each of the first four roles includes those before it."""
 
     VIEWER = "viewer"
-    """Looks on."""
+    """Only reads."""
     OPERATOR = "operator"
     """Edits scenes, orders and commands jobs, answers the robots' questions, stops everything."""
     ENGINEER = "engineer"
-    """Runs single modules, moves robots by hand, teaches, asks in SPARQL."""
+    """Runs single modules, jogs robots, teaches, makes SPARQL queries."""
     ADMIN = "admin"
-    """Makes and revokes keys, reads the audit log, sets up webhooks."""
+    """Creates and revokes keys, reads the audit log, sets up webhooks."""
     MES = "mes"
     """A factory system: orders and commands jobs, follows them, stops everything; nothing else."""
 
@@ -36,12 +36,12 @@ _RANK = {Role.VIEWER: 0, Role.OPERATOR: 1, Role.ENGINEER: 2, Role.ADMIN: 3}
 
 @dataclass(frozen=True, slots=True)
 class Caller:
-    """Who makes a request.
+    """The caller of a request.
 
     Attributes:
-        name: The name of their key; author of what they write.
-        role: What they may do.
-        key: Id of their key; empty where none is needed.
+        name: The name of the caller's key; author of its changes.
+        role: Role of the caller.
+        key: Id of the caller's key; empty if none is needed.
     """
 
     name: str
@@ -50,36 +50,36 @@ class Caller:
 
     @property
     def holder(self) -> str:
-        """Whose locks are theirs: people of the same name are told apart by their keys."""
+        """Identity as holder of locks: callers of the same name are distinguished by their keys."""
         return f"key {self.key}" if self.key not in ("", LOCAL) else self.name
 
     @property
     def author(self) -> Author:
-        """The author of what they write."""
+        """The author of the caller's changes."""
         return Author(self.name, self.holder)
 
 
 @dataclass(frozen=True, slots=True)
 class Need:
-    """What a route asks for; a dependency of FastAPI.
+    """The role that a route requires; a FastAPI dependency.
 
     Attributes:
-        least: The least role.
-        mes: Whether a factory system may, too.
+        least: The lowest permitted role.
+        mes: Whether a factory system is permitted, too.
     """
 
     least: Role
     mes: bool = False
 
     def allows(self, role: Role) -> bool:
-        """Returns whether a role is allowed."""
+        """Returns whether a role is permitted."""
         return self.mes if role is Role.MES else _RANK[role] >= _RANK[self.least]
 
     async def __call__(self, request: Request) -> Caller:
-        """Lets the caller through.
+        """Returns the caller if permitted.
 
         Raises:
-            Problem: Their role does not allow it.
+            Problem: The caller's role does not permit it.
         """
         caller: Caller = request.state.caller
         if not self.allows(caller.role):
@@ -87,16 +87,16 @@ class Need:
             raise Problem(
                 403, "RoleTooLow", f"that takes the role {self.least}{also} at least; {caller.name} is {caller.role}"
             )
-        check_query(request)  # for all that ask for a role, which is all that do something
+        check_query(request)  # here, since every route that does something requires a role
         return caller
 
 
 def needs(least: Role, *, mes: bool = False) -> Any:
-    """Makes the dependency of a route that asks for a role: ``dependencies=[needs(Role.OPERATOR)]``.
+    """Returns the dependency of a route that requires a role: ``dependencies=[needs(Role.OPERATOR)]``.
 
     Args:
-        least: The least role.
-        mes: Whether a factory system may, too.
+        least: The lowest permitted role.
+        mes: Whether a factory system is permitted, too.
     """
     return Depends(Need(least, mes))
 
@@ -107,4 +107,4 @@ async def _caller(request: Request) -> Caller:
 
 
 CallerDep = Annotated[Caller, Depends(_caller)]
-"""For routes that want to know who asks; whether they may is what :func:`needs` says."""
+"""For routes that use the caller; permission is checked by :func:`needs`."""

@@ -1,1 +1,1 @@
-"""What happens, as streams: events with replay, and the robots' live state."""
+"""Event streams: events with replay, and the live state of the robots."""

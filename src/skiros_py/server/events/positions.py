@@ -1,4 +1,4 @@
-"""Which events a listener wants, and its position in the log: what it has missed."""
+"""The events that a listener has selected, and its position in the log, which shows what it has missed."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from skiros_py.station.events.log import EventLog
 _PLACE = re.compile(r"([0-9a-f]{8})-(\d{1,18})", re.ASCII)
 
 _READ = ("/api/v1/jobs", "/api/v1/world", "/api/v1/tasks", "/api/v1/alarms", "/api/v1/stop")
-"""Where what events tell of can be read as it is now."""
+"""The routes at which the present state of the subjects of events can be read."""
 
 
 @dataclass(frozen=True, slots=True)
 class Reset:
-    """A gap that cannot be filled: read everything again, then go on from here.
+    """A gap that cannot be filled: the client must read everything again and continue from here.
 
     Attributes:
-        code: Why, for programs: "restarted", "unknown", "future" or "gone".
-        why: Why, in words.
-        place: Where the events go on.
+        code: The reason, for programs: "restarted", "unknown", "future" or "gone".
+        why: The reason, in words.
+        place: Position from which the events continue.
     """
 
     code: str
@@ -35,24 +35,24 @@ class Reset:
 
     @property
     def text(self) -> str:
-        """It as JSON, in one line."""
+        """The gap as JSON, in one line."""
         return as_text(self.as_json())
 
 
 def position_text(log: EventLog, number: int) -> str:
-    """Returns the id of an event: what a client says to go on from there."""
+    """Returns the id of an event, which a client sends to continue after it."""
     return f"{log.epoch}-{number}"
 
 
 def find_position(log: EventLog, given: str) -> int | Reset:
-    """Finds out where a client stands that says which event was its last.
+    """Returns the position of a client from the id of its last event.
 
     Args:
         log: The events.
-        given: Id of the last event that it has seen.
+        given: Id of the last event that the client has seen.
 
     Returns:
-        The number of that event, when all that came later is still kept; else what it has to be told.
+        The number of that event if all later events are still kept; otherwise the gap to report to the client.
     """
     match = _PLACE.fullmatch(given.strip())
     if match is None:
@@ -66,7 +66,7 @@ def find_position(log: EventLog, given: str) -> int | Reset:
 
 
 def missed(log: EventLog, number: int) -> Reset | None:
-    """Returns what a client has to be told that has seen events up to a number; None where the next one is kept."""
+    """Returns the gap after the last event that a client has seen; None if the next event is still kept."""
     first = log.first
     if number + 1 >= first:
         return None
@@ -79,13 +79,13 @@ def _reset(log: EventLog, code: str, why: str) -> Reset:
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """Which events somebody wants: those that fit all of this.
+    """Selects events: those that match all attributes.
 
     Attributes:
         kinds: Kinds of events.
-        types: What happened, in one word; empty for anything.
-        job: Id of the job that they belong to; empty for any.
-        element: Id of the element of the world that they touch; empty for any.
+        types: Types of events, one word each; empty for any.
+        job: Id of the job to which they belong; empty for any.
+        element: Id of the world element that they concern; empty for any.
     """
 
     kinds: frozenset[Kind] = frozenset(Kind)
@@ -94,7 +94,7 @@ class Choice:
     element: str = ""
 
     def takes(self, event: Event) -> bool:
-        """Returns whether an event is among them."""
+        """Returns whether an event is selected."""
         return (
             event.kind in self.kinds
             and (not self.types or event.type in self.types)

@@ -1,4 +1,4 @@
-"""The answer that does not end: server-sent events, as long as the client listens."""
+"""An endless answer: server-sent events for as long as the client listens."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from starlette.types import Receive, Scope, Send
 _log = logging.getLogger(__name__)
 
 _STALLED = 60.0
-"""A client that has taken nothing for so long is disconnected, to make room for others [s]."""
+"""A client that has received nothing for this time is disconnected, to make room for others [s]."""
 _HEADERS = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
 """Proxies must not buffer events."""
 
 
 class EventStream(StreamingResponse):
-    """Sends what a generator yields. What the client does not take is neither made nor kept.
+    """Sends the events of a generator at the pace of the client: pending events are neither made nor buffered.
 
     Args:
         frames: The events, as server-sent events.
-        place: Entered while it lasts: what counts the streams, and may refuse this one.
-        stalled: After this time without taking anything a client is disconnected [s].
+        place: Context manager entered while the stream lasts; counts the streams, and may refuse this one.
+        stalled: A client that has received nothing for this time is disconnected [s].
     """
 
     media_type = "text/event-stream"
@@ -35,14 +35,14 @@ class EventStream(StreamingResponse):
         place: AbstractContextManager[None],
         *,
         stalled: float = _STALLED,
-        status_code: int = 200,  # which the API's description is made from
+        status_code: int = 200,  # required by the OpenAPI description
     ) -> None:
         super().__init__(frames, status_code, headers=_HEADERS)
         self._place = place
         self._stalled = stalled
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Answers."""
+        """Answers the request."""
         with self._place:
             try:
                 await super().__call__(scope, receive, send)
@@ -51,7 +51,7 @@ class EventStream(StreamingResponse):
                 raise
 
     async def stream_response(self, send: Send) -> None:
-        """Sends everything, but waits for the client only so long."""
+        """Sends everything, but limits the time spent waiting for the client."""
 
         async def patiently(message: dict[str, object]) -> None:
             async with asyncio.timeout(self._stalled):

@@ -1,4 +1,4 @@
-"""Who listens to events: woken together, each at its own place in the log, none of them waited for."""
+"""The event streams: woken together, each at its own position in the log; none can delay the others."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ from skiros_py.station.events.live import LiveState
 from skiros_py.station.events.log import EventLog
 
 _GATHER = 0.01
-"""For so long after an event others are gathered before the streams are woken: a burst wakes them once [s]."""
+"""Delay between an event and waking the streams, so that a burst of events wakes them once [s]."""
 _QUIET = 10.0
-"""After so long without an event a stream says that it is still there, and where it stands [s]."""
+"""Time without an event after which a stream sends a keep-alive with its position [s]."""
 _LOOK = 1.0
-"""How often a stream looks whether it may go on [s]."""
+"""Period at which a stream checks whether its caller still has permission [s]."""
 _MOST = 200
-"""How many events a stream sends at once; the next ones are fetched when those have left."""
+"""Number of events that a stream sends at once; the next ones are fetched when these have been sent."""
 _LARGEST = 256_000
-"""Bytes that a stream sends at once, or one event that is longer: who reads slowly holds no more than that."""
+"""Bytes that a stream sends at once, or one event if that is longer: the limit of a slow reader's memory."""
 _AGAIN = 1000
-"""When a client whose connection broke shall come again [ms]."""
+"""Time after which a client reconnects when its connection is lost [ms]."""
 
 
 class Streams:
@@ -36,12 +36,12 @@ class Streams:
 
     Args:
         log: The events.
-        most: How many streams may be open at the same time; half of them may be one caller's.
-        allowed: Returns whether a caller may go on listening; asked now and then, and may be replaced.
+        most: Maximum number of open streams; one caller may have half of them.
+        allowed: Returns whether a caller may continue to listen; called periodically, and may be replaced.
 
     Attributes:
         log: The events.
-        allowed: Returns whether a caller may go on listening.
+        allowed: Returns whether a caller may continue to listen.
         ending: True when all streams are to end.
     """
 
@@ -62,22 +62,22 @@ class Streams:
 
     @property
     def open(self) -> int:
-        """How many streams are open."""
+        """Number of open streams."""
         return self._open.total()
 
     def end(self) -> None:
-        """Ends all streams, and lets none begin: the server shuts down. For any thread."""
+        """Ends all streams and refuses new ones: the server shuts down. Callable from any thread."""
         self.ending = True
         self._call()
 
-    # ------------------------------------------------------------------ places for streams
+    # ------------------------------------------------------------------ slots for streams
 
     @contextmanager
     def listening(self, caller: Caller) -> Iterator[None]:
-        """Takes one of the places while the block runs.
+        """Takes a slot for the duration of the block.
 
         Raises:
-            Busy: All are taken, or too many of them by this caller.
+            Busy: All slots are taken, or too many of them by this caller.
         """
         name = caller.key or caller.name
         with self._guard:
@@ -91,17 +91,17 @@ class Streams:
         finally:
             with self._guard:
                 self._open[name] -= 1
-                self._open += Counter()  # forgets who has none any more
+                self._open += Counter()  # removes callers without streams
 
     # ------------------------------------------------------------------ one stream
 
     async def follow(self, choice: Choice, caller: Caller, after: str | None) -> AsyncIterator[bytes]:
-        """Yields events as server-sent events, until the caller may listen no longer or the server ends.
+        """Yields events as server-sent events until the caller loses permission or the server ends.
 
         Args:
-            choice: Which events.
-            caller: Who listens.
-            after: Id of the last event that they have seen; None for what comes from now on, "" for all that is kept.
+            choice: Selects the events.
+            caller: The caller who listens.
+            after: Id of the last event that the caller has seen; None for new events only, "" for all that are kept.
         """
         number, first = self._begin(after)
         yield first
@@ -119,15 +119,15 @@ class Streams:
                     await awake.wait()
                     awake.clear()
                 else:
-                    await asyncio.sleep(0)  # who has much to catch up with lets the others have their turn
+                    await asyncio.sleep(0)  # a stream with much to catch up on yields to the others
 
     async def follow_state(self, live: LiveState, rate: float, caller: Caller) -> AsyncIterator[bytes]:
-        """Yields the present state of the robots as server-sent events; what a client is too slow for is left out.
+        """Yields the present state of the robots as server-sent events; skips states for which the client is too slow.
 
         Args:
             live: The state.
-            rate: How often at most [Hz].
-            caller: Who listens.
+            rate: Maximum rate [Hz].
+            caller: The caller who listens.
         """
         due = sent = time.monotonic()
         while not self.ending and self.allowed(caller):
@@ -143,21 +143,21 @@ class Streams:
             await asyncio.sleep(due - time.monotonic())
 
     def _next(self, number: int, choice: Choice) -> tuple[int, bytes]:
-        """Returns what comes after a place: the place behind it, and its text, which may be empty.
+        """Returns the position after the next events, and their text, which may be empty.
 
-        Streams that stand at one place and want the same get the same bytes, made once.
+        Streams with the same position and choice share the same bytes, which are made once.
         """
         last = self.log.last
         if last != self._made_at:
             self._made_at, self._made = last, {}
         made = self._made.get((number, choice)) or self._batch(number, choice)
-        if made[0] == last:  # of those who catch up each stands elsewhere
+        if made[0] == last:  # streams that are catching up all have different positions
             self._made[number, choice] = made
         return made
 
     def _batch(self, number: int, choice: Choice) -> tuple[int, bytes]:
         events = self.log.since(number, _MOST)
-        if events and events[0].number != number + 1:  # read too slowly
+        if events and events[0].number != number + 1:  # the client reads too slowly
             gap = missed(self.log, number)
             return self.log.last, _reset(gap) if gap is not None else b""
         chosen, size = list[bytes](), 0
@@ -171,7 +171,7 @@ class Streams:
         return number, b"".join(chosen)
 
     def _begin(self, after: str | None) -> tuple[int, bytes]:
-        """Returns where a stream begins, and what it says first: so that the client knows where it stands."""
+        """Returns the start position of a stream, and its first text, from which the client learns the position."""
         place = (
             self.log.last if after is None else self.log.first - 1 if after == "" else find_position(self.log, after)
         )
@@ -184,7 +184,7 @@ class Streams:
 
     @contextmanager
     def _awake(self) -> Iterator[asyncio.Event]:
-        """Has a stream woken while the block runs; in the event loop."""
+        """Registers a stream for waking for the duration of the block; in the event loop."""
         awake = asyncio.Event()
         self._loop = asyncio.get_running_loop()
         self._sleepers.add(awake)
@@ -199,12 +199,12 @@ class Streams:
                 self._look = None
 
     def _look_around(self) -> None:
-        """Wakes all streams now and then though nothing happens: one timer for all of them."""
+        """Wakes all streams periodically even without events: one timer for all of them."""
         self._look = asyncio.get_running_loop().call_later(_LOOK, self._look_around)
         self._ring()
 
     def _call(self) -> None:
-        """Has all streams woken soon; for any thread, and once for a burst of events."""
+        """Schedules waking all streams, once for a burst of events; callable from any thread."""
         loop = self._loop
         if self._called or not self._sleepers or loop is None:
             return
@@ -215,7 +215,7 @@ class Streams:
             self._called = False
 
     def _wake(self) -> None:
-        self._called = False  # first: whatever comes from now on calls again
+        self._called = False  # first, so that events from now on schedule another call
         self._ring()
 
     def _ring(self) -> None:
@@ -228,5 +228,5 @@ def _reset(gap: Reset) -> bytes:
 
 
 def _still_here(place: str) -> bytes:
-    """A line that browsers skip, and the place: after a long quiet it is still known where the stream stood."""
+    """Returns a line that browsers skip, with the position, so that the client knows it even after a long pause."""
     return format_sse_event(comment="still here", id=place)

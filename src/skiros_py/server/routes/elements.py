@@ -35,7 +35,7 @@ _LATEST = 2**62
 _WRITES = NEEDS_VERSION | tagged()
 
 
-# ------------------------------------------------------------------ looking
+# ------------------------------------------------------------------ reading
 
 
 @router.get("/elements", summary="List elements", dependencies=[needs(Role.VIEWER)])

@@ -1,1 +1,1 @@
-"""Events of jobs sent to other systems: signed, in order, at least once."""
+"""Webhooks: sends events of jobs to other systems, signed, in order, and at least once."""

@@ -1,4 +1,4 @@
-"""What a target is told: a CloudEvent (1.0, structured JSON), signed after Standard Webhooks."""
+"""The messages: CloudEvents (1.0, structured JSON), signed according to Standard Webhooks."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ MEDIA_TYPE = "application/cloudevents+json"
 
 
 def payload(event: str, type_: str, source: str, *, subject: str, sequence: int, wall: float, data: Any) -> str:
-    """Writes a message.
+    """Returns the text of a message.
 
     Args:
-        event: Its id, the same in every try.
-        type_: What kind of message.
-        source: Who sends it.
+        event: Its id, the same in every attempt.
+        type_: Type of the message.
+        source: The sender.
         subject: Id of the job.
-        sequence: Counts the messages of one webhook.
-        wall: When it happened [s since 1970].
-        data: What happened, as plain data.
+        sequence: Number of the message among those of its webhook.
+        wall: Time of the event [s since 1970].
+        data: The event, as plain data.
     """
     attributes = {
         "id": event,
@@ -34,7 +34,7 @@ def payload(event: str, type_: str, source: str, *, subject: str, sequence: int,
         "specversion": "1.0",
         "time": datetime.fromtimestamp(wall, UTC),
         "datacontenttype": "application/json",
-        "sequence": f"{sequence:020}",  # compared as a text
+        "sequence": f"{sequence:020}",  # compared as text
         **({"subject": subject} if subject else {}),
     }
     written: bytes = JSONFormat().write(CloudEvent(attributes=attributes, data=data))
@@ -42,13 +42,13 @@ def payload(event: str, type_: str, source: str, *, subject: str, sequence: int,
 
 
 def signed(secret: str, event: str, body: str, now: float) -> Mapping[str, str]:
-    """Returns the headers that prove who sent a message, and when.
+    """Returns the headers that prove the sender and the time of a message.
 
     Args:
-        secret: The key that sender and receiver share.
+        secret: The key shared by sender and receiver.
         event: Id of the message.
         body: The message.
-        now: Time of this try [s since 1970].
+        now: Time of this attempt [s since 1970].
     """
     signature = Signer(secret).sign(event, datetime.fromtimestamp(now, UTC), body)
     return {

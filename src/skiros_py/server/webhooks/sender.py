@@ -1,4 +1,4 @@
-"""Sends webhooks: in order for each job, until they are accepted or given up."""
+"""Sends webhooks, in order for each job, until they are accepted or given up."""
 
 from __future__ import annotations
 
@@ -28,15 +28,15 @@ Announcements = Callable[[int, int], Sequence[Announcement]]
 
 @dataclass(frozen=True, slots=True)
 class Patience:
-    """How long and how often something is tried.
+    """Intervals and limits of delivery attempts.
 
     Attributes:
-        first: Time between the first two tries [s]; it doubles with each.
-        longest: Longest time between two tries [s].
-        timeout: How long a target may take to answer [s].
-        given_up: After which time a message is a dead letter [s].
-        at_once: Messages to one target that may be under way at the same time, each of another job.
-        look: Longest time between two looks for what is new [s]; usually one is told.
+        first: Time between the first two attempts [s]; doubled for each further one.
+        longest: Longest time between two attempts [s].
+        timeout: Maximum time for a target to answer [s].
+        given_up: Time after which a message becomes a dead letter [s].
+        at_once: Maximum number of concurrent messages to one target, each of a different job.
+        look: Longest time between two checks for new messages [s]; normally :meth:`WebhookSender.wake` announces them.
     """
 
     first: float = 1.0
@@ -47,7 +47,7 @@ class Patience:
     look: float = 1.0
 
     def wait(self, attempts: int) -> float:
-        """Returns how long to wait after so many failed tries [s]; a fifth of it is left to chance."""
+        """Returns the wait after a number of failed attempts [s], randomised by a fifth."""
         return min(self.longest, self.first * 2.0 ** min(attempts, 30)) * random.uniform(0.8, 1.2)  # noqa: S311
 
 
@@ -55,15 +55,15 @@ class WebhookSender:
     """Sends in a thread of its own; a slow target delays only itself. Start it, and close it.
 
     Args:
-        store: What is to be sent.
-        announcements: Gives the jobs' announcements after a number, at most so many.
-        last: Gives the number of the last announcement.
+        store: The messages to send.
+        announcements: Returns the announcements of jobs after a number, up to a limit.
+        last: Returns the number of the last announcement.
         forget: Called with the number up to which announcements are no longer needed.
-        tell: Makes the data of a message.
-        allowed: Hosts that messages may go to.
-        on_dead: Told of each message that is given up.
-        patience: How long and how often something is tried.
-        clock: Gives the wall time [s since 1970].
+        tell: Returns the data of a message.
+        allowed: Hosts to which messages may be sent.
+        on_dead: Called with each message that is given up.
+        patience: Intervals and limits of delivery attempts.
+        clock: Returns the wall time [s since 1970].
     """
 
     def __init__(
@@ -97,18 +97,18 @@ class WebhookSender:
         self._thread = threading.Thread(target=lambda: asyncio.run(self._work()), name="skiros-webhooks", daemon=True)
 
     def start(self) -> None:
-        """Begins to send."""
+        """Starts to send."""
         self._thread.start()
 
     def wake(self) -> None:
-        """Tells that there may be something new; quick, and for any thread."""
+        """Announces that there may be new messages; does not block; callable from any thread."""
         loop, news = self._loop, self._news
         if loop is not None and news is not None:
-            with suppress(RuntimeError):  # it has just ended
+            with suppress(RuntimeError):  # the event loop has just ended
                 loop.call_soon_threadsafe(news.set)
 
     def close(self) -> None:
-        """Ends; what was under way is sent once more by the next one. May be called twice."""
+        """Stops sending; unfinished messages are sent again by the next sender. May be called twice."""
         self._ending = True
         self.wake()
         if self._thread.ident is not None:
@@ -126,7 +126,7 @@ class WebhookSender:
                 self._news.clear()
                 try:
                     wait = await self._round(client)
-                except SkirosError as error:  # such as a full disk: that may pass
+                except SkirosError as error:  # such as a full disk: it may be temporary
                     _log.error("webhooks: %s", error)
                     wait = self._patience.look
                 with suppress(TimeoutError):
@@ -136,7 +136,7 @@ class WebhookSender:
             await asyncio.gather(*self._under_way.values(), return_exceptions=True)
 
     async def _round(self, client: httpx2.AsyncClient) -> float:
-        """Fetches what is new and begins what is due; returns how long nothing will be to do [s]."""
+        """Fetches new messages and starts those due; returns the time until the next one is due [s]."""
         await asyncio.to_thread(self._fetch)
         wait = self._patience.look
         for subscription in self._store.subscriptions:
@@ -145,12 +145,12 @@ class WebhookSender:
         return max(wait, 0.01)
 
     async def _serve(self, client: httpx2.AsyncClient, subscription: Subscription) -> float:
-        """Begins what is due of one subscription; returns after which time it is to be looked at again [s]."""
+        """Starts the messages due of one subscription; returns the time until the next check [s]."""
         now = self._clock()
         again = self._unreachable.get(subscription.id, (0, 0.0))[1]
         if again > now:
             return again - now
-        # What is under way is still among those that are due.
+        # Messages in progress are still among those due.
         for post in await asyncio.to_thread(self._store.due, subscription.id, now, 2 * self._patience.at_once):
             if (post.webhook, post.job) not in self._under_way and self._has_room(post.webhook):
                 self._begin(client, subscription, post)
@@ -158,9 +158,9 @@ class WebhookSender:
         return self._patience.look if due is None else due - now
 
     def _fetch(self) -> None:
-        """Makes deliveries of what was announced since; each transaction is of a bounded number."""
+        """Creates deliveries of new announcements, in transactions of bounded size."""
         last = self._last()
-        if self._store.seen is None:  # there is no receiver: what happened up to now need not be kept
+        if self._store.seen is None:  # without subscriptions, past announcements need not be kept
             if last > self._forgotten:
                 self._forget(last)
                 self._forgotten = last
@@ -175,7 +175,7 @@ class WebhookSender:
             _log.warning("webhooks: %d messages are dead letters: too many were waiting", dropped)
 
     def _has_room(self, webhook: str) -> bool:
-        """A target that was out of reach is asked by one message at a time."""
+        """Returns whether another message may be sent; a target that was unreachable gets one message at a time."""
         under_way = sum(1 for name, _ in self._under_way if name == webhook)
         return under_way < (1 if webhook in self._unreachable else self._patience.at_once)
 
@@ -213,7 +213,7 @@ class WebhookSender:
     async def _try(
         self, client: httpx2.AsyncClient, subscription: Subscription, post: Post
     ) -> tuple[int | None, str, bool]:
-        """Sends a message once; returns the answer's status, why it failed, and whether anybody answered."""
+        """Sends a message once; returns the status of the answer, the error, and whether there was an answer."""
         try:
             target = target_of(subscription.url, self._allowed)
             address = await asyncio.to_thread(resolve, target)
@@ -223,11 +223,11 @@ class WebhookSender:
                 target.url_at(address),
                 headers=headers,
                 content=post.body,
-                extensions={"sni_hostname": target.host},  # its certificate is the one that counts
+                extensions={"sni_hostname": target.host},  # verifies the certificate against the host name
             )
             async with asyncio.timeout(self._patience.timeout):
                 response = await client.send(request, stream=True)
-                await response.aclose()  # what it says does not matter: a long answer is not even read
+                await response.aclose()  # the body does not matter, so a long one is not read
         except UsageError as error:
             return None, str(error), False
         except (httpx2.HTTPError, TimeoutError, OSError) as error:

@@ -1,4 +1,4 @@
-"""Who is told what: subscriptions and their deliveries, kept over restarts."""
+"""The store of subscriptions and their deliveries, which survives restarts."""
 
 from __future__ import annotations
 
@@ -31,32 +31,32 @@ CREATE INDEX by_state ON deliveries (state, webhook, number);
 """
 
 _SCHEMA = Schema("list of webhooks", "the webhooks of a server", 0x736B7768, (_TABLES,))
-"""Such a file is marked "skwh"."""
+"""Application id of such a file: "skwh"."""
 
 _MOST = 50
 _KEPT = 1000
-"""How many deliveries of one webhook are remembered that are done."""
+"""Number of finished deliveries kept per webhook."""
 _LETTERBOX = 100_000
-"""How many deliveries of one webhook may wait; of more the oldest become dead letters."""
+"""Maximum number of waiting deliveries per webhook; beyond it the oldest become dead letters."""
 _COLUMNS = "webhook, number, job, event, wall, body, state, attempts, next_try, status, error, since"
 _HEAD = """UPDATE deliveries SET head = 1 WHERE webhook = :webhook AND number =
     (SELECT min(number) FROM deliveries WHERE webhook = :webhook AND job = :job AND state = 'pending')"""
-"""Makes the oldest message of a job that waits the one whose turn it is: the head of its queue."""
+"""Makes the oldest waiting message of a job the head of its queue, which is sent next."""
 
 
 @dataclass(frozen=True, slots=True)
 class Subscription:
-    """Somebody who is told of jobs.
+    """A subscription to events of jobs.
 
     Attributes:
-        id: Given by the server.
-        url: Where to.
+        id: Its id, assigned by the server.
+        url: Address of the target.
         secret: Key of the signature.
-        states: States of which to tell; empty for all.
-        jobs: Tell only of jobs whose id begins so.
+        states: Job states that are sent; empty for all.
+        jobs: Only jobs whose id starts with this are sent.
         description: For people.
         active: False while nothing is sent.
-        created: Since when [s since 1970].
+        created: When it was created [s since 1970].
     """
 
     id: str
@@ -69,7 +69,7 @@ class Subscription:
     created: float = 0.0
 
     def wants(self, state: str, job: str) -> bool:
-        """Returns whether it is to be told of a job's new state."""
+        """Returns whether a new state of a job is sent to the target."""
         return job.startswith(self.jobs) and (not self.states or state in self.states)
 
 
@@ -79,17 +79,17 @@ class Post:
 
     Attributes:
         webhook: Id of the subscription.
-        number: Counts its messages.
+        number: Number of the message among those of the subscription.
         job: Id of the job; empty for a ping.
         event: Id of the message.
-        wall: When it happened [s since 1970].
-        body: What is sent.
-        state: How far it is.
-        attempts: How often it was tried.
-        next_try: When it is due [s since 1970].
-        status: HTTP status of the last answer; None where there was none.
-        error: Why the last try failed.
-        since: Since when it is tried: when it happened, or somebody wanted it sent again [s since 1970].
+        wall: Time of the event [s since 1970].
+        body: Body of the message.
+        state: State of the delivery.
+        attempts: Number of attempts.
+        next_try: Time of the next attempt [s since 1970].
+        status: HTTP status of the last answer; None if there was none.
+        error: Why the last attempt failed.
+        since: Start of the attempts: the time of the event or of a request to redeliver [s since 1970].
     """
 
     webhook: str
@@ -107,19 +107,19 @@ class Post:
 
 
 class WebhookStore:
-    """The file with subscriptions and deliveries; used by any thread. Close it.
+    """The file with subscriptions and deliveries; thread-safe. Close it.
 
     Args:
-        path: The file; made where it is missing.
-        source: Who sends: the address that messages name as theirs.
+        path: The file; created if missing.
+        source: The sender as named in messages: the address of this server.
 
     Raises:
-        FileError: It cannot be opened or made, or is damaged.
+        FileError: It cannot be opened or created, or is damaged.
     """
 
     def __init__(self, path: Path, source: str) -> None:
         self._database = Database(path, _SCHEMA, durable=True)
-        path.chmod(0o600)  # there are secrets in it
+        path.chmod(0o600)  # it contains secrets
         self._source = source
 
     def close(self) -> None:
@@ -130,15 +130,15 @@ class WebhookStore:
 
     @property
     def subscriptions(self) -> tuple[Subscription, ...]:
-        """All subscriptions, by id."""
+        """Returns all subscriptions, by id."""
         rows = self._database.rows("SELECT data FROM subscriptions ORDER BY id")
         return tuple(_subscription(data) for (data,) in rows)
 
     def subscription(self, webhook: str) -> Subscription:
-        """Returns one.
+        """Returns a subscription.
 
         Raises:
-            UnknownName: There is none of that id.
+            UnknownName: There is none with this id.
         """
         known = {one.id: one for one in self.subscriptions}
         if webhook not in known:
@@ -146,11 +146,11 @@ class WebhookStore:
         return known[webhook]
 
     def add(self, subscription: Subscription, seen: int) -> None:
-        """Takes a subscription.
+        """Adds a subscription.
 
         Args:
-            subscription: What is wanted.
-            seen: Number of the last announcement that it is not told of.
+            subscription: The subscription.
+            seen: Number of the last announcement that is not sent to it.
 
         Raises:
             Busy: There are too many.
@@ -166,7 +166,7 @@ class WebhookStore:
         """Changes a subscription.
 
         Raises:
-            UnknownName: There is none of that id.
+            UnknownName: There is none with this id.
         """
         with self._database.transaction() as connection:
             changed = replace(self.subscription(webhook), **changes)
@@ -174,30 +174,30 @@ class WebhookStore:
         return changed
 
     def remove(self, webhook: str) -> None:
-        """Forgets a subscription with all its deliveries.
+        """Deletes a subscription with all its deliveries.
 
         Raises:
-            UnknownName: There is none of that id.
+            UnknownName: There is none with this id.
         """
         self.subscription(webhook)
         with self._database.transaction() as connection:
             connection.execute("DELETE FROM subscriptions WHERE id = ?", (webhook,))
             connection.execute("DELETE FROM deliveries WHERE webhook = ?", (webhook,))
 
-    # ------------------------------------------------------------------ what is to be sent
+    # ------------------------------------------------------------------ messages to send
 
     @property
     def seen(self) -> int | None:
-        """Number of the last announcement that every subscription has had; None where there is no subscription."""
+        """Number of the last announcement that all subscriptions have received; None if there is no subscription."""
         ((seen,),) = self._database.rows("SELECT min(seen) FROM subscriptions")
         return None if seen is None else int(seen)
 
     def take(self, announcements: Sequence[Announcement], tell: Callable[[Announcement], Any]) -> None:
-        """Makes deliveries of announcements, for each subscription those that it has not had; all in one go.
+        """Creates the deliveries of announcements that each subscription has not received yet, in one transaction.
 
         Args:
             announcements: In order.
-            tell: Makes the data of a message.
+            tell: Returns the data of a message.
         """
         with self._database.transaction() as connection:
             rows = connection.execute("SELECT data, seen, last FROM subscriptions").fetchall()
@@ -222,7 +222,7 @@ class WebhookStore:
                 )
 
     def ping(self, webhook: str, now: float) -> int:
-        """Has a message sent that only shows that it arrives; returns its number.
+        """Queues a test message; returns its number.
 
         Raises:
             UnknownName: There is no such webhook.
@@ -238,12 +238,12 @@ class WebhookStore:
         return int(number)
 
     def due(self, webhook: str, now: float, most: int) -> tuple[Post, ...]:
-        """Returns messages whose time has come, of each job the oldest that waits; those that are late first.
+        """Returns the messages due, of each job only the oldest waiting one; the most overdue first.
 
         Args:
-            webhook: Of which webhook.
+            webhook: Id of the webhook.
             now: Wall time [s since 1970].
-            most: At most so many.
+            most: Maximum number of messages.
         """
         rows = self._database.rows(
             f"SELECT {_COLUMNS} FROM deliveries WHERE webhook = ? AND head = 1 AND next_try <= ?"  # noqa: S608
@@ -253,7 +253,7 @@ class WebhookStore:
         return tuple(map(_post, rows))
 
     def next_due(self, webhook: str, now: float) -> float | None:
-        """Returns when the next message's time will come [s since 1970]; None where none waits for its time."""
+        """Returns when the next message will be due [s since 1970]; None if none waits."""
         sql = "SELECT min(next_try) FROM deliveries WHERE webhook = ? AND head = 1 AND next_try > ?"
         ((when,),) = self._database.rows(sql, (webhook, now))
         return None if when is None else float(when)
@@ -261,7 +261,7 @@ class WebhookStore:
     def settle(
         self, post: Post, state: DeliveryState, *, next_try: float = 0.0, status: int | None = None, error: str = ""
     ) -> None:
-        """Writes down what came of a try."""
+        """Stores the result of an attempt."""
         with self._database.transaction() as connection:
             connection.execute(
                 "UPDATE deliveries SET state = ?, attempts = attempts + 1, next_try = ?, status = ?, error = ?"
@@ -277,7 +277,7 @@ class WebhookStore:
                 )
 
     def drop_oldest(self) -> int:
-        """Makes dead letters of what is more than may wait; returns how many became so."""
+        """Makes the oldest messages beyond the limit dead letters; returns their number."""
         with self._database.transaction() as connection:
             dropped = connection.execute(
                 "UPDATE deliveries SET state = 'dead', error = 'too many were waiting'"
@@ -290,12 +290,12 @@ class WebhookStore:
         return len(dropped)
 
     def redeliver(self, webhook: str, number: int, now: float) -> None:
-        """Has a dead letter sent again, at once; what waits of the same job and is older comes first.
+        """Sends a dead letter again, immediately; older waiting messages of the same job are sent first.
 
         Args:
             webhook: Id of the subscription.
             number: Number of the message.
-            now: Wall time, from which on it is tried for a day again [s since 1970].
+            now: Wall time, from which it is attempted for another day [s since 1970].
 
         Raises:
             UnknownName: There is no such dead letter.
@@ -314,16 +314,16 @@ class WebhookStore:
         if not changed:
             raise UnknownName("dead letter", str(number), [str(p.number) for p in self.posts(webhook, "dead", 0, 100)])
 
-    # ------------------------------------------------------------------ looking
+    # ------------------------------------------------------------------ queries
 
     def posts(self, webhook: str | None, state: str | None, before: int, most: int) -> tuple[Post, ...]:
-        """Returns deliveries, the latest first.
+        """Returns deliveries, latest first.
 
         Args:
-            webhook: Of which webhook; None for all.
-            state: In which state; None for any.
-            before: Only those of a lower number; 0 for all.
-            most: At most so many.
+            webhook: Id of the webhook; None for all.
+            state: State of the deliveries; None for any.
+            before: Return only deliveries with lower numbers; 0 for all.
+            most: Maximum number of messages.
         """
         wanted: list[tuple[str, object]] = [
             ("webhook = ?", webhook),
@@ -339,7 +339,7 @@ class WebhookStore:
         return tuple(map(_post, rows))
 
     def counts(self) -> dict[tuple[str, str], int]:
-        """Returns how many deliveries there are by webhook and state."""
+        """Returns the number of deliveries by webhook and state."""
         rows = self._database.rows("SELECT webhook, state, count(*) FROM deliveries GROUP BY state, webhook")
         return {(webhook, state): number for webhook, state, number in rows}
 
@@ -357,20 +357,20 @@ def _insert(connection: sqlite3.Connection, row: tuple[str, int, str, str, float
 
 
 def _pass_on(connection: sqlite3.Connection, webhook: str, number: int, job: str) -> None:
-    """Makes the next message of a job the one whose turn it is."""
+    """Makes the next message of a job the head of its queue."""
     connection.execute("UPDATE deliveries SET head = 0 WHERE webhook = ? AND number = ?", (webhook, number))
     connection.execute(_HEAD, {"webhook": webhook, "job": job})
 
 
 def state_of(announcement: Announcement) -> str:
-    """Returns the state to which a job came, as webhooks name it."""
+    """Returns the new state of a job, as named in webhooks."""
     if announcement.trigger in ("cancelled", "cleared"):
         return "Removed"
     return state_name(announcement.job.state).value
 
 
 def new_secret() -> str:
-    """Makes the key of a webhook's signatures."""
+    """Creates the key of a webhook's signatures."""
     return f"whsec_{b64encode(secrets.token_bytes(32)).decode()}"
 
 

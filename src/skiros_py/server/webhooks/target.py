@@ -1,4 +1,4 @@
-"""Where a webhook may go: hosts that somebody allowed, at the address that was looked at."""
+"""Permitted targets of webhooks: allowed hosts, at the address that was checked."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _PORTS = {"http": 80, "https": 443}
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """Where a webhook goes.
+    """The target of a webhook.
 
     Attributes:
         scheme: "http" or "https".
@@ -33,12 +33,12 @@ class Target:
 
     @property
     def name(self) -> str:
-        """The host as the Host header has it."""
+        """The value of the Host header."""
         host = f"[{self.host}]" if ":" in self.host else self.host
         return host if self.port == _PORTS[self.scheme] else f"{host}:{self.port}"
 
     def url_at(self, address: Address) -> str:
-        """Returns the address of the page on a host that was resolved before, without another look-up."""
+        """Returns the URL with the host replaced by its resolved address, so that it is not resolved again."""
         host = f"[{address}]" if address.version == 6 else str(address)
         return urlunsplit((self.scheme, f"{host}:{self.port}", *_path_and_query(self.path), ""))
 
@@ -49,14 +49,14 @@ def _path_and_query(path: str) -> tuple[str, str]:
 
 
 def target_of(url: str, allowed: Collection[str]) -> Target:
-    """Reads an address, and sees that somebody allowed its host.
+    """Parses a URL, and checks that its host is allowed.
 
     Args:
-        url: The address.
-        allowed: Hosts, perhaps with a port, that webhooks may go to.
+        url: The URL.
+        allowed: Hosts, optionally with a port, to which webhooks may be sent.
 
     Raises:
-        UsageError: It is no such address, or its host is not allowed; the text says which option allows it.
+        UsageError: The URL is not valid, or its host is not allowed; the text names the option that allows it.
     """
     try:
         parts = urlsplit(url)
@@ -76,10 +76,10 @@ def target_of(url: str, allowed: Collection[str]) -> Target:
 
 
 def resolve(target: Target) -> Address:
-    """Looks a host up once; what is connected to is this very address, whatever its name means later.
+    """Resolves a host once; the connection is made to this very address, even if the name resolves differently later.
 
     Raises:
-        UsageError: It is not known, or the address is one that no webhook may go to.
+        UsageError: The host is unknown, or no webhook may be sent to its address.
     """
     try:
         found = socket.getaddrinfo(target.host, target.port, type=socket.SOCK_STREAM)
@@ -93,6 +93,6 @@ def resolve(target: Target) -> Address:
 
 
 def _never(address: Address) -> bool:
-    """Link-local addresses hold the metadata of cloud machines; the others are no host at all."""
+    """Link-local addresses serve the metadata of cloud machines; the others are not hosts at all."""
     mapped = getattr(address, "ipv4_mapped", None) or address
     return bool(mapped.is_link_local or mapped.is_multicast or mapped.is_unspecified or mapped.is_reserved)
