@@ -1,1 +1,1 @@
-"""What a running cell offers: use cases that command line, library and server call alike."""
+"""The use cases of a running cell, shared by command line, library and server."""

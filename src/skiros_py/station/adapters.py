@@ -1,4 +1,4 @@
-"""Starts the adapters of a session: motion and perception, drivers, planners. The session's stack closes them."""
+"""Starts the adapters of a session: motion, perception, drivers and planners. The session's stack closes them."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 def start_ports(stack: ExitStack, spec: CellSpec, *, physics: bool) -> InstalledPorts:
     """Finds the adapters of the cell.
 
-    With physics, those with worker processes start at once: their imports take seconds and run side by side.
+    With physics, adapters with worker processes start immediately: their imports take seconds and run in parallel.
     """
     if physics:
         require_extra("physics", "a simulated run without --fake")
@@ -37,7 +37,7 @@ def start_ports(stack: ExitStack, spec: CellSpec, *, physics: bool) -> Installed
 
 
 def start_cell(stack: ExitStack, spec: CellSpec, catalogue: Catalogue, options: Options) -> CellDriver:
-    """Starts the driver of the cell, and those that robots and devices of it have of their own."""
+    """Starts the driver of the cell, and the separate drivers of its robots and devices."""
     if options.fake:
         from skiros_py.simulation.fake.cell import FakeCell
 
@@ -60,9 +60,9 @@ def start_cell(stack: ExitStack, spec: CellSpec, catalogue: Catalogue, options: 
 
 
 def start_planning(stack: ExitStack, world: World, catalogue: Catalogue, options: Options) -> PlanningHost:
-    """Starts what answers requests for plans: a process of its own.
+    """Starts the planning host, which answers requests for plans in a process of its own.
 
-    On the fake cell in lockstep a thread does: nothing else needs the interpreter while simulated time stands still.
+    On the fake cell in lockstep it is a thread: nothing else needs the interpreter while simulated time stands still.
     """
     choose = partial(choose_planners, catalogue.planners_only(), options.planner, options.planner_command)
     planners = stack.enter_context(closing(choose()))  # an unknown name is refused here

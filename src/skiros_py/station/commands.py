@@ -1,4 +1,4 @@
-"""What others ask of the control thread: waits in a queue, and is done between two cycles."""
+"""Work that other threads request from the control thread: queued, and executed between two cycles."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ T = TypeVar("T")
 _log = logging.getLogger(__name__)
 
 _BUDGET = 0.02
-"""How long what others ask may keep the next cycle waiting [s]; what is left then is done after it."""
+"""Maximum delay of the next cycle by queued work [s]; the rest is executed after that cycle."""
 
 
 class Commands:
-    """The queue: filled by any thread, emptied by one. It takes nothing before :meth:`open`."""
+    """The queue: filled by any thread, emptied by one. It accepts nothing before :meth:`open`."""
 
     def __init__(self) -> None:
         self._waiting: deque[_Command[Any]] = deque()
@@ -33,14 +33,14 @@ class Commands:
         return len(self._waiting)
 
     def open(self) -> None:
-        """Takes what is asked from now on."""
+        """Accepts work from now on."""
         self._takes = True
 
     def ask(self, work: Callable[[], T]) -> Future[T]:
-        """Queues work, and returns the future of its result; cancelled in time, it is not done.
+        """Queues work, and returns the future of its result; if cancelled in time, the work is not executed.
 
         Raises:
-            Busy: Nothing is taken now.
+            Busy: The queue accepts nothing now.
         """
         answer: Future[T] = Future()
         with self._guard:
@@ -51,17 +51,17 @@ class Commands:
         return answer
 
     def ask_aside(self, work: Callable[[], object]) -> None:
-        """Queues work whose result is not used: what it raises is logged.
+        """Queues work whose result is not used; exceptions are logged.
 
         Raises:
-            Busy: Nothing is taken now.
+            Busy: The queue accepts nothing now.
         """
         self.ask(work).add_done_callback(_log_failure)
 
     # ------------------------------------------------------------------ in the control thread
 
     def do_some(self) -> None:
-        """Does what was asked for until now, as far as the time goes: who asks all the time must not stop the cycle."""
+        """Executes the work queued so far, within a time limit: continuous requests must not stop the cycle."""
         end = time.perf_counter() + _BUDGET
         for _ in range(len(self._waiting)):
             self._waiting.popleft().do()
@@ -69,17 +69,17 @@ class Commands:
                 return
 
     def wait(self, seconds: float) -> None:
-        """Waits until somebody asks for something; what was asked for since the last look counts."""
+        """Waits until work is queued; work queued since the last check counts."""
         if not self._waiting:
             self._asked.wait(seconds)
         self._asked.clear()
 
     def wake(self) -> None:
-        """Ends the wait; for any thread."""
+        """Ends the wait; callable from any thread."""
         self._asked.set()
 
     def refuse_all(self) -> None:
-        """Takes nothing any more, and says of what waits that it will not be done."""
+        """Closes the queue, and refuses the work that waits."""
         with self._guard:
             self._takes = False
         while self._waiting:
@@ -87,25 +87,25 @@ class Commands:
 
 
 class _Command(Generic[T]):
-    """Something that was asked for, and where the asker waits for what comes of it."""
+    """Requested work, and the future of its result."""
 
     def __init__(self, answer: Future[T], work: Callable[[], T]) -> None:
         self._answer: Future[T] = answer
         self._work = work
 
     def do(self) -> None:
-        """Does it, unless it was cancelled."""
+        """Executes it, unless it was cancelled."""
         if not self._answer.set_running_or_notify_cancel():
             return
         try:
             self._answer.set_result(self._work())
-        except Exception as error:  # noqa: BLE001 - it is raised where the work was asked for
+        except Exception as error:  # noqa: BLE001 - raised in the thread that requested the work
             self._answer.set_exception(error)
-        except BaseException as error:  # noqa: BLE001 - there it would end more than the request
+        except BaseException as error:  # noqa: BLE001 - in that thread it would end more than the request
             self._answer.set_exception(DeviceError(f"it was broken off: {error!r}"))
 
     def refuse(self, error: SkirosError) -> None:
-        """Says that it will not be done."""
+        """Reports that it will not be executed."""
         if self._answer.set_running_or_notify_cancel():
             self._answer.set_exception(error)
 
@@ -117,5 +117,5 @@ def _log_failure(answer: Future[object]) -> None:
 
 
 def trace_of(error: BaseException) -> BaseException | None:
-    """Returns what a log shall say of an error beside its words: those of our own faults say it all."""
+    """Returns the error whose traceback is logged besides its message; None for our own, whose message suffices."""
     return None if isinstance(error, SkirosError) else error

@@ -1,4 +1,4 @@
-"""Devices are opened and closed while the station runs: opening a device connects its driver."""
+"""Opens and closes devices while the station runs: opening a device connects its driver."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from skiros_py.station.session import Session
 
 
 def open_device(control: ControlThread, device: str) -> None:
-    """Opens a device: its driver is connected, if it is not, and it takes commands again.
+    """Opens a device: connects its driver if necessary, and lets the device accept commands again.
 
     Args:
-        control: Runs the session; it goes on while the driver connects.
-        device: Id of the device. An open one stays open.
+        control: Runs the session, which continues while the driver connects.
+        device: Id of the device. An open device stays open.
 
     Raises:
-        UnknownName: There is none of that id.
+        UnknownName: There is no device with this id.
         Refused: Its driver cannot be connected.
     """
     connection = control.call(lambda session: _connection_of(session, device))
@@ -30,17 +30,17 @@ def open_device(control: ControlThread, device: str) -> None:
 
 
 def close_device(control: ControlThread, device: str) -> None:
-    """Closes a device: it takes no commands; with the last open device of a driver, the driver is disconnected.
+    """Closes a device: it accepts no commands; with its last open device, the driver is disconnected.
 
-    A simulated device stays in the simulation, and stands.
+    A simulated device stays in the simulation, at a standstill.
 
     Args:
         control: Runs the session.
-        device: Id of the device. A closed one stays closed.
+        device: Id of the device. A closed device stays closed.
 
     Raises:
-        UnknownName: There is none of that id.
-        WrongState: Something uses it, or it moves.
+        UnknownName: There is no device with this id.
+        WrongState: It is in use, or it moves.
     """
 
     def close(session: Session) -> Connection | None:
@@ -61,7 +61,7 @@ def close_device(control: ControlThread, device: str) -> None:
 
 
 def _connection_of(session: Session, device: str) -> Connection | None:
-    """Returns the connection of a device; None where the simulation, or the driver of the whole cell, has it."""
+    """Returns the connection of a device; None if it belongs to the simulation or to the driver of the whole cell."""
     if device not in session.cycle.board.devices:
         raise UnknownName("device", device, session.cycle.board.devices)
     cell = session.cell

@@ -1,4 +1,4 @@
-"""The control thread: owns the session, runs its cycle, and does what others ask between two cycles (D12)."""
+"""The control thread: owns the session, runs its cycle, and executes requested work between two cycles (D12)."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ Listener = Callable[[Session], object]
 _log = logging.getLogger(__name__)
 
 CLOSING = "the station shuts down"
-"""Why all is braked before a session is closed: that is no halt, and the next session is not halted by it."""
+"""Reason for braking everything before a session is closed: not a halt, so the next session is not halted by it."""
 _PATIENCE = 10.0
-"""How long a caller waits for its turn between two cycles [s]."""
+"""Maximum time that a caller waits for its turn between two cycles [s]."""
 _OPENING = 60.0
-"""How long a caller waits while the session is being reopened [s]."""
+"""Maximum time that a caller waits while the session is being reopened [s]."""
 _PLACES = 24
-"""So many callers wait at the same time, of the 40 threads that answer requests: the others answer what needs no turn,
-whatever holds the control cycle."""
+"""Maximum number of waiting callers, of the 40 threads that answer requests: the others answer requests that do not
+need the control thread, even if the control cycle hangs."""
 _REST = 0.005
 """In lockstep, the pause between two cycles while there is nothing to do [s]."""
 
@@ -37,11 +37,11 @@ class ControlThread:
     """Runs a session in a thread of its own. Start it, and close it.
 
     Args:
-        opening: Opens the session; called in the control thread, once more for each :meth:`reopen`.
+        opening: Opens the session; called in the control thread, and again for each :meth:`reopen`.
 
     Attributes:
-        beat: Counts cycles, over all sessions; stands still only when the thread does.
-        fault: Why there is no session any more; None in good times.
+        beat: Number of cycles, over all sessions; stands still only if the thread does.
+        fault: Why there is no session any more; None if there is no fault.
     """
 
     def __init__(self, opening: OpenSession) -> None:
@@ -58,7 +58,7 @@ class ControlThread:
         self._on_close: list[Listener] = []
         self._thread = threading.Thread(target=self._run, name="skiros-control", daemon=True)
 
-    # ------------------------------------------------------------------ life
+    # ------------------------------------------------------------------ life cycle
 
     def on_open(self, listener: Listener) -> None:
         """Calls the listener in the control thread with each session before its first cycle; before :meth:`start`.
@@ -70,7 +70,7 @@ class ControlThread:
     def on_close(self, listener: Listener) -> None:
         """Calls the listener in the control thread with each session after its last cycle; before :meth:`start`.
 
-        What it raises is logged.
+        Its exceptions are logged.
         """
         self._on_close.append(listener)
 
@@ -89,7 +89,7 @@ class ControlThread:
             raise self.fault
 
     def close(self) -> None:
-        """Stops everything, waits until all stands, closes the session and ends the thread; may be called twice."""
+        """Stops everything, waits for a standstill, closes the session and ends the thread; may be called twice."""
         self._ending = True
         self._commands.wake()
         if self._thread.ident is not None and not self._is_mine:
@@ -102,19 +102,19 @@ class ControlThread:
 
     @property
     def opening(self) -> bool:
-        """True while there is no session yet, or not yet again, and one is on its way."""
+        """True while a session is being opened or reopened."""
         return self._session is None and self.fault is None and self._thread.is_alive()
 
     def stuck_for(self) -> float:
-        """Returns for how long the cycle of an open session has not come round [s]; 0 while none is open."""
+        """Returns the time since an open session last completed a cycle [s]; 0 while no session is open."""
         return time.monotonic() - self._stepped if self._session is not None else 0.0
 
     @property
     def session(self) -> Session:
-        """The session; while it is being reopened, that is waited for.
+        """The session; waits while it is being reopened.
 
         Raises:
-            Busy: There is none, and there will be none soon; or very many wait for it already.
+            Busy: There is none, and none is being opened; or too many callers wait for it already.
         """
         session = self._session
         if session is not None:
@@ -130,10 +130,10 @@ class ControlThread:
 
     @contextmanager
     def _place(self) -> Iterator[None]:
-        """Takes a place among those who wait.
+        """Takes one of the limited slots for waiting callers.
 
         Raises:
-            Busy: There is none left.
+            Busy: No slot is free.
         """
         if not self._places.acquire(blocking=False):
             raise Busy("very many requests wait for the control cycle already", retry_after=1.0)
@@ -153,33 +153,33 @@ class ControlThread:
     def _is_mine(self) -> bool:
         return threading.get_ident() == self._thread.ident
 
-    # ------------------------------------------------------------------ asking
+    # ------------------------------------------------------------------ requests
 
     def call(self, work: Callable[[Session], T], *, urgent: bool = False) -> T:
-        """Has something quick done in the control thread between two cycles, and returns what comes of it.
+        """Executes short work in the control thread between two cycles, and returns its result.
 
-        In the control thread itself (a listener, an observer of the cycle) it is done at once.
+        In the control thread itself (in a listener or an observer of the cycle) the work is executed immediately.
 
         Args:
-            work: Gets the session of that moment, which may be another one than when it was asked for.
-            urgent: True where it is asked for however many wait already.
+            work: Called with the session at that moment, which may be another one than at the time of the call.
+            urgent: True to queue the work regardless of the number of waiting callers.
 
         Raises:
-            Busy: Its turn did not come in time, there is no session, or very many wait already; nothing was done.
-            DeviceError: It did not end; what was done is unknown.
-            Exception: Whatever the work raises.
+            Busy: Its turn did not come in time, there is no session, or too many callers wait; nothing was done.
+            DeviceError: The work did not end; its effects are unknown.
+            Exception: Any exception that the work raises.
         """
         if self._is_mine:
             return work(self._present())
         with nullcontext() if urgent else self._place():
-            self._await_session()  # while it is being reopened, that may take longer than a turn
+            self._await_session()  # while the session is being reopened, this may take longer than a turn
             self._present()
             return self._outcome(self._commands.ask(lambda: work(self._present())))
 
     def soon(self, work: Callable[[Session], object]) -> None:
-        """Has something quick done in the control thread between two cycles, and does not wait for it.
+        """Executes short work in the control thread between two cycles, without waiting for it.
 
-        For listeners that must not wait. What it raises is logged; where there is no session, nothing is done.
+        For listeners that must not wait. Exceptions are logged; without a session, nothing is done.
         """
         with suppress(Busy):
             self._commands.ask_aside(lambda: work(self._present()))
@@ -189,21 +189,21 @@ class ControlThread:
         prepare: Callable[[Session], object] = lambda _session: None,
         restore: Callable[[], object] | None = None,
     ) -> None:
-        """Closes the session and opens it again, such as after another scene was loaded; returns when that is done.
+        """Closes the session and opens it again, for example after another scene was loaded; returns when that is done.
 
-        Where everything was halted, it still is in the new session: only a reset changes that.
+        If everything was halted, it stays halted in the new session until a reset.
 
         Args:
-            prepare: Called in the control thread between its last cycle and its end; what it raises is raised here,
-                and the session goes on. Where the session broke before, it is not called.
-            restore: Called in the control thread where the new session cannot be opened: takes back what was prepared,
-                and then it is tried once more. The error is raised here all the same.
+            prepare: Called in the control thread after the last cycle, before the session is closed; its exceptions are
+                raised here, and the session continues. It is not called if the session has failed before.
+            restore: Called in the control thread if the new session cannot be opened: reverts ``prepare``, after which
+                opening is tried once more. The error is raised here all the same.
 
         Raises:
-            SkirosError: The new one cannot be opened; where it cannot be restored either there is none until the next
-                :meth:`reopen`.
-            Busy: The server ends.
-            UsageError: The control thread itself calls it: the cycle would end in the midst of itself.
+            SkirosError: The new session cannot be opened; if the restored one cannot either, there is no session until
+                the next :meth:`reopen`.
+            Busy: The server is shutting down.
+            UsageError: It is called in the control thread itself, whose cycle cannot end while it runs.
         """
         if self._is_mine:
             raise UsageError("the control thread cannot reopen its own session: ask for it in another thread")
@@ -211,7 +211,7 @@ class ControlThread:
 
     def _outcome(self, answer: Future[T]) -> T:
         wait([answer], _PATIENCE)
-        if not answer.done() and self._session is None:  # somebody opens another session first
+        if not answer.done() and self._session is None:  # another caller has requested reopening first
             wait([answer], _OPENING)
         if not answer.done() and answer.cancel():
             raise Busy(f"the control cycle did not run within {_PATIENCE:g} s")
@@ -227,7 +227,7 @@ class ControlThread:
     def _run(self) -> None:
         try:
             self._enter()
-        except BaseException as error:  # noqa: BLE001 - told by start()
+        except BaseException as error:  # noqa: BLE001 - raised by start()
             self._tell_fault(error)
         else:
             while not self._ending:
@@ -240,13 +240,13 @@ class ControlThread:
     def _go_round(self) -> None:
         self._commands.do_some()
         session = self._session
-        if session is None:  # broken: only a new session helps
+        if session is None:  # failed: only a new session helps
             self._commands.wait(0.1)
             return
         try:
             session.cycle.step()
             rests = session.cycle.pace is None and session.resting
-        except BaseException as error:  # noqa: BLE001 - the server outlives its station, and says what broke
+        except BaseException as error:  # noqa: BLE001 - the server outlives its station, and reports the fault
             _log.critical("the control cycle broke: %s", error, exc_info=error)
             self._break(session, error)
             return
@@ -280,7 +280,7 @@ class ControlThread:
         try:
             if halted:
                 session.cycle.halt(halted)
-            session.jobs  # noqa: B018 - opens the queue, whose jobs go on
+            session.jobs  # noqa: B018 - opens the queue, whose jobs continue
             for listener in self._on_open:
                 listener(session)
         except BaseException:
@@ -292,21 +292,21 @@ class ControlThread:
             self._ready.notify_all()
 
     def _leave(self, session: Session) -> None:
-        """Lets everything come to a standstill, and closes the session."""
+        """Brings everything to a standstill, and closes the session."""
         try:
-            session.cycle.stop_all(CLOSING)  # what was halted a moment ago may still move
-        except BaseException as error:  # noqa: BLE001 - it is closed all the same
+            session.cycle.stop_all(CLOSING)  # devices halted a moment ago may still move
+        except BaseException as error:  # noqa: BLE001 - the session is closed all the same
             _log.error("not everything came to a standstill: %s", error, exc_info=trace_of(error))
         self._part(session)
 
     def _break(self, session: Session, error: BaseException) -> None:
-        """Brakes what can be braked, and closes the session: what it was about to do is not known any more."""
+        """Brakes all devices that can be braked, and closes the session, whose state is no longer known."""
         fault = error if isinstance(error, SkirosError) else DeviceError(f"the control cycle broke: {error}")
         with self._ready:
             self.fault = fault
         try:
             session.cycle.halt(str(fault))
-        except BaseException as worse:  # noqa: BLE001 - it is closed all the same
+        except BaseException as worse:  # noqa: BLE001 - the session is closed all the same
             _log.error("the devices cannot be halted: %s", worse, exc_info=trace_of(worse))
         self._part(session)
 
@@ -316,11 +316,11 @@ class ControlThread:
         self._end(session)
 
     def _end(self, session: Session) -> None:
-        """Tells everybody, and closes the session; whatever breaks, the rest is still done."""
+        """Notifies all listeners, and closes the session; an exception does not prevent the remaining steps."""
         for end in (*self._on_close, Session.close):
             try:
                 end(session)
-            except BaseException as error:  # noqa: BLE001 - the thread outlives whatever breaks here
+            except BaseException as error:  # noqa: BLE001 - the thread outlives any fault here
                 _log.error("a session did not end well: %s", error, exc_info=error)
 
     def _tell_fault(self, error: BaseException) -> None:

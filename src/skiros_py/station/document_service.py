@@ -1,4 +1,4 @@
-"""Use cases: documents that robots run, of the kinds that plug-ins bring."""
+"""Use cases: documents that robots run, of the kinds provided by plug-ins."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _log = logging.getLogger(__name__)
 
 
 class DocumentService:
-    """Keeps runnable documents with their revisions.
+    """Stores runnable documents with their revisions.
 
     Args:
         station: The station.
@@ -78,7 +78,7 @@ class DocumentService:
             return _info(self._runnable.find(kind, id_))
 
     def revisions(self, kind: str, id_: str) -> Documents:
-        """Lists all revisions of a document, the oldest first.
+        """Lists all revisions of a document, oldest first.
 
         Raises:
             NotFound: There is no such kind.
@@ -87,11 +87,11 @@ class DocumentService:
             return Documents(documents=tuple(map(_info, self._runnable.revisions(kind, id_))))
 
     def put(self, kind: str, id_: str, data: Any, seen: Seen | None = ANY_VERSION) -> tuple[DocumentInfo, bool]:
-        """Writes a document; returns it, and True where it is new. Its next run is of this revision.
+        """Writes a document; returns it, and True if it is new. Its next run uses this revision.
 
         Raises:
             NotFound: There is no such kind.
-            UsageError: Something is wrong with it; the text names each place.
+            UsageError: It is not valid; the text gives the location of each fault.
             StaleVersion: It was changed since it was seen.
         """
         with addressed():
@@ -104,7 +104,7 @@ class DocumentService:
         return _info(written), known is None
 
     def remove(self, kind: str, id_: str, seen: Seen | None = ANY_VERSION) -> None:
-        """Removes a document; what runs of it goes on.
+        """Removes a document; its active runs continue.
 
         Raises:
             NotFound: There is none.

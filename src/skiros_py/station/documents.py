@@ -1,4 +1,4 @@
-"""Documents that the server keeps beside world and jobs, such as goal templates: plain data by kind and name."""
+"""Documents that the server stores besides world and jobs, such as goal templates: plain data by kind and name."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from skiros_py.errors import FileError, StaleVersion, UnknownName
 
 TEMPLATE, SEQUENCE = "goal template", "sequence"
 TOLD = (TEMPLATE, SEQUENCE)
-"""The kinds of documents that others may look at, and so hear of."""
+"""The kinds of documents that are visible to callers, and whose changes are announced."""
 
 _TABLES = """
 CREATE TABLE documents (
@@ -31,10 +31,10 @@ INSERT INTO revisions SELECT kind, name, version, data FROM documents;
 """
 
 _SCHEMA = Schema("list of documents", "the documents of a server", 0x736B7376, (_TABLES, _REVISIONS))
-"""Such a file is marked "sksv"."""
+"""Application id of such a file: "sksv"."""
 
 _REVISIONS_KEPT = 50
-"""Of each document so many revisions are kept, the last ones; recordings hold the documents that ran."""
+"""Number of latest revisions kept of each document; recordings contain the documents that ran."""
 _FORGET = """
 DELETE FROM revisions WHERE kind = ? AND name = ? AND version NOT IN (
     SELECT version FROM revisions WHERE kind = ? AND name = ? ORDER BY version DESC LIMIT ?
@@ -47,10 +47,10 @@ class Document:
     """One document as it is now.
 
     Attributes:
-        kind: What it is: "goal template", "sequence".
-        name: Its name among those of its kind.
-        version: Of all versions of all documents none is the same twice, also where one is removed and made anew.
-        data: What it says, as JSON has it.
+        kind: Its kind, such as "goal template" or "sequence".
+        name: Its name, unique for its kind.
+        version: Its version, unique over all versions of all documents, even if one is removed and created again.
+        data: Its content, as JSON data.
     """
 
     kind: str
@@ -60,22 +60,22 @@ class Document:
 
 
 Tell = Callable[[Literal["written", "removed"], Document], None]
-"""Hears of a document as it was written, or of one that is gone."""
+"""Listener, called with a document that was written or removed."""
 
 
 def _nobody(_what: str, _document: Document) -> None:
-    """Hears of it, and does nothing."""
+    """Default listener; does nothing."""
 
 
 class DocumentStore:
-    """The documents of a data directory; used by any thread. Close it.
+    """The documents of a data directory; thread-safe. Close it.
 
     Args:
-        path: The file; made where it is missing.
-        tell: Called with what became of a document, by whoever wrote or removed it.
+        path: The file; created if missing.
+        tell: Called with each document written or removed, in the thread that did it.
 
     Raises:
-        FileError: It cannot be opened or made, or is damaged.
+        FileError: It cannot be opened or created, or is damaged.
     """
 
     def __init__(self, path: Path, tell: Tell = _nobody) -> None:
@@ -89,7 +89,7 @@ class DocumentStore:
         return tuple(self._document(kind, *row) for row in rows)
 
     def get(self, kind: str, name: str) -> Document | None:
-        """Returns a document; None where there is none."""
+        """Returns a document; None if there is none."""
         rows = self._database.rows("SELECT version, data FROM documents WHERE kind = ? AND name = ?", (kind, name))
         return next((self._document(kind, name, *row) for row in rows), None)
 
@@ -105,23 +105,23 @@ class DocumentStore:
         return found
 
     def revisions(self, kind: str, name: str) -> tuple[Document, ...]:
-        """Returns the last revisions of a document, the oldest first, also of one that was removed."""
+        """Returns the last revisions of a document, oldest first, also of a removed one."""
         rows = self._database.rows(
             "SELECT version, data FROM revisions WHERE kind = ? AND name = ? ORDER BY version", (kind, name)
         )
         return tuple(self._document(kind, name, *row) for row in rows)
 
     def put(self, kind: str, name: str, data: Any, *, expects: int | None = None) -> Document:
-        """Writes a document, new or instead of the one that is there; when this returns, it is on the disk.
+        """Writes a new document or replaces an existing one; when this returns, it is on disk.
 
         Args:
-            kind: What it is.
+            kind: Its kind.
             name: Its name.
-            data: What it says, as JSON has it.
-            expects: The version that it stands in for; 0 where there must be none yet. None for any.
+            data: Its content, as JSON data.
+            expects: The version that it replaces; 0 if there must be none yet; None for any.
 
         Raises:
-            StaleVersion: Another version is there.
+            StaleVersion: The present version is a different one.
         """
         text = json.dumps(data)
         with self._database.transaction() as connection:
@@ -138,10 +138,10 @@ class DocumentStore:
         return document
 
     def remove(self, kind: str, name: str, *, expects: int | None = None) -> None:
-        """Removes a document; where there is none, nothing happens.
+        """Removes a document; has no effect if there is none.
 
         Raises:
-            StaleVersion: Another version is there than is expected.
+            StaleVersion: The present version is not the expected one.
         """
         with self._database.transaction() as connection:
             self._check(kind, name, expects)

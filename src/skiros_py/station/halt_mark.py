@@ -1,4 +1,4 @@
-"""A stop that somebody wanted, kept beside the world: it holds until a reset, whatever becomes of the server."""
+"""A requested stop, stored beside the world: it holds until a reset, even if the server ends."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ class Halt(NamedTuple):
     """A stop.
 
     Attributes:
-        why: Why it was wanted, for a person.
-        by: Who wanted it.
-        since: When [s since 1970].
+        why: The reason, for a person.
+        by: Name of the caller who requested it.
+        since: Time of the stop [s since 1970].
     """
 
     why: str
@@ -27,10 +27,10 @@ class Halt(NamedTuple):
 
 
 class HaltMark:
-    """The file that says that everything is to stay halted; any thread may use it.
+    """The file whose presence keeps everything halted; thread-safe.
 
     Args:
-        path: The file; it is there only while somebody's stop holds.
+        path: The file; it exists only while a requested stop holds.
     """
 
     def __init__(self, path: Path) -> None:
@@ -39,7 +39,7 @@ class HaltMark:
         self._wanted: Halt | None = None
 
     def read(self) -> Halt | None:
-        """Returns the stop that a former server left; one that cannot be read any more is a stop, too."""
+        """Returns the stop left by a previous server; an unreadable file counts as a stop, too."""
         try:
             text = self._path.read_text(encoding="utf-8")
         except FileNotFoundError:
@@ -58,17 +58,17 @@ class HaltMark:
         self._wanted = halt
         try:
             threading.Thread(target=self._settle, name="skiros-halt-mark", daemon=True).start()
-        except RuntimeError:  # no more threads: then here
+        except RuntimeError:  # no more threads: write in this one
             self._settle()
 
     def forget(self) -> None:
-        """Takes the stop away; quick where there is none."""
+        """Removes the stop; quick if there is none."""
         if self._wanted is not None:
             self._wanted = None
             self._settle()
 
     def _settle(self) -> None:
-        """Makes the file say what is wanted by now: a reset may have come before the stop was written."""
+        """Writes the present state to the file: a reset may have been requested before the stop was written."""
         with self._guard:
             wanted = self._wanted
             try:

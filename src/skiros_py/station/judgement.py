@@ -1,4 +1,4 @@
-"""Belief against truth: the final report asks the simulator what is really the case. Nothing else may."""
+"""Compares beliefs with the ground truth of the simulator; only the final report may do so."""
 
 from __future__ import annotations
 
@@ -30,19 +30,19 @@ from skiros_py.world.vocabulary import (
 )
 
 Whereabouts = tuple[Mapping[str, Pose], Mapping[str, str]]
-"""Poses in the map, and places of what can be moved; by the ids of bodies."""
+"""Poses in the map, and placements of movable bodies; by the ids of bodies."""
 
 _THERE = (0.06, 0.06)
-"""A robot is at a location when it stands this close to where it should [m, rad]."""
+"""Maximum distance of a robot from the pose of a location at which it counts as being there [m, rad]."""
 
 
 def judge(cell: SimulatedCell, spec: CellSpec, view: WorldView, goal: Sequence[Condition]) -> tuple[bool | None, ...]:
-    """Evaluates conditions on the world as it really is; None for those that a simulator knows nothing of.
+    """Evaluates conditions on the ground truth; None for conditions that the simulator does not cover.
 
     Args:
         cell: The simulation.
         spec: The cell as brought up.
-        view: The world as believed: gives classes, structure and what is not physical.
+        view: The believed world, for classes, structure and everything that is not physical.
         goal: Conditions over elements and classes.
     """
     truth = Truth(cell)
@@ -50,7 +50,7 @@ def judge(cell: SimulatedCell, spec: CellSpec, view: WorldView, goal: Sequence[C
     placements = truth.placements()
     types = {body.id: body.type for body in spec.bodies}
     for body in placements.keys() & types.keys():
-        if not view.has(body):  # in stock, or taken from there: its individual is unknown
+        if not view.has(body):  # in stock, or taken from stock: the individual is unknown
             real.extend(Element(body, types[body], body))
     for part in real.instances(MANIPULATABLE):
         place = placements.get(part)
@@ -67,20 +67,20 @@ def judge(cell: SimulatedCell, spec: CellSpec, view: WorldView, goal: Sequence[C
 
 
 def true_whereabouts(cell: SimulatedCell) -> Callable[[], Whereabouts]:
-    """Looks where everything really is, for people who look on; quick.
+    """Takes the true state of all bodies, for display; quick.
 
     Args:
         cell: The simulation.
 
     Returns:
-        What works that out, in any thread.
+        A function that computes the whereabouts, callable in any thread.
     """
     glance = Truth(cell).glance()
     return lambda: (glance.poses, glance.placements())
 
 
 def _is_physical(pattern: Pattern, view: WorldView) -> bool:
-    """Returns whether a pattern is about where things are, and nothing else."""
+    """Returns whether a pattern concerns only where elements are."""
     match pattern:
         case Related(relation, _, _) | Nothing(relation, _):
             return view.ontology.family(relation) in (Family.PLACEMENT, Family.STRUCTURE)
@@ -93,7 +93,7 @@ def _is_physical(pattern: Pattern, view: WorldView) -> bool:
 
 
 def _relation(view: WorldView, place: str) -> str:
-    if place == "floor" or not view.has(place):  # or on something that the robot was not told of
+    if place == "floor" or not view.has(place):  # or on a body unknown to the robot
         return ON
     type_ = view.element(place).type
     if view.ontology.is_a(type_, GRIPPER):
@@ -106,7 +106,7 @@ def _floor(view: WorldView) -> str:
 
 
 def _location(view: WorldView, truth: Truth, base: str) -> str:
-    """Returns where a robot really stands: the location whose driving pose it is at, or the floor."""
+    """Returns the true location of a robot: the location at whose driving pose it stands, or the floor."""
     bodies = truth.poses()
     at = truth.base_pose(base)
     for location in view.instances(LOCATION):
@@ -120,7 +120,7 @@ def _location(view: WorldView, truth: Truth, base: str) -> str:
 
 
 def _pose(view: WorldView, bodies: Mapping[str, Pose], element: str) -> Pose | None:
-    """Returns where something really is: a body, or a spot that is fixed to one or to the map."""
+    """Returns the true pose of an element: a body, or a spot fixed to a body or to the map."""
     if element in bodies or not view.ontology.is_a(view.element(element).type, STATION):
         return bodies.get(element)
     pose, frames = view.value(element, POSE), view.objects(element, POSE_FRAME)

@@ -1,4 +1,4 @@
-"""Use cases: the plug-ins that are installed, and their faults."""
+"""Use cases: the installed plug-ins, and their faults."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ class PluginService(Service):
         return _surveyed()
 
     def faults(self) -> list[PluginFaultInfo]:
-        """Lists what does not load or does not fit into the present scene."""
+        """Lists the plug-ins that do not load or do not fit the present scene."""
         return [_fault(fault) for fault in self._station.session.catalogue.faults]
 
 
 @cache
 def _surveyed() -> Plugins:
-    """Loads everything, once: what is installed does not change while a program runs."""
+    """Loads all entry points, once: the installation does not change while a program runs."""
     found, others = survey()
     return Plugins(items=[_plugin(one) for one in found], others=[_fault(fault) for fault in others])
 

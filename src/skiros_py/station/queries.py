@@ -1,4 +1,4 @@
-"""Questions in SPARQL by people and programs outside: in a process of their own, which may be killed."""
+"""SPARQL queries of callers: executed in a separate process, which may be killed."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ _LIMITS = Limits()
 
 
 class Queries:
-    """Answers questions about the world of the present session.
+    """Answers queries about the world of the present session.
 
     Args:
-        control: Tells when a session begins and ends.
-        limits: What one question may take.
+        control: Notifies of the begin and end of sessions.
+        limits: Resource limits of one query.
     """
 
     def __init__(self, control: ControlThread, limits: Limits = _LIMITS) -> None:
@@ -30,17 +30,17 @@ class Queries:
         control.on_close(self._close)
 
     def answer(self, sparql: str, bindings: Mapping[str, Binding], *, entailed: bool, time_limit: float) -> Result:
-        """Answers a question.
+        """Answers a query.
 
         Args:
-            sparql: The question.
-            bindings: What its parameters stand for.
-            entailed: Whether what OWL entails counts too.
-            time_limit: How long it may take [s].
+            sparql: The query.
+            bindings: Values of its parameters.
+            entailed: True to include triples entailed by OWL.
+            time_limit: Maximum duration [s].
 
         Raises:
-            UsageError: It cannot be answered, or not within its limits; the text says why.
-            Busy: Too many are being answered already, or the station is being opened.
+            UsageError: It cannot be answered, or not within its limits; the text gives the reason.
+            Busy: Too many queries are being answered already, or the station is being opened.
         """
         if not self._turns.acquire(blocking=False):
             raise Busy(f"{self._limits.at_once} questions are being answered already: ask again later")

@@ -1,4 +1,4 @@
-"""What use cases share: who asks, which version they have seen, and what their request is addressed to."""
+"""Common parts of use cases: the author of a request, the version that it is based on, and its target."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Author:
-    """Who asks: the author of what is written.
+    """The author of a request, and of the changes that it makes.
 
     Attributes:
-        name: Their name.
-        holder: Who their locks belong to; people of the same name are told apart by it.
+        name: Name of the author.
+        holder: Owner of the author's locks; distinguishes authors of the same name.
     """
 
     name: str
@@ -27,7 +27,7 @@ class Author:
 
 
 class Service:
-    """The use cases of one topic, which command line, library and server call alike.
+    """The use cases of one topic, shared by command line, library and server.
 
     Args:
         station: The station.
@@ -38,34 +38,34 @@ class Service:
 
 
 LIBRARY: Final = Author("python", "python")
-"""The author where a Python program calls the station without saying who it is."""
+"""The author if a Python program calls the station without naming one."""
 
 
 @dataclass(frozen=True, slots=True)
 class Seen:
-    """The version of something that its author has seen.
+    """The version of a resource that the author has seen.
 
     Attributes:
-        version: The version; None for whichever is the present one.
+        version: The version; None for any.
     """
 
     version: int | None = None
 
 
 ANY_VERSION: Final = Seen()
-"""For authors who want to overwrite whatever there is."""
+"""For requests that overwrite any version."""
 
 
 def require_seen(seen: Seen | None, now: int) -> None:
     """Requires that the author has seen the present version.
 
     Args:
-        seen: What they say; None where they say nothing.
+        seen: The version that the author has seen; None if not given.
         now: The present version.
 
     Raises:
-        Refused: They say nothing.
-        StaleVersion: They have seen another version.
+        Refused: No version is given.
+        StaleVersion: The author has seen a different version.
     """
     if seen is None:
         raise Refused("VersionMissing", f'say which version you have seen: If-Match: "{now}" is the present one')
@@ -77,13 +77,13 @@ def require_seen(seen: Seen | None, now: int) -> None:
 
 @contextmanager
 def addressed(code: str = "NotFound") -> Iterator[None]:
-    """Says of an unknown name that the request is addressed to it; use it only around looking that up.
+    """Converts unknown names into NotFound, for the target of a request; use it only around the lookup of that target.
 
     Args:
-        code: The kind of thing, for programs.
+        code: The kind of target, for programs.
 
     Raises:
-        NotFound: There is no such thing.
+        NotFound: The target does not exist.
     """
     try:
         yield

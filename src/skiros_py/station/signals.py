@@ -1,4 +1,4 @@
-"""Use cases: the signals of the cell, read and set."""
+"""Use cases: reading and setting the signals of the cell."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class SignalService(Service):
     """Describes, reads and sets signals."""
 
     def all(self) -> list[CellSignal]:
-        """Describes all signals: those of the devices first."""
+        """Describes all signals, those of the devices first."""
         signals = self._station.session.runtime.signals
         return [_described(signals, name) for name in signals.names]
 
@@ -23,7 +23,7 @@ class SignalService(Service):
         """Returns the values of signals in one control cycle.
 
         Args:
-            names: Their names. A signal with a memory is computed in every cycle from the first time it is read.
+            names: Their names. A stateful signal is computed in every cycle after it is read for the first time.
 
         Raises:
             NotFound: There is no such signal.
@@ -38,11 +38,11 @@ class SignalService(Service):
             return self._station.control.call(readings)
 
     def set(self, name: str, value: Value) -> None:
-        """Sets an input; the value counts from the next cycle on.
+        """Sets an input; the value takes effect in the next cycle.
 
         Raises:
             NotFound: There is no such signal.
-            UsageError: It is no input, or the value is not of its shape.
+            UsageError: It is not an input, or the value does not have its shape.
         """
         with addressed():
             self._station.session.runtime.signals.set(name, value)

@@ -1,4 +1,4 @@
-"""The station: everything that a running cell offers, for command line, library and server alike."""
+"""The station: all use cases of a running cell, shared by command line, library and server."""
 
 from __future__ import annotations
 
@@ -57,11 +57,11 @@ from skiros_py.world.journal.data_directory import make_folder
 
 @dataclass(frozen=True, slots=True)
 class StationLimits:
-    """How much a station keeps and takes.
+    """Limits of a station.
 
     Attributes:
-        events: Events that are kept for replay.
-        open_jobs: Jobs that may be open at the same time.
+        events: Number of events kept for replay.
+        open_jobs: Maximum number of open jobs.
     """
 
     events: int = 20_000
@@ -71,12 +71,12 @@ class StationLimits:
 class Station:
     """A running cell with its use cases. Start and close it, or use it in a ``with``.
 
-    Everything that belongs to one session is set up for each session by listeners of the control thread.
+    Everything that belongs to a session is set up for each session by listeners of the control thread.
 
     Args:
         opening: Opens the session.
         data: The data directory.
-        limits: How much it keeps and takes.
+        limits: Its limits.
 
     Attributes:
         data: The data directory.
@@ -85,16 +85,16 @@ class Station:
             scenes, sequences, signals, simulation, stops, tasks, templates, world: The use cases, by topic.
         events: The log of events.
         live: The present state of the robots.
-        looks: What the cameras saw last.
-        motions: What the robots are about to do.
+        looks: The last looks of the cameras.
+        motions: The planned motions of the robots.
         documents: Stored documents, such as goal templates; from :meth:`start` on.
-        alarm_book, job_recordings, module_runs, preview_book, task_book: What is under way, and what was lately.
+        alarm_book, job_recordings, module_runs, preview_book, task_book: Active and recent items.
         scene_store: The files of scenes.
         stage: Reads scenes beside the live world.
         robot_models: Visual models of the robots.
         query_worker: Answers SPARQL queries in processes that may be killed.
-        bodies: Keeps simulated bodies in line with what people write.
-        waiter: Waits for jobs.
+        bodies: Keeps simulated bodies in line with edits by people.
+        waiter: Lets callers wait for jobs.
     """
 
     def __init__(self, opening: OpenSession, data: Path, limits: StationLimits = StationLimits()) -> None:
@@ -117,7 +117,7 @@ class Station:
         self.scene_store = SceneStore(data / "scenes")
         self.stage = SceneStage()
         for part in (
-            self.stops,  # first: a stop that was asked for meanwhile takes effect before anything else
+            self.stops,  # first: a stop requested meanwhile takes effect before anything else
             self.looks,
             self.motions,
             self.live,
@@ -162,15 +162,15 @@ class Station:
         """The session; while it is being reopened, this waits for it.
 
         Raises:
-            Busy: There is none, and there will be none soon.
+            Busy: There is none, and none is being opened.
         """
         return self.control.session
 
     def make_folder(self) -> None:
-        """Makes the data directory where it is missing.
+        """Creates the data directory if it is missing.
 
         Raises:
-            FileError: It cannot be made.
+            FileError: It cannot be created.
         """
         make_folder(self.data)
 
@@ -186,7 +186,7 @@ class Station:
             self._stack.callback(self.robot_models.close)
             self._stack.callback(self.control.close)
             self.stops.restore()
-            self.control.start()  # which takes the data directory, so that no other program has its files open
+            self.control.start()  # locks the data directory, so that no other program has its files open
             self._stack.callback(self.waiter.close)
             self._stack.callback(self.preview_book.close)
             self.documents = self._stack.enter_context(closing(DocumentStore(self.data / "server.db", self._note)))
@@ -199,7 +199,7 @@ class Station:
     def _note(self, what: Literal["written", "removed"], document: Document) -> None:
         """Announces a change of a document, not its content.
 
-        Documents of other kinds are the station's own notes, such as the name under which the scene was saved.
+        Documents of other kinds are internal data of the station, such as the name under which the scene was saved.
         """
         if document.kind not in TOLD:
             return
@@ -211,7 +211,7 @@ class Station:
         self._stack.callback(callback)
 
     def close(self) -> None:
-        """Stops everything and ends all that was started; may be called twice."""
+        """Stops everything and closes all parts; may be called twice."""
         self._stack.close()
 
     def __enter__(self) -> Self:

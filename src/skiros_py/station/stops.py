@@ -1,4 +1,4 @@
-"""Stopping everything at once, and letting it start again: past all queues and thread pools."""
+"""Stops everything immediately, bypassing all queues and thread pools; and resets a stop."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from skiros_py.station.session import Session
 _log = logging.getLogger(__name__)
 
 _PATIENCE = 0.5
-"""How long a stop waits for the control thread to come round before it says that it does not [s]."""
+"""Maximum time that a stop waits for the control thread to complete a cycle before reporting that it does not [s]."""
 _LOOK = 0.002
-"""How often it looks [s]."""
+"""Period at which a waiting stop checks [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,10 +29,10 @@ class Stopped:
 
     Attributes:
         why: Why everything is halted; empty while it is not.
-        by: Who wanted it; empty if it was the watchdog or a module.
-        since: When it was seen first [s since 1970]; None while nothing is halted.
-        standing: True when no arm and no base moves; None where unknown: the control thread does not run.
-        obeyed: True when the control thread has come round since, or there is nothing that could move.
+        by: Name of the caller who requested it; empty if it was the watchdog or a module.
+        since: When it was first detected [s since 1970]; None while nothing is halted.
+        standing: True if no arm and no base moves; None if unknown, because the control thread does not run.
+        obeyed: True if the control thread has completed a cycle since, or nothing could move.
     """
 
     why: str
@@ -47,8 +47,8 @@ class Stops:
 
     Args:
         control: Runs the session.
-        events: Gets stops and resets.
-        mark: Keeps a stop over the end of the server.
+        events: Receives stops and resets.
+        mark: Stores a stop beyond the end of the server.
     """
 
     def __init__(self, control: ControlThread, events: EventLog, mark: HaltMark) -> None:
@@ -63,16 +63,16 @@ class Stops:
         self._since: float | None = None
 
     def restore(self) -> None:
-        """Takes over a stop that a former server left: the first session is opened halted."""
+        """Restores a stop left by a previous server: the first session is opened halted."""
         left = self._mark.read()
         if left is not None:
             self._wanted = left.why
             self._note(left.why, left.by, left.since)
 
-    # ------------------------------------------------------------------ as sessions come and go
+    # ------------------------------------------------------------------ sessions
 
     def open(self, session: Session) -> None:
-        """Has a session in hand, halted at once if a stop was requested and not reset since."""
+        """Controls a session from now on; halts it immediately if a stop was requested and not reset since."""
         self._session, self._seen = session, ""
         session.cycle.observe(self._look)
         if self._wanted:
@@ -81,40 +81,40 @@ class Stops:
             self._forget()
 
     def close(self, _session: Session) -> None:
-        """Lets it go."""
+        """Releases the session."""
         self._session = None
 
     # ------------------------------------------------------------------ stopping
 
     async def stop(self, reason: str, by: str) -> Stopped:
-        """Halts everything at once, and says soon whether that was obeyed.
+        """Halts everything immediately, and reports shortly after whether that was obeyed.
 
         Args:
-            reason: Why, for a person.
-            by: Who wants it.
+            reason: The reason, for a person.
+            by: Name of the caller.
         """
         before, deadline = self._control.beat, time.monotonic() + _PATIENCE
         brake = self._halt(reason, by)
         while not (obeyed := self._has_heard(before, brake)) and time.monotonic() < deadline:
             await asyncio.sleep(_LOOK)
             if self._session is not None and not self._session.cycle.halted:
-                brake = self._halt(reason, by)  # it came in the midst of a reset, which must not swallow it
-        if self._wanted:  # it was not reset meanwhile
+                brake = self._halt(reason, by)  # the stop came during a reset, which must not swallow it
+        if self._wanted:  # not reset meanwhile
             self._mark.keep(Halt(reason, by, time.time()))
         return self.now(obeyed=obeyed)
 
     def _halt(self, reason: str, by: str) -> threading.Thread | None:
         self._note(reason, by)
-        self._wanted = reason  # first: a session that is being opened is halted by it
+        self._wanted = reason  # first, so that a session being opened is halted, too
         session = self._session
         if session is None:
             return None
-        session.cycle.forbid(reason)  # an assignment: whatever becomes of the brake, nothing more is commanded
+        session.cycle.forbid(reason)  # an assignment: even if braking fails, nothing more is commanded
         self._wanted = reason
         return _braking(session)
 
     def _has_heard(self, before: int, brake: threading.Thread | None) -> bool:
-        """Returns whether a whole cycle has passed: the one under way may have sent its commands before."""
+        """Returns whether a whole cycle has passed: the present one may have sent its commands before."""
         braked = brake is None or not brake.is_alive()
         return self._session is None or (self._control.beat >= before + 2 and braked)
 
@@ -122,7 +122,7 @@ class Stops:
         """Returns whether everything is halted, and why.
 
         Args:
-            obeyed: Whether the control thread has come round; looked up where left out.
+            obeyed: Whether the control thread has completed a cycle; determined if omitted.
         """
         session = self._session
         round_ = self._control.stuck_for() < _PATIENCE if obeyed is None else obeyed
@@ -132,16 +132,16 @@ class Stops:
             since = self._since if why else None
             return Stopped(why, self._by if why else "", since, standing if round_ else None, round_)
 
-    # ------------------------------------------------------------------ starting again
+    # ------------------------------------------------------------------ reset
 
     def reset(self, by: str) -> Stopped:
-        """Lets things start again; where nothing is halted this changes nothing.
+        """Lets motions start again; has no effect if nothing is halted.
 
         Args:
-            by: Who wants it: they have looked at why everything was halted.
+            by: Name of the caller, who has examined the reason of the halt.
 
         Raises:
-            WrongState: Something still moves.
+            WrongState: A device still moves.
             Busy: There is no station, or the control thread does not run.
         """
 
@@ -160,10 +160,10 @@ class Stops:
             self._events.append(Kind.SYSTEM, "reset", data={"by": by})
         return self.now()
 
-    # ------------------------------------------------------------------ what is known
+    # ------------------------------------------------------------------ state
 
     def _look(self) -> None:
-        """In the control thread at the end of each cycle: who halted everything may have been anybody."""
+        """Detects halts from any source; called in the control thread at the end of each cycle."""
         halted = self._why()
         if halted != self._seen:
             self._seen = halted
@@ -173,19 +173,19 @@ class Stops:
                 self._forget()
 
     def _why(self) -> str:
-        """Returns why everything is halted; while a session is closed or opened, what was wanted for the next one."""
+        """Returns why everything is halted; while a session is closed or opened, the reason for the next session."""
         session = self._session
         halted = CLOSING if session is None else session.cycle.halted
         return self._wanted if halted == CLOSING else halted
 
     def _forget(self) -> None:
-        """Notes that nothing is halted."""
+        """Records that nothing is halted."""
         with self._guard:
             self._seen, self._wanted, self._by, self._since = "", "", "", None
         self._mark.forget()
 
     def _note(self, why: str, by: str, since: float | None = None) -> None:
-        """Keeps when everything was halted (now where left out), and who did it first."""
+        """Records when everything was halted (now if omitted), and by whom first."""
         with self._guard:
             if self._since is not None:
                 return
@@ -194,17 +194,17 @@ class Stops:
 
 
 def _braking(session: Session) -> threading.Thread:
-    """Brakes in a thread of its own: a driver that hangs must not keep the server from saying so."""
+    """Brakes in a thread of its own, so that the server can report a driver that hangs."""
 
     def brake() -> None:
         try:
             session.cycle.board.halt()
-        except Exception:  # noqa: BLE001 - a driver's mistake is not the end of a stop
+        except Exception:  # noqa: BLE001 - a driver's fault must not end a stop
             _log.exception("the brake broke; nothing more is commanded nevertheless")
 
     thread = threading.Thread(target=brake, name="skiros-brake", daemon=True)
     try:
         thread.start()
-    except RuntimeError:  # no more threads: then here
+    except RuntimeError:  # no more threads: brake in this one
         brake()
     return thread

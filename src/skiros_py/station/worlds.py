@@ -1,4 +1,4 @@
-"""Worlds: opened from a scene or a data directory, with what plug-ins bring of ontologies and reasoners."""
+"""Worlds: opened from a scene or a data directory, with the ontologies and reasoners of plug-ins."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ _log = logging.getLogger(__name__)
 
 
 def open_world(scene: str) -> World:
-    """Loads the ontology and a scene, with what plug-ins bring of ontologies and reasoners; no robots, no physics.
+    """Loads the ontology and a scene, with the ontologies and reasoners of plug-ins; no robots, no physics.
 
-    A plug-in that does not load is left out, and logged as a warning.
+    A plug-in that does not load is skipped, and logged as a warning.
 
     Raises:
         UnknownName: No such scene.
-        FileError: A file cannot be read or understood.
+        FileError: A file cannot be read or parsed.
     """
     world, faults = load_world(scene)
     warn(faults)
@@ -43,13 +43,13 @@ def load_world(scene: str) -> tuple[World, tuple[PluginFault, ...]]:
 
 
 def open_data(path: str | Path, scene: str | None = None, *, create: bool = True) -> DataDirectory:
-    """Opens a data directory, in which a world outlives the process. Close it, or use it in a ``with``.
+    """Opens a data directory, in which a world outlives its process. Close it, or use it in a ``with``.
 
-    A plug-in that does not load is left out, and logged as a warning.
+    A plug-in that does not load is skipped, and logged as a warning.
 
     Args:
         path: The folder; created if it is missing.
-        scene: Name or path of the scene that is the first content of a new one.
+        scene: Name or path of the initial scene of a new directory.
         create: False to refuse a folder without a world.
 
     Raises:
@@ -65,7 +65,7 @@ def open_directory(
     path: Path, scene: str | None, *, create: bool = True
 ) -> tuple[DataDirectory, tuple[PluginFault, ...]]:
     """Opens a data directory, and returns the faults of plug-ins that do not load; see :func:`open_data`."""
-    from skiros_py.world.journal import DataDirectory  # most runs keep nothing
+    from skiros_py.world.journal import DataDirectory  # most runs store nothing
 
     file = find_scene(scene) if scene else None
     ontology, reasoners, faults = _installed()
@@ -79,7 +79,7 @@ def warn(faults: Sequence[PluginFault]) -> None:
 
 
 def _installed() -> tuple[Ontology, Reasoners, tuple[PluginFault, ...]]:
-    """Loads what plug-ins bring to a world, and the faults of those that do not load."""
+    """Loads the ontologies and reasoners of plug-ins, and returns the faults of those that do not load."""
     ontology, misfits = load_installed(ontology_paths())
     reasoners, unusable = load_reasoners(ontology)
     return ontology, reasoners, (*unusable, *misfits)

@@ -1,1 +1,1 @@
-"""What happens, as one log; and what the robots do at this moment."""
+"""The event log, and the live state of the robots."""

@@ -1,4 +1,4 @@
-"""One thing that happened, as everybody outside hears of it."""
+"""An event as sent to clients."""
 
 from __future__ import annotations
 
@@ -11,24 +11,24 @@ from datetime import UTC, datetime
 from typing import Any
 
 _ID = b"\nid: "
-"""What stands behind the text in a server-sent event; text in one line has no such thing in it."""
+"""Terminator of the text in a server-sent event; text in one line cannot contain it."""
 _LONGEST = 64_000
-"""Characters of one event's data; what is longer is left out, and the event says so."""
+"""Maximum number of characters of one event's data; longer data is omitted, and the event says so."""
 
 
 class Kind(enum.StrEnum):
-    """What an event is about."""
+    """The subject of an event."""
 
     WORLD = "world"
-    """A change of what is believed."""
+    """A change of the believed world."""
     MODULE = "module"
-    """A skill or primitive started, got on, was paused, or ended."""
+    """A skill or primitive started, made progress, was paused, or ended."""
     TASK = "task"
     """Something happened in a task: a plan, a step, a question."""
     JOB = "job"
     """A job has a new version."""
     ALARM = "alarm"
-    """An alarm came, was answered, acknowledged, or went."""
+    """An alarm was raised, answered, acknowledged, or cleared."""
     DOCUMENT = "document"
     """A goal template or a sequence was written, or removed."""
     SYSTEM = "system"
@@ -37,18 +37,18 @@ class Kind(enum.StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """One thing that happened. It is written down at once, ready to be sent: the same bytes for all who listen.
+    """One event. It is serialised immediately, so that all listeners receive the same bytes.
 
     Attributes:
-        number: Counts events without gaps, from 1 for each start of the server.
-        wall: When [s since 1970].
-        time: When, in run time [s].
-        kind: What it is about.
-        type: What happened, in one word of its kind ("changed", "started", "aborted").
-        subject: What it happened to: id of a job, name of a task or module, empty for a change of the world.
-        job: Id of the job that it belongs to; empty where there is none.
-        elements: Ids of the elements of the world that it touches; None where they are too many to be listed.
-        frame: All of it as a server-sent event.
+        number: Its number, without gaps, from 1 for each start of the server.
+        wall: Its time [s since 1970].
+        time: Its time, in run time [s].
+        kind: Its kind.
+        type: Its type, one word of its kind ("changed", "started", "aborted").
+        subject: The subject: id of a job, name of a task or module; empty for a change of the world.
+        job: Id of the job to which it belongs; empty if there is none.
+        elements: Ids of the world elements that it concerns; None if they are too many to list.
+        frame: The event as a server-sent event.
     """
 
     number: int
@@ -63,17 +63,17 @@ class Event:
 
     @property
     def text(self) -> str:
-        """All of it as JSON, in one line."""
+        """The event as JSON, in one line."""
         return self.frame[len(_head(self.kind)) : self.frame.rindex(_ID)].decode()
 
     @property
     def data(self) -> Mapping[str, Any]:
-        """All there is to say, as plain data."""
+        """The details, as plain data."""
         data: Mapping[str, Any] = json.loads(self.text)["data"]
         return data
 
     def touches(self, element: str) -> bool:
-        """Returns whether it is, or may be, about an element of the world."""
+        """Returns whether it concerns, or may concern, a world element."""
         return self.elements is None or element in self.elements
 
 
@@ -88,18 +88,18 @@ def written(
     elements: frozenset[str] | None,
     data: Mapping[str, Any],
 ) -> Event:
-    """Writes an event down.
+    """Returns a serialised event.
 
     Args:
-        epoch: Names the start of the server.
+        epoch: Identifies the start of the server.
         number: Its number.
-        moment: When [s since 1970], and when in run time [s].
-        kind: What it is about.
-        type_: What happened.
-        subject: What it happened to.
-        job: Id of the job that it belongs to.
-        elements: Ids of the elements that it touches; None for too many.
-        data: All there is to say, as plain data.
+        moment: Its time [s since 1970], and in run time [s].
+        kind: Its kind.
+        type_: Its type.
+        subject: Its subject.
+        job: Id of the job to which it belongs.
+        elements: Ids of the elements that it concerns; None for too many.
+        data: The details, as plain data.
     """
     wall, time = moment
     head: dict[str, Any] = {
@@ -121,20 +121,20 @@ def written(
 
 
 def _head(kind: Kind) -> bytes:
-    """What stands before the text in a server-sent event."""
+    """Returns the prefix of the text in a server-sent event."""
     return f"event: {kind.value}\ndata: ".encode()
 
 
 def as_text(data: object) -> str:
-    """Writes plain data as JSON in one line, whatever is in it: what JSON has no words for becomes text or null."""
+    """Returns data as JSON in one line; values that JSON cannot represent become text or null."""
     try:
         return json.dumps(data, separators=(",", ":"), allow_nan=False, default=str)
-    except (ValueError, TypeError, RecursionError):  # NaN, or a key that is no text
+    except (ValueError, TypeError, RecursionError):  # NaN, or a key that is not a string
         return json.dumps(_plain(data, 20), separators=(",", ":"), default=str)
 
 
 def _plain(value: object, depth: int) -> object:
-    """Returns the value with what JSON has no words for as text or None, at most so many levels deep."""
+    """Returns the value with parts that JSON cannot represent as text or None, down to a maximum depth."""
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     if depth == 0:

@@ -1,4 +1,4 @@
-"""What the robots do at this moment: built at most once for each tick, however many look on, and never kept."""
+"""The live state of the robots: built at most once per tick regardless of the number of clients, and never stored."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from skiros_py.world.index import Index
 from skiros_py.world.vocabulary import HELD_BY
 
 _RATE = 20.0
-"""How often the state is built at most [Hz]."""
+"""Maximum rate at which the state is built [Hz]."""
 
 
 class LiveState:
     """The present state of the robots, for many streams.
 
     Args:
-        looks: What the cameras saw.
-        motions: What the robots are about to do.
+        looks: The last looks of the cameras.
+        motions: The planned motions of the robots.
     """
 
     def __init__(self, looks: Looks, motions: Motions) -> None:
@@ -36,9 +36,9 @@ class LiveState:
         self.built = 0
 
     def open(self, session: Session) -> None:
-        """Shows another session from now on."""
+        """Shows this session from now on."""
         for robot in session.spec.robots:
-            session.runtime.context.frames.kinematics(robot)  # loaded now, not when the first client asks
+            session.runtime.context.frames.kinematics(robot)  # loaded now, not at the first request of a client
         self._session = session
 
     def close(self, _session: Session) -> None:
@@ -46,7 +46,7 @@ class LiveState:
         self._session = None
 
     def state(self, session: Session) -> dict[str, Any]:
-        """Returns what the robots do at this moment as plain data; quick, and for any thread."""
+        """Returns the present state of the robots as plain data; does not block; callable from any thread."""
         return _live_state(session) | {"looks": self._looks.numbers(), "motions": self._motions.numbers()}
 
     def text(self, now: float) -> str:
@@ -103,7 +103,7 @@ def _live_state(session: Session) -> dict[str, Any]:
 
 
 def _held(index: Index, gripper: str) -> str | None:
-    """Returns what a gripper holds as far as anybody knows; None for nothing."""
+    """Returns the element that a gripper is believed to hold; None for none."""
     return next(iter(index.subjects(HELD_BY, gripper)), None)
 
 

@@ -1,4 +1,4 @@
-"""The events of the last while, in order: written by any thread, read by streams that each are but a place in it."""
+"""The recent events, in order: written by any thread, and read by streams, each of which is a position in the log."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from skiros_py.listeners import Listeners
 from skiros_py.station.events.event import Event, Kind, written
 
 _MOST_ELEMENTS = 1000
-"""Of more elements than these an event keeps no list: it counts as one that may touch any."""
+"""Maximum number of elements listed in an event; one with more is treated as concerning any element."""
 
 
 class EventLog:
     """A bounded log. A slow reader loses the oldest events and delays nobody.
 
     Args:
-        kept: How many events are kept.
-        clock: Gives the run time [s]; may be replaced.
-        room: How many bytes the kept events may have together.
+        kept: Number of events kept.
+        clock: Returns the run time [s]; may be replaced.
+        room: Maximum total size of the kept events [bytes].
 
     Attributes:
-        epoch: Names this start of the server: numbers of another one mean nothing here.
-        clock: Gives the run time [s].
+        epoch: Identifies this start of the server: event numbers of other starts are not valid here.
+        clock: Returns the run time [s].
     """
 
     def __init__(self, kept: int, clock: Callable[[], float] = lambda: 0.0, *, room: int = 32_000_000) -> None:
@@ -47,7 +47,7 @@ class EventLog:
 
     @property
     def first(self) -> int:
-        """Number of the oldest event that is kept; one more than :attr:`last` where none is."""
+        """Number of the oldest event that is kept; one more than :attr:`last` if none is."""
         with self._guard:
             return self._last - len(self._events) + 1
 
@@ -61,7 +61,7 @@ class EventLog:
         elements: Iterable[str] = (),
         data: Mapping[str, Any] | None = None,
     ) -> Event:
-        """Writes an event down, and wakes who waits for it; quick, and for any thread."""
+        """Appends an event and calls the listeners; does not block; callable from any thread."""
         touched = frozenset(elements)
         with self._guard:
             number, moment = self._last + 1, (time.time(), self.clock())
@@ -72,7 +72,7 @@ class EventLog:
         return event
 
     def since(self, number: int, most: int = 500) -> list[Event]:
-        """Returns the events after a number, oldest first, at most so many; those that are lost are left out."""
+        """Returns the events after a number, oldest first, up to a limit; events no longer kept are skipped."""
         with self._guard:
             first = self._last - len(self._events) + 1
             skip = max(0, number + 1 - first)
@@ -80,7 +80,7 @@ class EventLog:
             return [self._events[index] for index in range(skip, end)]
 
     def on_event(self, listener: Callable[[], None]) -> Callable[[], None]:
-        """Calls the listener after each event, in the thread that wrote it; returns how to end that."""
+        """Calls the listener after each event, in the thread of the event; returns a function that removes it."""
         return self._listeners.add(listener)
 
     def _keep(self, event: Event) -> None:

@@ -1,4 +1,4 @@
-"""Where events come from: the world, modules, tasks, questions and jobs of the session that is open."""
+"""The sources of events: the world, modules, tasks, questions and jobs of the open session."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from skiros_py.world.change import Change
 from skiros_py.world.element import is_learned
 
 _MOST_EDITS = 100
-"""So many edits of one change are known; the history has all of them."""
+"""Number of edits listed in the event of one change; the history has all of them."""
 
 
 class EventSources:
-    """Writes down what happens in a session. Everything in it is called where it happens, and is quick.
+    """Logs the events of a session. Its callbacks run in the thread of the event and do not block.
 
     Args:
-        events: Takes it.
-        tasks: Knows which task is of which job; hears of a task before this does.
-        modules: Tells when a run stands, and when it goes on.
+        events: The event log.
+        tasks: Maps tasks to jobs; notified of a task before this object.
+        modules: Reports when a run is paused and when it continues.
     """
 
     def __init__(self, events: EventLog, tasks: TaskBook, modules: ModuleRuns) -> None:
@@ -55,13 +55,13 @@ class EventSources:
         self._events.append(Kind.SYSTEM, "opened", data=data)
 
     def close(self, _session: Session) -> None:
-        """Listens to it no longer."""
+        """Stops listening to it."""
         for end in self._ends:
             end()
         self._ends = []
         self._events.append(Kind.SYSTEM, "closed")
 
-    # ------------------------------------------------------------------ what happens
+    # ------------------------------------------------------------------ listeners
 
     def _change(self, change: Change) -> None:
         about = {name for edit in change.edits for name in edit.concerns()}
@@ -109,7 +109,7 @@ class EventSources:
 
 
 def change_data(change: Change) -> dict[str, Any]:
-    """Returns a change of the world as plain data; of a great many edits the first, and how many there are."""
+    """Returns a change of the world as plain data: the first edits, and the number of all edits."""
     few = change.edits[:_MOST_EDITS]
     data = Change(change.number, change.author, change.reason, change.time, few, change.writer, change.undoes).as_json()
     if len(few) < len(change.edits):
@@ -118,7 +118,7 @@ def change_data(change: Change) -> dict[str, Any]:
 
 
 def job_data(job: Job) -> dict[str, Any]:
-    """Returns what an event tells of a job: how far it is; the whole of it is where jobs are."""
+    """Returns the state of a job as data of an event; the full job is available from the job routes."""
     return {
         "id": job.id,
         "version": job.version,

@@ -1,1 +1,1 @@
-"""Orders: goals as texts, templates, what came of a job."""
+"""Orders: goals as texts, templates, results of jobs."""

@@ -1,4 +1,4 @@
-"""What came of a job, told from what was written down of it: response, plan, report, explanation."""
+"""The results of a job, from its stored data: response, plan, report, explanation."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def planned_steps(plan: Plan) -> tuple[PlannedStep, ...]:
 
 
 def plan_of(job: Job, trace: Trace) -> JobPlan:
-    """Returns the last plan of a job, from its trace; where that says nothing of it, as the job itself has it."""
+    """Returns the last plan of a job from its trace; if the trace contains none, the plan stored with the job."""
     entry = _last(trace, TraceEventKind.PLANNED)
     if entry is not None:
         return JobPlan(steps=_steps(entry["data"]))
@@ -69,7 +69,7 @@ def plan_of(job: Job, trace: Trace) -> JobPlan:
 
 
 def report_of(job: Job, trace: Trace, now: float) -> JobReport:
-    """Returns what came of a job in the form in which a run of one goal is reported."""
+    """Returns the result of a job in the form of the report of a run of one goal."""
     conditions = _conditions(job)
     ended = job.ended or now
     return JobReport(
@@ -84,7 +84,7 @@ def report_of(job: Job, trace: Trace, now: float) -> JobReport:
 
 
 def explanation_of(job: Job, trace: Trace) -> JobExplanation:
-    """Returns why there is no plan for a job; empty if there is one, or planning has not begun."""
+    """Returns why there is no plan for a job; empty if there is one, or planning has not started."""
     refused = _last(trace, TraceEventKind.NO_PLAN)
     planned = _last(trace, TraceEventKind.PLANNED)
     missing = tuple(condition for condition in _conditions(job) if not condition.reached)
@@ -108,7 +108,7 @@ def _conditions(job: Job) -> tuple[ConditionActual, ...]:
 
 
 def _steps(plan: Mapping[str, Any]) -> tuple[PlannedStep, ...]:
-    """Returns the steps of a plan kept as plain data; what a trace of earlier times does not say is left open."""
+    """Returns the steps of a plan stored as plain data; fields that older traces lack are left empty."""
     texts, starts = plan["steps"], plan.get("starts", ())
     calls = plan.get("calls") or [{"skill": text.partition("(")[0], "arguments": {}} for text in texts]
     return tuple(

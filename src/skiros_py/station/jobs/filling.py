@@ -1,4 +1,4 @@
-"""Templates filled in: placeholders in structured conditions are replaced by names, which stay names in any case."""
+"""Fills in templates: replaces placeholders in structured conditions by names, which are never parsed as syntax."""
 
 from __future__ import annotations
 
@@ -10,29 +10,29 @@ from skiros_py.api.templates import GoalTemplateContent
 from skiros_py.errors import UnknownName, UsageError
 
 _FIELDS = ("class", "definition", "id", "location", "lot", "use")
-"""What of a material a placeholder may stand for."""
+"""The fields of a material that a placeholder may refer to."""
 _MOST = 2000
-"""A template may make no more conditions than these."""
+"""Maximum number of conditions that a template may produce."""
 _LARGEST = 5000
-"""Names, lists and objects that a template may have in all."""
+"""Maximum total number of names, lists and objects in a template."""
 _MOST_MADE = 20_000
-"""The same, in all that it makes of an order."""
+"""The same for the result of filling it in."""
 _DEEPEST = 60
 
 
 def filled(
     name: str, template: GoalTemplateContent, parameters: Mapping[str, str], materials: Sequence[Material]
 ) -> list[Any]:
-    """Returns the structured conditions that a template makes of an order.
+    """Returns the structured conditions of a template filled in with an order.
 
     Args:
         name: Its name, for messages.
-        template: What it says.
-        parameters: What the order gives, by name.
-        materials: What the order is about.
+        template: Its content.
+        parameters: The parameters of the order, by name.
+        materials: The materials of the order.
 
     Raises:
-        UnknownName: It has no such parameter.
+        UnknownName: The template has no such parameter.
         UsageError: A parameter is missing, or the material does not fit.
     """
     values = _values(name, template, parameters)
@@ -48,7 +48,7 @@ def filled(
 
 
 def faults_of(template: GoalTemplateContent) -> list[str]:
-    """Returns what is wrong with the placeholders of a template, one sentence each, with its path."""
+    """Returns the faults in the placeholders of a template, one sentence each, with its path."""
     size = _size([*template.goal, template.per_material])
     if size > _LARGEST:
         return [f"goal: a template has {_LARGEST} names, lists and objects at most, this one has {size}"]
@@ -77,7 +77,7 @@ def _values(name: str, template: GoalTemplateContent, parameters: Mapping[str, s
 
 
 def _pieces(materials: Sequence[Material]) -> Iterator[dict[str, str]]:
-    """Yields each single piece that is ordered."""
+    """Yields each single piece of the order."""
     for material in materials:
         fields = material.model_dump(by_alias=True)
         for _ in range(material.pieces):
@@ -85,7 +85,7 @@ def _pieces(materials: Sequence[Material]) -> Iterator[dict[str, str]]:
 
 
 def _check_number(name: str, condition: object, materials: Sequence[Material]) -> None:
-    """Checks that no more is made of the material than anybody could pursue, before any of it is."""
+    """Checks that the material does not produce too many conditions, before producing any."""
     number = sum(material.pieces for material in materials)
     if number > _MOST:
         raise UsageError(f"materials: more than {_MOST} pieces in one order")
@@ -97,7 +97,7 @@ def _check_number(name: str, condition: object, materials: Sequence[Material]) -
 
 
 def _size(data: object) -> int:
-    """Returns how many names, lists and objects some data consists of."""
+    """Returns the number of names, lists and objects in the data."""
     number, left = 0, [data]
     while left:
         number += 1
@@ -107,7 +107,7 @@ def _size(data: object) -> int:
 
 
 def _check_pieces(name: str, pieces: list[Any]) -> None:
-    """Checks that there is a condition for each piece: two that say the same would be fulfilled by one piece."""
+    """Checks that each piece has its own condition: two identical ones would be fulfilled by one piece."""
     if not pieces:
         raise UsageError(f"materials: goal template '{name}' makes a condition of each material, and none is ordered")
     seen: set[str] = set()
@@ -121,7 +121,7 @@ def _check_pieces(name: str, pieces: list[Any]) -> None:
 
 
 def _without_prefixes(data: Any) -> Any:
-    """Returns data with names as people shorten them: "Starter" and "kitting:Starter" are one class."""
+    """Returns data with names without prefixes: "Starter" and "kitting:Starter" are the same class."""
     match data:
         case str():
             return data.rpartition(":")[2]
@@ -134,7 +134,7 @@ def _without_prefixes(data: Any) -> Any:
 
 
 def _replaced(data: Any, parameters: Mapping[str, str], material: Mapping[str, str]) -> Any:
-    """Returns data with names in the place of placeholders."""
+    """Returns data with placeholders replaced by names."""
     match data:
         case {"parameter": str(key)} if len(data) == 1:
             return parameters[key]

@@ -1,4 +1,4 @@
-"""Goals looked at without ordering anything: how they are understood, whether they hold, what words there are."""
+"""Checks of goals without an order: how they are parsed, whether they hold, and which words exist."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ from skiros_py.world.view import WorldView
 def checked_goal(
     texts: Sequence[str], view: WorldView, version: int, conditions: Mapping[str, ConditionType]
 ) -> CheckedGoal:
-    """Returns a goal as it is understood, and whether it holds.
+    """Returns a goal as parsed, and whether it holds.
 
     Args:
         texts: Goal texts.
         view: One state of the world.
         version: Its number.
-        conditions: The condition words there are.
+        conditions: The available condition words.
 
     Raises:
-        UsageError: It cannot be understood.
+        UsageError: It cannot be parsed.
     """
     goal = parse_goal(texts, view, conditions)
     each = tuple(_checked(condition, view) for condition in goal)
@@ -53,16 +53,16 @@ def _checked(condition: Condition, view: WorldView) -> CheckedCondition:
 # ------------------------------------------------------------------ words
 
 _Change = tuple[str, str]
-"""What a skill changes: a relation or property, and the class of what it moves or changes."""
+"""An effect of a skill: a relation or property, and the class of the element that it moves or changes."""
 
 
 def condition_words(
     conditions: Mapping[str, ConditionType], capabilities: Sequence[Capability], ontology: Ontology
 ) -> Iterator[ConditionWord]:
-    """Yields the words of the language of goals, with the skills that can make them hold.
+    """Yields the words of the goal language, with the skills that can make them hold.
 
-    A skill counts that brings about something of what a condition is made of, a relation or a property; whether it
-    does so for the elements of a goal is what planning finds out.
+    A skill counts if it changes a relation or property on which the condition depends; whether it does so for the
+    elements of a goal is found by planning.
     """
     brought = {c.skill.name: frozenset(_brought(c.skill, ontology)) for c in capabilities}
     for name, type_ in sorted(conditions.items()):
@@ -78,7 +78,7 @@ def condition_words(
 
 
 def _roles(type_: ConditionType, skills: Sequence[SkillDescription], ontology: Ontology) -> Iterator[Role]:
-    """Yields the arguments of a condition, each with what those skills make it true for."""
+    """Yields the arguments of a condition, each with the class for which those skills make it hold."""
     made = [
         [skill.param(argument).element_class for argument in post.arguments]
         for skill in skills
@@ -94,12 +94,12 @@ def _roles(type_: ConditionType, skills: Sequence[SkillDescription], ontology: O
 
 
 def _widest(classes: Sequence[str], ontology: Ontology) -> str | None:
-    """Returns the class that all of these are; None where none of them is that."""
+    """Returns the one of these classes that includes all others; None if there is none."""
     return next((wide for wide in classes if all(ontology.is_a(one, wide) for one in classes)), None)
 
 
 def _brought(skill: SkillDescription, ontology: Ontology) -> Iterator[_Change]:
-    """Yields what a skill changes."""
+    """Yields the effects of a skill."""
     for condition in skill.post:
         for effect in _effects(condition):
             if isinstance(effect, Assign):
@@ -113,12 +113,12 @@ def _brought(skill: SkillDescription, ontology: Ontology) -> Iterator[_Change]:
 def _effects(condition: Condition) -> Sequence[object]:
     try:
         return effects_of(condition)
-    except SkirosError:  # what follows from others: nothing has to be done for it
+    except SkirosError:  # a derived condition: it needs no action of its own
         return ()
 
 
 def _wanted(pattern: Any, ontology: Ontology) -> Iterator[Callable[[_Change], bool]]:
-    """Yields, for each part of a pattern, what tells whether a change may make it hold."""
+    """Yields, for each part of a pattern, a predicate that returns whether a change may make it hold."""
     match pattern:
         case Nothing(relation=emptied):
             yield partial(_takes_away, emptied, ontology)
@@ -139,7 +139,7 @@ def _is_among(names: frozenset[str], change: _Change) -> bool:
 
 
 def _takes_away(relation: str, ontology: Ontology, change: _Change) -> bool:
-    """Returns whether a change puts elsewhere what may have the relation: then it has it no longer."""
+    """Returns whether a change moves the element that may have the relation, which then no longer holds."""
     other, class_ = change
     if not (other in ontology.relations and ontology.is_placement(other) and ontology.is_placement(relation)):
         return False

@@ -1,4 +1,4 @@
-"""Use cases: goals and goal templates. They are read and checked here; a job or a task pursues them."""
+"""Use cases: goals and goal templates. They are parsed and checked here; a job or a task pursues them."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ from skiros_py.world.change import Writer
 
 
 class GoalService(Service):
-    """Checks goals, and keeps those that go with the scene."""
+    """Checks goals, and stores those of the scene."""
 
     def check(self, order: GoalOrder) -> CheckedGoal:
-        """Says how a goal is understood, and whether each condition holds now, and why not."""
+        """Returns the goal as parsed, and for each condition whether it holds now, or why not."""
         session = self._station.session
         version, state = session.world.state()
-        view = ReadingView(state, session.world.sensors)  # one state of the world, with what devices say now
+        view = ReadingView(state, session.world.sensors)  # one state of the world, with the present readings of devices
         return checked_goal(texts_of(order, self._station.template_store), view, version, session.catalogue.conditions)
 
     def get(self) -> SceneGoals:
-        """Returns the goals that go with the scene."""
+        """Returns the goals of the scene."""
         session = self._station.session
         goals = session.world.goals
         try:
@@ -37,11 +37,11 @@ class GoalService(Service):
         return SceneGoals(goals=goals)
 
     def put(self, body: GoalTexts, seen: Seen | None = ANY_VERSION, author: Author = LIBRARY) -> SceneGoals:
-        """Replaces the goals that go with the scene.
+        """Replaces the goals of the scene.
 
         Raises:
-            UsageError: One cannot be understood.
-            StaleVersion: They were changed since they were seen.
+            UsageError: One of them cannot be parsed.
+            StaleVersion: They were changed since the author has seen them.
         """
         world = self._station.session.world
         before = world.goals
@@ -58,7 +58,7 @@ class GoalService(Service):
         """Lists the words of goals, with the classes of their arguments.
 
         Args:
-            every: True for those, too, that no present robot can fulfil.
+            every: True to include those that no present robot can fulfil.
         """
         session = self._station.session
         capabilities = self._station.control.call(lambda now: now.tasks.capabilities)
@@ -67,7 +67,7 @@ class GoalService(Service):
 
 
 def goals_version(goals: tuple[str, ...]) -> int:
-    """Returns a number that stands for the texts: the version of the world changes with every other thing."""
+    """Returns a version number of the texts; the version of the world would change with every other edit."""
     return int.from_bytes(hashlib.sha256(repr(goals).encode()).digest()[:6])
 
 
@@ -86,7 +86,7 @@ class TemplateService(Service):
         """Returns a goal template.
 
         Raises:
-            NotFound: There is none of that name.
+            NotFound: There is none with this name.
         """
         with addressed():
             return self._store.find(name)
@@ -94,10 +94,10 @@ class TemplateService(Service):
     def put(
         self, name: str, content: GoalTemplateContent, seen: Seen | None = ANY_VERSION
     ) -> tuple[GoalTemplate, bool]:
-        """Writes a goal template; returns it, and True where it is new.
+        """Writes a goal template; returns it, and True if it is new.
 
         Raises:
-            UsageError: It can make no goals.
+            UsageError: It cannot produce goals.
             StaleVersion: It was changed since it was seen.
         """
         session = self._station.session
@@ -108,10 +108,10 @@ class TemplateService(Service):
         return self._store.put(name, content, expects=0 if known is None else known.version), known is None
 
     def remove(self, name: str, seen: Seen | None = ANY_VERSION) -> None:
-        """Removes a goal template; jobs that were ordered with it stay.
+        """Removes a goal template; jobs ordered with it remain.
 
         Raises:
-            NotFound: There is none of that name.
+            NotFound: There is none with this name.
             StaleVersion: It was changed since it was seen.
         """
         known = self.get(name)

@@ -1,4 +1,4 @@
-"""Use cases: jobs. They are ordered, followed and commanded; the queue runs them."""
+"""Use cases: jobs, which callers order, follow and command; the queue runs them."""
 
 from __future__ import annotations
 
@@ -36,15 +36,15 @@ from skiros_py.world.vocabulary import MANIPULATABLE
 Command = Literal["start", "revoke_start", "pause", "resume", "stop", "abort", "cancel", "clear", "remove"]
 
 _UNABLE = 1 << 4
-"""Bit of the return status of the standard: unable to accept (OPC 10031-4 v2.00, annex B.2)."""
+"""Bit of the standard's return status: unable to accept (OPC 10031-4 v2.00, annex B.2)."""
 
 
 class OrderResult:
-    """What an order led to.
+    """The result of an order.
 
     Attributes:
         job: The job.
-        repeated: True where the same request, or the same order, came before.
+        repeated: True if the same request, or the same order, was received before.
     """
 
     def __init__(self, job: Job, *, repeated: bool) -> None:
@@ -71,19 +71,19 @@ class JobService(Service):
         author: Author = LIBRARY,
         holder: str = "",
     ) -> OrderResult:
-        """Takes a job order; it is on the disk when this returns; the plan comes later.
+        """Accepts a job order; it is on disk when this returns; the plan is made later.
 
         Args:
-            order: The order; without an id one is made.
-            start: False to keep it until somebody gives leave to start.
-            again: True where it is meant although a job of that id was removed.
-            key: Marks the request: the same one again leads to no second job.
-            author: Who orders.
-            holder: Whose keys these are; the author where left out.
+            order: The order; an id is generated if it has none.
+            start: False to hold the job until a caller starts it.
+            again: True to accept the order even if a job with that id was removed.
+            key: Idempotency key: a repeated request with it does not create a second job.
+            author: The author of the order.
+            holder: The owner of the key; the author if omitted.
 
         Raises:
-            UsageError: The goal cannot be understood, or the key is that of another request.
-            Refused: There is or was another job of that id.
+            UsageError: The goal cannot be parsed, or the key belongs to another request.
+            Refused: There is or was another job with that id.
         """
         jobs = self._jobs
         receipt = None if key is None else Receipt(holder or author.name, key, digest_of(order, start=start))
@@ -107,21 +107,21 @@ class JobService(Service):
         expects: int | None = None,
         author: Author = LIBRARY,
     ) -> OrderResult:
-        """Takes a job order under an id of one's own, or changes the order of a job that has not begun.
+        """Accepts a job order with an id chosen by the caller, or changes the order of a job that has not started.
 
         Args:
             id_: The id.
             order: The order.
-            start: False to keep it until somebody gives leave to start.
-            again: True where it is meant although a job of that id was removed.
-            replaces: True to replace another order that the author has seen.
-            expects: The version that they have seen; None for any.
-            author: Who orders.
+            start: False to hold the job until a caller starts it.
+            again: True to accept the order even if a job with that id was removed.
+            replaces: True to replace a different order that the author has seen.
+            expects: The version that the author has seen; None for any.
+            author: The author of the order.
 
         Raises:
-            UsageError: The goal cannot be understood.
-            Refused: There is or was another job of that id.
-            StaleVersion: It was changed since it was seen, or is gone.
+            UsageError: The goal cannot be parsed.
+            Refused: There is or was another job with that id.
+            StaleVersion: It was changed since the author has seen it, or was removed.
         """
         if order.id not in (None, id_):
             raise UsageError(f"the order has the id '{order.id}', and the address '{id_}'")
@@ -136,7 +136,7 @@ class JobService(Service):
             return OrderResult(_view(submitted), repeated=False)
         if is_same(order, known.order):
             known = self._with_leave(known, start, author)
-        elif not replaces:  # who orders something else under the id of a job must have seen that
+        elif not replaces:  # a different order with the id of a job requires that the author has seen it
             raise _taken_already(known)
         else:
             changed = job_order(order, id_, texts_of(order, self._station.template_store))
@@ -144,17 +144,17 @@ class JobService(Service):
         return OrderResult(_view(known), repeated=True)
 
     def wait(self, id_: str, seconds: float) -> Job:
-        """Waits until a job is over or stands; where too many wait already, not at all.
+        """Waits until a job is over or interrupted; returns immediately if too many callers wait already.
 
         Args:
             id_: Its id.
-            seconds: How long at most [s].
+            seconds: Maximum wait [s].
         """
         jobs = self._jobs
         return _view(self._station.waiter.wait(jobs, jobs.job(id_), seconds))
 
     def _ordered_before(self, order: JobOrder, receipt: Receipt | None, *, again: bool) -> Known | None:
-        """Returns the job that the same request, or the same order, has led to before."""
+        """Returns the job that the same request, or the same order, has created before."""
         jobs = self._jobs
         before = None if receipt is None else jobs.known(receipt)
         if before is not None or order.id is None:
@@ -164,14 +164,14 @@ class JobService(Service):
             _check_removed(None if again else jobs.removed(order.id), order)
         if known is not None and not is_same(order, known.order):
             raise _taken_already(known)
-        if known is not None and receipt is not None:  # so that the key counts for this order from now on
+        if known is not None and receipt is not None:  # so that the key belongs to this order from now on
             return jobs.submit(known.order, receipt=receipt)
         return known
 
     def _with_leave(self, known: Known, start: bool, author: Author) -> Known:
-        """Gives leave to start to a job that was ordered without, where the same order comes with it.
+        """Starts a job that was ordered with ``start=False`` if the same order is repeated with ``start=True``.
 
-        Leave that somebody has taken back is given by that command only: this order may have been sent before.
+        A revoked start is renewed only by the start command, because this order may have been sent before.
         """
         jobs = self._jobs
         if not start or known.state is not State.NOT_ALLOWED_TO_START or known.id not in jobs.open:
@@ -180,7 +180,7 @@ class JobService(Service):
             return known
         try:
             return jobs.start(known.id, _said(author, ""), expects=known.version)
-        except (StaleVersion, WrongState):  # somebody was quicker
+        except (StaleVersion, WrongState):  # another caller was faster
             return jobs.job(known.id)
 
     # ------------------------------------------------------------------ commands
@@ -188,19 +188,19 @@ class JobService(Service):
     def command(
         self, id_: str, command: Command, *, comment: str = "", expects: int | None = None, author: Author = LIBRARY
     ) -> Job:
-        """Commands a job; where the command has had its effect already, nothing happens.
+        """Commands a job; has no effect if the job is already in the state that the command leads to.
 
         Args:
             id_: Its id.
-            command: What to do: "remove" cancels a job that has not begun, and clears one that is over.
-            comment: Why.
+            command: The command; "remove" cancels a job that has not started, and clears one that is over.
+            comment: The reason.
             expects: The version that the author has seen; None for any.
-            author: Who commands.
+            author: The author of the command.
 
         Raises:
             UnknownName: There is no such job.
-            WrongState: It does not take that command in its present state.
-            StaleVersion: It was changed since it was seen.
+            WrongState: It does not accept that command in its present state.
+            StaleVersion: It was changed since the author has seen it.
         """
         jobs = self._jobs
         if command == "remove":
@@ -210,11 +210,11 @@ class JobService(Service):
         return _view(getattr(jobs, command)(id_, _said(author, comment), expects=expects))
 
     def answer(self, id_: str, answer: JobAnswer, *, expects: int | None = None, author: Author = LIBRARY) -> Job:
-        """Answers the question that a job waits for.
+        """Answers the pending question of a job.
 
         Raises:
             UnknownName: There is no such job.
-            WrongState: It does not wait for that answer (any more).
+            WrongState: It does not wait for that answer, or no longer does.
         """
         jobs = self._jobs
         now = jobs.job(id_)
@@ -227,7 +227,7 @@ class JobService(Service):
         except StaleVersion:
             raise WrongState(f"job '{id_}' has gone on meanwhile: look what it asks now") from None
 
-    # ------------------------------------------------------------------ looking
+    # ------------------------------------------------------------------ reading
 
     def all(
         self,
@@ -238,7 +238,7 @@ class JobService(Service):
         *,
         newest_first: bool = False,
     ) -> JobPage:
-        """Lists the jobs that were not removed, in the order in which they were ordered."""
+        """Lists the jobs that were not removed, in order of acceptance."""
         page, now = self._page(states, since, limit, after, newest_first=newest_first), time.time()
         return JobPage(items=tuple(job_view(job, now) for job in page.jobs), next=_next(page))
 
@@ -281,20 +281,20 @@ class JobService(Service):
         return _view(self._jobs.job(id_))
 
     def response(self, id_: str) -> JobResponse:
-        """Returns what was done to which part, by which skills, and why not where it was not."""
+        """Returns what was done to each part, by which skills, and the reason if it was not done."""
         return response_of(self._jobs, self._jobs.job(id_), time.time())
 
     def plan(self, id_: str) -> JobPlan:
-        """Returns the steps of a job's last plan, with what each waits for."""
+        """Returns the steps of a job's last plan, each with the steps for which it waits."""
         session = self._station.session
         job = session.jobs.job(id_)
         running = next((task for task in session.tasks.active if task.name == id_), None)
-        if running is not None and running.plan is not None:  # younger than what is written down
+        if running is not None and running.plan is not None:  # newer than the stored plan
             return JobPlan(steps=planned_steps(running.plan))
         return plan_of(job, session.jobs.trace(id_))
 
     def trace(self, id_: str, skip: int = 0, limit: int = 100) -> JobTrace:
-        """Returns what happened for a job, in sentences and as data."""
+        """Returns the trace of a job, in sentences and as data."""
         entries = self._jobs.trace(id_, skip=skip, limit=limit + 1)
         return JobTrace(
             entries=tuple(dict(entry) for entry in entries[:limit]),
@@ -306,15 +306,15 @@ class JobService(Service):
         return report_of(self._jobs.job(id_), self._jobs.trace(id_), time.time())
 
     def transitions(self, id_: str) -> JobTransitions:
-        """Returns the states that a job went through: when, by whom and why."""
+        """Returns the transitions of a job with time, author and reason."""
         return JobTransitions(transitions=transitions_view(self._jobs.transitions(id_)))
 
     def explanation(self, id_: str) -> JobExplanation:
-        """Returns why there is no plan for a job, and what would help."""
+        """Returns why there is no plan for a job, and the possible repairs."""
         return explanation_of(self._jobs.job(id_), self._jobs.trace(id_))
 
     def capabilities(self) -> JobCapabilities:
-        """Returns what an order may name: goal templates, classes of material, robots; and how many are taken."""
+        """Returns the goal templates, material classes and robots for orders, and the limit of open jobs."""
         session = self._station.session
         return JobCapabilities(
             work_masters=tuple(
@@ -347,10 +347,10 @@ def _next(page: Page) -> str | None:
 
 
 def _check_removed(last: Known | None, order: JobOrder) -> None:
-    """Refuses an order under the id of a job that was removed.
+    """Refuses an order with the id of a job that was removed.
 
     Raises:
-        Refused: There was one; where its order was the same, with what it was last.
+        Refused: There was one; if its order was the same, the error contains its last state.
     """
     if last is None:
         return

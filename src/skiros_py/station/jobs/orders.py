@@ -1,4 +1,4 @@
-"""Orders as they come in become orders as the queue takes them; the same order again is known as the same."""
+"""Converts incoming orders into orders of the queue, and recognises repeated orders."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ from skiros_py.tasks.jobs.order import Material
 from skiros_py.tasks.policy import Policy
 
 LONGEST = 64 << 10
-"""Length of an order, with its goal and everything else that it says [bytes]."""
+"""Maximum size of an order, with its goal and all other fields [bytes]."""
 
 _NO_IDS = frozenset({".", ".."})
-"""Parts of an address that mean something else."""
+"""Path segments with a different meaning."""
 
 
 def new_id() -> str:
-    """Makes the id of a job whose order has none."""
+    """Returns a new id for a job whose order has none."""
     return f"job-{secrets.token_hex(8)}"
 
 
 def digest_of(ordered: Ordered, *, start: bool) -> str:
-    """Returns what stands for the content of a request, whatever the order of its fields."""
+    """Returns a digest of the content of a request that does not depend on the order of its fields."""
     return hashlib.sha256(f"{start} {ordered.model_dump_json(by_alias=True)}".encode()).hexdigest()
 
 
@@ -39,7 +39,7 @@ def texts_of(ordered: GoalOrder, templates: TemplateStore) -> tuple[str, ...]:
 
     Raises:
         UnknownName: There is no such template, or it has no such parameter.
-        UsageError: The goal is built wrongly, a parameter is missing, the material does not fit, or it is too long.
+        UsageError: The goal is malformed, a parameter is missing, the material does not fit, or it is too long.
     """
     _check_length("the order", len(ordered.model_dump_json(by_alias=True).encode()))
     if not ordered.work_master:
@@ -50,21 +50,21 @@ def texts_of(ordered: GoalOrder, templates: TemplateStore) -> tuple[str, ...]:
 
 
 def _check_length(what: str, number: int) -> None:
-    """Refuses what would fill memory, disk and every answer, job by job."""
+    """Refuses values so long that they would fill memory, disk and every answer."""
     if number > LONGEST:
         raise UsageError(f"{what} has {number} bytes, and {LONGEST} are allowed: order it in several jobs")
 
 
 def job_order(ordered: Ordered, id_: str, goal: tuple[str, ...]) -> JobOrder:
-    """Makes an order for the queue.
+    """Returns an order for the queue.
 
     Args:
-        ordered: What came in.
+        ordered: The incoming order.
         id_: Id of the job.
         goal: Its goal texts.
 
     Raises:
-        UsageError: The id cannot be one.
+        UsageError: The id is not valid.
     """
     if id_ in _NO_IDS:
         raise UsageError(f"'{id_}' cannot be the id of a job: it means something else in an address")
@@ -88,12 +88,12 @@ def job_order(ordered: Ordered, id_: str, goal: tuple[str, ...]) -> JobOrder:
 
 
 def is_same(ordered: Ordered, known: JobOrder) -> bool:
-    """Returns whether what came in is what was ordered before.
+    """Returns whether an incoming order is the same as a known one.
 
-    What a template has made of it counts as it did then: the template may have changed since, or be gone.
+    For a template, the goals produced at the time of the known order count: it may have been changed or removed since.
 
     Raises:
-        UsageError: The goal is built wrongly.
+        UsageError: The goal is malformed.
     """
     goal = known.goal if ordered.work_master else goal_texts(ordered.goal)
     return job_order(ordered, known.id, goal) == known

@@ -1,4 +1,4 @@
-"""Goal templates (ISA-95: work masters): kept beside the world, checked when they are written, filled in by orders."""
+"""Goal templates (ISA-95: work masters): stored beside the world, checked when written, and filled in by orders."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class TemplateStore:
     """The goal templates of a data directory.
 
     Args:
-        documents: Where they are kept.
+        documents: The store that contains them.
     """
 
     def __init__(self, documents: DocumentStore) -> None:
@@ -32,7 +32,7 @@ class TemplateStore:
         return tuple(_template(document) for document in self._documents.all(KIND))
 
     def get(self, name: str) -> GoalTemplate | None:
-        """Returns a template; None where there is none."""
+        """Returns a template; None if there is none."""
         document = self._documents.get(KIND, name)
         return None if document is None else _template(document)
 
@@ -49,11 +49,11 @@ class TemplateStore:
 
         Args:
             name: Its name.
-            content: What it says; see :func:`check_template`.
-            expects: The version that it stands in for; 0 where there must be none yet. None for any.
+            content: Its content; see :func:`check_template`.
+            expects: The version that it replaces; 0 if there must be none yet; None for any.
 
         Raises:
-            StaleVersion: Another version is there.
+            StaleVersion: The present version is a different one.
         """
         data = content.model_dump(mode="json", by_alias=True)
         return _template(self._documents.put(KIND, name, data, expects=expects))
@@ -62,12 +62,12 @@ class TemplateStore:
         """Removes a template.
 
         Raises:
-            StaleVersion: Another version is there.
+            StaleVersion: The present version is a different one.
         """
         self._documents.remove(KIND, name, expects=expects)
 
     def texts(self, name: str, parameters: Mapping[str, str], materials: tuple[Material, ...]) -> tuple[str, ...]:
-        """Returns the goal texts that a template makes of an order.
+        """Returns the goal texts of a template filled in with an order.
 
         Raises:
             UnknownName: There is no such template, or it has no such parameter.
@@ -78,10 +78,10 @@ class TemplateStore:
 
 
 def check_template(content: GoalTemplateContent, ontology: Ontology, conditions: Mapping[str, ConditionType]) -> None:
-    """Checks that a template can make goals: its structure, placeholders, words and classes.
+    """Checks that a template can produce goals: its structure, placeholders, words and classes.
 
     Raises:
-        UsageError: Something is wrong; the text names all of it, each with its path.
+        UsageError: It is not valid; the text lists all faults, each with its path.
     """
     faults = faults_of(content) or [*_class_faults(content, ontology), *_word_faults(content, conditions)]
     if faults:
@@ -96,7 +96,7 @@ def _class_faults(content: GoalTemplateContent, ontology: Ontology) -> Iterator[
 
 
 def _word_faults(content: GoalTemplateContent, conditions: Mapping[str, ConditionType]) -> Iterator[str]:
-    """Fills the template in with names that stand for any, and looks at what comes of it."""
+    """Fills in the template with placeholder names, and yields the faults of the result."""
     stand_in = {parameter.name: "x" for parameter in content.parameters}
     material = Material.model_validate({"class": "x", "id": "x", "location": "x", "use": "x"})
     try:

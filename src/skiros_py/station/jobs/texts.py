@@ -1,4 +1,4 @@
-"""Goals of any form as texts, without a look at the world: the same order is the same text, whatever is believed."""
+"""Converts goals of any form into texts, independently of the world: the same order always gives the same text."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from skiros_py.errors import UsageError
 from skiros_py.tasks.goals.said import Joined, Name, Negation, Quantification, Said, Word
 
 _DEEPEST = 60
-"""Nested deeper, it is refused by the language of goals anyway, and could not be walked through."""
+"""Maximum nesting: the goal language refuses deeper goals anyway, and recursion over them would fail."""
 _PLAIN = re.compile(r"[^\W\d](?:[\w.-]|:(?=\w))*")
 _VARIABLE = re.compile(r"[^\W\d]\w*")
 
 
 def goal_texts(goal: object) -> tuple[str, ...]:
-    """Returns the texts of a goal: of a text itself, of structured conditions what they say.
+    """Returns the texts of a goal: texts unchanged, structured conditions converted.
 
     Args:
         goal: A text, a structured condition, or several of either.
 
     Raises:
-        UsageError: The structure is wrong; the text gives the path to what is.
+        UsageError: The structure is wrong; the text gives the path to the fault.
     """
     several = goal if isinstance(goal, list | tuple) else [goal]
     structured = iter(_said([one for one in several if not isinstance(one, str)], "goal", alone=several is not goal))
@@ -31,7 +31,7 @@ def goal_texts(goal: object) -> tuple[str, ...]:
 
 
 def check_structure(data: dict[str, Any], where: str) -> None:
-    """Requires that a structured condition can be written as text.
+    """Requires that a structured condition can be converted into text.
 
     Args:
         data: The condition.
@@ -61,13 +61,13 @@ def _said(data: Sequence[object], where: str, *, alone: bool) -> list[Said]:
 
 
 def _path(loc: Sequence[int | str]) -> str:
-    """Writes the way to a field: "[0].not.arguments[1]"; names in angle brackets are kinds, not fields."""
+    """Returns the path to a field: "[0].not.arguments[1]"; names in angle brackets are kinds, not fields."""
     fields = [f"[{name}]" if isinstance(name, int) else f".{name}" for name in loc if not str(name).startswith("<")]
     return "".join(fields[:20])[:200]
 
 
 def _text(said: Said, variables: frozenset[str], depth: int) -> str:
-    """Writes what was said; everything that is joined or negated stands in parentheses."""
+    """Returns the text of a condition; everything joined or negated is in parentheses."""
     if depth > _DEEPEST:
         raise UsageError(f"the goal is nested deeper than {_DEEPEST} levels: say it in several conditions")
     match said:
@@ -95,7 +95,7 @@ def _name(name: Name, variables: frozenset[str]) -> str:
 
 
 def _quoted(name: str) -> str:
-    """Writes a name as it is, or in double quotes where the grammar asks for them."""
+    """Returns a name unchanged, or in double quotes if the grammar requires them."""
     if not name:
         raise UsageError("a name in the goal is empty")
     return name if _PLAIN.fullmatch(name) else '"' + re.sub(r'(["\\])', r"\\\1", name) + '"'

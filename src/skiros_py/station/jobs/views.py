@@ -1,4 +1,4 @@
-"""Jobs as everybody outside sees them: the queue's own data in the words of the standard."""
+"""Jobs as the API shows them: the queue's own data in the terms of the standard."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _NAMES = {state: name for name, state in STATES.items()}
 
 
 def state_name(state: State) -> StateName:
-    """Returns the name that a state has in the standard, and with everybody outside."""
+    """Returns the name of a state in the standard, which the API uses."""
     return _NAMES[state]
 
 
@@ -47,7 +47,7 @@ _COMMANDS: dict[State, tuple[str, ...]] = {
 
 
 def commands_of(job: Known) -> tuple[str, ...]:
-    """Returns the commands that a job takes in its state."""
+    """Returns the commands that a job accepts in its state."""
     return _COMMANDS[job.state]
 
 
@@ -71,7 +71,7 @@ def job_view(job: Known, now: float) -> Job:
 
 
 def announced_job(announcement: Announcement) -> dict[str, Any]:
-    """Returns what other systems hear of a job."""
+    """Returns the data about a job that is sent to other systems."""
     job = job_view(announcement.job, announcement.wall)
     return {"trigger": announcement.trigger, "job": job.model_dump(mode="json", by_alias=True)}
 

@@ -1,4 +1,4 @@
-"""Where jobs are waited for: a few at a time, and no longer than the server runs."""
+"""Waiting for jobs: by a limited number of callers, and no longer than the server runs."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from skiros_py.station.session import Session
 from skiros_py.tasks.jobs import Job, JobManager, JobState
 
 _MOST = 8
-"""So many may wait at the same time: each holds a thread that other requests may need."""
+"""Maximum number of waiting callers: each occupies a thread that other requests may need."""
 _GLANCE = 0.25
-"""Time between two looks whether the server ends [s]."""
+"""Period at which waiting callers check whether the server ends [s]."""
 
 
 class JobWaiter:
-    """Sets up the queue of each session, and lets those wait who ordered.
+    """Sets up the queue of each session, and lets callers wait for jobs.
 
     Args:
-        limit: How many jobs may be open at the same time.
+        limit: Maximum number of open jobs.
     """
 
     def __init__(self, limit: int) -> None:
@@ -31,12 +31,12 @@ class JobWaiter:
         session.jobs.limit = self._limit
 
     def wait(self, jobs: JobManager, job: Job, seconds: float) -> Job:
-        """Waits until a job is over or stands, and returns it as it is then; where too many wait already, at once.
+        """Waits until a job is over or interrupted, and returns it; immediately if too many callers wait already.
 
         Args:
             jobs: The queue.
             job: The job.
-            seconds: How long at most [s].
+            seconds: Maximum wait [s].
         """
         if not self._places.acquire(blocking=False):
             return job
@@ -46,7 +46,7 @@ class JobWaiter:
             self._places.release()
 
     def wait_for(self, event: threading.Event, seconds: float) -> None:
-        """Waits for something else, in the same way."""
+        """Waits for an event, in the same way."""
         end = time.monotonic() + seconds
         if event.is_set() or not self._places.acquire(blocking=False):
             return

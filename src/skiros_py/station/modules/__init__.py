@@ -1,1 +1,1 @@
-"""Skills and primitives that are run by themselves."""
+"""Skills and primitives that are run singly, outside of tasks."""

@@ -1,4 +1,4 @@
-"""Use cases: skill managers, what they can run, and running it by itself."""
+"""Use cases: skill managers, their modules, and running single modules."""
 
 from __future__ import annotations
 
@@ -24,16 +24,16 @@ from skiros_py.station.session import Session
 
 
 class ModuleService(Service):
-    """Opens and closes skill managers, describes modules and runs them by themselves."""
+    """Opens and closes skill managers, describes modules and runs single modules."""
 
     # ------------------------------------------------------------------ skill managers
 
     def managers(self) -> list[ManagerInfo]:
-        """Lists the skill managers, with what each runs now, or why it is lost."""
+        """Lists the skill managers, each with the modules that it runs now, or why it is lost."""
         return self._station.control.call(views.managers)
 
     def open_manager(self, agent: str) -> ManagerInfo:
-        """Opens the skill manager of a subsystem: its skills are on offer from now on.
+        """Opens the skill manager of a subsystem, which offers its skills from now on.
 
         Raises:
             NotFound: There is no such element.
@@ -56,15 +56,15 @@ class ModuleService(Service):
         return self._station.control.call(do)
 
     def close_manager(self, agent: str, *, force: bool = False) -> None:
-        """Closes the skill manager of a subsystem: its skills leave the world model.
+        """Closes the skill manager of a subsystem; its skills are removed from the world model.
 
         Args:
             agent: Id of the subsystem.
-            force: True to stop first what it runs.
+            force: True to stop its running modules first.
 
         Raises:
             NotFound: It is not open.
-            WrongState: It runs something.
+            WrongState: It runs a module.
         """
 
         def do(session: Session) -> None:
@@ -90,7 +90,7 @@ class ModuleService(Service):
         return self._station.control.call(lambda session: views.module(_manager(session, agent, module), module))
 
     def panel(self, agent: str, module: str, arguments: Mapping[str, Any]) -> PanelInfo:
-        """Tells with which arguments a module would run now, and which of its conditions hold; nothing runs."""
+        """Returns the arguments with which a module would run now, and which of its conditions hold."""
         return self._station.control.call(
             lambda session: views.panel(_manager(session, agent, module), module, arguments)
         )
@@ -105,19 +105,19 @@ class ModuleService(Service):
         author: Author = LIBRARY,
         breakpoints: Sequence[str] = (),
     ) -> ModuleRunInfo:
-        """Starts a skill or primitive by itself, and returns at once.
+        """Starts a single skill or primitive, and returns immediately.
 
         Args:
             agent: Id of the subsystem.
             module: Name of the module.
             arguments: Its parameters; the others are inferred.
-            repeat: How often.
-            author: Who asks.
+            repeat: Number of times to run it.
+            author: The author of the request.
             breakpoints: Paths of nodes ("body/1") before which it is paused.
 
         Raises:
             NotFound: There is no such skill manager, or it has no such module.
-            UsageError: Something is wrong with the arguments.
+            UsageError: The arguments are not valid.
             WrongState: It cannot be started now.
         """
         wish = Wish(agent, module, arguments, author.name, repeat, breakpoints=tuple(breakpoints))
@@ -129,7 +129,7 @@ class ModuleService(Service):
         return views.run_info(self._station.control.call(start))
 
     def reset(self, agent: str, module: str) -> None:
-        """Makes a module fit to run again after a fault.
+        """Resets a module after a fault, so that it can run again.
 
         Raises:
             NotFound: There is no such skill manager, or it has no such module.
@@ -147,11 +147,11 @@ class ModuleService(Service):
     # ------------------------------------------------------------------ runs
 
     def runs(self, *, active: bool | None = None, limit: int = 100) -> ModuleRuns:
-        """Lists runs of modules, the youngest first.
+        """Lists runs of modules, newest first.
 
         Args:
-            active: True for those under way only, False for those that are over only.
-            limit: How many at most.
+            active: True for active runs only, False for ended runs only.
+            limit: Maximum number of runs.
         """
         wanted = [run for run in self._station.module_runs.all() if active is None or active != run.over]
         return ModuleRuns(items=[views.run_info(run, in_full=False) for run in wanted[:limit]])
@@ -160,27 +160,27 @@ class ModuleService(Service):
         """Describes a run: progress, inferred arguments, changes of the world, outcome.
 
         Raises:
-            NotFound: There is none of that id.
+            NotFound: There is none with this id.
         """
         return views.run_info(self._find(id_))
 
     def command_run(self, id_: str, command: Literal["pause", "resume", "step", "stop"]) -> ModuleRunInfo:
-        """Pauses a run, resumes it, lets it do one cycle while it is paused, or stops it.
+        """Pauses, resumes or stops a run, or executes one cycle of a paused run.
 
         Raises:
-            NotFound: There is none of that id.
-            WrongState: It does not take that command now.
+            NotFound: There is none with this id.
+            WrongState: It does not accept that command now.
         """
         run = self._find(id_)
         self._station.control.call(lambda _session: run.command(command))
         return views.run_info(run)
 
     def set_breakpoints(self, id_: str, paths: Sequence[str]) -> ModuleRunInfo:
-        """Pauses a run before these nodes and no others; a command resumes it.
+        """Sets the breakpoints of a run: it is paused before these nodes until a command resumes it.
 
         Args:
             id_: Its id.
-            paths: Paths of nodes ("body/1"), as a module's description has them.
+            paths: Paths of nodes ("body/1") as in the description of the module.
 
         Raises:
             NotFound: There is no such run.
@@ -196,14 +196,14 @@ class ModuleService(Service):
     # ------------------------------------------------------------------ skills
 
     def skills(self) -> list[SkillInfo]:
-        """Lists the skills on offer as planners see them: parameters, conditions, effects."""
+        """Lists the offered skills as planners see them: parameters, conditions, effects."""
         return self._station.control.call(views.skills)
 
     def skill(self, name: str) -> SkillInfo:
-        """Describes one skill, apart from its implementations.
+        """Describes one skill, without its implementations.
 
         Raises:
-            NotFound: There is none of that name on offer.
+            NotFound: No skill with this name is offered.
         """
         skills = {skill.name: skill for skill in self.skills()}
         with addressed():

@@ -1,4 +1,4 @@
-"""Modules that were started from outside: followed to their end, so many times over, and remembered for a while."""
+"""Modules started by callers: followed until they end, repeated if requested, and kept for a while."""
 
 from __future__ import annotations
 
@@ -21,27 +21,27 @@ from skiros_py.station.session import Session
 from skiros_py.world.change import Change
 
 Turn = Literal["paused", "resumed"]
-"""What becomes of a run that goes on all the same."""
+"""Transitions of an active run."""
 _KEPT = 200
-"""Runs that are over and still known; the oldest go first."""
+"""Number of ended runs kept; the oldest are dropped first."""
 _ROUNDS, _PROGRESS, _CHANGES = 100, 500, 100
-"""What is kept of one run, the last of each."""
+"""Number of latest entries of each kind kept of one run."""
 _AT_ONCE = 4
-"""Cycles in which what must start at once has to have its devices: one to start, and some to spare."""
+"""Cycles within which a run that must start immediately has to get its devices: one to start, and some to spare."""
 
 
 @dataclass(frozen=True, slots=True)
 class Wish:
-    """What somebody wants to be run.
+    """A requested run.
 
     Attributes:
         agent: Id of the subsystem.
         module: Name of the module.
-        given: Value by parameter key; what is left out is inferred.
-        by: Who wants it.
-        repeat: How often.
-        at_once: True for what must not wait for devices: a person stands beside it and looks.
-        breakpoints: Paths of nodes before which it is paused, with or without the module's name before them.
+        given: Value by parameter key; omitted ones are inferred.
+        by: Name of the caller who requested it.
+        repeat: Number of times to run it.
+        at_once: True if it must not wait for devices, because a person watches it.
+        breakpoints: Paths of nodes before which it is paused, with or without the name of the module as prefix.
     """
 
     agent: str
@@ -55,10 +55,10 @@ class Wish:
 
 @dataclass(frozen=True, slots=True)
 class Round:
-    """How a module ended once.
+    """The result of one repetition.
 
     Attributes:
-        outcome: How.
+        outcome: Its outcome.
         start, end: Run time [s].
     """
 
@@ -68,24 +68,24 @@ class Round:
 
 
 class ModuleRun:
-    """One run; written in the control thread, read in any.
+    """One run; written in the control thread, read in any thread.
 
     Attributes:
         id: Its id.
-        wish: What was wanted.
+        wish: The request.
         kind: "skill" or "primitive".
         params: The parameters of its module.
         wall: When it was started [s since 1970].
-        values: Its arguments as far as they are known, with what was inferred.
-        running: What runs now; what ran last when it is over.
-        rounds: How it ended each time; the last of very many.
-        done: How often it ended.
-        succeeded: How often it worked.
-        progress: What it reported.
-        changes: What it wrote into the world.
-        ended_as: How it ended; None while it goes on.
-        cut_off: True when the last round was broken off, and says nothing of the module.
-        begun: True when it has its devices, in this round.
+        values: Its arguments as far as known, including inferred ones.
+        running: The module that runs now, or that ran last if the run is over.
+        rounds: The results of its repetitions; only the latest of very many.
+        done: Number of repetitions that have ended.
+        succeeded: Number of repetitions that succeeded.
+        progress: Its progress reports.
+        changes: Its changes of the world.
+        ended_as: Its final status; None while it is active.
+        cut_off: True if the last repetition was cancelled, so that its outcome says nothing about the module.
+        begun: True if it has its devices, in this repetition.
         breakpoints: Paths of nodes before which it is paused.
     """
 
@@ -115,22 +115,22 @@ class ModuleRun:
 
     @property
     def over(self) -> bool:
-        """True when it does not go on."""
+        """True if it has ended."""
         return self.ended_as is not None
 
     @property
     def status(self) -> ModuleRunStatus:
-        """What it does, or how it ended."""
+        """Its present or final status."""
         if self.ended_as is not None:
             return self.ended_as
         status = self.running.status if self.running is not None else "running"
         return "paused" if status == "paused" else "stopping" if status in ("stopping", "stopped") else "running"
 
     def command(self, verb: str) -> None:
-        """Pauses, resumes, steps or stops it; in the control thread.
+        """Pauses, resumes, steps or stops it; to be called in the control thread.
 
         Raises:
-            WrongState: It is over, or stops already; stopping once more changes nothing.
+            WrongState: It is over, or is already stopping; stopping it again has no effect.
         """
         if verb == "stop":
             if self.over:
@@ -142,7 +142,7 @@ class ModuleRun:
         getattr(self.running, verb)()
 
     def set_breakpoints(self, paths: Iterable[str]) -> None:
-        """Pauses it before these nodes and no others, from now on; in the control thread."""
+        """Replaces its breakpoints; to be called in the control thread."""
         module = self.wish.module
         self.breakpoints = frozenset(p if p.startswith(f"{module}/") else f"{module}/{p}" for p in paths)
         if self.running is not None:
@@ -150,23 +150,23 @@ class ModuleRun:
             self.running.breakpoints.update(self.breakpoints)
 
     def turn(self) -> Turn | None:
-        """Returns what has become of it since this was asked last: it came to a standstill, or goes on again."""
+        """Returns its transition since the last call: it was paused, or it was resumed."""
         before, self._stood = self._stood, self.status == "paused"
         if self._stood:
             return None if before else "paused"
-        return "resumed" if before and self.status == "running" else None  # else it was stopped meanwhile
+        return "resumed" if before and self.status == "running" else None  # otherwise it was stopped meanwhile
 
     def is_about(self, event: ModuleEvent) -> bool:
-        """Returns whether a message is of the module itself, and not of a part of it."""
+        """Returns whether an event concerns the module itself, not a part of it."""
         return self.running is not None and event.id == self.running.id
 
     def begin(self, running: RunningModule, now: float) -> None:
-        """Notes that it starts, once more."""
+        """Records the start of a repetition."""
         self.running, self.since, self.cycles, self.begun = running, now, 0, False
         running.breakpoints.update(self.breakpoints)
 
     def note(self, event: ModuleEvent, kind: str) -> None:
-        """Takes a message."""
+        """Records an event."""
         self.progress.append(event)
         if event.status is Status.STARTED and self.is_about(event):
             self.begun = True
@@ -175,7 +175,7 @@ class ModuleRun:
             self.values = {**self.values, **inferred}
 
     def end(self, outcome: Outcome, now: float) -> None:
-        """Notes how it ended."""
+        """Records the end of a repetition."""
         self.rounds.append(Round(outcome, self.since, now))
         self.done += 1
         self.succeeded += not isinstance(outcome, Failure)
@@ -186,25 +186,25 @@ class ModuleRun:
             self.ended_as = "succeeded" if good else "stopped" if stopped and not self.refusal else "failed"
 
     def leave(self) -> None:
-        """Notes that there is no further round, because everything was stopped after the last one."""
+        """Records that there is no further repetition, because everything was stopped after the last one."""
         self.ended_as = "stopped"
 
     @property
     def _broke_by_itself(self) -> bool:
-        """True when it had come to an end before it could be broken off."""
+        """True if it had ended before it could be cancelled."""
         return self.running is not None and self.running.done and self.running.status != "stopped"
 
     @property
     def _was_stopped(self) -> bool:
-        """True when it was broken off, such as with everything else, and did not break by itself."""
+        """True if it was cancelled, for example together with everything else, and did not fail by itself."""
         return self.running is not None and self.running.task.fault is None and self.running.status == "stopped"
 
 
 class ModuleRuns:
-    """The modules that were started from outside, of all sessions of one server.
+    """The modules started by callers, of all sessions of one server.
 
     Args:
-        name: Begins the ids of runs: those of another start of the server are others.
+        name: Prefix of the ids of runs, which makes them differ from those of other starts of the server.
     """
 
     def __init__(self, name: str) -> None:
@@ -216,10 +216,10 @@ class ModuleRuns:
         self._listeners = Listeners[[ModuleRun, Turn]]("turns of modules")
         self._guard = threading.Lock()
 
-    # ------------------------------------------------------------------ asking
+    # ------------------------------------------------------------------ reading
 
     def all(self) -> tuple[ModuleRun, ...]:
-        """Returns what is under way or was lately, the youngest first."""
+        """Returns the active and recent runs, newest first."""
         with self._guard:
             return tuple(reversed(self._runs.values()))
 
@@ -227,7 +227,7 @@ class ModuleRuns:
         """Returns a run.
 
         Raises:
-            UnknownName: There is none, or it is long over.
+            UnknownName: There is none, or it ended long ago.
         """
         with self._guard:
             found = self._runs.get(id_)
@@ -236,18 +236,18 @@ class ModuleRuns:
         return found
 
     def of(self, running: RunningModule) -> ModuleRun | None:
-        """Returns the run that something belongs to; None if it was not started from outside."""
+        """Returns the run to which a running module belongs; None if it was not started by a caller."""
         return next((run for run in self._active if run.running is running), None)
 
     # ------------------------------------------------------------------ in the control thread
 
     def start(self, session: Session, wish: Wish) -> ModuleRun:
-        """Starts a module; in the control thread.
+        """Starts a module; to be called in the control thread.
 
         Raises:
             UnknownName: There is no such module, parameter or element.
-            UsageError: Something is wrong with what is given.
-            WrongState: It cannot be started now: it runs already, its manager is lost, everything was halted.
+            UsageError: The arguments are not valid.
+            WrongState: It cannot be started now: it runs already, its manager is lost, or everything is halted.
         """
         manager = session.managers[wish.agent]
         panel, kind = manager.panel(wish.module, wish.given), manager.info(wish.module).kind
@@ -266,25 +266,25 @@ class ModuleRuns:
             del self._runs[id_]
 
     def on_turn(self, listener: Callable[[ModuleRun, Turn], None]) -> Callable[[], None]:
-        """Calls the listener when a run has come to a standstill, and when it goes on; returns how to end that."""
+        """Calls the listener when a run was paused, and when it continues; returns a function that removes it."""
         return self._listeners.add(listener)
 
     def open(self, session: Session) -> None:
-        """Follows what runs in a session, from its first cycle on."""
+        """Follows the modules of a session, from its first cycle on."""
         self._session = session
         session.cycle.observe(self._attend)
         session.monitor.subscribe(self._on_event)
         session.world.subscribe(self._on_change)
 
     def close(self, session: Session) -> None:
-        """Whatever still runs ends with its session."""
+        """Ends the runs that are still active together with their session."""
         for run in self._active:
             run.stop_wanted = True
             run.end(Failure("the station was shut down"), session.cycle.board.now)
         self._active, self._session = (), None
 
     def _attend(self) -> None:
-        """Looks at the end of each cycle what has ended, and does it once more where that is wanted."""
+        """Checks at the end of each cycle which runs have ended, and starts the next repetition if requested."""
         if not self._active or self._session is None:
             return
         for run in self._active:
@@ -318,7 +318,7 @@ class ModuleRuns:
             run.refusal = f"it cannot be done once more: {error}"
             run.end(Failure(run.refusal), session.cycle.board.now)
 
-    # ------------------------------------------------------------------ what a run reports and writes
+    # ------------------------------------------------------------------ progress and changes of a run
 
     def _on_event(self, event: ModuleEvent) -> None:
         for run in self._active:
@@ -331,7 +331,7 @@ class ModuleRuns:
                 run.changes.append(change)
 
     def _is_at_work(self, run: ModuleRun) -> bool:
-        """Returns whether the control thread executes code of this run, which is the caller."""
+        """Returns whether the control thread is executing code of this run, so that the call comes from it."""
         pulse = self._session.cycle.pulse if self._session is not None else None
         return (
             pulse is not None

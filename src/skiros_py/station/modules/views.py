@@ -42,7 +42,7 @@ ModuleKind = Literal["skill", "primitive", "document"]
 
 
 def managers(session: Session) -> list[ManagerInfo]:
-    """Describes all skill managers; in the control thread."""
+    """Describes all skill managers; to be called in the control thread."""
     return [manager(session, one) for _, one in sorted(session.managers.items())]
 
 
@@ -68,7 +68,7 @@ def _place(session: Session, agent: str) -> ModulePlace:
 
 
 def modules(session: Session) -> list[ModuleSummary]:
-    """Describes every module once, with who can run it; in the control thread."""
+    """Describes every module once, with the subsystems that can run it; to be called in the control thread."""
     able: dict[str, list[SkillManager]] = {}
     for _, manager in sorted(session.managers.items()):
         for name in (*manager.modules, *manager.documents):
@@ -91,7 +91,7 @@ def module(manager: SkillManager, name: str) -> ModuleDetails:
     """Describes one module of a manager.
 
     Raises:
-        UnknownName: It has none of that name.
+        UnknownName: It has none with this name.
     """
     info = manager.info(name)
     ways = manager.implementations(name) if info.kind == "skill" else ()
@@ -181,11 +181,11 @@ def _node(node: Node) -> BodyNode:
 
 
 def panel(manager: SkillManager, name: str, given: Mapping[str, Any]) -> PanelInfo:
-    """Returns what a module would be run with now; in the control thread.
+    """Returns the arguments with which a module would run now; to be called in the control thread.
 
     Raises:
         UnknownName: There is no such module, parameter or element.
-        UsageError: Something is wrong with what is given.
+        UsageError: The arguments are not valid.
     """
     return PanelInfo.model_validate(manager.panel(name, given).as_json())
 
@@ -194,12 +194,12 @@ def panel(manager: SkillManager, name: str, given: Mapping[str, Any]) -> PanelIn
 
 
 def skills_of(session: Session) -> Mapping[str, Capability]:
-    """Returns the skills that somebody offers now, by name; in the control thread."""
+    """Returns the skills offered now, by name; to be called in the control thread."""
     return {capability.skill.name: capability for capability in session.tasks.capabilities}
 
 
 def skills(session: Session) -> list[SkillInfo]:
-    """Describes the skills that somebody offers now; in the control thread."""
+    """Describes the skills offered now; to be called in the control thread."""
     return [_skill(session, capability) for _, capability in sorted(skills_of(session).items())]
 
 
@@ -220,7 +220,7 @@ def _skill(session: Session, capability: Capability) -> SkillInfo:
 
 
 def run_info(run: ModuleRun, *, in_full: bool = True) -> ModuleRunInfo:
-    """Returns how far a run is, in any thread; not in full leaves out what it reported and wrote."""
+    """Describes a run; callable in any thread; without ``in_full``, omits its progress reports and changes."""
     return ModuleRunInfo.view_of(
         run,
         agent=run.wish.agent,

@@ -1,1 +1,1 @@
-"""Recordings of runs and jobs: which topics they have, where they are kept, and the replay of a job."""
+"""Recordings of runs and jobs: their topics and files, and the replay of a job."""

@@ -1,4 +1,4 @@
-"""Records every job while it runs, into one file each; the oldest files are deleted."""
+"""Records every running job into a file of its own; the oldest files are deleted."""
 
 from __future__ import annotations
 
@@ -17,22 +17,22 @@ from skiros_py.tasks.trace import TraceEntry, TraceEventKind
 _log = logging.getLogger(__name__)
 
 _MOST = 200
-"""Recordings that are kept."""
+"""Number of recordings kept."""
 _ROOM = 200 * 1024 * 1024
-"""Size of all of them together [bytes]."""
+"""Maximum total size of the recordings [bytes]."""
 _LIMIT = 20 * 1024 * 1024
-"""Size of one of them [bytes]."""
+"""Maximum size of one recording [bytes]."""
 
 
 class JobRecordings:
-    """The recordings of jobs, by the numbers of the jobs, which are never given twice.
+    """The recordings of jobs, by the numbers of the jobs, which are never reused.
 
-    A job that was held, or cut off with the server, is continued in the same file.
+    The recording of a job that was held, or interrupted by the end of the server, is continued in the same file.
 
     Args:
-        folder: Made when there is something to record.
-        most: Number of recordings that are kept.
-        room: Size of all of them together [bytes].
+        folder: Folder of the recordings; created with the first one.
+        most: Number of recordings kept.
+        room: Maximum total size of the recordings [bytes].
     """
 
     def __init__(self, folder: Path, most: int = _MOST, room: int = _ROOM) -> None:
@@ -46,7 +46,7 @@ class JobRecordings:
         self._leave: list[Callable[[], object]] = []
 
     def path(self, number: int) -> Path:
-        """Returns the path of the recording of a job, whether there is one or not."""
+        """Returns the path of the recording of a job, whether it exists or not."""
         return self._folder / f"{number:09d}{SUFFIX}"
 
     def read(self, number: int) -> Recording:
@@ -65,7 +65,7 @@ class JobRecordings:
         self._leave = [session.tasks.on_begin(self._begin), session.jobs.on_remove(self._remove)]
 
     def close_session(self, _session: Session) -> None:
-        """Follows them no longer; what still runs was cut off."""
+        """Stops following them; jobs still running were interrupted."""
         for leave in self._leave:
             leave()
         for recorder in self._running.values():
@@ -116,9 +116,9 @@ class JobRecordings:
         self._delete(self.path(job.number))
 
     def _make_room(self) -> None:
-        """Deletes the oldest recordings until there are few and small enough; those that are being written stay."""
+        """Deletes the oldest recordings until number and size are within limits; those being written are kept."""
         self._folder.mkdir(parents=True, exist_ok=True)
-        files = sorted(file for file in self._folder.glob(f"*{SUFFIX}") if file.stem.isdecimal())  # else not ours
+        files = sorted(file for file in self._folder.glob(f"*{SUFFIX}") if file.stem.isdecimal())  # others are not ours
         sizes = {file: file.stat().st_size for file in files}
         writing = {writer.path for writer in tuple(self._writers.values()) if writer.alive}
         for file in files:

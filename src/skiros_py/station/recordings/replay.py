@@ -1,4 +1,4 @@
-"""The replay of a job as the web page shows it, read from the job's recording."""
+"""The replay of a job for the web page, read from the recording of the job."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ def replay_text(recording: Recording, *, over: bool, start: float = -math.inf, e
     Args:
         recording: The recording of the job.
         over: Whether the job is over.
-        start: Start of the range whose frames and changes it has [s, run time].
+        start: Start of the range whose frames and changes it contains [s, run time].
         end: End of that range [s].
 
     Raises:
         FileError: The recording is damaged.
-        ValueError: It has no beginning yet.
+        ValueError: It has no initial state yet.
     """
     frames = _frames(recording, start, end)
     until = max([end, *frames["times"][-1:]])
@@ -60,7 +60,7 @@ def replay_text(recording: Recording, *, over: bool, start: float = -math.inf, e
 
 
 def _world_after(changes: Sequence[Mapping[str, Any]]) -> Mapping[str, Any]:
-    """Returns the view of the whole world after some changes, with all shapes that came with them."""
+    """Returns the view of the whole world after the changes, with all shapes that they contain."""
     elements: dict[str, Any] = {}
     shapes: dict[str, Any] = {}
     for change in changes:
@@ -75,10 +75,10 @@ def _world_after(changes: Sequence[Mapping[str, Any]]) -> Mapping[str, Any]:
 
 
 def _frames(recording: Recording, start: float, end: float) -> dict[str, Any]:
-    """Returns the states of the devices at the same times each.
+    """Returns the states of all devices at common times.
 
-    Of a range there are also the last frame before it and the first one after it. A device that is no longer there
-    stays where it was.
+    Includes the last frame before the range and the first one after it. A device that has disappeared keeps its last
+    state.
     """
     if start > recording.start:
         start = recording.frame(start).time
@@ -109,7 +109,7 @@ def _frames(recording: Recording, start: float, end: float) -> dict[str, Any]:
 
 
 def _poses(recording: Recording, devices: Collection[str], times: Sequence[int]) -> dict[str, list[list[float]]]:
-    """Returns the poses in the map of those devices that have frames of their own, at each of some times [ns]."""
+    """Returns the poses in the map of the devices that have their own frames, at each of the times [ns]."""
     if not devices:
         return {}
     tracks: dict[str, list[list[float]]] = {}
@@ -139,11 +139,11 @@ _KINDS = (
     ("gap", "grippers", lambda state: state["gap"]),
     ("pose", "bases", _in_plane),
 )
-"""By which field of its state a kind of device is known, and what the page shows of it."""
+"""The field by which the state of each kind of device is recognised, and the function that returns its data to show."""
 
 
 def _thinned(times: Array) -> NDArray[np.int_]:
-    """Returns the numbers of the frames that are told: at most so many, evenly spread over the times."""
+    """Returns the indices of the frames to include: limited in number, and evenly spread over the times."""
     kept = np.arange(len(times))
     interval = 0.1
     while len(kept) > MOST_FRAMES:

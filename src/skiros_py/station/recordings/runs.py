@@ -27,14 +27,14 @@ _PACKAGES = ("skiros-py", "pybullet", "numpy", "up-fast-downward", "kairos-plann
 
 
 def run_recorder(session: Session, data: Path) -> Recorder:
-    """Makes the recorder of a run, whose recording goes into a data directory.
+    """Returns the recorder of a run, which writes to a data directory.
 
     Args:
         session: The session, not yet running.
         data: The data directory.
 
     Raises:
-        FileError: The recording cannot be made there.
+        FileError: The recording cannot be created there.
     """
     folder = data / RUNS
     try:
@@ -49,13 +49,13 @@ def run_recorder(session: Session, data: Path) -> Recorder:
 def recorder_of(
     session: Session, writer: RecordingWriter, sources: Sequence[Callable[[Recorder], object]] = (), **about: object
 ) -> Recorder:
-    """Makes a recorder of a session, with frames, scene and looks besides what every station's recording has."""
+    """Returns a recorder of a session, with frames, scene and looks in addition to the common topics."""
     own = (_attach_models(session), record_view, record_looks)
     return Recorder(writer, session.runtime, _about(session) | about, (*own, *sources), frames_of(session))
 
 
 def _attach_models(session: Session) -> Callable[[Recorder], None]:
-    """Attaches the scene as it is believed to be, and the model of each robot."""
+    """Attaches the believed scene and the model of each robot."""
 
     def attach(recorder: Recorder) -> None:
         index = session.world.snapshot()
@@ -68,7 +68,7 @@ def _attach_models(session: Session) -> Callable[[Recorder], None]:
 
 
 def _urdf(model: str) -> bytes:
-    """Returns a robot model whose meshes are named by their package, as other programs look for them."""
+    """Returns a robot model whose meshes have package URLs, which other programs can resolve."""
     with TemporaryDirectory(prefix="skiros-model-") as folder:
         text = write_robot_urdf(model, Path(folder)).read_text(encoding="utf-8")
     return re.sub(r'filename="[^"]*/site-packages/', 'filename="package://', text).encode()
@@ -79,7 +79,7 @@ def _tasks(tasks: TaskManager) -> Callable[[Recorder], None]:
 
 
 def _free(folder: Path, scene: str) -> Path:
-    """Returns a file of a name that is free: date, time and scene."""
+    """Returns the path of a new file, named after date, time and scene."""
     name = f"{time.strftime('%Y-%m-%d_%H%M%S')}_{re.sub(r'[^A-Za-z0-9.-]+', '_', scene)}"
     names = (name if number == 1 else f"{name}-{number}" for number in count(1))
     return next(path for name in names if not (path := folder / f"{name}{SUFFIX}").exists())

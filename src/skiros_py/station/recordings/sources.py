@@ -1,4 +1,4 @@
-"""Topics of a session's recording that need more than a station: frames, the scene, cameras."""
+"""Topics of a session's recording beyond the common ones: frames, the scene, cameras."""
 
 from __future__ import annotations
 
@@ -40,11 +40,11 @@ from skiros_py.world.change import Change
 from skiros_py.world.index import Index
 
 _MOST_POINTS = 5000
-"""Points of one look, before those close to each other are left out."""
+"""Maximum number of points of one look, before thinning."""
 _CUBE = 0.02
-"""Of all points of a look in a cube of this length only one is kept [m]: it is drawn no larger."""
+"""Voxel size for thinning the points of a look [m], which is also the size at which they are drawn."""
 _MOST_ENTITIES = 1000
-"""Entities up to which each message has the whole scene, so that a viewer can jump to any time."""
+"""Number of entities up to which each message contains the whole scene, so that a viewer can jump to any time."""
 _COLOURS: Mapping[str, tuple[float, float, float, float]] = {
     "part": (0.78, 0.54, 0.29, 1.0),
     "place": (0.50, 0.62, 0.34, 0.3),
@@ -57,7 +57,7 @@ _GREY = (0.62, 0.66, 0.71, 1.0)
 
 
 def frames_of(session: Session) -> Frames:
-    """Returns what makes the frame tree of a snapshot: links are named "robot/link", devices by their ids."""
+    """Returns a function that computes the frame tree of a snapshot, with links "robot/link" and devices by id."""
     spec, ports = session.spec, session.runtime.context.ports
     return lambda snapshot: [Transform(*one) for one in FrameTree(spec, snapshot, ports).transforms()]
 
@@ -77,11 +77,11 @@ VIEW = Topic(
     ),
     lambda _time, change: change,
 )
-"""What there is to be seen: everything at the beginning, then what looks different."""
+"""The visible scene: complete at the beginning, then only visible differences."""
 
 
 def record_view(recorder: Recorder) -> None:
-    """Records what there is to be seen of the world, for the web page (``/view``) and for Foxglove (``/scene``)."""
+    """Records the visible scene, for the web page (``/view``) and for Foxglove (``/scene``)."""
     world, board = recorder.runtime.world, recorder.runtime.cycle.board
     frames = recorder.runtime.context.frames
     scene = Scene(lambda snapshot: frames.at(snapshot).platforms())
@@ -94,7 +94,7 @@ def record_view(recorder: Recorder) -> None:
 
 
 class Scene:
-    """Follows what there is to be seen; in the writer's thread.
+    """Follows the visible scene; in the thread of the writer.
 
     Args:
         platforms: Returns the poses of the devices that carry bodies.
@@ -106,13 +106,13 @@ class Scene:
         self._shapes: dict[str, Any] = {}
 
     def begin(self, index: Index, snapshot: Snapshot, write: Write) -> None:
-        """Writes the whole."""
+        """Writes the whole scene."""
         view = view_of(index, None, self._platforms(snapshot))
         self._seen, self._shapes = {one.id: one for one in view.elements}, dict(view.shapes)
         self._write(snapshot.time, "", view, write, anew=True)
 
     def take(self, change: Change, index: Index, snapshot: Snapshot, write: Write) -> None:
-        """Writes what looks different after a change; nothing where nobody could see it."""
+        """Writes the visible differences after a change, if any."""
         view = view_of(index, change.marks(), self._platforms(snapshot))
         gone = tuple(name for name in view.gone if name in self._seen)
         if not (view.elements or gone):
@@ -137,7 +137,7 @@ class Scene:
 
 
 def _entity(element: ViewElement, blocks: Any) -> Json:
-    """Returns an element as Foxglove draws it."""
+    """Returns an element as a Foxglove scene entity."""
     frame, pose = element.carrier or MAP, element.pose
     if element.held_by is not None:
         frame, pose = element.held_by, element.in_hand
@@ -159,12 +159,12 @@ def _entity(element: ViewElement, blocks: Any) -> Json:
 
 
 def camera_of(session: Session) -> Camera | None:
-    """Returns what takes pictures of a session; None where there is nothing to see."""
+    """Returns a function that renders pictures of a session; None if it has nothing to render."""
     if not session.simulates:
         return None
 
     def picture(snapshot: Snapshot, agent: str) -> Pending[Any]:
-        """Looks over a robot's shoulder at where it works; over the first one's where it is not known whose."""
+        """Renders the workspace of a robot from behind it; of the first robot if the agent is unknown."""
         robots = session.spec.robots
         robot = next((robot for robot in robots if robot.has(agent)), robots[0])
         eye, target = over_the_shoulder(robot.pose(snapshot))
@@ -174,7 +174,7 @@ def camera_of(session: Session) -> Camera | None:
 
 
 def record_looks(recorder: Recorder) -> None:
-    """Records what cameras saw whenever something was looked for: the picture, and the points in the map."""
+    """Records each perception request: the picture of the camera, and its points in the map."""
 
     def on_call(call: LibraryCall) -> None:
         request = call.request

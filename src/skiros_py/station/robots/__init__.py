@@ -1,1 +1,1 @@
-"""Robots: their models, what they see and where they go."""
+"""Robots: their models, looks and motions."""

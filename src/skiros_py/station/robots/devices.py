@@ -1,4 +1,4 @@
-"""Devices of any kind as they are shown to people: by what their kinds say, never by their types."""
+"""Devices as the API shows them: described by their kinds, without knowledge of their types."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ def device_infos(session: Session) -> list[DeviceInfo]:
 
 
 def device_info(session: Session, id_: str) -> DeviceInfo:
-    """Describes a device; in any thread.
+    """Describes a device; callable in any thread.
 
     Raises:
-        UnknownName: There is none of that id.
+        UnknownName: There is none with this id.
     """
     group = session.spec.group_of(id_)
     device = group.device(id_)
@@ -37,10 +37,10 @@ def device_info(session: Session, id_: str) -> DeviceInfo:
 
 
 def device_reading(session: Session, id_: str) -> DeviceReading:
-    """Returns what a device says at this moment; quick, and for any thread.
+    """Returns the present readings of a device; does not block; callable from any thread.
 
     Raises:
-        UnknownName: There is none of that id.
+        UnknownName: There is none with this id.
     """
     board = session.cycle.board
     if id_ not in board.devices:

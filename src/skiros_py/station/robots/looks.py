@@ -1,4 +1,4 @@
-"""What the cameras saw last, for people: requests are noted where they are made, and turned into points where asked."""
+"""The last looks of the cameras, for display: requests are recorded when made, and converted to points on demand."""
 
 from __future__ import annotations
 
@@ -22,20 +22,20 @@ from skiros_py.ports.values import DepthImage
 from skiros_py.station.session import Session
 
 MOST_POINTS = 20_000
-"""Points of one look."""
+"""Maximum number of points of one look."""
 _KEPT = 2
-"""Shots kept of a camera: the last that is answered, and one that is not yet."""
+"""Shots kept of a camera: the last answered one, and a pending one."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Shot:
-    """A picture that somebody asked about.
+    """A picture used in a perception request.
 
     Attributes:
-        number: Counts the shots of the camera.
+        number: Its number among the shots of the camera.
         time: When it was taken [s, run time].
-        call: What was asked, and the answer.
-        what: Class of the body that was looked for; None where it was not one.
+        call: The request and its answer.
+        what: Class of the body to be registered; None for other requests.
     """
 
     number: int
@@ -45,14 +45,14 @@ class _Shot:
 
     @property
     def answered(self) -> bool:
-        """True when it is known what it shows."""
+        """True if the request has been answered."""
         return self.call.answer.done()
 
 
 class Looks:
-    """The last look of each camera; for any thread.
+    """The last look of each camera; thread-safe.
 
-    Nothing is copied or worked out in the control thread.
+    Nothing is copied or computed in the control thread.
     """
 
     def __init__(self) -> None:
@@ -63,7 +63,7 @@ class Looks:
         self._leave: Callable[[], None] = lambda: None
 
     def open(self, session: Session) -> None:
-        """Notes the looks of a session."""
+        """Records the looks of a session."""
         self._shots = {
             camera.id: deque(maxlen=_KEPT) for robot in session.spec.robots for camera in robot.of(CameraSpec)
         }
@@ -72,7 +72,7 @@ class Looks:
         self._leave = session.runtime.asked.subscribe(self._note)
 
     def close(self, _session: Session) -> None:
-        """Notes them no longer; what was seen in it is forgotten."""
+        """Stops recording, and forgets the looks of the session."""
         self._leave()
         self._session, self._shots = None, {}
 
@@ -98,11 +98,11 @@ class Looks:
         return told
 
     def _note(self, call: LibraryCall) -> None:
-        """Keeps what was asked; in the control thread."""
+        """Records a request; called in the control thread."""
         request, session = call.request, self._session
         if session is None or not isinstance(request, LookRequest | RegistrationRequest):
             return
-        if request.camera not in self._shots:  # whoever asked does not say which
+        if request.camera not in self._shots:  # the request does not name its camera
             return
         board, what = session.cycle.board, None
         if isinstance(request, RegistrationRequest) and session.world.has(request.body):
@@ -113,7 +113,7 @@ class Looks:
 
 
 def _last(shots: deque[_Shot] | tuple[()]) -> _Shot | None:
-    """Returns the last shot of which is known what it shows."""
+    """Returns the last shot whose request has been answered."""
     return next((shot for shot in reversed(tuple(shots)) if shot.answered), None)
 
 
@@ -139,18 +139,18 @@ def points_of(image: DepthImage, camera: Pose, most: int = MOST_POINTS) -> tuple
     Args:
         image: The image.
         camera: Pose of the optical frame in the map.
-        most: Number of points at most.
+        most: Maximum number of points.
     """
     step = max(1, math.ceil(math.sqrt(np.count_nonzero(image.depth) / most)))
     thin = _thinned(image, step)
     colours = thin.colour[thin.depth > 0.0]
-    every = max(1, math.ceil(len(colours) / most))  # where the measured ones lie in the pattern of the step
+    every = max(1, math.ceil(len(colours) / most))  # if the measured pixels coincide with the pattern of the step
     points = camera.apply(thin.points()[::every]).astype("<f4") if len(colours) else np.empty((0, 3), "<f4")
     return points, np.ascontiguousarray(colours[::every], dtype=np.uint8)
 
 
 def _thinned(image: DepthImage, step: int) -> DepthImage:
-    """Returns an image with every so-manieth row and column only."""
+    """Returns an image with only every ``step``-th row and column."""
     depth, colour, whole = image.depth[::step, ::step], image.colour[::step, ::step], image.intrinsics
     height, width = depth.shape
     fx, fy, cx, cy = (value / step for value in (whole.fx, whole.fy, whole.cx, whole.cy))
@@ -161,7 +161,7 @@ def _thinned(image: DepthImage, step: int) -> DepthImage:
 def _seen(shot: _Shot) -> tuple[Seen, ...]:
     try:
         result = shot.call.answer.result()
-    except SkirosError:  # whoever asked says what broke
+    except SkirosError:  # reported by the caller of the request
         return ()
     if isinstance(result, LookResult):
         return tuple(

@@ -1,6 +1,6 @@
-"""Models of robots as pages draw them: what is visible only, with meshes that any machine draws quickly.
+"""Models of robots for the web pages: only visible parts, with meshes that any machine draws quickly.
 
-They are made once for each model, which takes some seconds, and kept among what this user's programs keep for later.
+They are made once for each model, which takes some seconds, and stored in the user's cache directory.
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ if TYPE_CHECKING:
     from skiros_py.perception.light_meshes import MeshPiece
 
 MESHES = "model/meshes/"
-"""Where the meshes are, seen from the address of the model."""
+"""Location of the meshes, relative to the URL of the model."""
 
 _FORM = b"1"
-"""Of what is kept; another one makes the server forget what an older one kept."""
+"""Version of the cache format; a change invalidates older caches."""
 _MOST_TRIANGLES = 14_000
-"""Of a whole robot: enough for the eye, and drawn by software 30 times a second."""
+"""Triangles of a whole robot: detailed enough, and few enough for software rendering at 30 Hz."""
 _PATIENCE = 3.0
-"""How long somebody waits for a model [s]; it takes a few, on a machine that has nothing else to do."""
+"""Maximum wait for a model [s]; making one takes a few seconds on an idle machine."""
 _INVISIBLE = ("collision", "inertial")
 _WHITE = (1.0, 1.0, 1.0, 1.0)
 _log = logging.getLogger(__name__)
@@ -43,11 +43,11 @@ _Colour = tuple[float, float, float, float]
 
 @dataclass(frozen=True, slots=True)
 class DrawnModel:
-    """A model as it is drawn.
+    """A model for drawing.
 
     Attributes:
-        urdf: The description; mesh files are named from the address of the model.
-        meshes: The files that it names.
+        urdf: The description; mesh files are named relative to the URL of the model.
+        meshes: The mesh files that it uses, by name.
     """
 
     urdf: bytes
@@ -55,10 +55,10 @@ class DrawnModel:
 
 
 class RobotModels:
-    """The models that were asked for; any thread may ask.
+    """The requested models; thread-safe.
 
     Args:
-        folder: Where they are kept.
+        folder: Folder in which they are stored.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -68,12 +68,12 @@ class RobotModels:
         self._lightening = _Lightening()
 
     def get(self, name: str) -> DrawnModel:
-        """Returns a model; the first time it may take some seconds, and whoever else asks waits for it, too.
+        """Returns a model; the first call may take some seconds, during which other callers wait as well.
 
         Raises:
-            UnknownName: Nobody knows how to build it.
-            Busy: It takes longer than that.
-            SkirosError: A part of it is not installed, or the server ends.
+            UnknownName: There is no such model.
+            Busy: It is not ready in time.
+            SkirosError: A part of it is not installed, or the server is shutting down.
         """
         model = self._begin(name)
         try:
@@ -84,12 +84,12 @@ class RobotModels:
             raise DeviceError("the server ends") from None
 
     def prepare(self, names: Iterable[str]) -> None:
-        """Has models made before anybody asks, beside everything else; what cannot be made is told who asks."""
+        """Makes models in the background before they are requested; errors are reported upon request."""
         for name in names:
             self._begin(name)
 
     def close(self) -> None:
-        """Leaves off whatever is being made."""
+        """Cancels the models being made."""
         self._lightening.close()
         self._maker.shutdown(cancel_futures=True)
 
@@ -124,7 +124,7 @@ class RobotModels:
 
 
 class _Lightening:
-    """Has meshes made light in a process of its own, which ends with the server at the latest."""
+    """Simplifies meshes in a process of its own, which ends with the server at the latest."""
 
     def __init__(self) -> None:
         self._changing = threading.Lock()
@@ -132,10 +132,10 @@ class _Lightening:
         self._closed = False
 
     def do(self, sources: tuple[Path, ...], folder: Path) -> Mapping[Path, tuple[MeshPiece, ...]]:
-        """Returns the pieces of meshes.
+        """Returns the simplified pieces of meshes.
 
         Raises:
-            DeviceError: The process died, or the server ends.
+            DeviceError: The process died, or the server is shutting down.
         """
         if not sources:
             return {}
@@ -152,7 +152,7 @@ class _Lightening:
         return pieces
 
     def close(self) -> None:
-        """Ends what is under way; nothing is begun any more."""
+        """Ends work in progress, and accepts no more."""
         self._closed = True
         self._end()
 
@@ -170,12 +170,12 @@ def _lightener() -> object:
 
 
 def _sources(robot: ET.Element) -> Iterator[Path]:
-    """Yields the file of each mesh, as often as it is drawn."""
+    """Yields the file of each mesh, once for each time that it is drawn."""
     yield from (Path(mesh.get("filename", "")) for mesh in robot.iter("mesh"))
 
 
 def _fingerprint(robot: ET.Element) -> str:
-    """Returns what changes with the model, its meshes, or how they are kept."""
+    """Returns a fingerprint that changes with the model, its meshes, and the cache format."""
     digest = hashlib.sha256(_FORM + ET.tostring(robot))
     for source in dict.fromkeys(_sources(robot)):
         digest.update(source.read_bytes() if source.is_file() else b"none")
@@ -183,7 +183,7 @@ def _fingerprint(robot: ET.Element) -> str:
 
 
 def _read(folder: Path) -> DrawnModel | None:
-    """Reads what is kept; None where nothing is, or not all of it."""
+    """Reads a stored model; None if it is missing or incomplete."""
     try:
         urdf = (folder / "robot.urdf").read_bytes()
         names = {mesh.get("filename", "").removeprefix(MESHES) for mesh in ET.fromstring(urdf).iter("mesh")}  # noqa: S314 - our own
@@ -197,7 +197,7 @@ def _triangles(robot: ET.Element, pieces: Mapping[Path, tuple[MeshPiece, ...]]) 
 
 
 def _keep(model: DrawnModel, folder: Path) -> None:
-    """Writes a model; a folder is there wholly or not at all, and if it cannot be there, it is made anew next time."""
+    """Writes a model atomically; if its folder cannot be written, the model is made again next time."""
     try:
         folder.parent.mkdir(parents=True, exist_ok=True)
         with TemporaryDirectory(dir=folder.parent, prefix=".new-") as place:
@@ -206,17 +206,17 @@ def _keep(model: DrawnModel, folder: Path) -> None:
             (new / "robot.urdf").write_bytes(model.urdf)
             for name, content in model.meshes.items():
                 (new / name).write_bytes(content)
-            shutil.rmtree(folder, ignore_errors=True)  # one of which something is missing
+            shutil.rmtree(folder, ignore_errors=True)  # an incomplete one
             new.rename(folder)
     except OSError as error:
         _log.warning("the robot model is not kept: %s", error)
 
 
-# ---------------------------------------------------------------- what is drawn
+# ---------------------------------------------------------------- drawing
 
 
 def _draw(robot: ET.Element, pieces: Mapping[Path, tuple[MeshPiece, ...]]) -> None:
-    """Puts light meshes in the place of those of the model: one shape for each colour."""
+    """Replaces the meshes of the model by simplified ones: one shape for each colour."""
     colours = _colours(robot)
     for link in robot.iter("link"):
         for visual in link.findall("visual"):
@@ -231,7 +231,7 @@ def _draw(robot: ET.Element, pieces: Mapping[Path, tuple[MeshPiece, ...]]) -> No
 
 
 def _colours(robot: ET.Element) -> Mapping[str, _Colour]:
-    """Returns the colours that materials have anywhere in the model: they are said once, and meant everywhere."""
+    """Returns the colours of all materials: each is defined once, and valid in the whole model."""
     found: dict[str, _Colour] = {}
     for material in robot.iter("material"):
         colour = material.find("color")

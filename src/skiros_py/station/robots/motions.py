@@ -1,4 +1,4 @@
-"""Where the robots are about to go, for people: what planners answered, until it is done or given up."""
+"""The planned motions of the robots, for display: the answers of planners until executed or abandoned."""
 
 from __future__ import annotations
 
@@ -25,22 +25,22 @@ from skiros_py.ports.values import Snapshot
 from skiros_py.station.session import Session
 
 MOST_POINTS = 60
-"""Points on the way of one arm."""
+"""Number of points on the path of one arm."""
 _KEPT = 8
-"""Plans kept that nobody has looked at yet."""
+"""Number of plans kept that were not processed yet."""
 _THERE, _FACING, _BENT = 0.04, math.radians(3.0), 0.02
-"""How far from the end of its way a base may stand [m, rad], and an arm's joints [rad]."""
+"""Tolerances at the end of the path, of a base [m, rad] and of an arm's joints [rad]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Way:
-    """What was planned for one device.
+    """A plan for one device.
 
     Attributes:
         device: Id of the base or arm.
-        call: What was asked, and the answer.
-        asker: Who asked; None where nobody knows.
-        time: When [s, run time].
+        call: The request and its answer.
+        asker: The module that requested it; None if unknown.
+        time: Time of the request [s, run time].
     """
 
     device: str
@@ -49,22 +49,22 @@ class _Way:
     time: float
 
     def is_over(self, snapshot: Snapshot, period: float) -> bool:
-        """Tells whether the device has come to its end, or whoever asked goes there no more."""
+        """Returns whether the device has reached the end, or the requesting module has abandoned the plan."""
         if isinstance(self.asker, Task) and self.asker.done:
             return True
         answer = self.call.answer.result()
         if isinstance(answer, BasePath):
             return _base_arrived(snapshot, self.device, self.call, answer)
         samples = sum(len(leg.positions) for leg in answer.legs)
-        if snapshot.time < self.time + samples * period:  # a pose on the way may be that at the end
+        if snapshot.time < self.time + samples * period:  # a pose on the way may equal that at the end
             return False
         return _arm_arrived(snapshot, self.device, answer)
 
 
 class Motions:
-    """What each robot is about to do; for any thread.
+    """The planned motions of each robot; thread-safe.
 
-    Nothing is worked out in the control thread: it only notes what is planned.
+    Nothing is computed in the control thread, which only records the plans.
     """
 
     def __init__(self) -> None:
@@ -77,7 +77,7 @@ class Motions:
         self._leave: Callable[[], None] = lambda: None
 
     def open(self, session: Session) -> None:
-        """Notes the plans of a session."""
+        """Records the plans of a session."""
         robots = session.spec.robots
         with self._lock:
             self._asked = {robot.id: deque(maxlen=_KEPT) for robot in robots}
@@ -87,13 +87,13 @@ class Motions:
         self._leave = session.runtime.asked.subscribe(self._note)
 
     def close(self, _session: Session) -> None:
-        """Notes them no longer; what was planned in it is given up."""
+        """Stops recording, and drops the plans of the session."""
         self._leave()
         with self._lock:
             self._session, self._asked, self._ways = None, {}, {}
 
     def numbers(self) -> dict[str, int]:
-        """Returns for each robot a number that is another one as soon as its motion is."""
+        """Returns for each robot a number that changes with its planned motion."""
         with self._lock:
             if self._session is None:
                 return {}
@@ -102,7 +102,7 @@ class Motions:
             return {robot: self._counts[robot] for robot in self._ways}
 
     def motion(self, robot: RobotSpec) -> RobotMotion:
-        """Returns what a robot is about to do."""
+        """Returns the planned motion of a robot."""
         with self._lock:
             if self._session is not None and robot.id in self._ways:
                 self._look(self._session, robot.id)
@@ -118,7 +118,7 @@ class Motions:
         return RobotMotion(number=number, base=base, arms=tuple(arms))
 
     def _tips(self, request: MotionRequest, plan: MotionPlan) -> tuple[tuple[float, float, float], ...]:
-        """Returns the positions of an arm's tip on its way, in the map [m]; none without kinematics of the robot."""
+        """Returns the positions of an arm's tip along its path, in the map [m]; none without kinematics."""
         rows = [row for leg in plan.legs for row in leg.positions.tolist()]
         if self._session is None or not rows:
             return ()
@@ -130,7 +130,7 @@ class Motions:
         return tuple((request.base @ kinematics.pose(arm.tip, posture)).position for posture in postures)
 
     def _note(self, call: LibraryCall) -> None:
-        """Keeps what was asked; in the control thread."""
+        """Records a request; called in the control thread."""
         request, session = call.request, self._session
         if session is None or not isinstance(request, BasePathRequest | MotionRequest):
             return
@@ -141,7 +141,7 @@ class Motions:
                 self._asked[self._robots[device]].append(_Way(device, call, board.owner, board.now))
 
     def _look(self, session: Session, robot: str) -> None:
-        """Takes over what was answered, and drops what is over; with the lock."""
+        """Adopts new answers, and drops finished plans; the caller holds the lock."""
         asked, ways = self._asked[robot], self._ways[robot]
         board = session.cycle.board
         while asked and asked[0].call.answer.done():
@@ -158,7 +158,7 @@ class Motions:
 def _is_plan(call: LibraryCall) -> bool:
     try:
         return isinstance(call.answer.result(), BasePath | MotionPlan)
-    except SkirosError:  # whoever asked says what broke
+    except SkirosError:  # reported by the caller of the request
         return False
 
 
@@ -179,7 +179,7 @@ def _arm_arrived(snapshot: Snapshot, arm: str, plan: MotionPlan) -> bool:
 
 
 def _waypoints(request: BasePathRequest, path: BasePath) -> tuple[Waypoint, ...]:
-    """Returns where a base begins, where each leg ends, and how it turns at last."""
+    """Returns the start of a base path, the end of each leg, and the final heading."""
     x, y, _ = request.start.position
     points = [Waypoint(x=x, y=y, heading=request.start.yaw)]
     for leg in path.legs:
@@ -191,6 +191,6 @@ def _waypoints(request: BasePathRequest, path: BasePath) -> tuple[Waypoint, ...]
 
 
 def _spread(count: int) -> list[int]:
-    """Returns which of so many to take: the first, the last, and evenly between."""
+    """Returns the indices to take of a number of points: the first, the last, and evenly spaced ones between."""
     most = min(count, MOST_POINTS)
     return sorted({round(index * (count - 1) / max(1, most - 1)) for index in range(most)})

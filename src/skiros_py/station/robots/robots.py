@@ -1,4 +1,4 @@
-"""Robots as they are told to whoever asks, and what is started on one of them by hand."""
+"""Robots as the API shows them, and modules started on one of them by hand."""
 
 from __future__ import annotations
 
@@ -37,14 +37,14 @@ from skiros_py.world.vocabulary import HELD_BY
 
 _UNLIMITED = JointRange(None, None, None)
 
-# ---------------------------------------------------------------------- what there is
+# ---------------------------------------------------------------------- description
 
 
 def robot_of(session: Session, id_: str) -> RobotSpec:
     """Returns a robot.
 
     Raises:
-        UnknownName: There is none of that id.
+        UnknownName: There is none with this id.
     """
     by_id = {robot.id: robot for robot in session.spec.robots}
     if id_ not in by_id:
@@ -53,7 +53,7 @@ def robot_of(session: Session, id_: str) -> RobotSpec:
 
 
 def info(session: Session, robot: RobotSpec) -> RobotInfo:
-    """Describes a robot; in any thread."""
+    """Describes a robot; callable in any thread."""
     model, view = session.runtime.context.frames.kinematics(robot), session.world.snapshot()
     return RobotInfo(
         id=robot.id,
@@ -101,11 +101,11 @@ def _agents(session: Session, robot: RobotSpec) -> tuple[str, ...]:
     return tuple(a for a in sorted(session.managers) if view.has(a) and owner(view, a) == robot.id)
 
 
-# ---------------------------------------------------------------------- where it is
+# ---------------------------------------------------------------------- state
 
 
 def reading(session: Session, robot: RobotSpec) -> RobotReading:
-    """Tells where a robot is at this moment; quick, and for any thread."""
+    """Returns the present state of a robot; does not block; callable from any thread."""
     snapshot, view = session.cycle.board.snapshot, session.world.snapshot()
     placement = view.placement(robot.id) if view.has(robot.id) else None
     grippers = {g.id: snapshot.state(g.id, GripperState) for g in robot.of(GripperSpec)}
@@ -148,15 +148,15 @@ def _pose(pose: Pose) -> PoseInfo:
     return PoseInfo(position=pose.position, orientation=pose.orientation)
 
 
-# ---------------------------------------------------------------------- by hand
+# ---------------------------------------------------------------------- manual operation
 
 
 def jog(robot: RobotSpec, wanted: Jog) -> tuple[str, dict[str, Any]]:
-    """Returns which primitive does what is wanted, and with which arguments.
+    """Returns the primitive that executes a jog request, and its arguments.
 
     Raises:
         UnknownName: The robot has no such arm or gripper.
-        UsageError: It has several, and nobody said which; or it is no small step.
+        UsageError: It has several, and the request does not name one; or the step is too large.
     """
     if wanted.joints is not None:
         arm = _one("arm", wanted.joints.arm, [arm.id for arm in robot.of(ArmSpec)])
@@ -201,11 +201,11 @@ def _require_short(what: str, way: tuple[float, ...], most: float, unit: str) ->
 def start_by_hand(
     session: Session, runs: ModuleRuns, robot: RobotSpec, module: str, arguments: Mapping[str, Any], by: str
 ) -> ModuleRun:
-    """Starts a module on a robot that does nothing else; in the control thread.
+    """Starts a module on an idle robot; to be called in the control thread.
 
     Raises:
-        UsageError: The robot has no such module, or something is wrong with the arguments.
-        WrongState: Something is under way on that robot, or everything was halted.
+        UsageError: The robot has no such module, or the arguments are not valid.
+        WrongState: The robot is busy, or everything is halted.
     """
     able = [agent for agent in _agents(session, robot) if module in session.managers[agent].modules]
     if not able:
@@ -221,7 +221,7 @@ def start_by_hand(
 
 
 def _at_work(session: Session, robot: RobotSpec) -> str:
-    """Returns what is under way on a robot; empty where it waits for a person, or stands paused between two steps."""
+    """Returns the activity of a robot; empty if it waits for a person, or is paused between two steps."""
     agents = _agents(session, robot)
     running = [f"{name} of {agent}" for agent in agents for name in session.managers[agent].running]
     tasks = [task.name for task in session.tasks.active if _may_move(task, agents)]

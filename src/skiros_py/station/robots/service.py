@@ -1,4 +1,4 @@
-"""Use cases: robots, what they look like, see and are about to do; moving and teaching them by hand."""
+"""Use cases: robots with their models, looks and planned motions; jogging and teaching them."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _LESSONS = {"grasp": "teach_grasp", "driving-pose": "teach_driving_pose", "placi
 
 
 class RobotService:
-    """Describes robots, and starts on one of them what a person wants by hand.
+    """Describes robots, and executes manual operations on them.
 
     Args:
         station: The station.
@@ -42,20 +42,20 @@ class RobotService:
         """Describes one robot.
 
         Raises:
-            NotFound: There is none of that id.
+            NotFound: There is none with this id.
         """
         return robots.info(self._station.session, self._find(id_))
 
     def reading(self, id_: str) -> RobotReading:
-        """Returns joints, tool, fingers and base of a robot as they are now; poses are those of localisation."""
+        """Returns the present state of joints, tool, fingers and base of a robot; poses are those of localisation."""
         return robots.reading(self._station.session, self._find(id_))
 
     def motion(self, id_: str) -> RobotMotion:
-        """Returns the motions that are planned for a robot's base and arms."""
+        """Returns the planned motions of a robot's base and arms."""
         return self._station.motions.motion(self._find(id_))
 
     def look(self, id_: str, camera: str) -> Look:
-        """Returns the last picture of a camera in which something was looked for, as points in the map.
+        """Returns the last picture of a camera used for perception, as points in the map.
 
         Raises:
             NotFound: There is no such robot or camera.
@@ -67,7 +67,7 @@ class RobotService:
         """Returns the visual model of a robot.
 
         Raises:
-            NotFound: There is none of that id.
+            NotFound: There is none with this id.
             Busy: It is being made.
             Refused: The model cannot be read.
         """
@@ -76,14 +76,14 @@ class RobotService:
             return self._station.robot_models.get(robot.model)
         except Busy:
             raise
-        except SkirosError as error:  # cells of plug-ins may have robots of their own
+        except SkirosError as error:  # cells of plug-ins may have their own robots
             raise Refused("NoModel", f"nobody knows what {id_} looks like: {error}") from None
 
     def mesh(self, id_: str, name: str) -> bytes:
         """Returns a mesh of a robot's model as binary STL [m].
 
         Raises:
-            NotFound: There is no such robot, or its model names no such mesh.
+            NotFound: There is no such robot, or its model has no such mesh.
         """
         meshes = self.model(id_).meshes
         with addressed("UnknownMesh"):
@@ -91,25 +91,25 @@ class RobotService:
                 raise UnknownName("mesh", name, meshes)
         return meshes[name]
 
-    # ------------------------------------------------------------------ by hand
+    # ------------------------------------------------------------------ manual operation
 
     def jog(self, id_: str, request: Jog, author: Author = LIBRARY) -> ModuleRunInfo:
-        """Moves joints, tool, base or fingers by a little.
+        """Moves joints, tool, base or fingers by a small step.
 
         Raises:
-            NotFound: There is none of that id.
-            UsageError: It is no small step, or the robot has no such device.
-            WrongState: Something is under way on that robot.
+            NotFound: There is none with this id.
+            UsageError: The step is too large, or the robot has no such device.
+            WrongState: The robot is busy.
         """
         module, arguments = robots.jog(self._find(id_), request)
         return self._start(id_, module, arguments, author)
 
     def teach(self, id_: str, request: Teach, author: Author = LIBRARY) -> ModuleRunInfo:
-        """Has a robot learn from its present pose: a grasp, a driving pose, a placing pose."""
+        """Teaches a robot a grasp, driving pose or placing pose from its present pose."""
         return self._start(id_, _LESSONS[request.what], request.arguments, author)
 
     def home(self, id_: str, request: HomeRobot, author: Author = LIBRARY) -> ModuleRunInfo:
-        """Brings one arm or all arms into the travelling posture, and opens empty grippers."""
+        """Moves one arm or all arms into the travelling posture, and opens empty grippers."""
         arguments = {} if request.arm is None else {"arm": request.arm}
         return self._start(id_, "home", {"robot": id_, **arguments}, author)
 
@@ -139,23 +139,23 @@ class DeviceService:
         self._station = station
 
     def all(self) -> list[DeviceInfo]:
-        """Describes all devices of the cell, with the values that each offers."""
+        """Describes all devices of the cell, with the values that each provides."""
         return devices.device_infos(self._station.session)
 
     def get(self, id_: str) -> DeviceInfo:
         """Describes one device.
 
         Raises:
-            NotFound: There is none of that id.
+            NotFound: There is none with this id.
         """
         with addressed():
             return devices.device_info(self._station.session, id_)
 
     def open(self, id_: str) -> DeviceInfo:
-        """Opens a device: its driver is connected, and modules may use it.
+        """Opens a device: connects its driver, and lets modules use it.
 
         Raises:
-            NotFound: There is none of that id.
+            NotFound: There is none with this id.
             Refused: Its driver cannot be connected.
         """
         with addressed():
@@ -163,21 +163,21 @@ class DeviceService:
         return self.get(id_)
 
     def close(self, id_: str) -> DeviceInfo:
-        """Closes a device: no module may use it; with the last device of a driver, the driver is disconnected.
+        """Closes a device: no module may use it; with its last device, the driver is disconnected.
 
         Raises:
-            NotFound: There is none of that id.
-            WrongState: Something uses it, or it moves.
+            NotFound: There is none with this id.
+            WrongState: It is in use, or it moves.
         """
         with addressed():
             close_device(self._station.control, id_)
         return self.get(id_)
 
     def reading(self, id_: str) -> DeviceReading:
-        """Returns the state of a device, and the values that it offers.
+        """Returns the state of a device, and the values that it provides.
 
         Raises:
-            NotFound: There is none of that id.
+            NotFound: There is none with this id.
         """
         with addressed():
             return devices.device_reading(self._station.session, id_)

@@ -1,1 +1,1 @@
-"""Scenes that can be saved and loaded."""
+"""Saving and loading of scenes."""

@@ -1,4 +1,4 @@
-"""What of a world is its scene: all but what skill managers write about themselves each time they come."""
+"""The scene within a world: everything except the modules that skill managers write each time they start."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _KINDS = ((SKILL, HAS_SKILL), (PRIMITIVE, HAS_PRIMITIVE))
 
 
 def scene_only(world: Index) -> Index:
-    """Returns a state without the modules that skill managers offer."""
+    """Returns a state without the modules of skill managers."""
     work = Workspace(world)
     for module, _ in _modules(world):
         work.erase(module)
@@ -22,9 +22,10 @@ def scene_only(world: Index) -> Index:
 
 
 def changes_to(scene: Index, world: Index) -> tuple[Edit, ...]:
-    """Returns the edits that make a scene of a world's present one.
+    """Returns the edits that turn a world's present scene into another one.
 
-    What skill managers have written stays where their subsystems do, so that they find it when they come again.
+    The modules of skill managers are kept together with their subsystems, so that the managers find them when they
+    start again.
     """
     gone = [module for module, agent in _modules(world) if agent is None or not scene.has(agent)]
     leaving = tuple(ElementEdit(module, world.element(module), None) for module in gone)

@@ -1,4 +1,4 @@
-"""Loads another scene into a running station, as one change of its world, and lets it live on in that."""
+"""Loads another scene into a running station, as one change of its world, and reopens its session."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from skiros_py.world.view import WorldView
 from skiros_py.world.world import World
 
 LOADED = "loaded scene "
-"""What the reasons of such changes begin with; the name of the scene comes next, or "(upload)"."""
+"""Prefix of the reasons of such changes, followed by the name of the scene, or "(upload)"."""
 _UPLOAD = "(upload)"
 _FIRST = "read from "
 
@@ -26,22 +26,22 @@ _FIRST = "read from "
 def load(
     control: ControlThread, data: Path, scene: Index, name: str, *, author: str, holder: str = "", seen: int | None
 ) -> None:
-    """Makes the live world's scene another one; what was learned stays. Returns when the station is up again.
+    """Replaces the scene of the live world, keeping learned concepts. Returns when the station is up again.
 
-    Robots, skill managers and bodies are those of the new scene then. Where they cannot be brought up, the scene is
-    again what it was.
+    Robots, skill managers and bodies are then those of the new scene. If they cannot be brought up, the old scene is
+    restored.
 
     Args:
         control: Runs the session.
         data: The data directory.
-        scene: What it shall be.
-        name: What that is called; empty for an upload.
-        author: Who wants it.
-        holder: Whose locks let it through, where they are not the author's.
-        seen: Version of the world that they have seen; None for any.
+        scene: The new scene.
+        name: Its name; empty for an upload.
+        author: The author of the change.
+        holder: Owner of the locks that permit it, if not the author.
+        seen: Version of the world that the author has seen; None for any.
 
     Raises:
-        WrongState: Something is under way.
+        WrongState: The station is not idle.
         StaleVersion: The world was changed since.
         WorldError: A lock or a reasoner does not allow it.
         SkirosError: The station cannot be brought up in that scene; it is up in the old one.
@@ -69,8 +69,8 @@ def check_scene(session: Session, scene: WorldView) -> None:
     """Checks whether a session such as this one could be opened in another scene.
 
     Raises:
-        UnknownName: The robot that was chosen is not in it.
-        DescriptionError: A robot or body lacks something, or has no room.
+        UnknownName: The chosen robot is not in it.
+        DescriptionError: The description of a robot or body is incomplete, or there is no room for it.
         WorldError: A shape cannot be read.
     """
     spec = read_cell(scene, session.robots_in(scene), simulated=session.simulates)
@@ -81,10 +81,10 @@ def check_scene(session: Session, scene: WorldView) -> None:
 
 
 def check_reopening(session: Session) -> None:
-    """Checks whether a session could be closed and opened again; then believes what would be so.
+    """Checks whether a session could be closed and opened again; then updates the beliefs accordingly.
 
     Raises:
-        SkirosError: It could not; the beliefs are as they were.
+        SkirosError: It could not; the beliefs are unchanged.
     """
     world = session.world
     if session.simulates and isinstance(world.log, Journal):
@@ -94,10 +94,10 @@ def check_reopening(session: Session) -> None:
 
 
 def require_rest(session: Session) -> None:
-    """Checks that nothing is under way, and that no job was left in the middle of its work.
+    """Checks that the station is idle, and that no job is interrupted in the middle of its work.
 
     Raises:
-        WrongState: Something is.
+        WrongState: It is not idle, or there is such a job.
     """
     if not session.resting:
         raise WrongState(
@@ -110,7 +110,7 @@ def require_rest(session: Session) -> None:
 
 
 def _take_back(data: Path, old: Index, change: Change | None) -> None:
-    """Makes the scene what it was, while no session has the data directory."""
+    """Restores the old scene, while no session has the data directory open."""
     with open_data(data, create=False) as directory:
         world = directory.world
         reason = "takes the last scene back: the station cannot be brought up in it"
@@ -120,7 +120,7 @@ def _take_back(data: Path, old: Index, change: Change | None) -> None:
 
 
 def scene_of(world: World) -> tuple[str, int]:
-    """Returns the name of the scene that was loaded last, and the change that did it.
+    """Returns the name of the scene loaded last, and the number of the change that loaded it.
 
     The name is empty for an upload, and if it is no longer known.
     """

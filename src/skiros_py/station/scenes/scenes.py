@@ -1,4 +1,4 @@
-"""Scenes that can be loaded: those that came with packages, and those saved in the data directory."""
+"""The available scenes: those installed with packages, and those saved in the data directory."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ class SceneFile:
 
     Attributes:
         name: Name of the scene.
-        path: Where it is.
-        saved: True for one in the data directory, False for one that came with a package.
+        path: Its path.
+        saved: True if it is in the data directory, False if it was installed with a package.
     """
 
     name: str
@@ -38,7 +38,7 @@ class SceneFile:
 
     @property
     def version(self) -> int:
-        """A number that is another one when the file says something else.
+        """A number that changes with the content of the file.
 
         Raises:
             FileError: It cannot be read.
@@ -50,7 +50,7 @@ class SceneFile:
 
     @property
     def written(self) -> datetime | None:
-        """When it was saved; None for one that is installed, or gone meanwhile."""
+        """When it was saved; None for an installed scene, or one deleted meanwhile."""
         try:
             return datetime.fromtimestamp(self.path.stat().st_mtime, UTC) if self.saved else None
         except OSError:
@@ -58,10 +58,10 @@ class SceneFile:
 
 
 class SceneStore:
-    """The scenes of a server; for any thread.
+    """The scenes of a server; thread-safe.
 
     Args:
-        folder: Where scenes are saved; made when the first one is.
+        folder: Folder of saved scenes; created with the first one.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -73,12 +73,12 @@ class SceneStore:
         return sorted({*self._saved(), *scene_names()})
 
     def find(self, name: str) -> SceneFile:
-        """Returns the file of a scene; a saved one comes before one that was installed later under the same name.
+        """Returns the file of a scene; a saved scene takes precedence over one installed later under the same name.
 
         Raises:
             UnknownName: There is no scene of that name.
-            UsageError: It cannot be a name; or the plug-in that it is from is broken.
-            FileError: It is a symbolic link to somewhere else.
+            UsageError: The name is not valid, or the plug-in that provides it is broken.
+            FileError: It is a symbolic link to a file elsewhere.
         """
         path = self._path(name) if _NAME.fullmatch(name) else None
         if path is not None and _is_plain(path):
@@ -89,16 +89,16 @@ class SceneStore:
             raise UnknownName("scene", name, self.names()) from None
 
     def save(self, name: str, scene: Index, *, expects: int | None = None) -> SceneFile:
-        """Saves a state as a scene, whole or not at all.
+        """Saves a state as a scene, atomically.
 
         Args:
-            name: Under which name.
+            name: Name of the scene.
             scene: The state.
-            expects: The version of the saved scene that it replaces; None where it shall be a new one.
+            expects: The version of the saved scene that it replaces; None for a new scene.
 
         Raises:
-            UsageError: It cannot be a name, or it is that of an installed scene.
-            StaleVersion: There is another version of it, or none.
+            UsageError: The name is not valid, or belongs to an installed scene.
+            StaleVersion: There is a different version of it, or none.
             FileError: It cannot be written.
         """
         if not _NAME.fullmatch(name):
@@ -115,9 +115,9 @@ class SceneStore:
         """Removes a saved scene.
 
         Raises:
-            UnknownName: There is none of that name.
-            UsageError: It is installed, not saved here.
-            StaleVersion: There is another version of it than expected.
+            UnknownName: There is none with this name.
+            UsageError: It is an installed scene.
+            StaleVersion: The present version is not the expected one.
         """
         with self._writing:
             file = self.find(name)
@@ -144,7 +144,7 @@ class SceneStore:
         yield from (file.stem for file in files if _NAME.fullmatch(file.stem) and _is_plain(file))
 
     def _path(self, name: str) -> Path:
-        """Returns where a scene is saved, which is in the folder and nowhere else."""
+        """Returns the path at which a scene is saved, which is always inside the folder."""
         path = self._folder / f"{name}{_SUFFIX}"
         if path.is_symlink() or not path.resolve().is_relative_to(self._folder.parent.resolve()):
             raise FileError(path, "is a symbolic link: scenes are saved as files of their own")

@@ -1,4 +1,4 @@
-"""Use cases: scenes that can be loaded, and the present one."""
+"""Use cases: the available scenes, and the present one."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ _SAVED_AS = "saved as"
 class SceneService(Service):
     """Saves, loads and compares scenes."""
 
-    # ------------------------------------------------------------------ scenes that can be loaded
+    # ------------------------------------------------------------------ available scenes
 
     def all(self, limit: int = 100, after: str = "") -> Scenes:
-        """Lists the scenes that came with packages and those that were saved, by name."""
+        """Lists installed and saved scenes, by name."""
         names = [name for name in self._station.scene_store.names() if name > after]
         page = names[:limit]
         return Scenes(items=list(self._entries(page)), next=page[-1] if len(names) > limit else None)
@@ -55,14 +55,14 @@ class SceneService(Service):
         )
 
     def save(self, name: str, seen: Seen | None = None) -> tuple[SceneEntry, int]:
-        """Saves what is believed now as a scene; returns its entry and its version.
+        """Saves the present beliefs as a scene; returns its entry and its version.
 
         Args:
-            name: Its name; a saved scene of that name is replaced if its version was seen.
+            name: Its name; a saved scene with that name is replaced if the author has seen its version.
             seen: That version.
 
         Raises:
-            Refused: It came with a package, its version was not said, or the disk is full.
+            Refused: It is an installed scene, its version was not given, or the disk is full.
             StaleVersion: It was changed since it was seen.
         """
         version, now = self._station.session.world.state()
@@ -79,7 +79,7 @@ class SceneService(Service):
 
         Raises:
             NotFound: There is none of that name.
-            Refused: It came with a package.
+            Refused: It is an installed scene.
             StaleVersion: It was changed since it was seen.
         """
         if not self._file(name).saved:
@@ -90,7 +90,7 @@ class SceneService(Service):
     # ------------------------------------------------------------------ the present scene
 
     def present(self) -> PresentScene:
-        """Describes the present scene: which was loaded last, and whether it was changed since."""
+        """Describes the present scene: which scene was loaded last, and whether it was changed since."""
         version, now = self._station.session.world.state()
         name = self._name()
         return PresentScene(
@@ -106,15 +106,15 @@ class SceneService(Service):
     def load(
         self, name: str = "", turtle: bytes = b"", seen: Seen | None = ANY_VERSION, author: Author = LIBRARY
     ) -> PresentScene:
-        """Loads a scene, by its name or as Turtle; what robots were taught stays.
+        """Loads a scene, by its name or as Turtle, keeping the concepts taught to robots.
 
-        It is read and checked beside the present one, which stays where anything is wrong.
+        It is read and checked beside the present scene, which is kept if there is any fault.
 
         Raises:
             NotFound: There is none of that name.
             Refused: It is broken.
             StaleVersion: The world was changed since it was seen.
-            WrongState: Something is under way.
+            WrongState: The station is not idle.
         """
         station = self._station
         session = station.session
@@ -133,17 +133,17 @@ class SceneService(Service):
         return self.present()
 
     def turtle(self) -> tuple[str, int]:
-        """Returns the present scene as the text of a file, and the version of the world."""
+        """Returns the present scene as Turtle, and the version of the world."""
         version, now = self._station.session.world.state()
         return scene_turtle(scene_only(now)), version
 
     def difference(self, name: str, begin: int = 0, limit: int = 100) -> SceneDifference:
-        """Returns what makes the present scene of another one.
+        """Returns the edits that turn another scene into the present one.
 
         Args:
             name: The other scene.
-            begin: How many edits to skip.
-            limit: How many at most.
+            begin: Number of edits to skip.
+            limit: Maximum number of edits.
 
         Raises:
             NotFound: There is none of that name.
@@ -174,14 +174,14 @@ class SceneService(Service):
         station = self._station
         try:
             return bool(station.stage.compare(station.session, station.scene_store.find(name))[1])
-        except (UsageError, FileError):  # it was uploaded, or removed since
+        except (UsageError, FileError):  # uploaded, or removed since
             return None
 
     def _entries(self, names: list[str]) -> Iterator[SceneEntry]:
         for name in names:
             try:
                 yield _entry(self._station.scene_store.find(name))
-            except (UsageError, FileError):  # removed meanwhile, or its plug-in is broken, which GET /plugins tells
+            except (UsageError, FileError):  # removed meanwhile, or its plug-in is broken, which GET /plugins reports
                 continue
 
     def _file(self, name: str) -> SceneFile:
@@ -189,7 +189,7 @@ class SceneService(Service):
             return self._station.scene_store.find(name)
 
     def _expected(self, name: str, seen: Seen | None) -> int | None:
-        """Returns the version of the saved scene that may be replaced; None where there is none."""
+        """Returns the version of the saved scene that may be replaced; None if there is none."""
         try:
             with _broken("SceneBroken", name):
                 file = self._station.scene_store.find(name)
@@ -198,7 +198,7 @@ class SceneService(Service):
         if not file.saved:
             text = f"'{name}' is a scene that came with a package: choose another name"
             raise Refused("SceneInstalled", text)
-        version = file.version  # read once: another save may come in between
+        version = file.version  # read once: the file may be saved again meanwhile
         require_seen(seen, version)
         return version
 
@@ -218,7 +218,7 @@ def _source(file: SceneFile) -> Any:
 
 @contextmanager
 def _broken(code: str, name: str) -> Iterator[None]:
-    """Says of a scene that cannot be read what is wrong with it, and where."""
+    """Converts errors while reading a scene into refusals that name fault and location."""
     try:
         yield
     except FileError as error:

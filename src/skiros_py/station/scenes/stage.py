@@ -1,4 +1,4 @@
-"""Reads scenes beside the live world: one that is broken, or that no session could live in, changes nothing."""
+"""Reads scenes beside the live world, so that a broken or unusable scene changes nothing."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ from skiros_py.world.scene import diff, load_scene
 from skiros_py.world.world import World
 
 _KEPT = 8
-"""So many scenes are kept as they were read, for those who look often."""
+"""Number of scenes cached after reading, for frequent requests."""
 _THIS, _LABEL = SCENE + "this", STANDARD_PREFIXES["rdfs"] + "label"
 
 
 class SceneStage:
-    """Reads scenes, one at a time: that takes the interpreter's time from the control cycle."""
+    """Reads scenes, one at a time, because reading takes interpreter time from the control cycle."""
 
     def __init__(self) -> None:
         self._reading = threading.Lock()
@@ -35,14 +35,14 @@ class SceneStage:
         self._compared: tuple[tuple[object, ...], tuple[Edit, ...]] | None = None
 
     def read(self, session: Session, file: SceneFile) -> Index:
-        """Returns what a scene file says.
+        """Returns the content of a scene file.
 
         Args:
-            session: Has the ontology and the reasoners.
+            session: Provides the ontology and the reasoners.
             file: The file.
 
         Raises:
-            FileError: It is broken, with the line where known.
+            FileError: It is broken; the error contains the line if known.
         """
         key = (id(session), file.path, file.version)
         with self._reading:
@@ -54,10 +54,10 @@ class SceneStage:
             return self._known[key][1]
 
     def read_text(self, session: Session, text: bytes) -> Index:
-        """Returns what a scene says that was sent as Turtle; nothing of it is fetched from anywhere.
+        """Returns the content of a scene sent as Turtle; no imports are fetched from the network.
 
         Raises:
-            FileError: It is broken, with the line where known.
+            FileError: It is broken; the error contains the line if known.
         """
         with self._reading, tempfile.TemporaryDirectory(prefix="skiros-scene-") as folder:
             path = Path(folder) / "scene.ttl"
@@ -68,7 +68,7 @@ class SceneStage:
         """Checks whether a session could be opened in a scene.
 
         Raises:
-            UsageError: It has no robot to use, or goals that cannot be understood; or a robot or body lacks something.
+            UsageError: It has no usable robot, invalid goals, or incomplete descriptions of robots or bodies.
         """
         try:
             parse_goal(scene.goals, scene, session.catalogue.conditions)
@@ -77,7 +77,7 @@ class SceneStage:
             raise UsageError(f"the station cannot be brought up in that scene: {error}") from error
 
     def compare(self, session: Session, file: SceneFile) -> tuple[int, tuple[Edit, ...]]:
-        """Returns the version of the world, and what makes it of a scene.
+        """Returns the version of the world, and the edits that turn the scene into it.
 
         Raises:
             FileError: The scene is broken.
@@ -90,7 +90,7 @@ class SceneStage:
         return version, known[1]
 
     def forget(self, session: Session) -> None:
-        """Forgets what was read for a session."""
+        """Clears the cache of a session."""
         with self._reading:
             for key in [key for key, (owner, _) in self._known.items() if owner is session]:
                 del self._known[key]
@@ -98,7 +98,7 @@ class SceneStage:
 
     @staticmethod
     def title(file: SceneFile) -> str:
-        """Returns what a scene calls itself; its name where it does not say, or cannot be read.
+        """Returns the title of a scene; its name if it has none, or cannot be read.
 
         Raises:
             FileError: It is broken.
@@ -114,6 +114,6 @@ def _read(session: Session, path: Path) -> Index:
 
 
 def shown(error: FileError) -> str:
-    """Returns what is wrong with a scene without the path of its file, which is private."""
+    """Returns the fault of a scene without the path of its file, which is private."""
     where = f"line {error.line}: " if error.line else ""
     return where + error.reason.replace(str(error.path.parent), "…")

@@ -1,6 +1,6 @@
-"""Bodies follow beliefs while nothing runs (D8): who edits the scene then says how things are.
+"""Keeps simulated bodies in line with beliefs while the station is idle (D8): scene edits then define the truth.
 
-During a run people edit beliefs alone; a body is then moved by a verb of the simulation, which tells no robot.
+During a run, edits change beliefs only; a body is then moved by a command of the simulation, unknown to the robots.
 """
 
 from __future__ import annotations
@@ -23,16 +23,16 @@ from skiros_py.world.index import Index
 from skiros_py.world.view import WorldView
 
 _FIXED = (v.ROBOT, v.DEVICE, v.STOCK)
-"""What these are made of is read once, when the session is opened."""
+"""Classes whose elements are read only once, when the session is opened."""
 _MOST_STALE = 100
 
 
 class Bodies:
-    """Has the bodies of each session follow what people write; see :attr:`stale` for what cannot follow.
+    """Makes the bodies of each session follow edits by people; see :attr:`stale` for edits that cannot be followed.
 
     Args:
         control: Runs the sessions.
-        alarms: Gets what cannot follow.
+        alarms: Receives the edits that cannot be followed.
     """
 
     def __init__(self, control: ControlThread, alarms: Alarms) -> None:
@@ -45,7 +45,7 @@ class Bodies:
 
     @property
     def stale(self) -> tuple[str, ...]:
-        """What was changed so that only a new session brings it about, as sentences."""
+        """The edits that take effect only in a new session, as sentences."""
         return tuple(self._stale.values())
 
     def _open(self, session: Session) -> None:
@@ -59,7 +59,7 @@ class Bodies:
         self._alarms.clear_all(AlarmKind.STALE)
 
     def _hear(self, session: Session, change: Change) -> None:
-        """In the thread that wrote: it must not wait for the control thread, which may be telling of changes itself."""
+        """Handles a change in the thread that wrote it; must not wait for the control thread, which may be notifying, too."""
         if change.writer is Writer.PERSON:
             self._control.soon(partial(self._follow, session, change))
 
@@ -80,7 +80,7 @@ class Bodies:
             if not view.has(name):
                 self._settle(name)
                 session.simulation.scene.follow_belief(name, None, moved=True, seed=0)
-        wanted.sort(key=lambda body: (body.mass > 0.0, body.compartment, body.id))  # what carries comes first
+        wanted.sort(key=lambda body: (body.mass > 0.0, body.compartment, body.id))  # carriers first
         moved = _moved(view, change.edits)
         for body in wanted:
             self._put(session, body, moved=body.id in moved)
@@ -108,13 +108,13 @@ class Bodies:
             self._alarms.raise_(AlarmKind.STALE, sentence, name, severity=Severity.LOW)
 
     def _settle(self, name: str) -> None:
-        """Notes that a body is as it is believed to be."""
+        """Records that a body agrees with its belief."""
         self._stale.pop(name, None)
         self._alarms.clear(AlarmKind.STALE, name)
 
 
 def _fixed(view: Index, change: Change) -> Iterator[str]:
-    """Yields what was changed of robots, their pieces, and stocks; not where a robot is believed to be."""
+    """Yields the changed robots, pieces of robots, and stocks, ignoring the believed location of robots."""
     for name in sorted(_touched(view, change.edits, PropertyEdit, RelationEdit, ElementEdit)):
         if any(view.ontology.is_a(view.element(name).type, class_) for class_ in _FIXED):
             yield name
@@ -125,7 +125,7 @@ def _fixed(view: Index, change: Change) -> Iterator[str]:
 
 
 def _touched(view: Index, edits: tuple[Edit, ...], *kinds: type[Edit]) -> set[str]:
-    """Returns the elements there are of which something was changed that may matter to a body."""
+    """Returns the existing elements with changes that may affect a body."""
     named: set[str] = set()
     for edit in edits:
         if kinds and not isinstance(edit, kinds):
@@ -140,7 +140,7 @@ def _touched(view: Index, edits: tuple[Edit, ...], *kinds: type[Edit]) -> set[st
 
 
 def _moved(view: Index, edits: tuple[Edit, ...]) -> set[str]:
-    """Returns the elements that came, or were put somewhere else, with what rides on them."""
+    """Returns the elements that were added or moved, with those that ride on them."""
     named: set[str] = set()
     for edit in edits:
         if isinstance(edit, RelationEdit) and edit.relation == v.POSE_FRAME:
@@ -153,7 +153,7 @@ def _moved(view: Index, edits: tuple[Edit, ...]) -> set[str]:
 
 
 def _riders(view: Index, name: str) -> Iterator[str]:
-    """Yields what has its pose in the frame of an element, and so on; the frames are a tree."""
+    """Yields the elements with poses in the frame of an element, recursively; the frames are a tree."""
     waiting = [name] if view.has(name) else []
     for frame in waiting:
         riders = view.subjects(v.POSE_FRAME, frame)
@@ -162,7 +162,7 @@ def _riders(view: Index, name: str) -> Iterator[str]:
 
 
 def _bodies(session: Session, view: WorldView, changed: list[BodySpec]) -> tuple[BodySpec, ...]:
-    """Returns the cell's bodies as described now; those of a stock are no elements, and stay."""
+    """Returns the cell's bodies as described now; bodies in stock are not elements, and are kept."""
     new = {body.id: body for body in changed}
     stays = [new.pop(b.id, b) for b in session.spec.bodies if view.has(b.id) or "#" in b.id]
     return tuple(sorted((*stays, *new.values()), key=lambda b: (b.mass > 0.0, b.compartment, b.id)))

@@ -1,4 +1,4 @@
-"""What only a simulated world can be asked for: where bodies really are, to move them, another pace, pictures."""
+"""Use cases of a simulated world: true poses of bodies, moving bodies, pace, pictures."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ if TYPE_CHECKING:
 Point = tuple[float, float, float]
 
 _ASIDE = 1e-3
-"""How far an eye is moved that looks straight down [m]: else "up" would be undefined in the picture."""
+"""Offset of an eye that looks straight down [m]; without it, "up" would be undefined in the picture."""
 
 
 class Simulation:
-    """The simulation behind a server's sessions; for any thread.
+    """The simulation behind a server's sessions; thread-safe.
 
     Args:
         control: Runs the sessions.
-        bodies: Has bodies follow beliefs.
+        bodies: Makes bodies follow beliefs.
     """
 
     def __init__(self, control: ControlThread, bodies: Bodies) -> None:
@@ -44,7 +44,7 @@ class Simulation:
         control.on_open(self._keep_pace)
 
     def state(self) -> SimulationState:
-        """Returns how it goes on."""
+        """Returns the state of the simulation."""
         stuck, stale = self._control.stuck_for(), list(self._bodies.stale)
 
         def look(session: Session) -> SimulationState:
@@ -69,9 +69,9 @@ class Simulation:
     # ------------------------------------------------------------------ bodies
 
     def true_bodies(self) -> BodiesInfo:
-        """Returns where everything really is. This is the only use case that gives the truth away."""
+        """Returns the true poses of all bodies. This is the only use case that reveals the ground truth."""
         from skiros_py.station.judgement import (
-            true_whereabouts,  # brings the physics along, which a pretending robot lacks
+            true_whereabouts,  # imports the physics, which an installation with fakes only lacks
         )
 
         def look(session: Session) -> tuple[float, dict[str, str], Callable[[], Whereabouts]]:
@@ -81,7 +81,7 @@ class Simulation:
             return session.cycle.board.snapshot.time, types, true_whereabouts(_cell(session))
 
         time, types, work_out = self._control.call(look)
-        poses, places = work_out()  # not in the control thread, for it takes longer than a cycle
+        poses, places = work_out()  # not in the control thread, because it takes longer than a cycle
         view = self._control.session.world.snapshot()
         items = [
             SimulatedBody(
@@ -97,7 +97,7 @@ class Simulation:
         return BodiesInfo(time=time, items=items)
 
     def move(self, body: str, pose: BodyPose) -> None:
-        """Puts a body somewhere else, at rest, and tells no robot.
+        """Moves a body, at rest, without informing the robots.
 
         Raises:
             NotFound: There is no such body.
@@ -113,7 +113,7 @@ class Simulation:
         self._control.call(do)
 
     def remove(self, body: str) -> None:
-        """Takes a body away, and tells no robot.
+        """Removes a body without informing the robots.
 
         Raises:
             NotFound: There is no such body.
@@ -131,7 +131,7 @@ class Simulation:
     # ------------------------------------------------------------------ time
 
     def set_pace(self, pace: float) -> float:
-        """Goes on at another pace, also after the session was reopened; returns it.
+        """Sets the pace, which also holds after the session was reopened; returns it.
 
         Raises:
             WrongState: The session is in lockstep.
@@ -153,13 +153,13 @@ class Simulation:
             session.cycle.set_pace(self._pace)
 
     def reset(self, *, force: bool = False) -> SimulationState:
-        """Reopens the session: robots where the scene puts them, bodies as they are believed.
+        """Reopens the session, with robots where the scene puts them, and bodies as believed.
 
         Args:
-            force: True to stop first whatever is under way; jobs then wait for a person.
+            force: True to stop all activity first; jobs then wait for a person.
 
         Raises:
-            WrongState: Something is under way, or what is believed cannot be brought up.
+            WrongState: The station is not idle, or the believed scene cannot be brought up.
         """
 
         def prepare(session: Session) -> None:
@@ -174,25 +174,25 @@ class Simulation:
         self._control.reopen(prepare)
         return self.state()
 
-    # ------------------------------------------------------------------ looking
+    # ------------------------------------------------------------------ pictures
 
     def picture(self, eye: Point, target: Point, width: int, height: int) -> bytes:
-        """Makes a picture of the whole scene as it is now.
+        """Renders a picture of the whole scene as it is now.
 
         Args:
-            eye: Where the observer is, in the map [m].
-            target: Where the observer looks [m].
-            width: [px].
-            height: [px].
+            eye: Position of the observer in the map [m].
+            target: Point at which the observer looks [m].
+            width: Width of the picture [px].
+            height: Height of the picture [px].
 
         Returns:
             The picture as PNG.
 
         Raises:
-            UsageError: Both points are one.
-            Busy: Another picture is being made.
+            UsageError: Both points are the same.
+            Busy: Another picture is being rendered.
         """
-        from PIL import Image  # only where somebody wants a picture
+        from PIL import Image  # imported only for pictures
 
         seen_from = _not_straight_down(eye, target)
         if not self._drawing.acquire(blocking=False):

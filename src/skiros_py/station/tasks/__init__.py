@@ -1,1 +1,1 @@
-"""Tasks under way, and previews of goals."""
+"""Active tasks, and previews of goals."""

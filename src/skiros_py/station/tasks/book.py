@@ -1,4 +1,4 @@
-"""The tasks of a server: what is under way, and what was lately, each with what happened in it."""
+"""The active and recent tasks of a server, each with its trace."""
 
 from __future__ import annotations
 
@@ -17,22 +17,22 @@ from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.trace import TraceEntry
 
 _KEPT = 100
-"""Tasks that are over and still known; the oldest go first."""
+"""Number of ended tasks kept; the oldest are dropped first."""
 _ENTRIES = 1000
-"""Entries kept of the trace of each."""
+"""Number of trace entries kept per task."""
 
 
 class KeptTask:
-    """One task, as others see it; of one that is over no more is kept than is said here.
+    """One task, as seen by callers; of an ended task only these attributes are kept.
 
     Attributes:
         name: Its name.
         goal: Its conditions, as texts.
-        job: Id of the job that it is of; empty for none.
-        by: Who began it; empty where a job did.
-        wall: When it began [s since 1970].
-        entries: What happened; the last of very many.
-        forgotten: How many entries were dropped.
+        job: Id of the job to which it belongs; empty for none.
+        by: Name of the caller who started it; empty if a job did.
+        wall: When it started [s since 1970].
+        entries: The trace; only the latest entries of a very long one.
+        forgotten: Number of entries that were dropped.
     """
 
     def __init__(self, task: TaskHandle, *, job: str = "", by: str = "") -> None:
@@ -59,7 +59,7 @@ class KeptTask:
 
     @property
     def status(self) -> str:
-        """What it does now."""
+        """Its present status."""
         task = self.task
         return "ended" if task is None else task.status
 
@@ -71,21 +71,21 @@ class KeptTask:
 
     @property
     def report(self) -> GoalReport | None:
-        """What came of it; None until it is over."""
+        """Its result; None until it is over."""
         task = self.task
         return self._report if task is None else task.report
 
     @property
     def question(self) -> Question | None:
-        """What it asks a person."""
+        """Its pending question to a person."""
         task = self.task
         return None if task is None else task.question
 
     def command(self, verb: str, by: str) -> None:
-        """Pauses, resumes, steps or stops it; obeyed in the coming cycle.
+        """Pauses, resumes, steps or stops it; takes effect in the next cycle.
 
         Raises:
-            WrongState: It is over, or belongs to a job; stopping what is over changes nothing.
+            WrongState: It is over, or belongs to a job; stopping an ended task has no effect.
         """
         task = self.task
         if self.job and not self.over:
@@ -100,24 +100,24 @@ class KeptTask:
             getattr(task, verb)()
 
     def settle(self) -> None:
-        """Lets go of what is over."""
+        """Releases the task if it is over."""
         if self.task is not None and self.task.done:
             self._plan, self._report = self.task.plan, self.task.report
             self.task = None
 
 
 class TaskBook:
-    """All tasks, by name; of several of one name the last."""
+    """All tasks, by name; the latest of several with the same name."""
 
     def __init__(self) -> None:
         self._tasks: OrderedDict[str, KeptTask] = OrderedDict()
         self._guard = threading.Lock()
         self._leave: Callable[[], None] = lambda: None
 
-    # ------------------------------------------------------------------ asking, in any thread
+    # ------------------------------------------------------------------ reading, in any thread
 
     def all(self) -> tuple[KeptTask, ...]:
-        """Returns the tasks, the youngest first."""
+        """Returns the tasks, newest first."""
         with self._guard:
             return tuple(reversed(self._tasks.values()))
 
@@ -125,7 +125,7 @@ class TaskBook:
         """Returns a task.
 
         Raises:
-            UnknownName: There is none, or it has been over for long.
+            UnknownName: There is none, or it ended long ago.
         """
         with self._guard:
             if name not in self._tasks:
@@ -133,7 +133,7 @@ class TaskBook:
             return self._tasks[name]
 
     def job_of(self, name: str) -> str:
-        """Returns the id of the job that a task is of; empty for none, and for a task that was forgotten."""
+        """Returns the id of the job to which a task belongs; empty for none, and for a task no longer kept."""
         with self._guard:
             known = self._tasks.get(name)
         return "" if known is None else known.job
@@ -141,7 +141,7 @@ class TaskBook:
     # ------------------------------------------------------------------ in the control thread
 
     def open(self, session: Session) -> None:
-        """Notes the tasks of a session, from its first cycle on."""
+        """Records the tasks of a session, from its first cycle on."""
 
         def note(task: TaskHandle) -> None:
             job = task.name if task.name in session.jobs.open else ""
@@ -150,14 +150,14 @@ class TaskBook:
         self._leave = session.tasks.on_begin(note)
 
     def close(self, session: Session) -> None:
-        """Lets go of a session: its tasks are over."""
+        """Releases a session, whose tasks are over."""
         del session
         self._leave()
         for task in self.all():
             task.settle()
 
     def note(self, task: TaskHandle, **who: Any) -> KeptTask:
-        """Takes a task in, unless it is there already.
+        """Adds a task, unless it is already known.
 
         Args:
             task: The task.

@@ -15,13 +15,13 @@ from skiros_py.world.change import Writer
 
 
 class PreviewService(Service):
-    """Plans goals from the present beliefs, and applies the repairs that are offered where there is no plan."""
+    """Plans goals from the present beliefs, and applies the repairs offered if there is no plan."""
 
     def ask(self, order: GoalOrder) -> Preview:
-        """Begins to plan for a goal, and returns at once.
+        """Starts to plan for a goal, and returns immediately.
 
         Raises:
-            UsageError: The goal cannot be understood.
+            UsageError: The goal cannot be parsed.
         """
         station = self._station
         goal = texts_of(order, station.template_store)
@@ -30,18 +30,18 @@ class PreviewService(Service):
         return _shown(station.preview_book.ask(station.session, goal, capabilities))
 
     def all(self) -> PreviewPage:
-        """Lists the previews that are kept, the latest first."""
+        """Lists the previews kept, latest first."""
         return PreviewPage(items=tuple(map(_shown, self._station.preview_book.all())))
 
     def get(self, id_: str, wait: float = 0.0) -> Preview:
-        """Returns the plan with order and planned starts; or why there is none, and what would help.
+        """Returns the plan with order and planned starts; or why there is none, and possible repairs.
 
         Args:
             id_: Id of the preview.
-            wait: How long to wait for the answer [s].
+            wait: Maximum wait for the answer [s].
 
         Raises:
-            NotFound: There is none of that id.
+            NotFound: There is none with this id.
         """
         with addressed():
             preview = self._station.preview_book.find(id_)
@@ -49,11 +49,11 @@ class PreviewService(Service):
         return _shown(preview)
 
     def apply_repair(self, id_: str, number: int, author: Author = LIBRARY) -> AppliedRepair:
-        """Applies a repair to the world, as one transaction; the goal is left as it is.
+        """Applies a repair to the world, as one transaction; the goal is not changed.
 
         Raises:
             NotFound: There is no such preview or repair.
-            Refused: It is no change of the world.
+            Refused: It does not change the world.
         """
         with addressed():
             repair = self._station.preview_book.find(id_).repair(number)

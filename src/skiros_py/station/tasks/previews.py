@@ -1,4 +1,4 @@
-"""Previews: goals that are planned and not done, about the world as it was just then."""
+"""Previews: plans for goals that are not executed, for the world at the time of the request."""
 
 from __future__ import annotations
 
@@ -18,26 +18,26 @@ from skiros_py.skills.conditions import Condition
 from skiros_py.station.session import Session
 
 _AT_ONCE = 2
-"""Planners take a core each."""
+"""Maximum number of concurrent planners, each of which occupies a core."""
 _KEPT = 100
 _RETRY_AFTER = 5.0
 _EACH, _TOGETHER = 1.0, 4.0
-"""How long one planner, and all together, may try out repairs [s]."""
+"""Time limits for trying repairs, of one planner and in total [s]."""
 
 
 @dataclass
 class Preview:
-    """One goal that is planned and not done.
+    """A plan for one goal, which is not executed.
 
     Attributes:
         id: Its id.
-        goal: Its texts.
-        conditions: The same, as they were understood.
+        goal: The goal texts.
+        conditions: The same as parsed conditions.
         world: Version of the world for which it is planned.
-        asked: When it was asked for [s since 1970].
+        asked: Time of the request [s since 1970].
         planned: The answer; None while there is none.
-        fault: Why there is none and will be none; empty in good times.
-        ended: Set when there will be no other answer.
+        fault: Why planning failed; empty if it did not.
+        ended: Set when planning has ended.
     """
 
     id: str
@@ -51,26 +51,26 @@ class Preview:
 
     @property
     def plan(self) -> Plan | None:
-        """The plan, where there is one."""
+        """The plan, if there is one."""
         outcome = None if self.planned is None else self.planned.outcome
         return outcome if isinstance(outcome, Plan) else None
 
     @property
     def no_plan(self) -> NoPlan | None:
-        """Why there is no plan, where that is the answer."""
+        """Why there is no plan, if that is the answer."""
         outcome = None if self.planned is None else self.planned.outcome
         return outcome if isinstance(outcome, NoPlan) else None
 
     @property
     def repairs(self) -> tuple[Repair, ...]:
-        """What would help."""
+        """The possible repairs."""
         return () if self.no_plan is None else self.no_plan.repairs
 
     def repair(self, number: int) -> Repair:
         """Returns one of the repairs.
 
         Raises:
-            UnknownName: There is none of that number.
+            UnknownName: There is none with this number.
         """
         if not 0 <= number < len(self.repairs):
             known = [str(index) for index in range(len(self.repairs))]
@@ -79,7 +79,7 @@ class Preview:
 
 
 class Previews:
-    """The previews of a server, the last of them. Close it."""
+    """The latest previews of a server. Close it."""
 
     def __init__(self) -> None:
         self._previews: OrderedDict[str, Preview] = OrderedDict()
@@ -89,16 +89,16 @@ class Previews:
         self._closed = False
 
     def ask(self, session: Session, goal: tuple[str, ...], capabilities: Sequence[Capability]) -> Preview:
-        """Begins to plan for a goal, and returns at once.
+        """Starts to plan for a goal, and returns immediately.
 
         Args:
             session: The station for which it is planned.
             goal: Goal texts.
-            capabilities: What its robots can do.
+            capabilities: The capabilities of its robots.
 
         Raises:
-            UsageError: The goal cannot be understood.
-            Busy: Enough is being planned already.
+            UsageError: The goal cannot be parsed.
+            Busy: Too many previews are being planned already.
         """
         conditions = session.parse(goal)
         options = PlanningOptions("preview", session.options.temporal, _EACH, _TOGETHER)
@@ -118,7 +118,7 @@ class Previews:
         """Returns a preview.
 
         Raises:
-            UnknownName: There is none, or it is kept no longer.
+            UnknownName: There is none, or it is no longer kept.
         """
         with self._guard:
             if id_ not in self._previews:
@@ -126,19 +126,19 @@ class Previews:
             return self._previews[id_]
 
     def all(self) -> tuple[Preview, ...]:
-        """Returns those that are kept, the latest first."""
+        """Returns the previews kept, latest first."""
         with self._guard:
             return tuple(reversed(self._previews.values()))
 
     def forget(self, session: Session) -> None:
-        """Ends what is being planned and forgets all: the station is another one from now on."""
+        """Cancels planning and drops all previews, because the station has changed."""
         del session
         self._end()
         with self._guard:
             self._previews.clear()
 
     def close(self) -> None:
-        """Ends what is being planned; may be called twice."""
+        """Cancels planning; may be called twice."""
         self._closed = True
         self._end()
 
@@ -166,5 +166,5 @@ class Previews:
 
 
 def is_applicable(repair: Repair) -> bool:
-    """Returns whether there is anything of a repair to be made in the world; what it changes in the goal is not."""
+    """Returns whether a repair contains changes of the world, not only of the goal."""
     return bool(repair.edits)

@@ -29,15 +29,15 @@ if TYPE_CHECKING:
     from skiros_py.station.station import Station
 
 _MOST = 500
-"""Sequences that are kept; somebody has to delete some before there are more."""
+"""Maximum number of sequences; beyond it some have to be deleted first."""
 _MOST_STEPS = 100
 _ONCE = RunSequence(iterate=1, anyway=False)
 _PLANNING = 30.0
-"""How long planning may take where a sequence is made of a goal [s]."""
+"""Time limit of planning when a sequence is created from a goal [s]."""
 
 
 class SequenceService:
-    """Keeps sequences as documents, checks them against the present world, runs them as tasks.
+    """Stores sequences as documents, checks them against the present world, runs them as tasks.
 
     Args:
         station: The station.
@@ -51,12 +51,12 @@ class SequenceService:
         return Sequences(items=tuple(map(_summary, self._station.documents.all(SEQUENCE))))
 
     def create(self, wanted: NewSequence) -> SequenceInfo:
-        """Makes a sequence from scratch, of given steps, or of the plan for a goal, of a job, a task or a preview.
+        """Creates an empty sequence, or one from given steps or from a plan: for a goal, of a job, a task or a preview.
 
         Raises:
-            WrongState: There is one of that id, or there are too many.
-            UsageError: Something of it does not exist.
-            Refused: There is no plan to make it of.
+            WrongState: There is one with this id, or there are too many.
+            UsageError: It refers to something that does not exist.
+            Refused: There is no plan from which to create it.
         """
         documents = self._station.documents
         if len(documents.all(SEQUENCE)) >= _MOST:
@@ -68,18 +68,18 @@ class SequenceService:
         return self._info(documents.put(SEQUENCE, id_, _data(wanted.title, steps), expects=0))
 
     def get(self, id_: str) -> SequenceInfo:
-        """Describes a sequence, with every step checked as things are now.
+        """Describes a sequence, with every step checked against the present world.
 
         Raises:
-            NotFound: There is none of that id.
+            NotFound: There is none with this id.
         """
         return self._info(self._find(id_))
 
     def delete(self, id_: str, seen: Seen | None = ANY_VERSION) -> None:
-        """Deletes a sequence; what runs of it goes on.
+        """Deletes a sequence; its active runs continue.
 
         Raises:
-            NotFound: There is none of that id.
+            NotFound: There is none with this id.
             StaleVersion: It was changed since it was seen.
         """
         document = self._find(id_)
@@ -127,17 +127,17 @@ class SequenceService:
         return self._edit(id_, seen, edit)
 
     def run(self, id_: str, request: RunSequence = _ONCE, author: Author = LIBRARY) -> TaskInfo:
-        """Runs the steps as they are.
+        """Runs the steps without planning.
 
         Raises:
-            NotFound: There is none of that id.
+            NotFound: There is none with this id.
             Refused: A step cannot work, and running it anyway was not requested.
-            WrongState: Everything was halted.
+            WrongState: Everything is halted.
         """
         steps = _steps(self._find(id_))
         return self._station.tasks.run_steps(steps, request.iterate, author, anyway=request.anyway)
 
-    # ------------------------------------------------------------------ the steps of a new one
+    # ------------------------------------------------------------------ steps of a new sequence
 
     def _beginning(self, wanted: NewSequence) -> Sequence[Step]:
         station = self._station
@@ -153,18 +153,18 @@ class SequenceService:
         return tuple(bench.read(step) for step in wanted.steps or [])
 
     def _of_job(self, id_: str) -> Sequence[Step]:
-        """Returns the steps of the last plan of a job: as its task has it, else as it is kept of the job.
+        """Returns the steps of the last plan of a job: from its task if known, otherwise from the stored job.
 
         Raises:
             UnknownName: There is no such job.
-            WrongState: It has no plan, or not all of it is kept.
+            WrongState: It has no plan, or the plan is stored incompletely.
         """
         book = self._station.task_book
         if book.job_of(id_) == id_ and (plan := book.find(id_).plan) is not None:
             return plan.steps
         jobs = self._station.session.jobs
         kept = plan_of(jobs.job(id_), jobs.trace(id_)).steps
-        if not all(one.arguments for one in kept):  # a power cut may take the trace, then there are the names alone
+        if not all(one.arguments for one in kept):  # a power cut may lose the trace, so that only the names are left
             raise WrongState(f"of the plan of job '{id_}' only the names of the steps are kept: plan its goal again")
         if not kept:
             raise WrongState(f"job '{id_}' has no plan")
@@ -176,7 +176,7 @@ class SequenceService:
         Raises:
             Refused: There is no plan.
             Busy: It takes too long.
-            UsageError: The goal cannot be understood.
+            UsageError: The goal cannot be parsed.
         """
         session = self._station.session
         preview = self._station.preview_book.ask(session, goal, session.tasks.capabilities)

@@ -1,4 +1,4 @@
-"""Steps that a person wrote: read and checked against the world and the skills of one moment."""
+"""Steps written by a person: parsed and checked against the world and the skills at one moment."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from skiros_py.world.index import Index
 
 @dataclass(frozen=True, slots=True)
 class Workbench:
-    """The world and the skills at one moment, with which steps are read and checked.
+    """The world and the skills at one moment, against which steps are parsed and checked.
 
     Attributes:
         view: The world.
-        skills: The skills on offer, by name.
+        skills: The offered skills, by name.
     """
 
     view: Index
@@ -29,11 +29,11 @@ class Workbench:
 
     @classmethod
     def of(cls, session: Session) -> Workbench:
-        """Looks at a station; quick, and for any thread."""
+        """Returns the workbench of a session; does not block; callable from any thread."""
         return cls(session.world.snapshot(), {c.skill.name: c.skill for c in session.tasks.capabilities})
 
     def read(self, step: WantedStep) -> Step:
-        """Reads a step.
+        """Parses a step.
 
         Raises:
             UsageError: It names a skill, parameter or element that does not exist.
@@ -42,7 +42,7 @@ class Workbench:
         return StepSequence(self.view, self.skills, (wanted,)).steps[0]
 
     def check(self, steps: Sequence[Step]) -> tuple[StepCheck, ...]:
-        """Checks steps in turn; one that names what is there no more is said to, and passed over."""
+        """Checks steps in turn; a step with names that no longer exist is reported and skipped."""
         faults = {number: fault for number, step in enumerate(steps) if (fault := self._fault(step))}
         checks = iter(check_steps(self.view, [s for n, s in enumerate(steps) if n not in faults], self.skills))
         return tuple(
@@ -59,10 +59,10 @@ class Workbench:
 
 
 def require_works(session: Session, steps: Sequence[Step]) -> None:
-    """Requires that steps can be run as things are.
+    """Requires that steps can be run in the present world.
 
     Raises:
-        Refused: One cannot work.
+        Refused: A step cannot work.
     """
     checks = Workbench.of(session).check(steps)
     broken = [f"step {n} ({c.step.skill}): {'; '.join(c.problems)}" for n, c in enumerate(checks) if not c.works]

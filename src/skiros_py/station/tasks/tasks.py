@@ -1,4 +1,4 @@
-"""Use cases: tasks under way, and those that are over."""
+"""Use cases: active and ended tasks."""
 
 from __future__ import annotations
 
@@ -22,25 +22,25 @@ _PLAIN = JobPolicy()
 
 
 class TaskService(Service):
-    """Begins, follows and commands tasks."""
+    """Starts, follows and commands tasks."""
 
     def all(self, *, active: bool | None = None, limit: int = 100) -> Tasks:
-        """Lists tasks, the youngest first.
+        """Lists tasks, newest first.
 
         Args:
-            active: True for those under way only, False for those that are over only.
-            limit: How many at most.
+            active: True for active tasks only, False for ended tasks only.
+            limit: Maximum number of tasks.
         """
         wanted = [task for task in self._station.task_book.all() if active is None or active != task.over]
         return Tasks(items=tuple(task_info(task, in_full=False) for task in wanted[:limit]))
 
     def begin(self, request: NewTask, author: Author = LIBRARY) -> TaskInfo:
-        """Begins to pursue a goal, or to run steps as they are.
+        """Starts to pursue a goal, or to run steps without planning.
 
         Raises:
-            UsageError: The goal or a step cannot be understood.
+            UsageError: The goal or a step cannot be parsed.
             Refused: A step cannot work, and running it anyway was not requested.
-            WrongState: Everything was halted.
+            WrongState: Everything is halted.
         """
         if request.goal is not None:
             conditions = self._station.session.parse(request.goal)
@@ -59,21 +59,21 @@ class TaskService(Service):
         anyway: bool,
         policy: JobPolicy = _PLAIN,
     ) -> TaskInfo:
-        """Begins to run steps as they are.
+        """Starts to run steps without planning.
 
         Raises:
-            Refused: There are none; or they cannot work as things are, and running them anyway was not requested.
-            UsageError: One names what does not exist.
-            WrongState: Everything was halted.
+            Refused: There are none; or they cannot work now, and running them anyway was not requested.
+            UsageError: A step refers to something that does not exist.
+            WrongState: Everything is halted.
         """
-        if not steps:  # rounds without steps take no time: the control cycle would never come out of them
+        if not steps:  # repetitions without steps take no time: the control cycle would never end
             raise Refused("CannotWork", "the sequence has no steps: add one")
         if not anyway:
             require_works(self._station.session, steps)
 
         def begin(session: Session) -> TaskHandle:
             sequence = StepSequence(session.world, Workbench.of(session).skills, steps)
-            # It was checked above: the control thread has no time to check once more.
+            # Checked above: the control thread has no time to check again.
             session.runtime.require_ready()
             return session.tasks.execute(sequence, iterate=iterate, policy=Policy(**policy.model_dump()), anyway=True)
 
@@ -86,10 +86,10 @@ class TaskService(Service):
         return task_info(self._station.control.call(do))
 
     def get(self, name: str) -> TaskInfo:
-        """Describes a task: its plan, its steps, what it asks, its result.
+        """Describes a task: its plan, steps, pending question and result.
 
         Raises:
-            NotFound: There is none of that name.
+            NotFound: There is none with this name.
         """
         return task_info(self._find(name))
 
@@ -97,18 +97,18 @@ class TaskService(Service):
         """Returns the last entries of a task's trace.
 
         Raises:
-            NotFound: There is none of that name.
+            NotFound: There is none with this name.
         """
         return task_trace(self._find(name), limit)
 
     def command(
         self, name: str, command: Literal["pause", "resume", "step", "stop"], author: Author = LIBRARY
     ) -> TaskInfo:
-        """Commands a task; obeyed in the next control cycle.
+        """Commands a task; takes effect in the next control cycle.
 
         Raises:
-            NotFound: There is none of that name.
-            WrongState: It does not take that command now.
+            NotFound: There is none with this name.
+            WrongState: It does not accept that command now.
         """
         task = self._find(name)
         task.command(command, author.name)

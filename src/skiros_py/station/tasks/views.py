@@ -15,7 +15,7 @@ _ENDS = (TraceEventKind.ENDED, TraceEventKind.FAILED, TraceEventKind.BROKEN_OFF)
 
 
 def task_info(task: KeptTask, *, in_full: bool = True) -> TaskInfo:
-    """Returns how far a task is, in any thread; not in full leaves out its plan and steps."""
+    """Describes a task; callable in any thread; without ``in_full``, omits its plan and steps."""
     question, report, plan = task.question, task.report, task.plan
     return TaskInfo.view_of(
         task,
@@ -28,7 +28,7 @@ def task_info(task: KeptTask, *, in_full: bool = True) -> TaskInfo:
 
 
 def _steps(entries: tuple[TraceEntry, ...]) -> tuple[TaskStep, ...]:
-    """Puts the begin and the end of each step together."""
+    """Combines the start and the end of each step."""
     found: dict[int, TaskStep] = {}
     for entry in entries:
         if entry.step is None:
@@ -53,7 +53,7 @@ def _report(report: GoalReport) -> TaskReport:
 
 
 def task_trace(task: KeptTask, limit: int) -> TaskTrace:
-    """Returns what happened in a task: the last so many entries."""
+    """Returns the last entries of the trace of a task."""
     entries = tuple(task.entries)
     kept = entries[-limit:]
     forgotten = task.forgotten + len(entries) - len(kept)

@@ -1,1 +1,1 @@
-"""The world as people and programs outside see it."""
+"""The world as the API shows it."""

@@ -1,4 +1,4 @@
-"""Answers to SPARQL queries, in the forms in which they are plain."""
+"""Answers to SPARQL queries, as plain data, CSV and Turtle."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class Answer:
     """The answer to a query.
 
     Args:
-        result: What the world model answered.
+        result: The result from the world model.
     """
 
     def __init__(self, result: Result) -> None:
@@ -34,7 +34,7 @@ class Answer:
         return {"form": "CONSTRUCT", "statements": statements, "turtle": result.turtle}
 
     def csv(self, line_end: str = "\r\n") -> str | None:
-        """Returns the rows as CSV; None where there are none: only SELECT has rows."""
+        """Returns the rows as CSV; None if the query is not SELECT, which alone has rows."""
         if not isinstance(self.result, Table):
             return None
         text = io.StringIO()
@@ -44,12 +44,12 @@ class Answer:
         return text.getvalue()
 
     def turtle(self) -> str | None:
-        """Returns the triples as Turtle; None where there are none: only CONSTRUCT has triples."""
+        """Returns the triples as Turtle; None if the query is not CONSTRUCT, which alone has triples."""
         return self.result.turtle if isinstance(self.result, Constructed) else None
 
 
 def shown_value(value: Value | None) -> str:
-    """Returns a value as text; nothing for None."""
+    """Returns a value as text; empty for None."""
     if value is None:
         return ""
     return value if isinstance(value, str) else format_value(value, ANY_LITERAL)

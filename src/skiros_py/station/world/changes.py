@@ -1,4 +1,4 @@
-"""Changes of the world, as they are told."""
+"""Changes of the world as the API shows them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from skiros_py.world.transaction import Transaction
 from skiros_py.world.world import World
 
 _MOST_EDITS = 100
-"""Edits of a change that are told in a list; a scene has thousands."""
+"""Maximum number of edits listed with a change; loading a scene has thousands."""
 
 
 def change_view(change: world_change.Change) -> Change:
@@ -37,10 +37,10 @@ def _view_of(
 
 
 def change_page(world: World, beyond: int, limit: int, *, newest_first: bool) -> ChangePage:
-    """Tells of some changes.
+    """Returns a page of changes.
 
     Raises:
-        Refused: Changes were asked for that are no longer remembered.
+        Refused: Some of the requested changes are no longer kept.
     """
     journal = _journal(world)
     if not newest_first and 0 < beyond < journal.first - 1:
@@ -49,10 +49,10 @@ def change_page(world: World, beyond: int, limit: int, *, newest_first: bool) ->
 
 
 def history(world: World, element: str, beyond: int, limit: int, *, newest_first: bool) -> ChangePage:
-    """Tells of some changes of an element, which may be gone.
+    """Returns a page of changes of an element, which may have been removed.
 
     Raises:
-        UnknownName: There never was one of that id.
+        UnknownName: There never was one with this id.
     """
     journal = _journal(world)
     if not (world.has(element) or journal.was_given(element)):
@@ -62,10 +62,10 @@ def history(world: World, element: str, beyond: int, limit: int, *, newest_first
 
 
 def one_change(world: World, number: int, start: int, most: int) -> Change:
-    """Tells of one change.
+    """Returns one change.
 
     Raises:
-        Refused: There is none of that number, or it is no longer remembered.
+        Refused: There is none with this number, or it is no longer kept.
     """
     journal = _journal(world)
     if 0 < number < journal.first:
@@ -78,7 +78,7 @@ def one_change(world: World, number: int, start: int, most: int) -> Change:
 
 
 def undoable(world: World) -> Undoable | None:
-    """Returns what an undo would take back."""
+    """Returns the edit that an undo would revert."""
     head = _journal(world).undoable()
     if head is None:
         return None
@@ -86,7 +86,7 @@ def undoable(world: World) -> Undoable | None:
 
 
 def written(world: World, tx: Transaction, ids: dict[str, str] | None = None) -> Written:
-    """Returns what a transaction did, once it is over."""
+    """Returns the effects of a finished transaction."""
     change = None if tx.change is None else change_view(tx.change)
     return Written(version=world.version, change=change, ids=ids or {})
 

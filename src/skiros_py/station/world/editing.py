@@ -1,4 +1,4 @@
-"""Writing to the world for somebody who asks over the network."""
+"""Writing to the world on behalf of remote callers."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ def writing(
 
     Args:
         world: The world.
-        author: Who writes.
-        reason: Why.
-        expects: The versions that they have seen.
+        author: The author.
+        reason: The reason.
+        expects: The versions that the author has seen.
 
     Raises:
-        Locked: Somebody else has locked what it is about.
+        Locked: Another author has locked an affected element.
     """
     transaction = world.transaction(author.name, reason, writer=Writer.PERSON, expects=expects, holder=author.holder)
     with transaction as tx:
@@ -42,7 +42,7 @@ def writing(
 
 
 def lock_view(world: World, lock: Lock) -> tuple[str, str, datetime, float]:
-    """Returns of a lock its element, its owner, when it ends (UTC), and in how long that is [s]."""
+    """Returns element, owner, time of expiry (UTC) and remaining time [s] of a lock."""
     left = max(0.0, lock.until - world.locks.now())
     return lock.element, lock.shown, datetime.now(UTC) + timedelta(seconds=left), round(left, 1)
 
@@ -55,12 +55,12 @@ def add(tx: Transaction, new: Addition, ids: Mapping[str, str] | None = None) ->
 
     Args:
         tx: The transaction.
-        new: What it is.
-        ids: Ids of what was added before, by ref.
+        new: Its description.
+        ids: Ids of elements added before, by ref.
 
     Raises:
-        UnknownName: There is nothing that it could be like.
-        UsageError: A ref was not given before, or a relation has not one other end.
+        UnknownName: The element to copy does not exist.
+        UsageError: A ref was not defined before, or a relation does not have exactly one other end.
     """
     element = _made(tx, new, ids or {})
     if new.placement is not None:
@@ -97,7 +97,7 @@ def _relate(tx: Transaction, element: str, relation: NewRelation, ids: Mapping[s
 
 
 def change(tx: Transaction, element: str, patch: ElementPatch) -> None:
-    """Writes what becomes different of an element."""
+    """Applies a patch to an element."""
     if patch.label is not None:
         tx.set(element, LABEL, patch.label)
     if patch.placement is not None:
@@ -110,10 +110,10 @@ def change(tx: Transaction, element: str, patch: ElementPatch) -> None:
 
 
 def operate(tx: Transaction, operations: Sequence[api.Operation]) -> dict[str, str]:
-    """Does the operations of a transaction in their order, and returns the ids of what was added, by ref.
+    """Executes the operations of a transaction in order, and returns the ids of added elements, by ref.
 
     Raises:
-        UsageError: One mentions a ref that no operation before it gave, or gives one again.
+        UsageError: An operation uses a ref that was not defined before it, or defines one again.
     """
     ids: dict[str, str] = {}
     for operation in operations:

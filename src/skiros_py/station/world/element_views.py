@@ -1,4 +1,4 @@
-"""Elements of one state of the world, as they are plain."""
+"""Elements of one state of the world, as plain data."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from skiros_py.world.terms import Family
 from skiros_py.world.vocabulary import POSE, POSE_FRAME
 
 _MOST_RELATIONS = 200
-"""Relations that are plain together with an element."""
+"""Maximum number of relations returned with an element."""
 
 
 def summary(view: Index, name: str) -> api.ElementSummary:
-    """Describes an element as a list shows it.
+    """Describes an element for a list.
 
     Raises:
-        UnknownName: There is none of that id.
+        UnknownName: There is none with this id.
     """
     element, placement = view.element(name), view.placement(name)
     return api.ElementSummary(
@@ -43,10 +43,10 @@ def details(view: Index, name: str, computed: Sequence[str] = ()) -> api.Element
     Args:
         view: The state.
         name: Its id.
-        computed: Which computed relations to work out; "all" for all.
+        computed: Computed relations to include; "all" for all.
 
     Raises:
-        UnknownName: There is none of that id, or no such relation.
+        UnknownName: There is none with this id, or no such relation.
         UsageError: A relation is stated, not computed.
     """
     stated = relations(view, name)
@@ -64,7 +64,7 @@ def details(view: Index, name: str, computed: Sequence[str] = ()) -> api.Element
 
 
 def relations(view: Index, name: str) -> list[api.Relation]:
-    """Returns what is stated of an element, in both directions, sorted."""
+    """Returns the stated relations of an element, in both directions, sorted."""
     return list(_relations(view, view.statements_about(name)))
 
 
@@ -75,16 +75,16 @@ def _relations(view: Index, statements: Iterable[tuple[str, str, str]]) -> Itera
 
 
 def computed_relations(view: Index, name: str, wanted: Sequence[str]) -> list[api.Relation]:
-    """Works out computed relations of an element: of each 200 in either direction at most.
+    """Computes relations of an element: at most 200 of each, in either direction.
 
     Args:
         view: The state.
         name: Its id.
-        wanted: Which; "all" for all.
+        wanted: The relations to compute; "all" for all.
 
     Raises:
         UnknownName: There is no such element or relation, or no reasoner computes it.
-        UsageError: One is stated, not computed.
+        UsageError: A relation is stated, not computed.
     """
     found: set[tuple[str, str, str]] = set()
     for relation in dict.fromkeys(each for word in wanted for each in _named(view, word)):
@@ -106,7 +106,7 @@ def _named(view: Index, word: str) -> Sequence[str]:
 
 
 def _properties(view: Index, name: str) -> Iterator[tuple[str, api.Property]]:
-    """Yields what the element has, by whomever it was given."""
+    """Yields the properties of the element, of any origin."""
     for property_ in sorted(view.ontology.properties):
         value = view.value(name, property_)
         if value is not None:

@@ -39,12 +39,12 @@ class ElementService(Service):
         """Lists elements by id; all conditions must be met.
 
         Args:
-            class_: Only of this class or one below.
-            label: Only with exactly this label.
-            text: Only with this text in id, label or class; case does not count.
-            place: Only what is placed directly here.
+            class_: Only elements of this class or its subclasses.
+            label: Only elements with exactly this label.
+            text: Only elements with this text in id, label or class, ignoring case.
+            place: Only elements placed directly here.
             abstract: True for individuals of the ontology and learned ones, instead of the scene.
-            limit: How many at most.
+            limit: Maximum number of results.
             after: Only ids after this one.
         """
         view = self._world.snapshot()
@@ -55,11 +55,11 @@ class ElementService(Service):
         return ElementPage(items=items, next=items[-1].id if len(page) > limit else None)
 
     def get(self, element: str, computed: Sequence[str] = ()) -> ElementDetails:
-        """Returns an element: its values with their origin, its relations, and where it is.
+        """Returns an element: its values with their origin, its relations, and its placement and pose.
 
         Args:
             element: Its id.
-            computed: Computed relations to work out; "all" for all of them.
+            computed: Computed relations to include; "all" for all.
 
         Raises:
             NotFound: There is no such element.
@@ -74,9 +74,9 @@ class ElementService(Service):
 
         Args:
             element: Its id.
-            relation: Only of this relation or one below, also a computed one.
-            start: How many to skip.
-            limit: How many at most.
+            relation: Only this relation and its subrelations; may be a computed one.
+            start: Number of relations to skip.
+            limit: Maximum number of results.
 
         Raises:
             NotFound: There is no such element.
@@ -89,16 +89,16 @@ class ElementService(Service):
         return RelationPage(items=found[start : start + limit], next=more)
 
     def history(self, element: str, beyond: int, limit: int = 100, *, newest_first: bool = True) -> ChangePage:
-        """Lists the changes of an element, which may be gone.
+        """Lists the changes of an element, which may have been removed.
 
         Raises:
-            NotFound: There never was one of that id.
+            NotFound: There never was one with this id.
         """
         with addressed():
             return history(self._world, element, beyond, limit, newest_first=newest_first)
 
     def add(self, new: NewElement, author: Author = LIBRARY) -> ElementDetails:
-        """Adds an element with its values, its place and its relations, all at once.
+        """Adds an element with its values, placement and relations, in one transaction.
 
         Raises:
             WorldError: The world refuses it.
@@ -110,11 +110,11 @@ class ElementService(Service):
     def change(
         self, element: str, patch: ElementPatch, seen: Seen | None = ANY_VERSION, author: Author = LIBRARY
     ) -> ElementDetails:
-        """Changes label, values and place of an element in one transaction.
+        """Changes label, values and placement of an element in one transaction.
 
         Raises:
             NotFound: There is no such element.
-            StaleVersion: It was changed since it was seen.
+            StaleVersion: It was changed since the author has seen it.
             WorldError: The world refuses it.
         """
         reason = patch.reason or f"edits {element}"
@@ -124,7 +124,7 @@ class ElementService(Service):
     def remove(
         self, element: str, seen: Seen | None = ANY_VERSION, author: Author = LIBRARY, reason: str = ""
     ) -> Written:
-        """Removes an element with its parts; what was placed there moves to where it was."""
+        """Removes an element with its parts; elements placed there move to the place where it was."""
         return self._write(element, seen, author, reason or f"removes {element}", lambda tx: tx.remove(element))
 
     def relate(
@@ -136,7 +136,7 @@ class ElementService(Service):
         author: Author = LIBRARY,
         reason: str = "",
     ) -> Written:
-        """States that an element has a relation to another one; a placement moves it."""
+        """States a relation between two elements; a placement moves the element."""
         reason = reason or f"states {element} {relation} {other}"
         return self._write(element, seen, author, reason, lambda tx: tx.relate(element, relation, other))
 
@@ -149,12 +149,12 @@ class ElementService(Service):
         author: Author = LIBRARY,
         reason: str = "",
     ) -> Written:
-        """Takes back a stated relation; not a placement, since everything is somewhere."""
+        """Removes a stated relation; not a placement, because every element has one."""
         reason = reason or f"takes back {element} {relation} {other}"
         return self._write(element, seen, author, reason, lambda tx: tx.unrelate(element, relation, other))
 
     def version(self, element: str) -> int | None:
-        """Returns the version of an element; None where it is gone."""
+        """Returns the version of an element; None if it was removed."""
         view = self._world.snapshot()
         return view.stamp(element).change if view.has(element) else None
 
@@ -172,7 +172,7 @@ class ElementService(Service):
 
 
 def _among(view: Index, class_: str, place: str | None, *, abstract: bool, after: str) -> Iterator[str]:
-    """Yields in order the ids of a class, in a place, that come after one."""
+    """Yields, in order, the ids of elements of a class and a place after a given id."""
     if place is not None:
         view.element(place)
         contents = view.contents(place)

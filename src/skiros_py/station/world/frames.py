@@ -1,4 +1,4 @@
-"""Where many elements are at once: in the map, or on the robot base that carries them."""
+"""Poses of many elements: in the map, or on the robot base that carries them."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from skiros_py.world.index import Index
 from skiros_py.world.vocabulary import POSE, POSE_FRAME
 
 _Place = tuple[str | None, Pose]
-"""A base, or None for the map; and the pose in its frame."""
+"""A base (None for the map), and the pose in its frame."""
 
 
 class Frames:
-    """Works out poses through the frames that they are given in, each frame once.
+    """Computes poses through chains of frames, each frame only once.
 
-    The world does not follow bases as they drive, so what rides on one is where it is in the frame of that.
+    The world model does not track bases while they drive, so poses of elements on a base are in the frame of the base.
 
     Args:
         view: The state.
@@ -28,7 +28,7 @@ class Frames:
         self._known: dict[str, _Place | None] = {}
 
     def of(self, name: str) -> _Place | None:
-        """Returns where an element is; None where unknown, or only in the frame of what is itself nowhere.
+        """Returns the pose of an element; None if it or that of a frame in its chain is unknown.
 
         Raises:
             UnknownName: There is no such element.
@@ -36,10 +36,10 @@ class Frames:
         way: list[str] = []
         current: str | None = name
         while current is not None and current not in self._known:
-            self._known[current] = None  # so that frames that hang on each other come to an end
+            self._known[current] = None  # terminates cycles of frames
             way.append(current)
             current = self._above(current)
-        for one in reversed(way):  # from the uppermost on, however deep it goes
+        for one in reversed(way):  # from the top down, without recursion
             self._known[one] = self._below(one)
         return self._known[name]
 

@@ -1,4 +1,4 @@
-"""The ontology, as people and forms need it: classes with what their things may have, and where they are used."""
+"""The ontology for people and forms: classes with the properties of their elements, and where they are used."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from skiros_py.world.terms import Class, End, Property, Relation
 from skiros_py.world.vocabulary import ELEMENT
 
 _MOST_SHOWN = 100
-"""Ids of individuals that are plain with a class."""
+"""Maximum number of individuals returned with a class."""
 
 _UNIT = re.compile(r"\[([^\[\]]{1,30})\]")
 """Comments give units in brackets, as in "Mass [kg]; 0 for what never moves"."""
@@ -26,7 +26,7 @@ _UNIT = re.compile(r"\[([^\[\]]{1,30})\]")
 
 
 def class_tree(view: Index, root: str, depth: int) -> api.ClassNode:
-    """Returns a class with those below it; each stands below its primary parent.
+    """Returns a class with its subclasses, each below its primary parent.
 
     Raises:
         UnknownName: It is not a class.
@@ -87,7 +87,7 @@ def class_details(view: Index, name: str, catalogue: Catalogue) -> api.ClassDeta
 
 
 def _used(ontology: Ontology, name: str, arguments: Iterable[tuple[str, str, str]]) -> Iterator[api.ClassUse]:
-    """Yields those arguments that take things of a class; very general ones are left out."""
+    """Yields the arguments that accept elements of a class, omitting very general ones."""
     for whose, argument, taken in sorted(set(arguments)):
         if taken in ontology.classes and taken != ELEMENT and ontology.is_a(name, taken):
             yield api.ClassUse(name=whose, argument=argument, class_=taken)

@@ -1,4 +1,4 @@
-"""What may be put where: which placement relations a thing can have, and which present elements would take it."""
+"""Possible placements: the placement relations that an element can have, and the present elements that accept it."""
 
 from __future__ import annotations
 
@@ -17,25 +17,25 @@ from skiros_py.world.transaction import Transaction
 from skiros_py.world.vocabulary import ELEMENT, PLACEMENT
 
 _TRIAL = "placed_on_trial"
-"""Id of what is put somewhere to see whether it may be; it is never published."""
+"""Id of the element placed as a trial; never published."""
 
 
 def placement_options(
     view: Index, class_: str, element: str | None, limit: int, relation: str | None = None, after: str = ""
 ) -> PlacementOptions:
-    """Returns where something may be put, and of each place whether it would take it now.
+    """Returns the possible places of an element, and for each whether it would accept the element now.
 
     Args:
         view: The state.
-        class_: What is put.
-        element: Which element; None for a new one of the class.
-        limit: How many places of each relation at most.
+        class_: Class of the element to place.
+        element: Id of the element; None for a new one of the class.
+        limit: Maximum number of places for each relation.
         relation: Only this relation.
-        after: Only places that come after this id.
+        after: Only places after this id.
 
     Raises:
         UnknownName: There is no such relation.
-        UsageError: It places nothing.
+        UsageError: It is not a placement relation.
     """
     wanted = _placements(view) if relation is None else [_placement(view, relation)]
     trial = _Trial(view, class_, element)
@@ -91,12 +91,12 @@ def _place(view: Index, name: str, why_not: str) -> PlaceOption:
 
 
 class _Trial:
-    """Puts a thing somewhere in a private state, and returns what is wrong with that.
+    """Places an element in a private state, to find the reasons against it.
 
     Args:
         view: The state.
-        class_: What is put.
-        element: Which element; None for a new one.
+        class_: Class of the element to place.
+        element: Id of the element; None for a new one.
     """
 
     def __init__(self, view: Index, class_: str, element: str | None) -> None:
@@ -105,14 +105,14 @@ class _Trial:
         self._class = class_
 
     def why_not(self, relation: str, place: str) -> str:
-        """Says why it cannot be put there, or nothing."""
+        """Returns why it cannot be placed there; empty if it can."""
         tx = Transaction(self._view, Ids())
         if self.element is not None:
             tx.place(self.element, relation, place)
             about = None
         else:
             tx.add(self._class, id=_TRIAL, placement=Placement(relation, place))
-            about = place  # what else a new thing lacks, its pieces perhaps, is said when it is added
+            about = place  # other faults of a new element, such as missing pieces, are reported when it is added
         problems = [sentence for name, sentence in tx.problems() if about is None or name == about]
         return ("; ".join(problems) or self._objection(tx)).replace(_TRIAL, "it")
 

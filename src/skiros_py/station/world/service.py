@@ -1,4 +1,4 @@
-"""Use cases: the ontology, what may be put where, and questions in SPARQL."""
+"""Use cases: the ontology, possible placements, and SPARQL queries."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from skiros_py.world.vocabulary import ELEMENT
 
 
 class OntologyService(Service):
-    """Describes the ontology, and answers questions over everything that is known."""
+    """Describes the ontology, and answers queries over all knowledge."""
 
     @property
     def _view(self) -> Index:
         return self._station.session.world.snapshot()
 
     def classes(self, root: str = ELEMENT, depth: int = 50) -> ClassNode:
-        """Returns the classes as a tree; one with several parents stands below its primary one.
+        """Returns the classes as a tree; a class with several parents is below its primary one.
 
         Raises:
             NotFound: There is no such class.
@@ -36,7 +36,7 @@ class OntologyService(Service):
             return class_tree(self._view, root, depth)
 
     def class_(self, name: str) -> ClassDetails:
-        """Describes a class: what its elements may have, how many there are, and what takes them.
+        """Describes a class: properties of its elements, their number, and the arguments that accept them.
 
         Raises:
             NotFound: There is no such class.
@@ -65,17 +65,17 @@ class OntologyService(Service):
         limit: int = 50,
         after: str | None = None,
     ) -> PlacementOptions:
-        """Returns by which relations a thing may be placed, and whether each place would take it now.
+        """Returns the possible placement relations of an element, and whether each place would accept it now.
 
         Args:
-            class_: A new thing of this class.
-            element: Or this element.
-            relation: Only by this relation.
-            limit: How many places of each relation at most.
-            after: Only places after this one; takes a relation.
+            class_: Class of a new element.
+            element: Id of an existing element, instead of a class.
+            relation: Only this relation.
+            limit: Maximum number of places for each relation.
+            after: Only places after this one; requires a relation.
 
         Raises:
-            UsageError: Neither or both say what is to be placed.
+            UsageError: Neither or both of class and element are given.
         """
         if (class_ is None) == (element is None):
             raise UsageError("say what is to be put somewhere: either class=kitting:Starter or element=starter_1")
@@ -91,8 +91,8 @@ class OntologyService(Service):
         """Answers SELECT, ASK or CONSTRUCT over ontology, scene, learned concepts and computed relations.
 
         Raises:
-            UsageError: It cannot be understood, or takes too long.
-            Busy: Too many are being answered.
+            UsageError: It cannot be parsed, or takes too long.
+            Busy: Too many queries are being answered.
         """
         bindings = {name: _binding(value) for name, value in question.bindings.items()}
         return Answer(

@@ -1,4 +1,4 @@
-"""Shapes of elements as they are told: each once, under a key that always means the same shape."""
+"""Shapes of elements as the API shows them: each once, under a key that always means the same shape."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from skiros_py.world.index import Index
 from skiros_py.world.vocabulary import HOLLOW, SIZE, SOLID
 
 _SHEET = 0.01
-"""How thick what has length and width only is drawn, below its frame [m]: floors, decks."""
+"""Drawn thickness, below the frame, of elements with only length and width [m]: floors, decks."""
 _DIMENSIONS = (2, 3)
 
 
 class Shapes:
-    """Finds the shapes of elements: ``sk:solid``, else a box as ``sk:size`` says, own ones before those of the class.
+    """Finds the shapes of elements: ``sk:solid``, otherwise a box of ``sk:size``; own values before those of the class.
 
     Args:
         view: The state.
 
     Attributes:
-        used: The shapes that were asked for, by key.
+        used: The requested shapes, by key.
     """
 
     def __init__(self, view: Index) -> None:
@@ -34,7 +34,7 @@ class Shapes:
         self._keys: dict[tuple[Value | None, Value | None, str], str | None] = {}
 
     def of(self, element: Element) -> str | None:
-        """Returns the key of an element's shape; None where it has none, or one that cannot be read."""
+        """Returns the key of an element's shape; None if it has none, or one that cannot be parsed."""
         own, given = element.properties, self._given(element.type)
         key = f"{element.type}#" if SOLID in own or SIZE in own else element.type
         what = own.get(SOLID, given[SOLID]), own.get(SIZE, given[SIZE]), key
@@ -43,7 +43,7 @@ class Shapes:
         return self._keys[what]
 
     def hollow(self, element: Element) -> bool:
-        """Returns whether an element's shape is room, not matter."""
+        """Returns whether an element's shape is empty space, not solid."""
         return element.properties.get(HOLLOW, self._given(element.type)[HOLLOW]) is True
 
     def _given(self, class_: str) -> dict[str, Value | None]:
@@ -68,7 +68,7 @@ def _blocks(solid: Value | None, size: Value | None) -> tuple[Block, ...] | None
         try:
             return _told(Solid.from_json(solid).primitives)
         except ValueError:
-            return None  # a class may have a shape that cannot be read
+            return None  # a class may have a shape that cannot be parsed
     return _told((_box(size),)) if isinstance(size, tuple) and _is_size(size) else None
 
 

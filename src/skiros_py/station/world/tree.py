@@ -1,4 +1,4 @@
-"""The world as a tree: what is placed where, and what things are built of."""
+"""The world as a tree of placements and parts."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from skiros_py.world.index import Index
 from skiros_py.world.vocabulary import ELEMENT, MODULE, ROOT, SPATIAL_THING, STRUCTURE
 
 MOST_NODES = 2000
-"""Nodes of one answer: those nearest to the root are told, the others asked for."""
+"""Maximum number of nodes of one answer: those nearest to the root; clients request the others."""
 
 _TOP = ""
 """The node above everything."""
@@ -28,14 +28,14 @@ class _Draft:
 
 
 def tree(view: Index, root: str, depth: int, limit: int, after: str = "") -> TreeNode:
-    """Returns an element with what hangs on it.
+    """Returns an element with its descendants.
 
     Args:
         view: The state.
         root: Its id; "" for the node above everything.
-        depth: How many levels below it.
-        limit: How many children of each node at most.
-        after: Only children of the root that come after this id.
+        depth: Number of levels below it.
+        limit: Maximum number of children of each node.
+        after: Only children of the root after this id.
 
     Raises:
         UnknownName: There is no such element.
@@ -64,7 +64,7 @@ def _id(child: tuple[str, str]) -> str:
 
 
 def _children(view: Index, name: str) -> Iterator[tuple[str, str]]:
-    """Yields what hangs on an element, and by which relation."""
+    """Yields the children of an element, each with its relation."""
     if name == _TOP:
         yield from ((child, "") for child in _roots(view))
         return
@@ -77,7 +77,7 @@ def _children(view: Index, name: str) -> Iterator[tuple[str, str]]:
 
 
 def _roots(view: Index) -> set[str]:
-    """What is nowhere and no piece of anything; modules are told elsewhere, there are dozens of them."""
+    """Returns elements that are neither placed nor pieces; without modules, which are many and shown elsewhere."""
     known = view.ontology.classes
     elsewhere = {name for class_ in (SPATIAL_THING, MODULE) if class_ in known for name in view.instances(class_)}
     loose = set(view.instances(ELEMENT)) - elsewhere

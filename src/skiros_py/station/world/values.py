@@ -1,4 +1,4 @@
-"""Values of properties: as the world has them, and as they go over the wire."""
+"""Conversion of property values between the world model and plain data."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def plain(value: Value | None, frame: str | None = None) -> Any:
 
     Args:
         value: The value.
-        frame: Of a pose, the element in whose frame it is.
+        frame: For a pose, the element in whose frame it is.
     """
     if isinstance(value, Pose):
         pose = {"position": list(value.position), "orientation": list(value.orientation)}
@@ -27,17 +27,17 @@ def plain(value: Value | None, frame: str | None = None) -> Any:
 
 
 def given(value: GivenValue) -> Value:
-    """Returns a value that came over the wire as the world takes it."""
+    """Returns a received value as a value of the world model."""
     if isinstance(value, GivenPose):
         return Pose(value.position, value.orientation)
     return tuple(value) if isinstance(value, list) else value
 
 
 def set_value(tx: Transaction, element: str, property_: str, value: GivenValue | None) -> None:
-    """Writes an element's own value, of ``sk:pose`` the frame too; None takes it away.
+    """Writes an element's own value, for ``sk:pose`` also the frame; None removes it.
 
     Raises:
-        UsageError: A frame is given for another property: only ``sk:pose`` says in whose frame it is.
+        UsageError: A frame is given for a property other than ``sk:pose``.
     """
     frame = value.frame if isinstance(value, GivenPose) else None
     if property_ != POSE and frame is not None:

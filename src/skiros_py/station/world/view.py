@@ -1,4 +1,4 @@
-"""The world as it is seen: where its elements are believed to be, and their shapes, for pictures of any kind."""
+"""The visible world: believed poses and shapes of its elements, for any kind of display."""
 
 from __future__ import annotations
 
@@ -37,16 +37,16 @@ _KINDS: tuple[tuple[str, Kind], ...] = (
     (MANIPULATABLE, "part"),
     (LOCATION, "place"),
 )
-"""The first that fits counts; what else has a shape is furniture."""
+"""The first match counts; all other elements with a shape are furniture."""
 
 
 def view_of(view: Index, ids: Collection[str] | None = None, platforms: Mapping[str, Pose] = _UNSEEN) -> WorldView:
-    """Returns how the world is believed to look; quick, and for any thread.
+    """Returns the believed view of the world; does not block; callable from any thread.
 
     Args:
         view: The state.
-        ids: Only these elements and what is seen elsewhere when they change: pieces, what hangs on their frames, a
-            robot with its base. None for everything.
+        ids: Only these elements and those whose view changes with them: pieces, elements in their frames, a robot with
+            its base. None for everything.
         platforms: The poses in the map of the devices that carry bodies, by id; those of other bases are unknown.
     """
     observer = _Observer(view, platforms)
@@ -76,14 +76,14 @@ def _dependents(view: Index, ids: Iterable[str]) -> set[str]:
 
 @dataclass(frozen=True, slots=True)
 class _Sort:
-    """What all elements of a class have in common."""
+    """Data common to all elements of a class."""
 
     kind: Kind | None
     base: bool
 
 
 class _Observer:
-    """Looks at one element after the other, and keeps in mind what they have in common."""
+    """Describes elements one by one, caching the data that they have in common."""
 
     def __init__(self, view: Index, platforms: Mapping[str, Pose]) -> None:
         self.shapes = Shapes(view)
@@ -93,7 +93,7 @@ class _Observer:
         self._frames = Frames(view, self._carries)
 
     def told(self, name: str) -> ViewElement | None:
-        """Tells of one element; None for what is not to be seen: abstract, or neither shape, pose nor placement."""
+        """Describes an element; None if it is not visible: abstract, or without shape, pose and placement."""
         if is_abstract(name):
             return None
         view, element = self._view, self._view.element(name)
@@ -119,7 +119,7 @@ class _Observer:
         )
 
     def _where(self, name: str) -> tuple[str | None, Pose | None]:
-        """Returns the device on which an element rides, if it does, and its pose in the frame of that, else the map."""
+        """Returns the device that carries an element, if any, and the element's pose in its frame, else in the map."""
         if self._carries(name):
             return None, self._platforms.get(name)
         if self._sort(self._view.element(name).type).kind == "robot":

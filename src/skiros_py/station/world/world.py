@@ -1,4 +1,4 @@
-"""Use cases: the world as a whole: its size, its tree, its changes; transactions and undo."""
+"""Use cases of the world as a whole: its size, tree and changes; transactions and undo."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 
 class WorldService(Service):
-    """Reads the world as a whole, and writes transactions of a person."""
+    """Reads the world as a whole, and executes transactions of a person."""
 
     @property
     def _world(self) -> World:
@@ -49,7 +49,7 @@ class WorldService(Service):
     # ------------------------------------------------------------------ reading
 
     def info(self) -> WorldInfo:
-        """Returns the world's version, how much is in it, and what an undo would take back."""
+        """Returns the world's version, its size, and the edit that an undo would revert."""
         world = self._world
         view = world.snapshot()
         abstract = view.abstracts(ELEMENT)
@@ -67,13 +67,13 @@ class WorldService(Service):
         )
 
     def tree(self, root: str = "", depth: int = 3, limit: int = 100, after: str = "") -> TreeNode:
-        """Returns where everything is placed, and what things are built of, as a tree.
+        """Returns placements and parts of all elements as a tree.
 
         Args:
-            root: Where to begin; above everything where left out.
-            depth: How many levels below it.
-            limit: How many children of each node at most.
-            after: Only children of the root that come after this one.
+            root: Id of the root; the node above everything if omitted.
+            depth: Number of levels below it.
+            limit: Maximum number of children of each node.
+            after: Only children of the root after this one.
 
         Raises:
             NotFound: There is no such element.
@@ -85,7 +85,7 @@ class WorldService(Service):
         """Lists changes, with the first 100 edits of each.
 
         Raises:
-            Refused: They are no longer remembered.
+            Refused: They are no longer kept.
         """
         return change_page(self._world, beyond, limit, newest_first=newest_first)
 
@@ -93,20 +93,20 @@ class WorldService(Service):
         """Returns a change with its edits.
 
         Raises:
-            Refused: There is none of that number, or it is no longer remembered.
+            Refused: There is none with this number, or it is no longer kept.
         """
         return one_change(self._world, number, start, limit)
 
     def view_tag(self) -> str:
-        """Returns what stands for the present view: another one where anything looks different."""
-        # Another start may know other shapes at the same version of the world.
+        """Returns a tag of the present view, which changes with every visible difference."""
+        # After a restart the shapes may differ at the same version of the world.
         return f"{self._world.version}.{self._station.events.epoch}"
 
     def view(self, elements: Sequence[str] | None = None) -> WorldView:
-        """Returns where everything is believed to be, and its shape.
+        """Returns the believed poses and shapes of all elements.
 
         Args:
-            elements: Only these elements, with what moves with them; everything where left out.
+            elements: Only these elements, with those that move with them; all if omitted.
         """
         session = self._station.session
         frames = session.runtime.context.frames.at(session.cycle.board.snapshot)
@@ -115,11 +115,11 @@ class WorldService(Service):
     # ------------------------------------------------------------------ writing
 
     def write(self, order: TransactionOrder, seen: Seen | None = None, author: Author = LIBRARY) -> Written:
-        """Does all operations, as one change, or none.
+        """Executes all operations as one change, or none.
 
         Raises:
             WorldError: The world refuses it.
-            Refused: It changes elements, and does not say which versions were seen.
+            Refused: It changes elements without naming the versions that the author has seen.
         """
         world = self._world
         with writing(world, author, order.reason, _expected(order, seen)) as tx:
@@ -127,12 +127,12 @@ class WorldService(Service):
         return written(world, tx, ids)
 
     def undo(self, order: UndoOrder | None = None, author: Author = LIBRARY) -> Change:
-        """Takes back the last edit of a person that was not taken back yet.
+        """Reverts the last edit of a person that was not reverted yet.
 
         Raises:
-            Refused: Something was built on it since.
-            StaleVersion: It is another edit than the one to be undone.
-            Locked: Somebody else has locked what it is about.
+            Refused: Later changes depend on it.
+            StaleVersion: The last edit is not the one given.
+            Locked: Another author has locked an affected element.
         """
         world = self._world
         try:
@@ -148,7 +148,7 @@ class WorldService(Service):
     # ------------------------------------------------------------------ learned concepts
 
     def learned(self, limit: int = 100, after: str = "") -> LearnedPage:
-        """Lists what robots were taught, by id."""
+        """Lists the concepts taught to robots, by id."""
         view = self._world.snapshot()
         names = [name for name in _learned(view) if name > after]
         shown = names[:limit]
@@ -159,7 +159,7 @@ class WorldService(Service):
     def forget(
         self, element: str, seen: Seen | None = ANY_VERSION, author: Author = LIBRARY, reason: str = ""
     ) -> Written:
-        """Forgets a learned concept with its parts; an undo brings it back.
+        """Deletes a learned concept with its parts; an undo restores it.
 
         Raises:
             NotFound: There is no such concept.
@@ -178,21 +178,21 @@ class WorldService(Service):
         return written(world, tx)
 
     def learned_turtle(self) -> str:
-        """Returns everything that was learned as the text of a file."""
+        """Returns all learned concepts as Turtle."""
         return learned_turtle(self._world.snapshot())
 
     # ------------------------------------------------------------------ locks
 
     def locks(self) -> LockList:
-        """Lists who alone may edit which elements, and until when."""
+        """Lists the locks: elements, owners and times of expiry."""
         world = self._world
         return LockList(items=[_lock(world, lock) for lock in world.locks.held()])
 
     def lock(self, order: LockOrder, author: Author = LIBRARY) -> LockList:
-        """Locks elements, all of them or none; locking again makes it last longer.
+        """Locks all given elements or none; locking again extends the lock.
 
         Raises:
-            Locked: Somebody else has locked one of them.
+            Locked: Another author has locked one of them.
             UsageError: There is no such element.
         """
         world = self._world
@@ -202,12 +202,12 @@ class WorldService(Service):
     def unlock(
         self, elements: Sequence[str] | None = None, author: Author = LIBRARY, owner: str | None = None
     ) -> LockList:
-        """Ends locks, and returns those that are left.
+        """Releases locks, and returns the remaining ones.
 
         Args:
-            elements: Which; all of the owner where left out.
-            author: Who asks.
-            owner: Whose locks; the author's where left out.
+            elements: Elements to unlock; all of the owner if omitted.
+            author: The author of the request.
+            owner: Owner of the locks; the author if omitted.
         """
         world = self._world
         others = owner not in (None, author.name)
