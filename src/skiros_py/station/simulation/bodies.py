@@ -59,7 +59,7 @@ class Bodies:
         self._alarms.clear_all(AlarmKind.STALE)
 
     def _hear(self, session: Session, change: Change) -> None:
-        """Handles a change in the thread that wrote it; must not wait for the control thread, which may be notifying, too."""
+        """Handles a change in the thread that wrote it; must not wait for the control thread, which may notify."""
         if change.writer is Writer.PERSON:
             self._control.soon(partial(self._follow, session, change))
 
