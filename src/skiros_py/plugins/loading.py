@@ -8,6 +8,7 @@ import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import redirect_stdout
 from importlib.metadata import EntryPoint
+from threading import RLock
 from typing import Any, TypeVar
 
 from skiros_py.errors import UnknownName, UsageError
@@ -17,6 +18,9 @@ from skiros_py.plugins.origin import locate, origin_of
 from skiros_py.plugins.plugin import Entry, Plugin, PluginFault
 
 T = TypeVar("T")
+
+_LOADING = RLock()
+"""Two threads that redirect stdout at once would leave it redirected."""
 
 
 def load_plugins(group: str) -> tuple[tuple[Plugin, ...], tuple[PluginFault, ...]]:
@@ -83,7 +87,7 @@ def load(entry: Entry) -> Plugin | PluginFault:
     if fault is not None:
         return fault
     try:
-        with redirect_stdout(sys.stderr):  # stdout is the command's answer
+        with _LOADING, redirect_stdout(sys.stderr):  # stdout is the command's answer
             value = EntryPoint(entry.name, entry.value, entry.group).load()
     except BaseException as error:
         if by_user(error):

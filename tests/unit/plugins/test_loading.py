@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import signal
+import sys
+import threading
+import time
 from collections.abc import Iterator
 from typing import Any
 
@@ -89,6 +92,24 @@ def test_what_a_plugin_prints_while_it_is_imported_does_not_mix_with_an_answer(
     load_plugins(GROUP)
 
     assert capsys.readouterr() == ("", "hello\n")
+
+
+def test_plugins_that_are_loaded_in_several_threads_leave_stdout_as_it_was(site: Any) -> None:
+    slow = "import time\ntime.sleep({})\nTHING = 1\n"
+    site.install(
+        "slow-lab",
+        {"slow_a": {"a": "slow_a:THING"}, "slow_b": {"b": "slow_b:THING"}},
+        {"slow_a.py": slow.format(0.2), "slow_b.py": slow.format(0.4)},
+    )
+    before = sys.stdout
+    threads = [threading.Thread(target=load_plugins, args=(f"skiros.slow_{name}",)) for name in "ab"]
+    for thread in threads:
+        thread.start()
+        time.sleep(0.05)
+    for thread in threads:
+        thread.join()
+
+    assert sys.stdout is before
 
 
 def test_an_entry_point_of_a_distribution_that_is_half_removed_is_called_stale(site: Any) -> None:
