@@ -64,7 +64,7 @@ class Refill(AskingPrimitive):
                 self._forget(tx, thing)
 
     def _bring(self, tx: Transaction) -> None:
-        """What was brought counts as the missing things of its class: looks tell which they are; the rest is new."""
+        """Adds what was brought: first as the missing things of its class, which looks identify; the rest is new."""
         place = Placement(IN, self.params.place)
         missing = [e for e in self.world.instances(self.params.what) if self.world.value(e, MISSING) is True]
         found = [e for e in missing if self.world.placement(e) != place][: self.params.count]

@@ -1,1 +1,1 @@
-"""The world model: the ontology says what can be, the scene what is; every change is checked, dated and explained."""
+"""The world model: the ontology defines the concepts, the scene the current state; changes are validated and logged."""

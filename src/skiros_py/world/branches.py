@@ -1,4 +1,4 @@
-"""Branches: an element with what hangs on it by some relations, what hangs on that, and so on."""
+"""Branches: the tree of elements attached to an element by some relations."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ BACKWARDS = "^"
 """Before a relation's name: read from its object to its subject, as in a property path of SPARQL."""
 
 _SCENE = (STRUCTURE, PLACEMENT)
-"""The scene as people think of it: what is part of what, and stands on or lies in what."""
+"""The usual view of a scene: parts and placements."""
 
 
 @dataclass(frozen=True, slots=True)
 class Branch:
-    """One element with what hangs on it.
+    """One element with its children.
 
     Attributes:
         element: The element.
-        relation: The narrowest relation that ties it to its parent, or None if the branch begins.
-        children: What hangs on it, sorted by id.
+        relation: The narrowest relation that attaches it to its parent; None for the root.
+        children: The branches attached to it, sorted by id.
     """
 
     element: Element
@@ -32,7 +32,7 @@ class Branch:
     children: tuple[Branch, ...]
 
     def walk(self) -> Iterator[tuple[int, Branch]]:
-        """Yields this branch and all below it, each parent before its children, with how deep it hangs (0: this)."""
+        """Yields this branch and all below it, each parent before its children, with its depth (0: this)."""
         waiting = [(0, self)]
         while waiting:
             depth, node = waiting.pop()
@@ -41,7 +41,7 @@ class Branch:
 
 
 def children(view: WorldView, element: str, *relations: str) -> tuple[str, ...]:
-    """Returns ids of what hangs directly on an element, sorted.
+    """Returns ids of the direct children of an element, sorted.
 
     Args:
         view: The world.

@@ -1,4 +1,4 @@
-"""What one transaction changed: who, why, when, and every old and new value."""
+"""A change made by one transaction: author, reason, time, and every old and new value."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ _Json = dict[str, Any]
 
 
 class Writer(StrEnum):
-    """What kind of author wrote: locks keep people and jobs out, only what people wrote can be undone."""
+    """The kind of author: locks apply to users and jobs; only users' changes can be undone."""
 
     SKILL = "skill"
-    """A running skill or primitive reports what it sensed or did: nothing may keep it from that."""
+    """A running skill or primitive reports what it sensed or did: never blocked by locks."""
     PERSON = "person"
-    """Somebody edits what is believed."""
+    """A user edits the world model."""
     JOB = "job"
     """An order from outside."""
     SYSTEM = "system"
@@ -27,7 +27,7 @@ class Writer(StrEnum):
 
 
 class _Edit:
-    """What the kinds of edit share: each has an ``old`` and a ``new`` side."""
+    """Common base of edits: each has an ``old`` and a ``new`` side."""
 
     __slots__ = ()
 
@@ -59,7 +59,7 @@ class ElementEdit(_Edit):
 
 @dataclass(frozen=True, slots=True)
 class PlacementEdit(_Edit):
-    """An element moved; ``old`` is None for one that has just come, ``new`` for one that goes."""
+    """An element moved; ``old`` is None for one just added, ``new`` for one being removed."""
 
     element: str
     old: Placement | None
@@ -134,11 +134,11 @@ class Change:
 
     Attributes:
         number: Counted from 1 without gaps; the world's version afterwards.
-        author: Who wrote (a skill, a person, "scene").
-        reason: Why, in words for people.
+        author: The author (a skill, a user, "scene").
+        reason: Why, in readable form.
         time: When [s, simulated].
-        edits: What changed, net, in an order in which it can be done again.
-        writer: What kind of author that is.
+        edits: The net edits, in an order in which they can be reapplied.
+        writer: The kind of author.
         undoes: Number of the change that this one took back, or None.
     """
 
@@ -183,4 +183,4 @@ _PLAIN: Mapping[type, Callable[[Any], object]] = {
     Placement: lambda placement: {"relation": placement.relation, "place": placement.place},
     Element: _plain_element,
 }
-"""How a value that JSON does not know becomes plain data, by its type: one look-up for each value."""
+"""Converters to plain data for types that JSON lacks: one look-up per value."""

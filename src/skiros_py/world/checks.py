@@ -110,7 +110,7 @@ _UNCHANGED = "the ontology is never changed at run time"
 
 
 def class_problem(ontology: Ontology, class_: str) -> str | None:
-    """Says why there can be no element of a class, or None."""
+    """Returns why there can be no element of a class, or None."""
     if class_ not in ontology.classes:
         if class_.partition(":")[0] in ("owl", "rdf", "rdfs"):
             return f"'{class_}' makes a term of the ontology, and {_UNCHANGED}"
@@ -121,7 +121,7 @@ def class_problem(ontology: Ontology, class_: str) -> str | None:
 
 
 def id_problem(element_id: str) -> str | None:
-    """Says why a text cannot be the id of an element that is added, or None."""
+    """Returns why a text cannot be the id of a new element, or None."""
     if element_id == "this":
         return "'this' stands for the scene itself and is no id of an element"
     if not is_valid_id(element_id):
@@ -131,7 +131,7 @@ def id_problem(element_id: str) -> str | None:
 
 
 def goal_problem(goal: object) -> str | None:
-    """Says why something cannot be the text of a goal, or None."""
+    """Returns why something cannot be the text of a goal, or None."""
     try:
         fits = check_string(goal).strip() != ""
     except ValueError:
@@ -140,7 +140,7 @@ def goal_problem(goal: object) -> str | None:
 
 
 def element_problem(view: Index, element_id: str) -> str | None:
-    """Says why an id names no element that can be written to, or None."""
+    """Returns why an id names no writable element, or None."""
     if view.has(element_id):
         if is_abstract(element_id) and not is_learned(element_id):
             return f"'{element_id}' is an individual of the ontology, and {_UNCHANGED}"
@@ -152,7 +152,7 @@ def element_problem(view: Index, element_id: str) -> str | None:
 
 
 def relation_problem(view: Index, subject: str, relation: str, object_: str) -> str | None:
-    """Says why a relation between two existing elements cannot be stated, or None."""
+    """Returns why a relation between two existing elements cannot be stated, or None."""
     ontology = view.ontology
     if relation not in ontology.relations:
         if relation.partition(":")[0] in ("owl", "rdf", "rdfs"):
@@ -180,7 +180,7 @@ def checked_value(view: Index, element_id: str, property_: str, value: Value | N
     """Returns the value in the form in which an existing element bears it; None stays None.
 
     Raises:
-        ValueError: The element cannot bear it; the text says why.
+        ValueError: The element cannot have it; the text says why.
     """
     if property_ == LABEL:
         return _checked_label(element_id, value)
@@ -253,7 +253,7 @@ def _allowed(view: Index, subject: str, object_: str) -> str:
 
 
 def _tie_problems(view: Index, element_id: str) -> Iterator[str]:
-    """Everything is in one place, or a piece of one thing and goes with it."""
+    """Checks that every element is in one place, or part of one thing and moves with it."""
     owners, placement = view.owners(element_id), view.placement(element_id)
     if len(owners) > 1:
         yield f"{element_id} is a piece of {' and '.join(owners)}: a piece has one owner"

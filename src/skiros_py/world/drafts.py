@@ -22,7 +22,7 @@ _To = TypeVar("_To", bound="Draft | str")
 
 @dataclass(eq=False, slots=True)
 class Draft:
-    """An element that is to be added, with what it is to be related to: other drafts, and elements that are there.
+    """An element to be added, with its relations to other drafts and existing elements.
 
     >>> kit = Draft("kitting:Kit", relations=[("sk:on", "kit_table")])
     >>> left = kit.relate("sk:hasA", Draft("kitting:Compartment", "left"))
@@ -31,7 +31,7 @@ class Draft:
 
     Attributes:
         class_: CURIE of its class.
-        label: What people will call it; the class's name where left out.
+        label: Its display name; by default, the class's name.
         properties: Its own values by CURIE of the property.
         relations: (relation, to what), each a draft or an id. ``^`` before the relation: from that to this.
         id: Its id; the next for its class where left out.
@@ -44,7 +44,7 @@ class Draft:
     id: str | None = None
 
     def relate(self, relation: str, to: _To) -> _To:
-        """Adds a relation and returns what it leads to."""
+        """Adds a relation and returns its object."""
         self.relations.append((relation, to))
         return to
 
@@ -54,11 +54,11 @@ class Draft:
 
 
 def add_draft(tx: Transaction, draft: Draft, *, learned: bool = False) -> dict[Draft, str]:
-    """Adds a draft and every draft that is reached from it, with all their relations; what is wrong, ``tx`` refuses.
+    """Adds a draft and every draft reachable from it, with all their relations; ``tx`` refuses invalid ones.
 
     Args:
         tx: The open transaction.
-        draft: What is added.
+        draft: The draft to add.
         learned: True for something that the robot was taught.
 
     Returns:
@@ -85,7 +85,7 @@ def draft_of(view: WorldView, element: str, *relations: str) -> Draft:
     Args:
         view: The world.
         element: Id of the element.
-        *relations: What hangs on it; see :func:`~skiros_py.world.branches.children`.
+        *relations: The relations to follow; see :func:`~skiros_py.world.branches.children`.
 
     Raises:
         UnknownName: There is no such element or relation.
@@ -150,7 +150,7 @@ def _copied(view: WorldView, start: str, relations: tuple[str, ...], keeps: Call
     order = {name: at for at, name in enumerate(elements)}
     for name, draft in drafts.items():
         for relation, other in _stated(view, name):
-            if other in drafts and order[other] < order[name]:  # said by the first of both, so that all are reached
+            if other in drafts and order[other] < order[name]:  # stated by the first, so that all are reached
                 drafts[other].relate(BACKWARDS + relation, draft)
             elif other in drafts:
                 draft.relate(relation, drafts[other])

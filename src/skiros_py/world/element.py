@@ -9,7 +9,7 @@ from types import MappingProxyType
 from skiros_py.geometry import Pose
 
 Value = str | bool | int | float | Pose | tuple[float, ...]
-"""What a property may hold."""
+"""The values a property may have."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +54,7 @@ class Element:
 
 
 def is_abstract(element_id: str) -> bool:
-    """Tells an element of the ontology or a learned one from one of the scene, which is really there."""
+    """Returns whether it is an element of the ontology or a learned one, not one physically in the scene."""
     return ":" in element_id
 
 

@@ -1,4 +1,4 @@
-"""The typed indexes over the scene: what every question of the hot paths is answered from."""
+"""The typed indexes over the scene, which answer all queries on hot paths."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 def collection_paused() -> Iterator[None]:
     """Stops Python's search for unreachable cycles inside the block.
 
-    Where a million objects come into being that all stay, it would look through them again and again and find none:
-    that doubles the time.
+    When a million objects are created that all stay alive, it would scan them repeatedly without finding any: that
+    doubles the time.
     """
     enabled = gc.isenabled()
     gc.disable()
@@ -52,14 +52,14 @@ _NEVER = Stamp(0, 0.0)
 class Index:
     """One state of the scene, as a :class:`~skiros_py.world.view.WorldView`.
 
-    A published index never changes: to make another state, :meth:`copy` it first. That costs
+    A published index never changes: to create another state, :meth:`copy` it first. That costs
     nothing, since all tables are persistent: two states share all but what differs.
 
     Attributes:
         ontology: The classes and relations.
-        reasoners: What works out computed relations.
-        sensors: None: a state of the scene says nothing of sensors.
-        goals: Texts of the goals that go with the scene, sorted.
+        reasoners: The reasoners for computed relations.
+        sensors: None: a state of the scene has no sensors.
+        goals: Texts of the goals stored with the scene, sorted.
         version: Number of the change that led to this state.
     """
 
@@ -80,7 +80,7 @@ class Index:
         self._stamps: Map[str, Stamp] = Map()
 
     def copy(self) -> Index:
-        """Returns an index of its own with the same content."""
+        """Returns an independent index with the same content."""
         other = Index.__new__(Index)
         other.__dict__.update(self.__dict__)
         return other
@@ -107,7 +107,7 @@ class Index:
         return element
 
     def unknown(self, element_id: str) -> UnknownName:
-        """Returns the fault that says that there is no element of that id, and which there are."""
+        """Returns the error for an unknown element id, with the known ones."""
         return UnknownName("element", element_id, self._elements)
 
     def has(self, element_id: str) -> bool:
@@ -218,7 +218,7 @@ class Index:
         return self._stamps.get(element_id, _NEVER)
 
     def count(self, class_: str, *, abstract: bool = False) -> int:
-        """Returns how many elements there are of a class or of its subclasses; costs nothing for each of them.
+        """Returns how many elements there are of a class or of its subclasses, in constant time per class.
 
         Args:
             class_: The class.
@@ -231,7 +231,7 @@ class Index:
         return sum(len(table.get(below, EMPTY)) for below in self.ontology.subclasses(class_))
 
     def contents(self, place: str) -> tuple[str, ...]:
-        """Returns ids of what is placed directly there, by whatever relation, sorted."""
+        """Returns ids of the elements placed directly there, by any relation, sorted."""
         return _merged(self._guests, [(below, place) for below in self.ontology.sub_relations(PLACEMENT)])
 
     def owners(self, element_id: str) -> tuple[str, ...]:
@@ -270,7 +270,7 @@ class Index:
     # ------------------------------------------------------------ writing: only before publication
 
     def apply(self, edit: Edit) -> None:
-        """Does one edit of a change that was checked when it was made."""
+        """Applies one edit of a change that was already validated."""
         if isinstance(edit, ElementEdit):
             self.remove_element(edit.element) if edit.new is None else self.put_element(edit.new)
         elif isinstance(edit, PlacementEdit):
@@ -283,7 +283,7 @@ class Index:
             self.put_element(with_value(self.element(edit.element), edit.property, edit.new))
 
     def mark(self, ids: Iterable[str], stamp: Stamp) -> None:
-        """Notes that a change touched elements, of which some may be gone."""
+        """Records that a change affected elements, some of which may have been removed."""
         with self._stamps.mutate() as stamps:
             for name in ids:
                 if name in self._elements:
@@ -302,7 +302,7 @@ class Index:
         self._elements = self._elements.set(element.id, element)
 
     def remove_element(self, element_id: str) -> None:
-        """Takes an element out; it has no placement and no relation any more."""
+        """Removes an element, which must have no placement and no relation any more."""
         type_ = self._elements[element_id].type
         self._elements = self._elements.delete(element_id)
         if is_abstract(element_id):
@@ -330,7 +330,7 @@ class Index:
     # ------------------------------------------------------------ placements as statements
 
     def _placed(self, element_id: str, relation: str, asked: PlaceEnd) -> tuple[str, ...]:
-        """What stands at the asked end of placement statements that have the element at the other."""
+        """The elements at the requested end of placement statements with the element at the other end."""
         own = self._placements.get(element_id)
         places: list[str] = []
         keys: list[tuple[str, str]] = []
@@ -358,7 +358,7 @@ def with_value(element: Element, property_: str, value: Value | None) -> Element
 
 
 def _merged(table: Map[_Key, IdSet], keys: Iterable[_Key]) -> tuple[str, ...]:
-    """What the table has under all the keys together, sorted; a table never holds an empty set."""
+    """The union of the table's sets for the keys, sorted; a table never holds an empty set."""
     found = [group for key in keys if (group := table.get(key)) is not None]
     if not found:
         return ()

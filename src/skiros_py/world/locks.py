@@ -1,4 +1,4 @@
-"""Locks on named elements: they keep other people and jobs from editing, never a skill from saying what it sensed."""
+"""Locks on named elements: they block edits by other users and jobs, never a skill's reports of sensed data."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from skiros_py.errors import Locked, UsageError
 
 _LONGEST = 24 * 3600.0
-"""No lock outlives a day [s]: its owner may have gone home."""
+"""Maximum lock duration [s]: its owner may have left."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,18 +32,18 @@ class Lock:
 
     @property
     def shown(self) -> str:
-        """What people call the owner."""
+        """Display name of the owner."""
         return self.name or self.owner
 
 
 class Locks:
     """All locks of a world (the paper's lock service, §3.2). They live as long as the process.
 
-    Who locks a thing has its pieces too: the world asks for those and for what they are pieces of.
+    Locking a thing also locks its parts: the world checks parts and wholes.
 
     Args:
         clock: Gives the time [s]; must never go back.
-        known: Tells whether there is an element of an id.
+        known: Returns whether there is an element with an id.
         related: Gives what some elements are pieces of, and their own pieces, over all levels.
     """
 
@@ -69,7 +69,7 @@ class Locks:
             name: What people call the owner, where that is something else.
 
         Raises:
-            Locked: Another owner has one of them, or what it is a piece of, or one of its pieces.
+            Locked: Another owner has locked one of them, its whole, or one of its parts.
             UsageError: The time is not positive or too long, there is no owner, or there is no such element.
         """
         if not isinstance(seconds, int | float) or not 0.0 < seconds <= _LONGEST:
@@ -90,7 +90,7 @@ class Locks:
         return taken
 
     def release(self, owner: str, elements: Iterable[str] | None = None) -> None:
-        """Ends locks of an owner: on the given elements, or all; what is not locked by them stays as it is."""
+        """Ends locks of an owner: on the given elements, or all; other locks are unaffected."""
         with self._guard:
             wanted = self._locks.keys() if elements is None else _names(elements)
             for name in self._locks.keys() & wanted:

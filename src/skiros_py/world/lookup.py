@@ -1,4 +1,4 @@
-"""Finding elements by what is known of them."""
+"""Finding elements by their features."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import ELEMENT
 
 Wanted: TypeAlias = Value | Callable[[Value], bool] | None
-"""What is asked of a property: that it has this value, one of which a function says True, or (None) no value at all."""
+"""Requirement on a property: this value, one accepted by a function, or (None) no value at all."""
 
 _NOTHING: Mapping[str, str] = MappingProxyType({})
 _Test = Callable[[str], bool]
@@ -39,8 +39,8 @@ def resolve(
     Args:
         view: The world.
         class_: CURIE of the class; subclasses count.
-        label: Exactly what it is called.
-        properties: What is asked of properties, own or of the class, by CURIE.
+        label: The exact label.
+        properties: Requirements on properties, own or of the class, by CURIE.
         relations: Ids of what it is related to, by CURIE of the relation; narrower relations count, computed ones are
             asked last. ``^`` before the CURIE: of what is related to it (``{"^sk:hasA": "kit_1"}``: pieces of the kit).
         abstract: True to find, instead of what the scene has, what the ontology describes and what was learned.
@@ -50,7 +50,7 @@ def resolve(
         UsageError: A property can never have such a value.
     """
     stated, computed = _by_family(view, relations)
-    tests = [_is_of(view, class_, abstract=abstract)] if stated else []  # else nothing but these is gone through
+    tests = [_is_of(view, class_, abstract=abstract)] if stated else []  # otherwise only these are iterated
     if label is not None:
         tests.append(lambda name: view.element(name).label == label)
     found: Iterable[str] = _smallest(view, class_, stated, abstract=abstract)
@@ -88,7 +88,7 @@ def the(
 
 
 def _smallest(view: WorldView, class_: str, stated: list[tuple[str, str]], *, abstract: bool) -> tuple[str, ...]:
-    """What satisfies all stated relations, gone through from the smallest set on; without any, the whole class."""
+    """The elements that satisfy all stated relations, starting from the smallest set; without any, the whole class."""
     sets = sorted((_related(view, relation, other) for relation, other in stated), key=len)
     if not sets:
         return view.abstracts(class_) if abstract else view.instances(class_)
@@ -111,7 +111,7 @@ def _related(view: WorldView, relation: str, other: str) -> tuple[str, ...]:
 
 
 def _computed(view: WorldView, relation: str, other: str, candidates: tuple[str, ...]) -> tuple[str, ...]:
-    """Those candidates that a reasoner finds related; nothing else is worked out."""
+    """The candidates that a reasoner finds related; nothing else is computed."""
     name = relation.removeprefix(BACKWARDS)
     if name != relation:
         return computed_objects(view, other, name, candidates)

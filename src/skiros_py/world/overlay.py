@@ -17,10 +17,10 @@ _Statement = tuple[str, str, str]
 
 
 class Overlay(ForwardingView):
-    """A :class:`~skiros_py.world.view.WorldView` that differs from its base in what was set on it.
+    """A :class:`~skiros_py.world.view.WorldView` that differs from its base in the values set on it.
 
-    Nothing is checked here beyond names: an overlay holds suppositions, and a plan is allowed to pass through states
-    that no transaction would be. Overlays may lie on overlays.
+    Only names are checked: an overlay is hypothetical, and a plan may pass through states that no transaction would
+    allow. Overlays may be stacked.
     """
 
     def __init__(self, base: WorldView) -> None:
@@ -31,7 +31,7 @@ class Overlay(ForwardingView):
         self._removed: set[_Statement] = set()
 
     def copy(self) -> Self:
-        """Returns another one on which the same is supposed."""
+        """Returns a copy with the same differences."""
         other = type(self)(self._base)
         vars(other).update(
             _elements=dict(self._elements),
@@ -73,7 +73,7 @@ class Overlay(ForwardingView):
 
         Raises:
             UnknownName: There is no such element or relation.
-            UsageError: It is computed by a reasoner: nothing can make it hold but what it is computed from.
+            UsageError: It is computed by a reasoner, so it cannot be set directly.
         """
         if self.ontology.family(relation) is Family.COMPUTED:
             raise UsageError(f"{relation} is computed by a reasoner: suppose what it is computed from")
@@ -89,7 +89,7 @@ class Overlay(ForwardingView):
         self._suppose(subject, relation, object_)
 
     def unset_relation(self, subject: str, relation: str, object_: str) -> None:
-        """Lets a relation, and what is narrower, hold no longer; where it does not hold, nothing happens.
+        """Removes a relation and its sub-relations; does nothing if it does not hold.
 
         Raises:
             UnknownName: There is no such relation.
@@ -102,7 +102,7 @@ class Overlay(ForwardingView):
             self._suppose_not(subject, relation, object_)
 
     def set_value(self, element: str, property_: str, value: Value | None) -> None:
-        """Sets an element's own value of a property; None takes it away.
+        """Sets an element's own value of a property; None removes it.
 
         Raises:
             UnknownName: There is no such element or property.
@@ -191,10 +191,10 @@ class Overlay(ForwardingView):
         self._removed |= gone
 
     def _still(self, subject: str, relation: str, object_: str) -> bool:
-        """Whether a relation of the base, that holds there, was not taken away here.
+        """Whether a relation that holds in the base was not removed here.
 
-        The base answers for a relation and all narrower ones at once, so where something was taken away the
-        question is whether one of those left has no narrower one to thank for it.
+        The base answers for a relation and all its sub-relations at once, so if something was removed, it must be
+        checked whether the relation still holds by itself or by a remaining sub-relation.
         """
         below = self.ontology.sub_relations(relation)
         if not any((subject, name, object_) in self._removed for name in below):
@@ -217,7 +217,7 @@ class ExtendedView(Overlay):
         self._more: dict[str, str] = {}
 
     def extend(self, element: Element, placement: Placement | None = None) -> None:
-        """Supposes one more element.
+        """Adds a hypothetical element.
 
         Args:
             element: The element, of an id that the base does not have.
@@ -278,9 +278,9 @@ class ExtendedView(Overlay):
 
 
 class FilteredView(ForwardingView):
-    """The same world, in which a search by class does not find some elements.
+    """The same world, with some elements hidden from searches by class.
 
-    They are still where they are: a gripper that holds one is not empty.
+    They keep their places: a gripper that holds one is not empty.
     """
 
     def __init__(self, base: WorldView, ids: frozenset[str]) -> None:

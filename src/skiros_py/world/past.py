@@ -1,4 +1,4 @@
-"""What a world begins with, and where its changes are kept."""
+"""A world's initial state, and the storage of its changes."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class ChangeLog(Protocol):
         ...
 
     def by_people(self) -> Iterator[Change]:
-        """Yields the remembered changes that people made or that took others back, the last first."""
+        """Yields the stored changes made by users or undoing others, newest first."""
         ...
 
     def about(self, subjects: Iterable[str], after: int) -> Sequence[Change]:
@@ -88,7 +88,7 @@ class MemoryLog:
         return tuple(self._changes[version:])
 
     def by_people(self) -> Iterator[Change]:
-        """Yields the changes that people made or that took others back, the last first."""
+        """Yields the changes made by users or undoing others, newest first."""
         changes = reversed(tuple(self._changes))
         return (c for c in changes if c.writer is Writer.PERSON or c.undoes is not None)
 

@@ -1,4 +1,4 @@
-"""One write in the making: what it says is collected and checked, and shows nowhere before it takes effect."""
+"""A pending write: its edits are collected and checked, and invisible until it takes effect."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Transaction:
     """Made by :meth:`World.transaction`; its methods never raise for a wrong write, the end of the block does.
 
     Attributes:
-        change: What it changed, once it has taken effect; None before, and where that is nothing.
+        change: The resulting change, once it has taken effect; None before, and if nothing changed.
     """
 
     def __init__(self, base: Index, ids: Ids) -> None:
@@ -51,7 +51,7 @@ class Transaction:
         self,
         class_: str,
         label: str | None = None,
-        id: str | None = None,  # noqa: A002  the word that everybody uses for it
+        id: str | None = None,  # noqa: A002  the customary word
         properties: Mapping[str, Value] | None = None,
         placement: Placement | None = None,
         *,
@@ -61,11 +61,11 @@ class Transaction:
 
         Args:
             class_: CURIE of its class.
-            label: Its display name; the class's name where left out.
+            label: Its display name; by default, the class's name.
             id: Its id.
             properties: Own values by CURIE of the property.
             placement: Where it is.
-            learned: True for something that the robot was taught and keeps beyond this scene ("learned:mug_1").
+            learned: True for something taught to the robot that persists beyond this scene ("learned:mug_1").
         """
         self._check_open()
         element_id = id if id is not None else self._ids.next(class_, learned=learned)
@@ -82,7 +82,7 @@ class Transaction:
         return element_id
 
     def place(self, element: str, relation: str, place: str) -> None:
-        """Moves an element: its one placement, of whatever relation, becomes this one."""
+        """Moves an element: replaces its single placement, of any relation."""
         self._check_open()
         ontology = self._view.ontology
         if relation not in ontology.relations or not ontology.is_placement(relation) or relation == PLACEMENT:
@@ -110,7 +110,7 @@ class Transaction:
             self._work.relate(subject, relation, object_, holds=True)
 
     def unrelate(self, subject: str, relation: str, object_: str) -> None:
-        """Takes back a stated relation; not a placement, for everything that is not abstract is somewhere."""
+        """Removes a stated relation; not a placement, since everything that is not abstract has a place."""
         self._check_open()
         if not self._may_relate(subject, relation, object_):
             return
@@ -125,7 +125,7 @@ class Transaction:
             self._work.relate(subject, relation, object_, holds=False)
 
     def set(self, element: str, property_: str, value: Value | None) -> None:
-        """Sets an element's own value of a property, or its ``rdfs:label``; None takes the own value away."""
+        """Sets an element's own value of a property, or its ``rdfs:label``; None removes the own value."""
         self._check_open()
         if not self._writable(element):
             return
@@ -137,13 +137,13 @@ class Transaction:
         self._work.put(with_value(self._view.element(element), property_, checked))
 
     def remove(self, element: str) -> None:
-        """Removes an element with its pieces; what was placed in any of them moves to where the element was."""
+        """Removes an element with its parts; things placed in any of them move to where the element was."""
         self._check_open()
         if self._writable(element):
             self._problems += remove(self._work, element)
 
     def set_goals(self, goals: Iterable[str]) -> None:
-        """Replaces the texts of the goals that go with the scene."""
+        """Replaces the texts of the goals stored with the scene."""
         self._check_open()
         texts = [goals] if isinstance(goals, str) else list(goals)
         problems = [problem for text in texts if (problem := goal_problem(text))]
@@ -152,9 +152,10 @@ class Transaction:
             self._work.set_goals(tuple(sorted(set(texts))))
 
     def apply(self, edits: Iterable[Edit]) -> None:
-        """Does edits that were made elsewhere (to undo, to load a scene over another): an id may come back with them.
+        """Applies edits that were made elsewhere (to undo, to load a scene over another); they may reuse an id.
 
-        Each is checked like any other write; where the world is no longer as an edit's ``old`` says, ``new`` counts.
+        Each is checked like any other write; if the world no longer matches an edit's ``old``, ``new`` is applied
+        anyway.
         """
         self._check_open()
         for edit in edits:
@@ -163,14 +164,14 @@ class Transaction:
     # ------------------------------------------------------------ the end of the block
 
     def problems(self) -> list[tuple[str, str]]:
-        """Returns everything wrong with the transaction so far, as (element, sentence)."""
+        """Returns all problems of the transaction so far, as (element, sentence)."""
         return [*self._problems, *state_problems(self._view, self._work.touched, self._work.places)]
 
     def finish(self) -> tuple[Index, tuple[Edit, ...]]:
         """Ends the transaction and returns the new state and the net edits.
 
         Raises:
-            WorldError: Something is wrong; the text names all of it.
+            WorldError: There are problems; the text names all of them.
         """
         self.close()
         problems = list(dict.fromkeys(sentence for _, sentence in self.problems()))
@@ -179,7 +180,7 @@ class Transaction:
         return self._view, self._work.edits()
 
     def close(self) -> None:
-        """Lets nothing more be written."""
+        """Rejects further writes."""
         self._open = False
 
     # ------------------------------------------------------------ pieces
@@ -247,7 +248,7 @@ class Transaction:
 
     def _writable(self, element_id: str) -> bool:
         if element_id in self._refused or len(self._problems) >= _ENOUGH:
-            return False  # what is wrong was said
+            return False  # already reported
         problem = element_problem(self._view, element_id)
         if problem:
             self._refuse(element_id, problem)
@@ -262,13 +263,13 @@ class Transaction:
 
 
 _ENOUGH = 1000
-"""After so many faults the rest of a write is not checked: it is refused anyway."""
+"""After how many problems the rest of a write is not checked: it is refused anyway."""
 _MOST_SHOWN = 20
 _LONGEST_SHOWN = 1000
 
 
 def _refusal(problems: list[str]) -> str:
-    """All that is wrong, as one text; of very much, the beginning."""
+    """All problems as one text, truncated if very long."""
     shown = [text if len(text) <= _LONGEST_SHOWN else f"{text[:_LONGEST_SHOWN]}…" for text in problems[:_MOST_SHOWN]]
     if len(problems) > _MOST_SHOWN:
         shown.append(f"and {len(problems) - _MOST_SHOWN} more")

@@ -1,4 +1,4 @@
-"""The reading interface of the world model: live world, snapshots and overlays all have it."""
+"""The read interface of the world model, implemented by the live world, snapshots and overlays."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Reading = float | bool | tuple[float, ...]
 
 
 class Sensors(Protocol):
-    """Reads the signals of the present cycle."""
+    """Reads the signals of the current cycle."""
 
     def value(self, name: str) -> Reading | None:
         """Returns the value of a signal ("gripper_1.force"); None if there is none."""
@@ -29,7 +29,7 @@ class Sensors(Protocol):
 
 
 class NoSensors:
-    """Where nothing can be sensed: snapshots and suppositions, worlds without a robot."""
+    """Sensors without signals: for snapshots, hypothetical views and worlds without a robot."""
 
     def value(self, name: str) -> Reading | None:  # noqa: ARG002 - the port's signature
         """Returns None."""
@@ -41,14 +41,14 @@ class NoSensors:
 
 
 NO_SENSORS = NoSensors()
-"""Nothing is sensed here."""
+"""The shared instance."""
 
 
 # ---------------------------------------------------------------- views
 
 
 class WorldView(Protocol):
-    """What is, as triples with typed indexes. Every answer is sorted by id, so that runs repeat."""
+    """The state of the world as triples with typed indexes. Answers are sorted by id, so that runs are repeatable."""
 
     @property
     def ontology(self) -> Ontology:
@@ -57,12 +57,12 @@ class WorldView(Protocol):
 
     @property
     def reasoners(self) -> Reasoners:
-        """What works out computed relations; :meth:`related`, :meth:`objects` and :meth:`subjects` ask it."""
+        """The reasoners for computed relations; used by :meth:`related`, :meth:`objects` and :meth:`subjects`."""
         ...
 
     @property
     def sensors(self) -> Sensors:
-        """What devices say in this cycle; only the live world knows."""
+        """Device readings of this cycle; available in the live world only."""
         ...
 
     def element(self, element_id: str) -> Element:
@@ -82,12 +82,12 @@ class WorldView(Protocol):
         ...
 
     def some_instances(self, class_: str, limit: int, after: str = "") -> tuple[str, ...]:
-        """Returns the first of the :meth:`instances` of a class, without looking at the others.
+        """Returns the first of the :meth:`instances` of a class, without reading the others.
 
         Args:
             class_: The class.
             limit: How many at most.
-            after: Only ids that sort after this one: the last of the ones before, to read on.
+            after: Only ids that sort after this one: the last id of the previous call, to continue.
         """
         ...
 
@@ -102,7 +102,7 @@ class WorldView(Protocol):
     def value(self, element_id: str, property_: str) -> Value | None:
         """Returns the element's own value, else what was taught for its class, else what the class gives, else None.
 
-        See :mod:`skiros_py.world.taught`; of the class and those above it, the nearest that says something counts.
+        See :mod:`skiros_py.world.taught`; among the class and its superclasses, the nearest one with a value counts.
         """
         ...
 
@@ -124,7 +124,7 @@ class WorldView(Protocol):
 
 
 class ForwardingView(WorldView):
-    """A view that answers what another view answers; subclasses override what they answer differently."""
+    """A view that delegates to another view; subclasses override what differs."""
 
     _base: WorldView
 

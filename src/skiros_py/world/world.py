@@ -43,12 +43,12 @@ class _Write:
 
 
 class World(ForwardingView):
-    """What is, as believed now; a :class:`~skiros_py.world.view.WorldView` that changes by transactions only.
+    """The current world model; a :class:`~skiros_py.world.view.WorldView` that changes only by transactions.
 
     Attributes:
         clock: Gives the time [s, simulated] that changes are stamped with; may be replaced.
-        locks: Which elements only one person or job may edit.
-        sensors: What devices say in this cycle; replaced when devices are brought up.
+        locks: The edit locks of users and jobs on elements.
+        sensors: Device readings of this cycle; replaced when devices are brought up.
     """
 
     sensors: Sensors = NO_SENSORS
@@ -65,10 +65,10 @@ class World(ForwardingView):
         """Opens a world.
 
         Args:
-            ontology: What may be.
-            reasoners: What works out computed relations and may object to changes.
+            ontology: The ontology.
+            reasoners: Reasoners that evaluate computed relations and may reject changes.
             clock: Gives the time [s, simulated].
-            past: What was before, read from a journal; changes are written there before they take effect.
+            past: The previous state, read from a journal; changes are written there before they take effect.
         """
         self.clock = clock
         self.locks = Locks(known=lambda name: self._base.has(name), related=lambda names: _related(self._base, names))
@@ -102,23 +102,23 @@ class World(ForwardingView):
     ) -> Iterator[Transaction]:
         """Opens a write: ``with world.transaction("pick", "the fingers hold it") as tx: tx.place(...)``.
 
-        Nothing is visible before the block ends; if it raises, nothing happens. Another thread's transaction is waited
-        for. A transaction without net effect makes no change.
+        Nothing is visible before the block ends; if it raises, nothing is changed. Waits for other threads'
+        transactions. A transaction without net effect makes no change.
 
         Args:
-            author: Who writes.
-            reason: Why, in words for people.
+            author: The author.
+            reason: Why, in readable form.
             writer: What kind of author that is; locks of others keep people and jobs out.
             expects: For elements by id, the version (:meth:`stamp`) that the author has seen; for "" that of the world.
-            undoes: Number of the change that this one takes back.
-            holder: Whose locks let it through, where they are not the author's.
+            undoes: Number of the change that this one undoes.
+            holder: The lock holder, if different from the author.
 
         Raises:
-            WorldError: The ontology or a reasoner does not allow what was written (the text names everything wrong and
-                what would be right), or this thread has a transaction open already.
-            UsageError: There is no author or no reason, or an element is expected that never was.
+            WorldError: The ontology or a reasoner does not allow what was written (the text names every problem and
+                its correction), or this thread already has an open transaction.
+            UsageError: There is no author or no reason, or an expected element never existed.
             StaleVersion: An element was changed or removed since the author saw it.
-            Locked: Somebody else has locked one of the elements.
+            Locked: Another user has locked one of the elements.
         """
         write = _Write(_text("author", author), _text("reason", reason), _kind(writer), undoes, holder or author)
         other = self._author_here()
@@ -146,19 +146,19 @@ class World(ForwardingView):
 
     @property
     def log(self) -> ChangeLog:
-        """What remembers the changes; only the world itself appends to it."""
+        """The change log; only the world itself appends to it."""
         return self._log
 
     @property
     def changes(self) -> Sequence[Change]:
-        """Every change that is remembered, in order; see :meth:`changes_since`."""
+        """Every change that is kept, in order; see :meth:`changes_since`."""
         return self._log.since(self._log.first - 1)
 
     def changes_since(self, version: int) -> Sequence[Change]:
         """Returns the changes after a version, in order.
 
         Raises:
-            WorldError: They are remembered no longer: the journal was compacted since.
+            WorldError: They are no longer kept: the journal was compacted since.
         """
         return self._log.since(version)
 
@@ -177,22 +177,22 @@ class World(ForwardingView):
         return unsubscribe
 
     def snapshot(self) -> Index:
-        """Returns the present state, which will never change; this costs nothing."""
+        """Returns the current state, which is immutable; this is cheap."""
         return self._base
 
     def state(self) -> tuple[int, Index]:
-        """Returns the present version and the state that belongs to it, without what an open transaction wrote."""
+        """Returns the current version and its state, without the writes of an open transaction."""
         index = self._base
         return index.version, index
 
     @property
     def goals(self) -> tuple[str, ...]:
-        """Texts of the goals that go with the scene, sorted."""
+        """Texts of the goals stored with the scene, sorted."""
         return self._base.goals
 
     @property
     def store(self) -> TripleStore:
-        """The same content as RDF triples; made when first asked for, brought up to date whenever it is queried."""
+        """The same content as RDF triples; created on first use, updated on every query."""
         from skiros_py.world.store import TripleStore  # most runs never query
 
         with self._making_store:
@@ -213,7 +213,7 @@ class World(ForwardingView):
     # ------------------------------------------------------------ the life of a transaction
 
     def _author_here(self) -> str | None:
-        """Whose transaction is open in this thread."""
+        """The author of the transaction open in this thread."""
         writer = self._writer
         return writer[1] if writer is not None and writer[0] == threading.get_ident() else None
 
@@ -248,11 +248,11 @@ class World(ForwardingView):
             tx.change = change
             for edit in edits:
                 if isinstance(edit, ElementEdit) and edit.new is not None:
-                    self._ids.claim(edit.element)  # what came and went in one transaction was never seen
+                    self._ids.claim(edit.element)  # elements added and removed in one transaction were never visible
             self._queued.extend((key, change) for key in tuple(self._subscribers))
 
     def _check_outside(self, before: Index, after: Index, edits: Sequence[Edit], write: _Write) -> None:
-        """Asks those who may object to a change that the ontology allows: owners of locks, reasoners."""
+        """Checks a change that the ontology allows against locks and reasoners."""
         if write.writer in (Writer.PERSON, Writer.JOB):
             concerned = {name for edit in edits for name in edit.concerns()}
             locked = self.locks.fault((*concerned, *_wholes(before, after, concerned)), write.holder)
@@ -285,7 +285,7 @@ _LONGEST_TEXT = 1000
 def _text(what: str, text: str) -> str:
     if not isinstance(text, str) or not text.strip():
         raise UsageError(f"a transaction needs its {what}: a text that says {_SAYS[what]}")
-    if not text.isprintable():  # it will stand in a line of somebody's terminal and in a file
+    if not text.isprintable():  # it is shown on a terminal line and written to a file
         text = "".join(character if character.isprintable() else " " for character in text)
     return text if len(text) <= _LONGEST_TEXT else f"{text[:_LONGEST_TEXT]}…"
 
@@ -299,7 +299,7 @@ def _kind(writer: Writer) -> Writer:
 
 
 def _wholes(before: Index, after: Index, names: Iterable[str]) -> set[str]:
-    """What the named elements are pieces of, and what that is a piece of: who locks a kit has its compartments too."""
+    """The wholes that the named elements are parts of, on all levels: locking a kit also locks its compartments."""
     found: set[str] = set()
     waiting = list(names)
     while waiting:
@@ -311,7 +311,7 @@ def _wholes(before: Index, after: Index, names: Iterable[str]) -> set[str]:
 
 
 def _related(index: Index, names: Iterable[str]) -> set[str]:
-    """What the named elements are pieces of, and their pieces, over all levels."""
+    """The wholes and parts of the named elements, on all levels."""
     given = set(names)
     found = _wholes(index, index, given)
     waiting = list(given)
@@ -328,5 +328,5 @@ _SAYS = {"author": "who writes", "reason": "why, in words for people"}
 def _call(callback: Callable[[Change], None], change: Change) -> None:
     try:
         callback(change)
-    except (Exception, SystemExit):  # noqa: BLE001  whatever it is, it is the subscriber's fault
+    except (Exception, SystemExit):  # noqa: BLE001  any exception is the subscriber's fault
         _log.exception("a subscriber failed on change %d of the world", change.number)

@@ -1,4 +1,4 @@
-"""What was made of skills in a planning domain, for their authors: what was added to what they wrote, and why."""
+"""Describes for skill authors how their skills were translated into a planning domain: additions, and reasons."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class ActionAccount:
     Attributes:
         name: Its name in the domain.
         parameters: Its parameters, each with its class: "Ball: tiny:Ball".
-        notes: What was added to what the author wrote, or left out of it, and why.
+        notes: What was added to or removed from the author's skill, and why.
     """
 
     name: str
@@ -31,8 +31,8 @@ class SkillAccount:
 
     Attributes:
         skill: Its name; empty for the bookkeeping.
-        pre, hold, post: What its author wrote.
-        actions: What was made of it; nothing if the goal cannot need it.
+        pre, hold, post: The conditions its author wrote.
+        actions: The resulting actions; none if the goal cannot need it.
     """
 
     skill: str
@@ -49,10 +49,10 @@ class SkillAccount:
 
 
 def account_of(skills: Iterable[SkillDescription], actions: Sequence[tuple[str, Action]]) -> tuple[SkillAccount, ...]:
-    """Tells skill by skill what was made of it.
+    """Describes the translation skill by skill.
 
     Args:
-        skills: The skills that there are.
+        skills: The skills.
         actions: The actions of the domain, each with its name there.
     """
     told = tuple(

@@ -35,11 +35,11 @@ def actions_of(
     Args:
         skill: The skill.
         ontology: Classes and relations.
-        asked: What is asked anywhere in the task about properties, by predicate: what the skill does to that is among
-            its effects. The skill's own where left out.
+        asked: All property conditions in the task, by predicate: the skill's changes to them become effects. By
+            default, the skill's own.
 
     Raises:
-        PlanningError: A condition cannot be said in typed STRIPS; the message names it.
+        PlanningError: A condition cannot be expressed in typed STRIPS; the message names it.
     """
     where = f"skill '{skill.name}'"
     fresh = count(1)
@@ -56,7 +56,7 @@ def actions_of(
 def _chosen(
     conditions: Sequence[Condition], choices: Sequence[Sequence[Conjunction]], variant: Sequence[Conjunction]
 ) -> tuple[str, ...]:
-    """Says which way of a condition that can hold in several ways a variant stands for."""
+    """Describes which alternative of a condition a variant stands for."""
     several = (
         (condition, ways.index(way) + 1, way)
         for condition, ways, way in zip(conditions, choices, variant, strict=True)
@@ -66,13 +66,13 @@ def _chosen(
 
 
 def _said(skill: SkillDescription, conditions: Iterable[Condition]) -> tuple[Condition, ...]:
-    """Those conditions that plans know of, over variables and defaults: without what speaks of optional parameters."""
+    """The conditions that planning uses, over variables and defaults: without those on optional parameters."""
     values = with_defaults(skill, {param.key: param.key for param in required_elements(skill)})
     return tuple(condition.bind(values) for condition in applying(conditions, values))
 
 
 def _constants(skill: SkillDescription) -> tuple[Variable, ...]:
-    """What it takes where nobody says which, with the class it takes that for."""
+    """The default elements of a skill's parameters, with their classes."""
     defaults = with_defaults(skill, {}).items()
     return tuple(Variable(element, skill.param(key).element_class) for key, element in defaults)
 
@@ -98,7 +98,7 @@ def _action(skill: SkillDescription, pre: Sequence[Conjunction], effects: _Effec
 
 
 class _Effects:
-    """What a skill's postconditions do to atoms, as lists of atoms that they add and delete."""
+    """The effects of a skill's postconditions, as lists of added and deleted atoms."""
 
     def __init__(self, skill: SkillDescription, ontology: Ontology, asked: Mapping[str, Asked | Not]) -> None:
         self._skill = skill
@@ -142,7 +142,7 @@ class _Effects:
             )
 
     def _check_no_fallback(self, effect: Assign) -> None:
-        """Refuses to take a value away where that of the class would then count: it differs from class to class."""
+        """Refuses to remove a value if the class's value would then apply: it differs from class to class."""
         named = {constant.name: constant.type for constant in _constants(self._skill)}
         class_ = named.get(effect.subject) or self._skill.param(effect.subject).element_class
         if effect.value is not None or class_ not in self._ontology.classes:

@@ -1,4 +1,4 @@
-"""PDDL as terms in brackets: to rewrite texts of our own."""
+"""PDDL as bracketed terms, to rewrite generated texts."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ Term = str | list["Term"]
 
 
 def read_term(text: str) -> list[Term]:
-    """Returns the bracketed term that a text without comments is."""
+    """Parses a text without comments as a bracketed term."""
     stack: list[list[Term]] = [[]]
     for word in re.findall(r"[()]|[^\s()]+", text):
         if word == "(":
@@ -45,7 +45,7 @@ def field(action: Sequence[Term], keyword: str) -> list[Term]:
 
 
 def conjuncts(term: list[Term]) -> list[list[Term]]:
-    """Returns the parts of a conjunction; the term itself where it is none."""
+    """Returns the parts of a conjunction; the term itself if it is not a conjunction."""
     return [part for part in (term[1:] if term[:1] == ["and"] else [term]) if isinstance(part, list)]
 
 
@@ -64,12 +64,12 @@ def typed_lines(terms: Sequence[Term]) -> Iterator[str]:
 
 
 def block(keyword: str, lines: Sequence[str]) -> str:
-    """Returns a keyword with a conjunction, one part a line."""
+    """Returns a keyword with a conjunction, one part per line."""
     return f"    {keyword} (and" + "".join(f"\n      {line}" for line in lines) + ")"
 
 
 def unused(word: str, text: str) -> str:
-    """Returns a word, with a number where a text has it already."""
+    """Returns a word, with a number appended if a text contains it already."""
     taken, name, number = set(re.findall(r"[\w-]+", text)), word, 1
     while name in taken:
         number += 1

@@ -9,7 +9,7 @@ from skiros_py.planning.domain.model import Action, Atom, NoneSuch, Variable
 from skiros_py.world.ontology import Ontology
 
 IS = "is "
-"""Prefix of the predicate that says that an object is of a class."""
+"""Prefix of the predicate stating that an object is of a class."""
 
 
 def primary_line(ontology: Ontology, class_: str) -> tuple[str, ...]:
@@ -31,7 +31,7 @@ def common_class(one: str, other: str, ontology: Ontology) -> str:
 def with_class_predicates(
     actions: Sequence[Action], objects: Mapping[str, str], ontology: Ontology
 ) -> tuple[Action, ...]:
-    """Widens parameters whose class some object has by a secondary parent, and asks for the class by a predicate."""
+    """Widens parameters whose class some object has through a secondary parent, and adds a class predicate."""
     asked = {v.type for action in actions for v in action.variables if v.type}
     wide = {class_: _widened(class_, set(objects.values()), ontology) for class_ in asked}
     return tuple(_widen(action, wide) for action in actions)
@@ -67,6 +67,6 @@ def _widen(action: Action, wide: Mapping[str, str]) -> Action:
 def _widened_variables(
     variables: Sequence[Variable], wide: Mapping[str, str]
 ) -> tuple[tuple[Variable, ...], tuple[Atom, ...]]:
-    """Returns variables of wider classes, and what asks for the narrower ones."""
+    """Returns variables of wider classes, and the predicates for the narrower ones."""
     asks = tuple(Atom(IS + v.type, (v.name,)) for v in variables if v.type and wide[v.type] != v.type)
     return tuple(Variable(v.name, wide.get(v.type, v.type)) for v in variables), asks

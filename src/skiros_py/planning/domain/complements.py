@@ -1,4 +1,4 @@
-"""That a relation does not hold: a predicate of its own, kept up to date by whatever adds or deletes the relation."""
+"""Complement predicates: state that a relation does not hold, updated by every action that adds or deletes it."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from skiros_py.world.view import WorldView
 
 
 def with_complements(actions: Iterable[Action], goal: Iterable[Atom], ontology: Ontology) -> tuple[Action, ...]:
-    """Lets actions keep up to date what some precondition, or the goal, asks not to hold.
+    """Makes actions update the complements that some precondition, or the goal, requires.
 
-    An action that ends a relation and makes it hold again, perhaps between the same two, becomes two variants: what
-    comes to hold did not hold before, or it did.
+    An action that ends a relation and makes it hold again, perhaps between the same two, becomes two variants: the
+    added relation held before, or it did not.
 
     Raises:
-        PlanningError: It cannot be told whether an action ends what it makes hold.
+        PlanningError: It is undecidable whether an action deletes a relation it adds.
     """
     drafts = tuple(actions)
     wanted = _wanted((*(atom for action in drafts for atom in action.pre), *goal), ontology)
@@ -32,7 +32,7 @@ def with_complements(actions: Iterable[Action], goal: Iterable[Atom], ontology: 
 
 
 def _wanted(atoms: Iterable[Atom], ontology: Ontology) -> frozenset[str]:
-    """Returns the relations of which some atom says that they do not hold."""
+    """Returns the relations that some atom requires not to hold."""
     denied = (atom.predicate.removeprefix(NOT) for atom in atoms if atom.predicate.startswith(NOT))
     return frozenset(predicate for predicate in denied if is_stored(predicate, ontology))
 
@@ -48,7 +48,7 @@ def _maintained(action: Action, wanted: frozenset[str], ontology: Ontology) -> t
 
 
 def _check_unique(action: Action, new: Atom, ended: Sequence[Atom], ontology: Ontology) -> None:
-    """Refuses what may end one thing and bring about another of which there may be several."""
+    """Refuses actions that may delete one relation and add another when there may be several."""
     functional = ontology.relations[new.predicate].functional
     unique = is_placement(new, ontology) or (functional and all(o.arguments[0] == new.arguments[0] for o in ended))
     if not unique or any(old not in action.pre for old in ended):
@@ -64,7 +64,7 @@ def _anew(action: Action, new: Atom, ended: Sequence[Atom]) -> Action:
 
 
 def _going_on(action: Action, new: Atom, ended: Sequence[Atom]) -> Action:
-    """Returns the variant in which what comes to hold holds before: everything has one place, so nothing ends."""
+    """Returns the variant in which the added relation held before: everything has one place, so nothing is deleted."""
     return replace(
         action,
         pre=(*action.pre, new),
@@ -86,7 +86,7 @@ def _with_effects(action: Action, wanted: frozenset[str]) -> Action:
 
 
 def _may_be_one(new: Atom, old: Atom, types: Mapping[str, str], ontology: Ontology) -> bool:
-    """Returns whether two atoms of an action may speak of the same things."""
+    """Returns whether two atoms of an action may refer to the same things."""
     return new.predicate == old.predicate and all(
         one == other or _overlap(types.get(one, ""), types.get(other, ""), ontology)
         for one, other in zip(new.arguments, old.arguments, strict=True)
@@ -102,7 +102,7 @@ def _overlap(one: str, other: str, ontology: Ontology) -> bool:
 def complement_facts(
     atoms: Iterable[tuple[Atom, Mapping[str, str]]], objects: Mapping[str, str], view: WorldView
 ) -> frozenset[Atom]:
-    """Returns which relations do not hold at the start, between those things only of which it is asked.
+    """Returns which relations do not hold at the start, only between things for which it is required.
 
     Args:
         atoms: Preconditions and goal, each with the classes of its variables; others than complements do not matter.

@@ -1,4 +1,4 @@
-"""That nothing is there: kept up to date by what skills add and delete, else asked by a quantifier."""
+"""Conditions that nothing is there: updated by the skills' effects if possible, otherwise expressed by a quantifier."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from skiros_py.world.vocabulary import ELEMENT
 
 @dataclass(frozen=True, slots=True)
 class _Emptiness:
-    """The wish of some precondition that nothing has a relation to a place of this class."""
+    """A precondition's requirement that nothing has a relation to a place of this class."""
 
     relation: str
     class_: str
@@ -32,9 +32,9 @@ def emptiness_classes(actions: Iterable[Action]) -> dict[str, str]:
 def maintain_emptiness(actions: Iterable[Action], ontology: Ontology) -> tuple[Action, ...]:
     """Adds what skills do to "nothing is there": filling ends it, taking the only thing restores it.
 
-    This is sound where every action that fills such a place asks that it be empty before, and where it is known of
-    each place that is freed whether it is such a one. Where that is not so, the precondition becomes one that there is
-    no such thing, which needs a planner that knows quantifiers. Who is there already and stays fills and frees nothing.
+    This is sound if every action that fills such a place requires it to be empty before, and if it is known of each
+    freed place whether it is such a place. Otherwise the precondition becomes a quantified one, which needs a planner
+    that supports quantifiers. Things that are there already and stay neither fill nor free a place.
     """
     drafts = tuple(actions)
     for predicate in sorted({e.predicate for e in _asked(drafts)}):

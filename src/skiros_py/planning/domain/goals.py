@@ -1,10 +1,10 @@
 """Goals inside a planning task: plain facts stay facts, everything else becomes bookkeeping actions at the end.
 
 A goal such as "any starter in compartment a" or "InKit" has a variable or an alternative in it, which a STRIPS goal
-cannot say. So there is an action per such part of the goal that may be taken once the robots have finished: what it
-needs is the part's pattern, what it gives is a fact that says "this part is reached". Nothing can be undone afterwards,
-because skills need "still working". Parts of parts have facts of their own, so that the task grows with the goal and
-not with its combinations; "for all" is said of each element that there is.
+cannot say. So there is an action per such part of the goal, applicable once the robots have finished: its precondition
+is the part's pattern, its effect a fact stating "this part is reached". Nothing can be undone afterwards, because
+skills need "still working". Nested parts have their own facts, so that the task grows linearly with the goal rather
+than with its combinations; "for all" is expanded for each existing element.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ FINISHED = Atom("finished")
 REACHED = "reached "
 
 Scope = Mapping[str, str]
-"""Class by variable, of those whose quantifier is around."""
+"""Class by variable bound by enclosing quantifiers."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +51,7 @@ def compile_goal(goal: Sequence[Condition], actions: Sequence[Action], view: Wor
     """Compiles a conjunction of conditions over elements and classes.
 
     Raises:
-        UsageError: A condition cannot be said in typed STRIPS.
+        UsageError: A condition cannot be expressed in typed STRIPS.
     """
     brought = Brought(actions, view.ontology)
     parts = [_Part(condition, number, actions, brought, view) for number, condition in enumerate(goal, start=1)]
@@ -70,8 +70,8 @@ class _Part:
     """One condition of a goal being compiled.
 
     Attributes:
-        atoms: What stands for it.
-        bookkeeping: The actions that bring these about, where they are no facts of the world.
+        atoms: The atoms that stand for it.
+        bookkeeping: The actions that achieve those that are not facts of the world.
     """
 
     def __init__(
@@ -92,7 +92,7 @@ class _Part:
         self.atoms = tuple(dict.fromkeys(self._all(pattern, {})))
 
     def _all(self, pattern: Pattern, scope: Scope) -> Iterator[Atom]:
-        """Yields atoms that hold together exactly where the pattern holds."""
+        """Yields atoms that hold together exactly when the pattern holds."""
         match pattern:
             case AllOf(patterns):
                 for part in patterns:
@@ -109,7 +109,7 @@ class _Part:
                 yield from filter(self._is_open, (atom_of(pattern),))
 
     def _reached(self, pattern: Pattern, scope: Scope) -> Atom:
-        """Makes bookkeeping of what is said by no list of atoms, and returns the atom that it brings about."""
+        """Creates bookkeeping for a pattern that no list of atoms can express; returns the atom it achieves."""
         node = next(self._nodes)
         label = f"{self._number}.{node}" if node else f"{self._number}"
         free = set(variables(pattern))
@@ -138,7 +138,7 @@ class _Part:
                 yield (), tuple(self._all(pattern, scope))
 
     def _for_all(self, there: Exists, scope: Scope) -> Iterator[Atom]:
-        """Yields for each element of the class what says that it is none such."""
+        """Yields for each element of the class an atom stating that it does not match."""
         variable, inner = self._opened(there)
         contrary = normal(Not(inner), self._where, self._view.ontology)
         atoms = tuple(self._all(contrary, {**scope, variable.name: variable.type}))
@@ -146,7 +146,7 @@ class _Part:
             yield from filter(self._is_open, (atom.bind({variable.name: element}) for atom in atoms))
 
     def _opened(self, pattern: Exists) -> tuple[Variable, Pattern]:
-        """Returns the variable of a quantifier under a name of its own, and what is said of it."""
+        """Returns the variable of a quantifier under a unique name, and its inner pattern."""
         name = f"?{pattern.variable} #{next(self._fresh)}"
         return Variable(name, pattern.class_), pattern.pattern.rename({pattern.variable: name})
 
@@ -157,7 +157,7 @@ class _Part:
         return class_ is not None and self._view.ontology.is_a(of, class_)
 
     def _is_open(self, atom: Atom) -> bool:
-        """Tells whether an atom may be false at the end: no skill relates some things, and they are not related now."""
+        """Returns whether an atom may be false at the end: some things are not related, now or by any skill."""
         relation = atom.predicate.removeprefix(NOT)
         if relation == atom.predicate or not is_stored(relation, self._view.ontology):
             return True
@@ -169,7 +169,7 @@ class _Part:
 
 
 class Brought:
-    """What a set of skills can bring about.
+    """The relations that a set of skills can achieve.
 
     Args:
         actions: The skills.

@@ -35,11 +35,11 @@ CAN = "can_"
 HAS = "has "
 NOTHING = "nothing "
 VALUE = "value "
-"""Prefix of the predicate that says that a property compares as wanted."""
+"""Prefix of the predicate stating that a property satisfies a comparison."""
 BY_CLASS = "class "
-"""Prefix of the predicate that says that classes are related."""
+"""Prefix of the predicate stating that classes are related."""
 NOT = "not "
-"""Prefix of the predicate that says that something is not so."""
+"""Prefix of the predicate stating a negation."""
 
 Asked = Has | Compare | IsA | ClassRelated | Computed
 """A literal that is evaluated at the start, or whose negation is; the others are stored."""
@@ -47,7 +47,7 @@ Asked = Has | Compare | IsA | ClassRelated | Computed
 
 @dataclass(frozen=True, slots=True)
 class Conjunction:
-    """Atoms that hold together, over the pattern's variables and these further ones, where there are none of some."""
+    """Atoms that hold together, over the pattern's variables and further ones, and things that must not exist."""
 
     atoms: tuple[Atom, ...] = ()
     variables: tuple[Variable, ...] = ()
@@ -76,7 +76,7 @@ def atom_of(pattern: Pattern) -> Atom:
 
 
 def negated(atom: Atom) -> Atom:
-    """Returns the atom that says that another does not hold."""
+    """Returns the negation of an atom."""
     return Atom(NOT + atom.predicate, atom.arguments)
 
 
@@ -93,10 +93,10 @@ def expand(pattern: Pattern, where: str, ontology: Ontology, fresh: Iterator[int
         pattern: Any pattern; existentials become variables.
         where: For the message of a refusal ("precondition X of skill 'y'").
         ontology: Gives the class of what a relation relates, and which relations are narrower than others.
-        fresh: Numbers that keep the variables of different existentials apart.
+        fresh: Numbers that make the variables of different existentials unique.
 
     Raises:
-        PlanningError: It has a part that a precondition cannot say; the message names it.
+        PlanningError: A part of it cannot be expressed in a precondition; the message names it.
     """
     return _expand(normal(pattern, where, ontology), where, fresh)
 
@@ -120,7 +120,7 @@ def _expand(pattern: Pattern, where: str, fresh: Iterator[int]) -> tuple[Conjunc
 
 
 def _none_such(pattern: Exists, where: str, fresh: Iterator[int]) -> tuple[NoneSuch, ...]:
-    """Says that there is no such thing: for none of the ways in which there could be one."""
+    """Negates an existential: none of its alternatives may exist."""
     ways = _expand(pattern, where, fresh)
     if any(way.none for way in ways):
         class_ = local_name(pattern.class_)
@@ -155,7 +155,7 @@ def _asked(pattern: Pattern, ontology: Ontology, *, holds: bool) -> Iterator[Ask
         case AllOf(patterns) | AnyOf(patterns):
             for part in patterns:
                 yield from _asked(part, ontology, holds=holds)
-        case Not(Exists(_, _, inner)):  # a goal asks each element for the contrary, a precondition for none such
+        case Not(Exists(_, _, inner)):  # a goal checks each element for the opposite, a precondition for absence
             yield from _asked(inner, ontology, holds=holds)
             yield from _asked(inner, ontology, holds=not holds)
         case Not(inner):
@@ -167,7 +167,7 @@ def _asked(pattern: Pattern, ontology: Ontology, *, holds: bool) -> Iterator[Ask
 
 
 def property_of(literal: Asked | Not) -> str | None:
-    """Returns the property that a literal is about, or None where skills cannot change what it is about."""
+    """Returns the property that a literal is about, or None if skills cannot change it."""
     match literal:
         case Has(property_) | Compare(property_) | Not(Has(property_) | Compare(property_)):
             return property_
@@ -176,7 +176,7 @@ def property_of(literal: Asked | Not) -> str | None:
 
 
 def allows_value(literal: Asked | Not, value: Value | None) -> bool:
-    """Returns whether a literal about a property holds of whatever has this value of it, or none."""
+    """Returns whether a literal about a property holds for elements with this value, or with none."""
     match literal:
         case Has():
             return value is not None

@@ -1,4 +1,4 @@
-"""A planning task as data: typed STRIPS, in the world model's own names (PDDL names come in at printing only)."""
+"""A planning task as data: typed STRIPS, in the world model's own names (PDDL names are used in printing only)."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Variable:
 
 @dataclass(frozen=True, slots=True)
 class NoneSuch:
-    """The precondition that there are no such things: no values of the variables make all the atoms true at once."""
+    """The precondition that no such things exist: no values of the variables make all the atoms true together."""
 
     variables: tuple[Variable, ...]
     atoms: tuple[Atom, ...]
@@ -40,16 +40,16 @@ class NoneSuch:
 
 @dataclass(frozen=True, slots=True)
 class Action:
-    """An action: STRIPS, besides :attr:`none` where an author's condition cannot be said without.
+    """An action: STRIPS, plus :attr:`none` if a skill author's condition requires it.
 
     Attributes:
         name: Unique name; a skill's variants are numbered ("place/2").
         skill: The skill it stands for, or None for bookkeeping of the goal.
         parameters: Typed variables; the skill's own come first, in their order.
         pre, add, delete: Positive atoms over the parameters; deletes happen before adds.
-        notes: What was added to what the author wrote, and why.
-        constants: Elements that the skill always means, with the class it takes them for; its atoms name them.
-        none: What there must not be; empty where typed STRIPS says all.
+        notes: What was added to the author's skill, and why.
+        constants: Elements that the skill always refers to, with their classes; its atoms name them.
+        none: Things that must not exist; empty if typed STRIPS suffices.
         duration: How long it takes [s]; None if unknown, and for bookkeeping.
     """
 
@@ -66,7 +66,7 @@ class Action:
 
     @property
     def variables(self) -> tuple[Variable, ...]:
-        """Its parameters, and what :attr:`none` speaks of."""
+        """Its parameters, and the variables of :attr:`none`."""
         return (*self.parameters, *(variable for none in self.none for variable in none.variables))
 
     @property
@@ -76,7 +76,7 @@ class Action:
 
     @property
     def atoms(self) -> tuple[Atom, ...]:
-        """Every atom that it speaks of."""
+        """Every atom it contains."""
         return (*self.pre, *self.add, *self.delete, *(atom for none in self.none for atom in none.atoms))
 
 
@@ -91,7 +91,7 @@ class Domain:
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """Objects (id to type), what holds at the start, and what shall hold at the end."""
+    """Objects (id to type), initial facts and goal atoms."""
 
     objects: Mapping[str, str]
     init: frozenset[Atom]

@@ -14,12 +14,12 @@ RESERVED = _LOGIC | _STRUCTURE | _NUMBERS
 
 
 class NameMap:
-    """Gives each name a PDDL name (lower case, letters, digits, '_' and '-'), always the same, and finds it back.
+    """Gives each name a PDDL name (lower case, letters, digits, '_' and '-'), deterministically, and maps it back.
 
     Args:
-        names: Names that come first, in this order.
-        avoid: Maps whose PDDL names are not given again: some readers want one name space for everything.
-        reserved: Words that are never given.
+        names: Names that are mapped first, in this order.
+        avoid: Maps whose PDDL names are not reused: some parsers require one name space for everything.
+        reserved: Words that are never used.
     """
 
     def __init__(
@@ -33,7 +33,7 @@ class NameMap:
             self.pddl(name)
 
     def pddl(self, name: str, word: str | None = None) -> str:
-        """Returns the PDDL name of a name; the first caller of two that look alike gets the plain one.
+        """Returns the PDDL name of a name; of two similar names, the first gets the plain one.
 
         Args:
             name: The name.
@@ -51,14 +51,14 @@ class NameMap:
 
     @property
     def known(self) -> Mapping[str, str]:
-        """PDDL names by name, of those that were asked for; a view that costs nothing."""
+        """PDDL names by name, of those requested so far; a cheap view."""
         return MappingProxyType(self._to)
 
     def back(self, pddl_name: str) -> str:
         """Returns the name that a PDDL name stands for.
 
         Raises:
-            KeyError: It stands for none.
+            KeyError: It is unknown.
         """
         return self._from[pddl_name.lower()]
 
@@ -71,7 +71,7 @@ class NameMap:
 
 
 def _plain(name: str) -> str:
-    local = name.partition(" #")[0]  # what keeps variables apart is no part of their name
+    local = name.partition(" #")[0]  # the suffix that makes variables unique is not part of their name
     local = local.partition(":")[2] or local
     snake = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", local).lower()
     safe = re.sub(r"[^a-z0-9_-]+", "_", snake).strip("_-")

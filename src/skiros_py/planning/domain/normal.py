@@ -28,15 +28,15 @@ from skiros_py.world.vocabulary import ELEMENT, PLACEMENT
 def normal(pattern: Pattern, where: str, ontology: Ontology) -> Pattern:
     """Returns an equivalent pattern of AllOf, AnyOf, Exists, Not(Exists), literals and negated literals.
 
-    A literal is about one relation, property or class; what is inside of a quantifier has the same form.
+    A literal is about one relation, property or class; the body of a quantifier has the same form.
 
     Args:
         pattern: Any pattern.
         where: For the message of a refusal ("precondition X of skill 'y'").
-        ontology: Knows which relations are narrower than others.
+        ontology: The ontology, with the hierarchy of relations.
 
     Raises:
-        PlanningError: It has a part that planning cannot say; the message names it.
+        PlanningError: A part of it cannot be expressed in planning; the message names it.
     """
     match pattern:
         case Not(inner):
@@ -62,7 +62,7 @@ def normal(pattern: Pattern, where: str, ontology: Ontology) -> Pattern:
 
 
 def _denied(pattern: Pattern, where: str, ontology: Ontology) -> Pattern:
-    """Returns the form of a pattern's negation."""
+    """Returns the normal form of a pattern's negation."""
     match pattern:
         case Not(inner):
             return normal(inner, where, ontology)
@@ -93,7 +93,7 @@ def _refused(pattern: Pattern, where: str) -> PlanningError:
 
 
 def is_stored(relation: str, ontology: Ontology) -> bool:
-    """Returns whether a predicate is a relation that is stated, and not worked out."""
+    """Returns whether a predicate is a stored relation, not a computed one."""
     return relation in ontology.relations and not _is_computed(relation, ontology)
 
 
@@ -102,9 +102,9 @@ def _is_computed(relation: str, ontology: Ontology) -> bool:
 
 
 def storable(relation: str, ontology: Ontology) -> tuple[str, ...]:
-    """Returns the relations that things can be stated to have, of one and those below it.
+    """Returns those of a relation and its sub-relations that can be stored.
 
-    The root of the placement family only says that its relations are placements: nothing is placed by it.
+    The root of the placement family only groups its sub-relations: nothing is placed by it.
     """
     return tuple(r for r in ontology.sub_relations(relation) if r != PLACEMENT) or (relation,)
 

@@ -1,4 +1,4 @@
-"""Writes a planning task as standard PDDL, deterministic and readable: ``:strips :typing`` where that says it all."""
+"""Writes a planning task as standard PDDL, deterministic and readable: ``:strips :typing`` if that suffices."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from skiros_py.world.names import local_name
 
 @dataclass(frozen=True, slots=True)
 class PddlTexts:
-    """A domain, a problem, and the way back from PDDL names.
+    """A domain, a problem, and the mapping back from PDDL names.
 
     Attributes:
         domain, problem: The texts.
@@ -32,7 +32,7 @@ class PddlTexts:
 
 
 class _Writer:
-    """One task being written. One name space for objects, types, predicates and actions: some readers insist."""
+    """One task being written. One name space for objects, types, predicates and actions: some parsers require it."""
 
     def __init__(self, domain: Domain, problem: Problem) -> None:
         self.domain = domain
@@ -88,7 +88,7 @@ def write_pddl(domain: Domain, problem: Problem, *, name: str) -> PddlTexts:
 
 
 def _requirements(domain: Domain) -> tuple[str, ...]:
-    """Returns what is used: to deny more than one atom is "disjunctive", by the letter of the language."""
+    """Returns the requirements used: negating more than one atom is formally "disjunctive"."""
     quantified = any(action.none for action in domain.actions)
     return (":strips", ":typing", *((":disjunctive-preconditions", ":existential-preconditions") if quantified else ()))
 
@@ -143,7 +143,7 @@ def _problem_text(writer: _Writer, title: str) -> str:
 
 
 def _predicate_words(name: str) -> str:
-    """Returns what a predicate's PDDL name is made from, without what would be taken for a prefix."""
+    """Returns what a predicate's PDDL name is made from, without parts that look like a prefix."""
     if name.startswith(NOT):
         return f"not_{local_name(_predicate_words(name.removeprefix(NOT)))}"
     if name.startswith(VALUE):

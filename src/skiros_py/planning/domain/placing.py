@@ -1,7 +1,7 @@
 """Implicit deletes (paper §6.2): whatever gets a new place loses its old one, over the whole placement family.
 
-So does what has one thing only, by a functional relation, and gets another. Written for relations in general: which of
-them move something, and which end moves, is said by the ontology.
+The same applies to functional relations that get another object. Works for relations in general: the ontology defines
+which of them move something, and which end moves.
 """
 
 from __future__ import annotations
@@ -28,11 +28,11 @@ def is_placement(atom: Atom, ontology: Ontology) -> bool:
 
 
 def with_implicit_deletes(action: Action, ontology: Ontology) -> tuple[Action, ...]:
-    """Lets what gets a new place leave its old one: named by a precondition, else by a further parameter.
+    """Makes moved things leave their old place: named by a precondition, else by an additional parameter.
 
     Returns:
-        The action, or where no precondition says by which relation the old place is one, a variant for each relation
-        that is possible; the one by which it gets its new place comes first.
+        The action; if no precondition gives the relation to the old place, a variant for each possible relation, the
+        one to the new place first.
     """
     variants: tuple[Action, ...] = (action,)
     for added in action.add:
@@ -44,7 +44,7 @@ def with_implicit_deletes(action: Action, ontology: Ontology) -> tuple[Action, .
 
 
 def _replacing(action: Action, added: Atom, ontology: Ontology) -> tuple[Action, ...]:
-    """Makes the variant in which something had another such thing before, and the one in which it had none."""
+    """Creates the variant in which the relation had another object before, and the one in which it had none."""
     subject, new = added.arguments
     old = tuple(a for a in action.pre if a.predicate == added.predicate and a.arguments[0] == subject)
     if old:
@@ -106,14 +106,14 @@ def _with_old_place(action: Action, relation: str, moved: str, ontology: Ontolog
 
 
 def _unused(name: str, action: Action) -> str:
-    """Returns a name that no parameter has, as near to the given one as can be."""
+    """Returns a name that no parameter has, as close to the given one as possible."""
     while name in action.types:
         name += "'"
     return name
 
 
 def shown(atom: Atom) -> str:
-    """Returns an atom as authors read it: "in(Ball, Box)"."""
+    """Returns an atom in readable form: "in(Ball, Box)"."""
     words = atom.predicate.split(" ")
     named = " ".join(word.partition(":")[2] or word for word in words)
     return f"{named}({', '.join(argument.lstrip('?') for argument in atom.arguments)})"

@@ -1,7 +1,7 @@
-"""Sequence and work numbers said in PDDL: static facts about places, and one fluent for how far each robot has come.
+"""Sequence and work numbers in PDDL: static facts about places, and one fluent for each robot's progress.
 
-What moves a robot to a numbered place needs that this comes not before the place the robot may go on from; nothing of
-this is said where the scene's numbers do not count. Costs come from the numbers: to go from a to b costs |a - b| + 1.
+Moving a robot to a numbered place requires that it does not precede the robot's current position in the sequence;
+nothing is added if the scene's numbers do not apply. Costs come from the numbers: to go from a to b costs |a - b| + 1.
 """
 
 from __future__ import annotations
@@ -27,14 +27,14 @@ IN_ORDER = "in order"
 UNNUMBERED = "unnumbered"
 """Predicate: the place has no number."""
 TURN = "turn"
-"""Predicate, with its number: a thing that is placed there is placed in that turn."""
+"""Predicate, with its number: things placed there are placed in that turn."""
 
 _MOST_WAYS = 32
-"""In so many ways at most is said what has to hold before a later turn: each is a variant of the action."""
+"""Maximum number of alternatives for the conditions before a later turn: each is a variant of the action."""
 
 
 def in_sequence(view: WorldView, task: PlanningTask, reached: Mapping[str, int] | None = None) -> PlanningTask:
-    """Returns the task in which sequence and work numbers are kept to; the same where they do not count.
+    """Returns the task with sequence and work numbers enforced; unchanged if they do not apply.
 
     Args:
         view: The world.
@@ -57,7 +57,7 @@ def _with_numbers(view: WorldView, task: PlanningTask, reached: Mapping[str, int
 
 
 class _Numbers:
-    """The numbers of the places that a task speaks of, and what they make of its actions."""
+    """The numbers of a task's places, and their effect on its actions."""
 
     def __init__(self, view: WorldView, task: PlanningTask) -> None:
         ontology = view.ontology
@@ -69,7 +69,7 @@ class _Numbers:
         self._robots = [o for o, class_ in task.problem.objects.items() if ontology.is_a(class_, ROBOT)]
 
     def variants(self, action: Action) -> tuple[Action, ...]:
-        """Returns an action as it is for places with a number and for those without, where it moves a robot."""
+        """Returns the variants of an action that moves a robot, for numbered and unnumbered places."""
         robots = [(m, p) for m, p in moved_by(action, self._ontology) if self._is_robot(action.types[m])]
         if not robots or not self.of:
             return (action,)
@@ -89,11 +89,11 @@ class _Numbers:
         return (free, numbered) if self.free else (numbered,)
 
     def order(self) -> set[Atom]:
-        """Which place comes not before which."""
+        """Facts stating which place does not precede which."""
         return {Atom(IN_ORDER, (a, b)) for a, one in self.of.items() for b, other in self.of.items() if one <= other}
 
     def starts(self, reached: Mapping[str, int]) -> set[Atom]:
-        """Where each robot may go on from; one that is past all places may visit none of them."""
+        """Each robot's initial position in the sequence; one that is past all places may visit none of them."""
         ahead = {r: [(n, p) for p, n in self.of.items() if n >= reached.get(r, n)] for r in self._robots}
         return {Atom(GOES_ON_FROM, (robot, min(places)[1])) for robot, places in ahead.items() if places}
 
@@ -134,21 +134,21 @@ def _turn(view: WorldView, place: str, numbers: Sequence[int]) -> int:
 
 @dataclass(frozen=True, slots=True)
 class _Way:
-    """One way in which something that is wanted can hold: these atoms at once, for some values of the variables."""
+    """One way to fulfil a wish: these atoms together, for some values of the variables."""
 
     atoms: tuple[Atom, ...] = ()
     variables: tuple[Variable, ...] = ()
 
     def and_(self, other: _Way) -> _Way:
-        """Returns both at once."""
+        """Returns the conjunction of both."""
         return _Way(tuple(dict.fromkeys((*self.atoms, *other.atoms))), (*self.variables, *other.variables))
 
 
 def _wish(task: PlanningTask, part: int) -> tuple[_Way, ...]:
-    """Returns the ways in which a condition of the goal can hold, in what skills change and facts say; some at least.
+    """Returns some of the ways in which a goal condition can hold, over changeable and static facts.
 
-    What the goal's bookkeeping brings about is written out. With very many ways the wish is not said: what is planned
-    then may come too early, which its replay finds.
+    Bookkeeping facts are expanded. With very many ways the wish is omitted: planned steps may then come too early,
+    which the replay detects.
     """
     names = (f"_goal_{part + 1}_{number}" for number in count(1))
     return _ways(task, task.goal[part][1], names) or (_Way(),)
@@ -185,7 +185,7 @@ def _ways_of_one(task: PlanningTask, atom: Atom, names: Iterator[str]) -> tuple[
 
 
 def _together(wishes: Sequence[Sequence[_Way]]) -> tuple[_Way, ...]:
-    """Returns the ways to fulfil all wishes; those with the most ways are left out where these would be too many."""
+    """Returns the ways to fulfil all wishes; those with the most alternatives are omitted if there are too many."""
     found: tuple[_Way, ...] = (_Way(),)
     for ways in sorted(wishes, key=len):
         if len(found) * len(ways) > _MOST_WAYS:
@@ -202,7 +202,7 @@ def _turns(
     task: PlanningTask,
     view: WorldView,
 ) -> Iterator[Action]:
-    """Yields what an action is in each turn that it can be taken in; itself where it places nothing that has one."""
+    """Yields the variants of an action per turn; the action itself if it places nothing with a turn."""
     fitting = {p: {t for o, t in turns.items() if _fits(view, task, o, action.types[p])} for p in places}
     late = [place for place in places if fitting[place] - {0}]
     if not late:
@@ -226,7 +226,7 @@ def _fits(view: WorldView, task: PlanningTask, element: str, class_: str) -> boo
 
 
 def _extended(task: PlanningTask, view: WorldView, actions: tuple[Action, ...], facts: set[Atom]) -> PlanningTask:
-    """Returns the task with other actions, and with those of the facts that they ask for."""
+    """Returns the task with other actions, and with the facts they require."""
     new = sorted({atom.predicate for action in actions for atom in action.atoms} - task.domain.predicates.keys())
     predicates = {**task.domain.predicates, **{name: columns(name, actions, task, view.ontology) for name in new}}
     fitting = {fact for fact in facts if fact.predicate in new and _suits(fact, predicates[fact.predicate], task, view)}
@@ -242,7 +242,7 @@ def _suits(fact: Atom, types: Sequence[str], task: PlanningTask, view: WorldView
 
 
 def with_costs(view: WorldView, task: PlanningTask, texts: PddlTexts) -> PddlTexts:
-    """Returns the texts with what the way through the numbers costs, to be kept low; the same where there is none.
+    """Returns the texts with costs for moving through the numbers, to be minimized; unchanged if there are none.
 
     Args:
         view: The world.
@@ -268,7 +268,7 @@ def with_costs(view: WorldView, task: PlanningTask, texts: PddlTexts) -> PddlTex
 
 
 def _leg(action: Action) -> tuple[str, str] | None:
-    """The places from and to which an action goes on through the numbers."""
+    """The numbered places from and to which an action moves."""
     return next(((a.arguments[0], a.arguments[1]) for a in action.pre if a.predicate == IN_ORDER), None)
 
 

@@ -1,8 +1,8 @@
-"""A task in time: the same PDDL with durative actions (PDDL 2.1), for planners that know what goes on at once.
+"""A task in time: the same PDDL with durative actions (PDDL 2.1), for planners that support concurrency.
 
-Nothing is said again: each action of a skill is rewritten. What it needs must hold when it starts; what it needs and
-does not itself take away, while it goes on. What it takes away is gone when it starts, what it gives is there when it
-ends. An agent does one thing at a time. Bookkeeping takes no time and stays as it is.
+Nothing is said again: each action of a skill is rewritten. Preconditions must hold at the start; those that the action
+does not delete itself must hold throughout. Deletes happen at the start, adds at the end. An agent does one thing at a
+time. Bookkeeping takes no time and is unchanged.
 """
 
 from __future__ import annotations
@@ -27,16 +27,16 @@ from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.planning.robots.effort import USUAL
 
 Rates = Mapping[str, Mapping[str, float]]
-"""How long agents need for skills [s], by skill and agent."""
+"""Durations of skills [s], by skill and agent."""
 
 
 def write_temporal(task: PlanningTask, *, name: str, rates: Rates | None = None) -> PddlTexts:
-    """Writes a task with durative actions; a skill of which nobody knows how long it takes lasts the usual time.
+    """Writes a task with durative actions; a skill of unknown duration gets the default.
 
     Args:
         task: The task; see :func:`~skiros_py.planning.durations.timed`.
         name: Name of the problem (made a PDDL name).
-        rates: How long each agent needs: where they differ, the duration is a function of the agent
+        rates: The durations per agent: if they differ, the duration is a function of the agent
             (``:numeric-fluents``).
     """
     texts = write_pddl(task.domain, task.problem, name=name)
@@ -58,8 +58,8 @@ class _Rewriting:
     """A domain, being made durative.
 
     Attributes:
-        idle: The predicate that says that an agent does nothing.
-        functions: The function that says how long an agent needs, by skill, where agents differ.
+        idle: The predicate stating that an agent is idle.
+        functions: The duration function, by skill, if agents differ.
     """
 
     def __init__(
@@ -75,13 +75,13 @@ class _Rewriting:
         self._changing = {words[0] for part in _parts(self._whole) for words in _effects(part)}
 
     def agents(self, task: PlanningTask) -> list[str]:
-        """The agents that do something in the task."""
+        """The agents that act in the task."""
         acting = {action.skill for action in self._texts.actions.values()}
         found = {agent for c in task.capabilities if c.skill.name in acting for agent in c.agents}
         return sorted(found & task.problem.objects.keys())
 
     def text(self) -> str:
-        """The domain."""
+        """The domain text."""
         lines = ["(" + " ".join(map(shown, self._whole[:2]))]
         for part in self._whole[2:]:
             lines += self._part(part)

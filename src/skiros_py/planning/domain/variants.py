@@ -26,9 +26,9 @@ def numbered(actions: Iterable[Action]) -> tuple[Action, ...]:
 
 
 def possible_variants(actions: Iterable[Action], view: WorldView) -> tuple[Action, ...]:
-    """Leaves out variants in which something is at a place as nothing of its class is or ever gets to be.
+    """Removes variants with a placement that nothing of the class has or can ever get.
 
-    A skill's first variant stays where none is possible, so that it can be said what it lacks.
+    If no variant is possible, a skill's first one is kept, so that explanations can name what it lacks.
     """
     drafts = tuple(actions)
     placing = _Placing(drafts, view)
@@ -43,7 +43,7 @@ def possible_variants(actions: Iterable[Action], view: WorldView) -> tuple[Actio
 
 
 class _Placing:
-    """How things of some class are placed, or could come to be."""
+    """How things of some class are or could be placed."""
 
     def __init__(self, actions: Sequence[Action], view: WorldView) -> None:
         self._view = view

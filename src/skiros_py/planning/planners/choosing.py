@@ -1,4 +1,4 @@
-"""Which planner plans: each states what it takes, and the first that takes all that a task uses is chosen."""
+"""Planner selection: each planner declares the requirements it supports; the first that supports the task is chosen."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from skiros_py.errors import PlanningError, SkirosError
 from skiros_py.planning.planners.planner import Planner
 
 PREFERRED = ("fast-downward", "kairos")
-"""Asked before others, in this order: the first for classical tasks, the second for what the first does not take."""
+"""Tried before others, in this order: the first for classical tasks, the second for what the first does not support."""
 
 _ADL = {
     ":typing", ":negative-preconditions", ":disjunctive-preconditions", ":equality", ":existential-preconditions",
@@ -21,21 +21,21 @@ _MEANS: dict[str, set[str]] = {
     ":quantified-preconditions": {":existential-preconditions", ":universal-preconditions"},
     ":fluents": {":numeric-fluents"},
 }
-"""Requirements that are short for others."""
+"""Requirements that stand for several others."""
 
 
 def lacking(requirements: Iterable[str], supports: Iterable[str]) -> tuple[str, ...]:
-    """Returns what a task uses and a planner does not take."""
+    """Returns the requirements of a task that a planner does not support."""
     return tuple(sorted(_meant(requirements) - _meant(supports) - {":strips"}))
 
 
 class Planners:
-    """The planners that are there; each is made when it is first wanted.
+    """The available planners; each is created when first needed.
 
     Args:
         names: Their names.
-        make: Makes one; what it raises is noted, and the planner is not there.
-        wanted: The only one that shall plan, where somebody asked for one.
+        make: Creates one; if it raises, the error is recorded and the planner is unavailable.
+        wanted: The only planner to use, if the user chose one.
     """
 
     def __init__(self, names: Iterable[str], make: Callable[[str], Planner], wanted: str | None = None) -> None:
@@ -50,30 +50,30 @@ class Planners:
 
     @classmethod
     def only(cls, planner: Planner) -> Self:
-        """Returns the choice of one."""
+        """Returns a choice with a single planner."""
         return cls((planner.name,), lambda _name: planner, planner.name)
 
     def fitting(self, requirements: Collection[str]) -> Iterator[Planner]:
-        """Yields the planners that take what a task uses, the one to ask first at the front."""
+        """Yields the planners that support a task, in order of preference."""
         for name in self._names:
             planner = self._planner(name)
             if planner is not None and not lacking(requirements, planner.supports):
                 yield planner
 
     def warm_up(self) -> None:
-        """Makes the planner that is asked first, so that the first task need not wait for it."""
+        """Creates the preferred planner, so that the first task need not wait for it."""
         for name in self._names[:1]:
             warm_up = getattr(self._planner(name), "warm_up", None)
             if warm_up is not None:
                 warm_up()
 
     def why_none(self, requirements: Collection[str]) -> str:
-        """Says of each planner why it does not fit a task."""
+        """Explains for each planner why it does not fit a task."""
         each = "; ".join(f"{name} {self._why_not(name, requirements)}" for name in self._names)
         return f"no planner takes {' '.join(requirements)}: {each or 'none is installed'}"
 
     def close(self) -> None:
-        """Kills what still runs and waits for it; may be called twice."""
+        """Kills running calls and waits for them; may be called twice."""
         self.closed = True
         for planner in self._made.values():
             planner.close()
@@ -97,6 +97,6 @@ class Planners:
 
 
 def _meant(requirements: Iterable[str]) -> set[str]:
-    """Writes out what is short for others."""
+    """Expands requirements that stand for several others."""
     given = set(requirements)
     return given.difference(_MEANS).union(*(_MEANS[word] for word in given if word in _MEANS))

@@ -14,12 +14,12 @@ from skiros_py.planning.planners.program_planner import DOMAIN, PROBLEM, Command
 from skiros_py.planning.planners.programs import USUAL_LIMITS, Ended, Limits
 
 CLASSICAL = frozenset({":strips", ":typing"})
-"""What every planner takes."""
+"""The requirements that every planner supports."""
 EVERYTHING = CLASSICAL | {
     ":adl", ":action-costs", ":derived-predicates", ":fluents", ":object-fluents", ":durative-actions",
     ":duration-inequalities", ":continuous-effects", ":timed-initial-literals", ":preferences", ":constraints", ":time",
 }  # fmt: skip
-"""For a planner of which nobody says what it takes: it will say itself what it does not."""
+"""For a planner without declared requirements: it reports unsupported ones itself."""
 _OWN_PLAN_FILE = "plan"
 _USUAL_PLAN_FILES = ("plan*", "sas_plan*", "*.soln", "*.plan")
 
@@ -32,15 +32,14 @@ class CommandPlanner(CommandLinePlanner):
     ['domain.pddl', 'problem.pddl']
 
     Args:
-        name: What people ask for.
+        name: The name by which users select it.
         template: The command line, as it is typed in a shell; ``{domain}`` and ``{problem}`` stand for the files,
-            ``{plan}`` for the file where the plan shall go.
-        plan: The file where the planner leaves its plan by itself, such as "{problem}.soln" or, where it numbers its
+            ``{plan}`` for the plan file to be written.
+        plan: The file where the planner writes its plan by itself, such as "{problem}.soln" or, if it numbers its
             plans, "best*"; None if the template names ``{plan}``, it has a usual name, or the plan is printed.
         supports: The PDDL requirements it can take.
-        no_plan: What it says, as a regular expression, or the codes it ends with, when it has proved that there is no
-            plan.
-        limits: What each call may take.
+        no_plan: Its output, as a regular expression, or its exit codes, when it has proved that there is no plan.
+        limits: Resource limits of each call.
 
     Raises:
         UsageError: The template or the place of the plan cannot work.
@@ -72,7 +71,7 @@ class CommandPlanner(CommandLinePlanner):
         return [_filled(word, domain, problem) for word in self._words]
 
     def read(self, ended: Ended, folder: Path) -> Answer:
-        """Reads the plan file; where none is agreed upon, and none is there, what the planner printed."""
+        """Reads the plan file; if none is configured or found, the planner's output."""
         if self._proved(ended):
             return Unsolvable()
         if ended.code != 0:
@@ -98,10 +97,10 @@ class CommandPlanner(CommandLinePlanner):
 
 
 def _words(template: str) -> list[str]:
-    """Takes a command line apart.
+    """Splits a command line.
 
     Raises:
-        UsageError: It is none, or does not name both files.
+        UsageError: It is malformed, or does not name both files.
     """
     try:
         words = shlex.split(template)
@@ -129,7 +128,7 @@ def _filled(text: str, domain: str, problem: str) -> str:
 
 
 def _kind(path: Path) -> str:
-    """Says what something is that is no plain file."""
+    """Describes a path that is not a regular file."""
     if path.is_symlink():
         return "a link"
     return "a folder" if path.is_dir() else "a pipe or device"

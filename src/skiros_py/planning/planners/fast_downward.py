@@ -33,7 +33,7 @@ _PLAN_FOUND = 0
 _PROVED_UNSOLVABLE = {10, 11}
 """By the translator, by the search."""
 _SEARCHED_IN_VAIN = 12
-"""The search came to its end, but it may have left out what leads to a plan."""
+"""The search ended without a plan, but it may be incomplete."""
 _OUT_OF_MEMORY = {20, 22}
 _OUT_OF_TIME = {21, 23}
 
@@ -54,7 +54,7 @@ class FastDownward(ProgramPlanner):
     """Runs Fast Downward, by default its lama-first configuration, which stops by itself at the first plan.
 
     Args:
-        search: What it searches with, such as ``"astar(lmcut())"``.
+        search: The search configuration, such as ``"astar(lmcut())"``.
         time_limit: Wall time after which a call is given up [s]; a guard, not a means of control.
         memory: Address space of each of its processes [bytes].
 
@@ -95,7 +95,7 @@ class FastDownward(ProgramPlanner):
         self._resident.warm_up()
 
     def close(self) -> None:
-        """Kills what still runs and waits for it; may be called twice."""
+        """Kills running calls and waits for them; may be called twice."""
         super().close()
         self._resident.close()
 

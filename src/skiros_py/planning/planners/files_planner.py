@@ -1,4 +1,4 @@
-"""The shortest way to a planner of one's own: one method that takes PDDL files and returns the plan file's text.
+"""The shortest way to a custom planner: one method that takes PDDL files and returns the plan file's text.
 
 It is called in a process of its own, for each task again. So it may take as long as it likes, use libraries that are
 not made for threads, start programs or crash: it is stopped, and nothing of it is left running.
@@ -41,7 +41,7 @@ class FilesPlanner(CommandLinePlanner):
     def solve_files(self, domain: Path, problem: Path, folder: Path) -> str | Unsolvable:
         """Solves a task; called in a process of its own.
 
-        What it raises is a fault of the planner, whose text people will read.
+        Exceptions count as planner failures; their text is shown to the user.
 
         Args:
             domain: The domain file.
@@ -58,12 +58,12 @@ class FilesPlanner(CommandLinePlanner):
         return [sys.executable, "-m", solving.__name__, domain, problem, _CALL, _REPLY]
 
     def prepare(self, folder: Path) -> None:
-        """Leaves there what is to be called, and where its modules are found."""
+        """Writes there the method to call and its module search path."""
         call = packed(self.solve_files)
         (folder / _CALL).write_bytes(pickle.dumps((sys.path, call)))
 
     def __getstate__(self) -> dict[str, object]:
-        """Returns what the author's own class has put there: what runs calls stays here."""
+        """Returns only the attributes of the author's class, without those that run calls."""
         return {name: value for name, value in vars(self).items() if name not in _STAYS}
 
     def read(self, ended: Ended, folder: Path) -> Answer:

@@ -1,6 +1,7 @@
 """Kairos as a program: classical, temporal and numeric planning in milliseconds.
 
-It comes with the ``kairos-planner`` package. As a program it can be killed, and cannot take us along when it crashes.
+It comes with the ``kairos-planner`` package. As a separate program it can be killed, and its crashes do not affect
+this process.
 """
 
 from __future__ import annotations
@@ -48,7 +49,7 @@ class Kairos(CommandLinePlanner):
     Args:
         options: Arguments after the files.
         time_limit: Wall time after which a call is given up [s]; a guard, not a means of control.
-        memory: What it may take [bytes].
+        memory: Memory limit [bytes].
     """
 
     name = "kairos"

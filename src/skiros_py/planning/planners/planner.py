@@ -28,7 +28,7 @@ class Unsolvable:
     """The planner says that no plan exists.
 
     Attributes:
-        reason: What it says of why, if anything.
+        reason: The reason it gives, if any.
         proven: False if it gave up searching without a proof.
     """
 
@@ -49,24 +49,24 @@ class Planner(Protocol):
 
     @property
     def supports(self) -> frozenset[str]:
-        """The PDDL requirements it can take: ":strips", ":typing", ":durative-actions", …."""
+        """The PDDL requirements it supports: ":strips", ":typing", ":durative-actions", …."""
         ...
 
     def solve(self, domain: str, problem: str) -> Pending[Answer]:
         """Starts solving; several calls may be under way at once.
 
-        The pending answer's ``result`` raises PlanningError when the planner breaks. It may have a method ``cancel()``,
-        which is called when nobody wants it any more: it kills what still runs for it.
+        The pending answer's ``result`` raises PlanningError when the planner fails. It may have a method ``cancel()``,
+        which is called when it is no longer needed and kills the running program.
         """
         ...
 
     def close(self) -> None:
-        """Kills what still runs and waits for it."""
+        """Kills running calls and waits for them."""
         ...
 
 
 def abandon(pending: Pending[Answer]) -> None:
-    """Says that nobody wants an answer any more; does nothing if it is there, or cannot be cancelled."""
+    """Cancels a pending answer that is no longer needed; does nothing if it is available or cannot be cancelled."""
     cancel = getattr(pending, "cancel", None)
     if cancel is not None:
         cancel()

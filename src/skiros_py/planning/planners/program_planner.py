@@ -19,7 +19,7 @@ DOMAIN, PROBLEM = "domain.pddl", "problem.pddl"
 
 
 class Solving:
-    """One call under way.
+    """One running call.
 
     Attributes:
         latency: Declared time from request to answer [s].
@@ -40,7 +40,7 @@ class Solving:
         """Waits for the answer.
 
         Raises:
-            PlanningError: The planner broke or was stopped.
+            PlanningError: The planner failed or was stopped.
         """
         try:
             return self._future.result()
@@ -54,17 +54,17 @@ class Solving:
 
 
 class ProgramPlanner(ABC):
-    """What all planners that are programs have in common.
+    """The common base of planners that are programs.
 
     Args:
-        limits: What each call may take; a guard, not a means of control.
+        limits: Resource limits of each call; a safeguard, not a means of control.
 
     Attributes:
-        name: What people ask for.
-        title: What messages call it.
-        supports: The PDDL requirements it can take.
+        name: The name by which users select it.
+        title: Its name in messages.
+        supports: The PDDL requirements it supports.
         is_alone: True if it is known to start no programs that leave its process group.
-        limits: What each call may take.
+        limits: Resource limits of each call.
     """
 
     name: str
@@ -94,7 +94,7 @@ class ProgramPlanner(ABC):
         """
 
     def prepare(self, folder: Path) -> None:  # noqa: B027 - most programs need no more than the two files
-        """Puts what else the program needs into its folder."""
+        """Puts further files the program needs into its folder."""
 
     def solve(self, domain: str, problem: str) -> Solving:
         """Starts solving; several calls may be under way at once.
@@ -107,12 +107,12 @@ class ProgramPlanner(ABC):
         stop = Event()
         try:
             future = self._threads.submit(self._solve, domain, problem, stop)
-        except RuntimeError as error:  # closed by another thread in this moment
+        except RuntimeError as error:  # closed concurrently by another thread
             raise PlanningError(f"{self.title} was stopped") from error
         return Solving(self.title, future, stop)
 
     def close(self) -> None:
-        """Kills what still runs and waits for it; may be called twice."""
+        """Kills running calls and waits for them; may be called twice."""
         self._closed = True
         self._threads.shutdown(wait=True, cancel_futures=True)
 

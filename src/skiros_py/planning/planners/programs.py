@@ -1,9 +1,9 @@
 """One way to run a program: limits of time, memory and output; however it ends, its children end with it.
 
 The program gets a process group of its own, which is killed when the program has ended, too: it may have left children.
-Those that left the group as well are found by a mark in their environment. This is tidiness, no prison: a child that
-starts a session of its own *and* clears its environment is not found. Only a setting of our whole process (that all
-orphans become its children) would find it, and that would meddle with what other libraries start.
+Those that left the group as well are found by a mark in their environment. This is cleanup, not a sandbox: a child
+that starts its own session *and* clears its environment is not found. Only a process-wide setting (adopting all
+orphans) would find it, and that would interfere with programs started by other libraries.
 """
 
 from __future__ import annotations
@@ -27,19 +27,19 @@ from skiros_py.errors import PlanningError
 
 _MARK = "SKIROS_PROGRAM"
 _GLANCE = 0.02
-"""Time between two looks whether a program shall stop, or has ended without closing its output [s]."""
+"""Poll interval for cancellation, and for programs that ended without closing their output [s]."""
 _DYING = 0.2
-"""Longest time to wait until what was killed is gone [s]."""
+"""Longest wait for killed processes to disappear [s]."""
 _KEPT = 100_000
-"""So many bytes of the output are kept, from its start and from its end."""
+"""How many bytes of the output are kept from its start, and from its end."""
 _STACK = ("Traceback (most recent call last):", '  File "')
 _OUT_OF_MEMORY = re.compile(r"MemoryError|bad_alloc|out of memory|cannot allocate memory", re.IGNORECASE)
-"""What programs say at last whose memory is used up; the system does not tell."""
+"""Last output of programs that ran out of memory; the system does not report it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What a program may take.
+    """Resource limits of a program.
 
     Attributes:
         time: Wall time [s].
@@ -55,7 +55,7 @@ class Limits:
 
 
 USUAL_LIMITS = Limits()
-"""For planners that say nothing else."""
+"""The default limits of planners."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +64,7 @@ class Ended:
 
     Attributes:
         code: Its exit code; minus the signal's number where one killed it.
-        output: What it printed, on both channels; of very much, the start and the end.
+        output: What it printed, on both channels; if it is very long, its start and end.
         memory: Address space that each of its processes could have [bytes]; None for no limit.
     """
 
@@ -74,7 +74,7 @@ class Ended:
 
     @property
     def words(self) -> str:
-        """How it ended, with its last words, for people."""
+        """Readable description of how it ended, with its last output."""
         how = f"ended with code {self.code}" if self.code >= 0 else f"was killed by {_signal_name(-self.code)}"
         tail = "\n".join(_without_stacks(self.output)[-8:])[-2000:]
         if self.code != 0 and self.memory is not None and _OUT_OF_MEMORY.search(tail):
@@ -133,7 +133,7 @@ class Child:
         self.output = self._process.stdout.fileno()
         if hasattr(resource, "prlimit"):  # only Linux has it
             for kind, most in resource_limits(limits):
-                with contextlib.suppress(ProcessLookupError, ValueError):  # it has ended, or may take even less
+                with contextlib.suppress(ProcessLookupError, ValueError):  # it has ended, or already has a lower limit
                     resource.prlimit(self._process.pid, kind, (most, most))
 
     def has_ended(self) -> bool:
@@ -158,13 +158,13 @@ def run_program(
     *,
     is_alone: bool = False,
 ) -> Ended:
-    """Runs a program to its end; afterwards neither it nor what can be found of its children is there any more.
+    """Runs a program to its end; afterwards neither it nor any detectable child is left.
 
     Args:
         title: Its display name.
         start: Starts it with an environment.
         limits: What it may take.
-        stopped: Asked again and again whether it shall be killed.
+        stopped: Polled; returns True once it should be killed.
         is_alone: True if it is known to start no programs that leave its process group.
 
     Raises:
@@ -184,12 +184,12 @@ def run_program(
 
 
 def _search_path() -> str:
-    """Returns where programs are looked for: first where pip puts them, though the environment be not activated."""
+    """Returns the program search path, with pip's script folder first, even if the environment is not activated."""
     return os.pathsep.join([sysconfig.get_path("scripts"), os.environ.get("PATH", os.defpath)])
 
 
 def resource_limits(limits: Limits) -> list[tuple[int, int]]:
-    """Returns limits as the system knows them; of processor time as well, in case nothing looks at the clock."""
+    """Returns the limits for the system, including CPU time in case nothing checks the clock."""
     wanted = {
         resource.RLIMIT_CPU: round(limits.time * (os.cpu_count() or 1)) + 1,
         resource.RLIMIT_FSIZE: limits.file,
@@ -286,7 +286,7 @@ def _environment(pid: int) -> bytes:
 
 
 def _without_stacks(output: str) -> list[str]:
-    """Returns the lines of an output, fit for a terminal, without those of where in a Python program it broke."""
+    """Returns the lines of an output, safe for a terminal, without Python stack traces."""
     lines = [_printable(line) for line in output.strip().splitlines()]
     if any(line.startswith(_STACK) for line in lines):
         return [line for line in lines if not line.startswith((" ", *_STACK))]

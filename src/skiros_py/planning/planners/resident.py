@@ -24,7 +24,7 @@ _ENDING = 1.0
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """What a run does.
+    """A run to execute.
 
     Attributes:
         module: The module that is run as a program.
@@ -40,7 +40,7 @@ class Run:
 
 
 class Resident:
-    """Starts runs in a resident program, which starts with the first of them. Any thread may start runs. Close it.
+    """Starts runs in a resident program, which starts with the first of them. Thread-safe. The owner must close it.
 
     Args:
         title: Its display name.
@@ -57,7 +57,7 @@ class Resident:
         self._end: Callable[[], object] = lambda: None
 
     def start(self, run: Run, folder: Path, limits: Limits, environment: Mapping[str, str]) -> ResidentRun:
-        """Starts a run; where the resident program has died, it is started again.
+        """Starts a run; if the resident program has died, it is restarted.
 
         Raises:
             PlanningError: It cannot be started.
@@ -86,7 +86,7 @@ class Resident:
         return ResidentRun(output, status)
 
     def warm_up(self) -> None:
-        """Starts the resident program, where it does not run."""
+        """Starts the resident program if it is not running."""
         with self._lock:
             self._started()
 
@@ -98,7 +98,7 @@ class Resident:
     def _send(self, message: bytes, files: Sequence[int]) -> None:
         try:
             socket.send_fds(self._started(), [message], files)
-        except (BrokenPipeError, ConnectionResetError):  # somebody killed it
+        except (BrokenPipeError, ConnectionResetError):  # it was killed
             self._drop()
             socket.send_fds(self._started(), [message], files)
 
@@ -108,7 +108,7 @@ class Resident:
             program = str(Path(__file__).with_name("resident_program.py"))
             with theirs:
                 process = subprocess.Popen(
-                    # -S: no packages that are installed; -P: not what lies beside the program
+                    # -S: no installed packages; -P: no modules beside the program
                     [sys.executable, "-S", "-P", program, str(theirs.fileno()), *self._modules],
                     env=os.environ | {"PYTHONPATH": str(self._search_path)},
                     pass_fds=[theirs.fileno()],
@@ -148,7 +148,7 @@ class ResidentRun:
         self._said = b""
 
     def has_ended(self) -> bool:
-        """Returns whether it has ended, or is known no more since the resident program was killed."""
+        """Returns whether it has ended, or was lost because the resident program was killed."""
         waiting = select.poll()
         waiting.register(self._status, select.POLLIN)
         while self._said.count(b"\n") < 2 and waiting.poll(0):

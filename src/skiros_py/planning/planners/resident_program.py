@@ -1,7 +1,7 @@
 """A program that keeps Python modules loaded and runs one of them for each order, in a forked copy of itself.
 
-To start Python and import the modules would take longer than most runs. It is a program of its own, which uses nothing
-but the standard library: the modules' code never comes into the process that orders.
+Starting Python and importing the modules would take longer than most runs. It is a separate program that uses only the
+standard library: the modules are never imported into the ordering process.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class _Run:
 
 
 def main(descriptor: str, *modules: str) -> None:
-    """Serves until nobody holds the other end of its socket.
+    """Serves until the other end of its socket is closed.
 
     Each order is a JSON object: ``folder``, ``module`` with ``arguments``, the command ``then`` that takes the process
     over when the module has ended well, with the file ``input`` and the ``environment``, and ``limits`` (numbers of the
@@ -43,7 +43,7 @@ def main(descriptor: str, *modules: str) -> None:
     one a line. When the reader of the second pipe closes it, the run is killed.
 
     Args:
-        descriptor: Of the socket, which keeps the borders of messages.
+        descriptor: Descriptor of the socket, which preserves message boundaries.
         *modules: What to load before the first order.
     """
     for module in modules:
@@ -90,7 +90,7 @@ class _Server:
         os.close(output)
         run = self._runs[pid] = _Run(pid, os.pidfd_open(pid), status)
         self._selector.register(run.ended, selectors.EVENT_READ, pid)
-        self._selector.register(status, selectors.EVENT_READ, pid)  # it is "readable" when nobody reads it any more
+        self._selector.register(status, selectors.EVENT_READ, pid)  # it is "readable" once the reader has closed it
         _write(status, pid)
         return True
 
@@ -119,7 +119,7 @@ def _kill(run: _Run) -> None:
 
 
 def _run(order: dict[str, Any], output: int) -> None:
-    """Does what is ordered in this process, and ends it."""
+    """Executes an order in this process, then exits it."""
     code: object = 1
     try:
         os.setsid()
@@ -127,7 +127,7 @@ def _run(order: dict[str, Any], output: int) -> None:
         os.dup2(output, 1)
         os.dup2(output, 2)
         for kind, most in order["limits"]:
-            with contextlib.suppress(ValueError):  # it may take even less
+            with contextlib.suppress(ValueError):  # it already has a lower limit
                 resource.setrlimit(kind, (most, most))
         sys.argv = [order["module"], *order["arguments"]]
         runpy.run_module(order["module"], run_name="__main__", alter_sys=True)

@@ -1,4 +1,4 @@
-"""What runs in the process of a planner that is a method (``FilesPlanner``): one call, one reply."""
+"""Runs in the process of a planner that is a method (``FilesPlanner``): one call, one reply."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from skiros_py.planning.planners.planner import Unsolvable
 
 
 def main(domain: str, problem: str, call: str, reply: str) -> None:
-    """Calls the method and writes what it says.
+    """Calls the method and writes its reply.
 
     Args:
         domain: Path of the domain file.

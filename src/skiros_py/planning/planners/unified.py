@@ -23,7 +23,7 @@ class UnifiedPlanning(FilesPlanner):
     Args:
         engine: Name of the engine ("fast-downward", "aries", "lpg", …); None for the first that fits the task.
         parameters: Its parameters.
-        limits: What each call may take. Engines in Java reserve more memory than they use: there is no limit.
+        limits: Resource limits of each call. Engines in Java reserve more memory than they use: there is no limit.
     """
 
     name = "unified-planning"
@@ -72,7 +72,7 @@ def _words(result: Any) -> str | Unsolvable:
     """Writes the plan of a result.
 
     Raises:
-        PlanningError: The engine broke.
+        PlanningError: The engine failed.
     """
     status = result.status.name
     if status.startswith("UNSOLVABLE"):

@@ -1,1 +1,1 @@
-"""What of the world goes into a planning problem."""
+"""Selects the part of the world that goes into a planning problem."""

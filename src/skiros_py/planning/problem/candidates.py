@@ -1,4 +1,4 @@
-"""Which elements to try first for an open parameter: those that look as if the skills could take them."""
+"""Chooses the elements to try first for an open parameter: those likely to suit the skills."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ from skiros_py.world.view import WorldView
 
 _PAGE = 64
 _LOOKED_AT = 256
-"""So many elements of a class are looked at, for each that is wanted, before unlikely ones are taken."""
+"""How many elements of a class are examined per required one before unlikely ones are accepted."""
 _TRIED = 4
-"""With so many elements a computed relation is tried before a thing counts as unlikely."""
+"""With how many elements a computed relation is tried before a thing counts as unlikely."""
 
 Found = Callable[[Slot], Collection[str]]
-"""Gives what an argument may be, as far as known."""
+"""Returns the known candidates of an argument."""
 
 
 class Candidates:
-    """Chooses elements of a class; what it chooses is a guess that costs time where it is wrong, nothing else.
+    """Chooses elements of a class heuristically; a wrong guess only costs time.
 
     Args:
         view: The world.
         lifted: The actions.
-        asked: What is evaluated, by predicate.
-        agents: Who has a skill, by predicate ("can_pick").
-        found: What other arguments may be, as far as known.
+        asked: The evaluated literals, by predicate.
+        agents: The agents that have a skill, by predicate ("can_pick").
+        found: The known candidates of other arguments.
     """
 
     def __init__(
@@ -47,8 +47,8 @@ class Candidates:
         self._known: dict[tuple[Slot, str], bool] = {}
 
     def of_class(self, slot: Slot, limit: int, known: Collection[str]) -> list[str]:
-        """Returns elements of the argument's class besides those that are known, likely ones first, at most so many."""
-        self._known.clear()  # more is known of other arguments than when the last one was chosen
+        """Returns further elements of the argument's class, likely ones first, up to a limit."""
+        self._known.clear()  # other arguments have more candidates by now
         likely: list[str] = []
         unlikely: list[str] = []
         for element in self._some(self._lifted.class_of(slot), limit * _LOOKED_AT + len(known)):
@@ -60,7 +60,7 @@ class Candidates:
         return likely or unlikely[:limit]
 
     def likely_first(self, elements: Collection[str], slot: Slot, limit: int) -> list[str]:
-        """Returns at most so many of the elements, likely ones first."""
+        """Returns the elements up to a limit, likely ones first."""
         if len(elements) <= limit:
             return list(elements)
         self._known.clear()
@@ -69,10 +69,10 @@ class Candidates:
         return chosen or list(elements)[:limit]
 
     def is_likely(self, element: str, slot: Slot) -> bool:
-        """Returns whether an element looks as if the action could be taken with it, seen by itself."""
+        """Returns whether the action is likely applicable with an element, considered alone."""
         key = slot, element
         if key not in self._known:
-            self._known[key] = True  # whatever needs itself is no reason against it
+            self._known[key] = True  # cycles do not count against it
             fits = self._lifted.fits(self._view.element(element).type, slot)
             self._known[key] = fits and all(self._is_met(atom, element, slot) for atom in self._lifted.needs(slot))
         return self._known[key]
@@ -107,7 +107,7 @@ class Candidates:
         return not tried or any(literal.evaluate(self._view, {"1": one, "2": two}) for one, two in pairs)
 
     def _is_related(self, atom: Atom, element: str, slot: Slot) -> bool:
-        """Whether it holds now: of what is determined it must be something likely, of many things it hardly matters."""
+        """Whether it holds now: a determined partner must be a likely one; of many partners any will do."""
         if not self._lifted.is_determined(atom, slot.variable):
             return bool(partners(self._view, atom, slot.variable, element))
         partner = Slot(slot.action, other(atom, slot.variable))

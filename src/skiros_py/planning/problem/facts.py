@@ -1,4 +1,4 @@
-"""What holds at the start, of the elements of a problem: looked up, or worked out."""
+"""The initial facts about the elements of a problem: stored or computed."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Facts:
         view: The world.
         objects: The elements, with their classes.
         asked: What is evaluated, by predicate, over the variables "1" and "2".
-        who: Names the conditions that ask for a predicate, for a fault.
+        who: Names the conditions that use a predicate, for error messages.
     """
 
     def __init__(
@@ -81,7 +81,7 @@ class Facts:
                     yield Atom(relation, (subject, object_))
 
     def _holding(self, literal: Asked | Not, fitting: Sequence[Sequence[str]]) -> Iterable[tuple[str, ...]]:
-        """Returns what a literal holds of, among what fits its arguments."""
+        """Returns the tuples a literal holds for, among fitting arguments."""
         if isinstance(literal, Computed):
             return literal.pairs(self._view, fitting[0], fitting[1])
         tuples = product(*fitting)
@@ -104,7 +104,7 @@ def _fitting(objects: Mapping[str, str], class_: str, ontology: Ontology) -> Ite
 
 
 def living(actions: Iterable[Action], view: WorldView) -> tuple[Action, ...]:
-    """Leaves out variants that speak of a class of which there is nothing (no station, no deck, ...)."""
+    """Removes variants that involve a class without elements (no station, no deck, ...)."""
     drafts = tuple(actions)
     classes = {v.type for action in drafts for v in action.parameters} & view.ontology.classes.keys()
     nobody = {class_ for class_ in classes if not view.some_instances(class_, 1)}
@@ -114,7 +114,7 @@ def living(actions: Iterable[Action], view: WorldView) -> tuple[Action, ...]:
 def supported(
     actions: Sequence[Action], init: Iterable[Atom], objects: Mapping[str, str], ontology: Ontology
 ) -> tuple[Action, ...]:
-    """Leaves out variants that need what neither holds at the start nor is ever brought about (no kit is carried, ...).
+    """Removes variants with a precondition that neither holds initially nor is ever achieved (no kit is carried, ...).
 
     Args:
         actions: All of the task.
@@ -129,7 +129,7 @@ def supported(
 
 
 class _Support:
-    """What holds at the start, and what is brought about, by predicate."""
+    """The initial and the achievable facts, by predicate."""
 
     def __init__(
         self, actions: Iterable[Action], init: Iterable[Atom], objects: Mapping[str, str], ontology: Ontology
@@ -154,7 +154,7 @@ class _Support:
 
 
 def _or_all(actions: Sequence[Action], is_good: Callable[[Action], bool]) -> tuple[Action, ...]:
-    """Returns the good ones; of a skill that has none, all, so that an explanation can say what it lacks."""
+    """Returns the good ones; for a skill without any, all, so that explanations can name what it lacks."""
     good = {action.name for action in actions if is_good(action)}
     skills = {action.skill for action in actions if action.name in good}
     return tuple(a for a in actions if a.name in good or a.skill is None or a.skill not in skills)

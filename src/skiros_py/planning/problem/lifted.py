@@ -1,4 +1,4 @@
-"""Actions seen backwards: which give what a condition needs, before anybody asks for which elements."""
+"""Actions indexed for backward search: which ones achieve a condition, at the level of classes."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ class Slot(NamedTuple):
 
 
 class Lifted:
-    """The actions of a task, by what they add, delete and need.
+    """The actions of a task, indexed by adds, deletes and preconditions.
 
     Args:
         actions: All there are; their names are unique.
         ontology: Classes and relations.
-        evaluated: Predicates whose facts are worked out rather than stored.
+        evaluated: Predicates whose facts are computed rather than stored.
     """
 
     def __init__(self, actions: Sequence[Action], ontology: Ontology, evaluated: Mapping[str, object]) -> None:
@@ -48,7 +48,7 @@ class Lifted:
                     self._needing.setdefault(Slot(action.name, argument), []).append(atom)
 
     def needs(self, slot: Slot) -> Sequence[Atom]:
-        """Returns the preconditions that speak of an argument."""
+        """Returns the preconditions that contain an argument."""
         return self._needing.get(slot, ())
 
     def class_of(self, slot: Slot) -> str:
@@ -66,7 +66,7 @@ class Lifted:
         return relation is not None and predicate not in self._evaluated and relation.family is not Family.COMPUTED
 
     def is_changed(self, predicate: str) -> bool:
-        """Returns True when some action brings about facts of this kind."""
+        """Returns True when some action adds facts of this kind."""
         return predicate in self._adding
 
     def is_determined(self, atom: Atom, variable: str) -> bool:
@@ -80,7 +80,7 @@ class Lifted:
         return at_subject and relation.functional
 
     def givers(self, action: Action, atom: Atom) -> tuple[tuple[Action, Atom], ...]:
-        """Returns the actions, with the effect, that could bring about what an action needs, as far as classes tell."""
+        """Returns the actions, with the effect, that could achieve a precondition, judging by classes."""
         key = action.name, atom
         if key not in self._givers:
             self._givers[key] = tuple(self._giving(action, atom))
@@ -108,9 +108,9 @@ class Lifted:
         return self._overlaps[key]
 
     def is_passive(self, class_: str) -> bool:
-        """Returns True when whatever is done to a thing of this class helps only what speaks of that thing.
+        """Returns True when actions on a thing of this class only help conditions about that thing.
 
-        Then a plan needs no such thing but those that the goal is about and those that are in the way.
+        A plan then needs only such things that the goal mentions or that block something.
         """
         return all(self._leaves_alone(action, class_) for action in self.actions.values())
 
@@ -124,7 +124,7 @@ class Lifted:
 
 
 def partners(view: WorldView, atom: Atom, variable: str, element: str) -> tuple[str, ...]:
-    """Returns what a stored relation now relates an element to, that stands for one argument of the atom."""
+    """Returns the current partners of an element, as one argument of the atom, in a stored relation."""
     subject, _ = atom.arguments
     return view.objects(element, atom.predicate) if subject == variable else view.subjects(atom.predicate, element)
 

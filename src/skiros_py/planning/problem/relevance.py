@@ -1,8 +1,8 @@
-"""What a goal can need: actions and elements, found backwards from it.
+"""Finds the actions and elements relevant to a goal, by backward search.
 
-An element gets into a problem because something that is needed speaks of it: the goal, the place where a thing is that
-is in already, the owner of a piece, the devices of a robot that has a skill, a candidate for what may be chosen. Nobody
-walks all elements of the world; only the complete problem takes every element of a class that may be chosen from.
+An element is included because something relevant refers to it: the goal, the place of an included thing, the owner of
+a part, the devices of a robot that has a skill, a candidate for a choice. The world is never scanned as a whole; only
+the complete problem includes every element of a class with a choice.
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ from skiros_py.skills.conditions import Not
 from skiros_py.world.view import WorldView
 
 _AIM = ""
-"""Name of the action that stands for the goal: it needs what the goal is."""
+"""Name of the pseudo-action for the goal: its preconditions are the goal."""
 
 
 @dataclass(frozen=True, slots=True)
 class Relevant:
-    """What a goal can need.
+    """The actions and elements relevant to a goal.
 
     Attributes:
-        actions: Those that can help, directly or by what they make possible, in their order.
-        elements: Ids of what they could be about.
+        actions: Those that can help, directly or indirectly, in their order.
+        elements: Ids of the elements they could involve.
     """
 
     actions: tuple[Action, ...]
@@ -43,14 +43,14 @@ def relevant(
     asked: Mapping[str, Asked | Not],
     width: int | None,
 ) -> Relevant:
-    """Finds what a goal can need.
+    """Finds the actions and elements relevant to a goal.
 
     Args:
         view: The world.
         actions: All there are.
-        goal: Atoms over elements that shall hold.
-        agents: Ids of who has a skill, by predicate ("can_pick").
-        asked: What is evaluated at the start, by predicate.
+        goal: Atoms over elements that must hold.
+        agents: Ids of the agents that have a skill, by predicate ("can_pick").
+        asked: The literals evaluated at the start, by predicate.
         width: How many candidates are taken for each choice, besides those that other choices may use up; None takes
             everything that any plan without idle steps could be about.
     """
@@ -62,7 +62,7 @@ def relevant(
 
 
 class _Growth:
-    """Arguments of the actions that help, with the elements that each may be."""
+    """The arguments of relevant actions, with their candidate elements."""
 
     def __init__(
         self,
@@ -126,7 +126,7 @@ class _Growth:
                 self._flow(Slot(action.name, own), Slot(giver.name, its))
 
     def _flow(self, source: Slot, target: Slot) -> None:
-        """Whatever the one argument may be, the other may be from now on."""
+        """Makes candidates of one argument candidates of the other from now on."""
         targets = self._flows.setdefault(source, [])
         if target not in targets and target != source:
             targets.append(target)
@@ -150,7 +150,7 @@ class _Growth:
             self._put(slot, element)
 
     def _spread(self, slot: Slot, element: str) -> None:
-        """Takes in what follows from one argument's being, perhaps, one element."""
+        """Adds what follows from an element being a candidate of an argument."""
         for target in self._flows.get(slot, ()):
             self._put(target, element)
         action = self.lifted.actions[slot.action]
@@ -163,7 +163,7 @@ class _Growth:
             self._take_in(none, slot.variable, element)
 
     def _follow(self, slot: Slot, atom: Atom, element: str) -> None:
-        """Goes along a relation, where that leads to one thing, or where somebody has to be chosen there."""
+        """Follows a relation that leads to a single thing, or to a choice."""
         partner = Slot(slot.action, other(atom, slot.variable))
         if self.lifted.is_determined(atom, slot.variable):
             self._put_all(partner, partners(self._view, atom, slot.variable, element))
@@ -173,7 +173,7 @@ class _Growth:
             self._put_some(partner, partners(self._view, atom, slot.variable, element))
 
     def _could_change(self, partner: Slot, atom: Atom) -> bool:
-        """Whether skills can make the relation lead elsewhere, and that may be wanted."""
+        """Whether skills can change the relation's target, and that may be required."""
         key = partner, atom
         if key not in self._changing:
             action = self.lifted.actions[partner.action]
@@ -182,13 +182,13 @@ class _Growth:
         return self._changing[key]
 
     def _is_fixed(self, slot: Slot) -> bool:
-        """Whether something that no skill changes says what the argument is, given another one."""
+        """Whether a static relation determines the argument, given another one."""
         action = self.lifted.actions[slot.action]
         fixed = (a for a in self.lifted.needs(slot) if self._is_link(a) and not self.lifted.givers(action, a))
         return any(self.lifted.is_determined(atom, other(atom, slot.variable)) for atom in fixed)
 
     def _is_only_left(self, slot: Slot, atom: Atom) -> bool:
-        """Whether the argument is a place that is left and nothing else: what brings things there serves other ends."""
+        """Whether the argument is only a place that is left: actions that bring things there serve other purposes."""
         action = self.lifted.actions[slot.action]
         spoken = any(slot.variable in added.arguments for added in action.add)
         return list(self.lifted.needs(slot)) == [atom] and atom in action.delete and not spoken
@@ -197,7 +197,7 @@ class _Growth:
         return self.lifted.is_stored(atom.predicate) and len(set(atom.arguments)) > 1
 
     def _vacate(self, action: Action, atom: Atom, place: str) -> None:
-        """Takes in what lies in a place that must be empty, who takes it away, and where that may go."""
+        """Adds what lies in a place that must be empty, who can remove it, and where it may go."""
         relation = atom.predicate.removeprefix(NOTHING)
         guests = self._view.subjects(relation, place)
         self._displace(guests)
@@ -215,7 +215,7 @@ class _Growth:
             self._open |= {Slot(taker.name, variable) for variable in spoken.difference(passive, {freed})}
 
     def _displace(self, guests: Iterable[str]) -> None:
-        """Notes what has to go somewhere else: whatever must be empty for that may have to be emptied of it."""
+        """Records things that have to be moved elsewhere, which may require emptying further places."""
         new = dict.fromkeys(guests, None)
         if new.keys() <= self._displaced.keys():
             return
@@ -228,7 +228,7 @@ class _Growth:
         return self._width is not None or self.lifted.is_passive(self.lifted.class_of(Slot(taker.name, variable)))
 
     def _take_in(self, none: NoneSuch, variable: str, element: str) -> None:
-        """Takes in everything that there must not be."""
+        """Adds everything that must not exist."""
         for atom in none.atoms:
             if variable in atom.arguments and self.lifted.is_stored(atom.predicate):
                 there = partners(self._view, atom, variable, element)
@@ -243,7 +243,7 @@ class _Growth:
     # ------------------------------------------------------------ choices
 
     def _next_choice(self) -> Slot | None:
-        """Returns an argument of which nothing is known, or not all: first those that others follow from."""
+        """Returns an argument with no or incomplete candidates: first those that determine others."""
         for action in self.active.values():
             slots = [Slot(action.name, v.name) for v in action.parameters]
             missing = [s for s in slots if s not in self._chosen and (s in self._open or not self._values(s))]
@@ -270,7 +270,7 @@ class _Growth:
             self._put_all(slot, self._of_class(slot))
 
     def _link(self, slot: Slot, needs: Iterable[Atom], *, changing: bool) -> Atom | None:
-        """A relation to an argument of which something is known."""
+        """A relation to an argument that has candidates."""
         for atom in needs:
             if (
                 self._values(Slot(slot.action, other(atom, slot.variable)))

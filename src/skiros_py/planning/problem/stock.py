@@ -1,4 +1,4 @@
-"""What of the world's stock a goal can use: as many interchangeable things are shown, never all (paper §6.3)."""
+"""Selects the stock a goal can use: only as many interchangeable things as needed are shown (paper §6.3)."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from skiros_py.world.stock import Stock, Stocked, is_token, stocks
 from skiros_py.world.view import WorldView
 
 _SPARE = 2
-"""So many more than a goal speaks of: a skill may use one up, and a place with stock is not empty."""
+"""How many more than the goal mentions: a skill may use one up, and a place with stock is not empty."""
 _PLENTY = 16
-"""So many more where there is no plan with fewer."""
+"""How many more if there is no plan with fewer."""
 _MOST = 100
-"""More of one stock no plan handles."""
+"""Maximum number of things of one stock that plans can handle."""
 
 
 def with_stock(
@@ -29,9 +29,9 @@ def with_stock(
 
     Args:
         view: The world.
-        goal: What is wanted.
-        named: Tokens that a plan speaks of already: these are shown first, as long as there is something for them.
-        whole: True to show more than the goal speaks of, as far as any plan could handle that many.
+        goal: The goal.
+        named: Tokens that a plan already uses: these are shown first, as far as the stock lasts.
+        whole: True to show more than the goal mentions, up to what any plan could handle.
     """
     found = stocks(view)
     if not found:
@@ -47,12 +47,12 @@ def lacks_stock(view: WorldView) -> bool:
 
 
 def believed(condition: Condition, view: WorldView) -> Verdict:
-    """Returns whether a condition holds as believed: also by what has no individual of its own."""
+    """Returns whether a condition holds in the world model, including things without individuals."""
     return judge(condition, with_stock(view, (condition,)))
 
 
 def tokens_of(steps: Iterable[Step]) -> tuple[str, ...]:
-    """Returns the tokens that steps speak of, in order."""
+    """Returns the tokens that steps use, in order."""
     return tuple(
         dict.fromkeys(a for step in steps for a in step.arguments.values() if isinstance(a, str) and is_token(a))
     )
@@ -69,13 +69,13 @@ def _shown(
 
 
 def _used(pattern: Pattern, stock: Stock, view: WorldView, *, wanted: bool) -> float:
-    """Returns how many things of a stock a pattern can speak of at once; infinite where it speaks of all.
+    """Returns how many things of a stock a pattern can involve at once; infinite if it involves all.
 
     Args:
         pattern: The pattern.
         stock: The stock.
         view: The world.
-        wanted: Whether it shall hold, rather than not hold.
+        wanted: True if it must hold, False if it must not.
     """
     match pattern:
         case Not(inner):
@@ -95,7 +95,7 @@ def _used(pattern: Pattern, stock: Stock, view: WorldView, *, wanted: bool) -> f
 
 
 _OWN = "#"
-"""Stands for a thing itself in what is said of it; no id is this."""
+"""Placeholder for a thing itself in facts about it; never a valid id."""
 
 _Sign = tuple[str, frozenset[tuple[str, tuple[str, ...]]]]
 
@@ -107,17 +107,17 @@ def superfluous(
     lifted: Lifted,
     named: Collection[str],
 ) -> frozenset[str]:
-    """Returns the elements that no plan needs, since others are there for which the very same holds.
+    """Returns the elements that no plan needs, since there are others with identical facts.
 
-    Only things are left out of which whatever is done to one helps nothing that does not speak of it: then a plan
-    without idle steps handles at most those that the goal's own variables stand for.
+    Only things are left out on which actions help nothing but conditions about that very thing: a plan without idle
+    steps then handles at most as many as the goal's own variables stand for.
 
     Args:
         objects: The elements, with their classes.
         init: What holds at the start.
         actions: The actions of the task.
         lifted: The same.
-        named: Elements that the task speaks of by name.
+        named: Elements that the task names.
     """
     wanted = {type_: _demand(type_, actions, lifted) for type_ in sorted(set(objects.values()))}
     passive = {type_ for type_ in wanted if wanted[type_] and lifted.is_passive(type_)}
@@ -139,7 +139,7 @@ def _demand(type_: str, actions: Iterable[Action], lifted: Lifted) -> int:
 def _in_the_way(
     init: Iterable[Atom], objects: Mapping[str, str], actions: Iterable[Action], lifted: Lifted
 ) -> frozenset[str]:
-    """The things that are where somebody may want nothing to be."""
+    """The things in places that may be required to be empty."""
     asked = {
         (atom.predicate.removeprefix(NOTHING), action.types.get(atom.arguments[0], ""))
         for action in actions
@@ -155,7 +155,7 @@ def _in_the_way(
 
 
 def _signs(things: Iterable[str], objects: Mapping[str, str], init: Iterable[Atom]) -> dict[str, _Sign]:
-    """What holds of each thing, in words that do not name it."""
+    """The facts about each thing, without its name."""
     said: dict[str, set[tuple[str, tuple[str, ...]]]] = {thing: set() for thing in things}
     for atom in init:
         for thing in said.keys() & set(atom.arguments):

@@ -1,4 +1,4 @@
-"""Builds the planning task: skills that are there, the world as believed, the goal that is wanted."""
+"""Builds the planning task from the available skills, the world model and the goal."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from skiros_py.world.view import WorldView
 
 @dataclass(frozen=True, slots=True)
 class Capability:
-    """A skill that is there, and the ids of the subsystems whose skill managers offer it."""
+    """An available skill, and the ids of the subsystems whose skill managers provide it."""
 
     skill: SkillDescription
     agents: tuple[str, ...]
@@ -37,11 +37,11 @@ class PlanningTask:
     """Everything a planner, a validator and an explanation need.
 
     Attributes:
-        domain, problem: What is written as PDDL.
+        domain, problem: The parts written as PDDL.
         goal: Each condition with the atoms that stand for it.
         capabilities: The available skills.
-        asked: By predicate, what was evaluated to find its facts, over the variables "1" and "2".
-        complete: True when it has a plan wherever there is one; False where candidates were left out.
+        asked: The literals evaluated for the facts, by predicate, over the variables "1" and "2".
+        complete: True if it has a plan whenever one exists; False if candidates were left out.
     """
 
     domain: Domain
@@ -73,10 +73,10 @@ def build_task(
         goal: The conditions that must all hold.
         width: How many candidates are tried where there is a choice: a quick guess. None gives the complete problem:
             only if that has no plan, there is none.
-        whole: True to keep every skill, and every element that some parameter could be, needed or not: to look at.
+        whole: True to keep every skill, and every element that fits some parameter, needed or not: for inspection.
 
     Raises:
-        PlanningError: Something in them cannot be said in PDDL; the message names it.
+        PlanningError: Something cannot be expressed in PDDL; the message names it.
     """
     return _Building(view, capabilities, goal).task(width, whole=whole)
 
@@ -133,7 +133,7 @@ class _Building:
     def _stated(
         self, actions: Sequence[Action], goal: Sequence[Atom], objects: Mapping[str, str], given: Iterable[Atom]
     ) -> tuple[tuple[Action, ...], dict[str, tuple[str, ...]], set[Atom]]:
-        """Returns the actions that something here can make possible, their predicates, and what holds at the start."""
+        """Returns the possible actions, their predicates and the initial facts."""
         facts = Facts(self._view, objects, self._asked, self._who_asks)
         able = {Atom(can, (agent,)) for can, agents in self._agents.items() for agent in agents}
         known = {atom for atom in (*given, *able) if all(argument in objects for argument in atom.arguments)}
@@ -158,7 +158,7 @@ class _Building:
     def _merged(
         self, objects: Mapping[str, str], init: Iterable[Atom], actions: Sequence[Action], goal: Iterable[Atom]
     ) -> tuple[dict[str, str], set[Atom]]:
-        """Leaves out what is there in plenty."""
+        """Removes superfluous interchangeable elements."""
         said = (*(atom for action in actions for atom in action.atoms), *goal)
         spoken = {argument for atom in said for argument in atom.arguments}
         lifted = Lifted(actions, self._ontology, self._asked)
@@ -168,7 +168,7 @@ class _Building:
 
 
 def _everything(view: WorldView, actions: Sequence[Action]) -> Relevant:
-    """Takes all actions, and every element that some parameter could be."""
+    """Takes all actions, and every element that fits some parameter."""
     classes = dict.fromkeys(v.type for action in actions for v in action.variables if v.type)
     constants = {c.name for action in actions for c in action.constants}
     return Relevant(tuple(actions), frozenset(constants.union(*(view.instances(class_) for class_ in classes))))
@@ -177,7 +177,7 @@ def _everything(view: WorldView, actions: Sequence[Action]) -> Relevant:
 def _predicates(
     actions: Sequence[Action], goal: Sequence[Atom], objects: Mapping[str, str], ontology: Ontology
 ) -> dict[str, tuple[str, ...]]:
-    """Returns argument types of every predicate in use: the nearest common class of what it is used with."""
+    """Returns argument types of every predicate in use: the nearest common class of its uses."""
     found: dict[str, tuple[str, ...]] = {}
 
     def meet(atom: Atom, types: Mapping[str, str]) -> None:

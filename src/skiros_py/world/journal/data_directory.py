@@ -1,4 +1,4 @@
-"""A folder in which a world lives on: its journal, what was learned, and a lock for who is using it."""
+"""A folder that persists a world: its journal, learned data, and a lock for the process using it."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class DataDirectory:
     Attributes:
         path: The folder.
         world: The world that lives in it.
-        journal: Its changes, with what can be asked of them.
+        journal: Its changes, with queries on them.
     """
 
     def __init__(self, path: Path, world: World, journal: Journal, stack: ExitStack, made: tuple[Path, ...]) -> None:
@@ -102,7 +102,7 @@ class DataDirectory:
         self.journal.compact(*self.world.state(), keep=keep)
 
     def discard(self) -> None:
-        """Closes it as if it had not been opened: a world that began with that is gone, an older one stays."""
+        """Closes it as if it had not been opened: a world created by opening it is deleted, an older one is kept."""
         self.journal.close()
         for file in self._made:
             file.unlink(missing_ok=True)

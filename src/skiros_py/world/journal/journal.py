@@ -1,4 +1,4 @@
-"""The changes of a world in a file: what was acknowledged is never lost, and can be asked for."""
+"""The changes of a world in a file: acknowledged changes are never lost, and can be queried."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class Recent:
         return self._version
 
     def add(self, change: Change) -> None:
-        """Takes the next change, and forgets the oldest where there are too many; the last one is always there."""
+        """Appends the next change, and deletes the oldest if there are too many; the last one is always kept."""
         with self._guard:
             self._changes.append(change)
             self._edits += len(change.edits)
@@ -124,7 +124,7 @@ class Journal:
         """Keeps a change; when this returns, it is kept.
 
         Raises:
-            FileError: It cannot be kept, and is not: the disk is full, or gone.
+            FileError: It could not be stored: the disk is full or missing.
         """
         self.append_all([change])
 
@@ -166,7 +166,7 @@ class Journal:
             return tuple(entry.change for entry in select_after(self._database, version))
 
     def by_people(self) -> Iterator[Change]:
-        """Yields the remembered changes that people made or that took others back, the last first."""
+        """Yields the stored changes made by users or undoing others, newest first."""
         before = self.version + 1
         while True:
             condition = f"({_PEOPLE}) AND number < ? ORDER BY number DESC LIMIT ?"
@@ -290,7 +290,7 @@ class Journal:
         """
         if keep is not None and keep < 0:
             raise UsageError(f"keep: how many changes are remembered, a number from 0, not {keep}")
-        with self._database.reading():  # others must not read between the file and what we know of it
+        with self._database.reading():  # readers must not see the file and the in-memory state out of step
             if version < self._snapshot_version:
                 return
             with self._database.transaction() as connection:

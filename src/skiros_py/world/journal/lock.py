@@ -1,4 +1,4 @@
-"""Keeps a second process out of a data directory, and tells it who is in there."""
+"""Prevents a second process from using a data directory, and names the one that does."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from skiros_py.errors import FileError
 class DirectoryLock:
     """The right to use a folder, until :meth:`release` or the end of the process, however it ends.
 
-    The kernel holds it, so what a killed process left behind is no obstacle; the file says to people who has it.
+    The kernel holds it, so leftovers of a killed process are no obstacle; the file names the holder for users.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -70,7 +70,7 @@ def _owner(file: int, folder: Path) -> str:
 
 
 def _serving(folder: Path, pid: int) -> str:
-    """Says where a server is reached that has the lock; empty if it is none, or another user's."""
+    """Returns the address of the server that holds the lock; empty if it is no server, or another user's."""
     try:
         said = json.loads((folder / "server.json").read_bytes())
         return f", which serves it at {said['url']}" if said["pid"] == pid else ""

@@ -1,6 +1,6 @@
-"""Queries from outside, by people and programs that are not trusted: each gets an answer or an error in time.
+"""Queries from untrusted users and programs: each gets an answer or an error in time.
 
-A query may be nested so deep that the engine dies of it, run for ever, or want all memory there is. So it never runs in
+A query may be nested so deeply that the engine crashes, run forever, or exhaust the memory. So it never runs in
 this process but in a copy of a replica of the world (see :mod:`~skiros_py.world.queries.replica`).
 """
 
@@ -22,7 +22,7 @@ from skiros_py.world.store.store import AnswerLimits
 from skiros_py.world.world import World
 
 LONGEST_TIME = 3600.0
-"""What any query may take at most [s]."""
+"""Maximum time limit of any query [s]."""
 
 _MIB = 1 << 20
 _NO_BINDINGS: Mapping[str, Binding] = MappingProxyType({})
@@ -30,7 +30,7 @@ _NO_BINDINGS: Mapping[str, Binding] = MappingProxyType({})
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What one query from outside may take.
+    """Resource limits of one external query.
 
     Attributes:
         text: Characters of the query.
@@ -54,7 +54,7 @@ class OutsideQueries:
 
     Args:
         world: What is asked; each query sees all that was written before it.
-        limits: What a query may take.
+        limits: Limits of a query.
     """
 
     def __init__(self, world: World, limits: Limits = Limits()) -> None:
@@ -71,7 +71,7 @@ class OutsideQueries:
             self._started()
 
     def close(self) -> None:
-        """Ends the replica, and whatever is still running; there are no answers any more."""
+        """Ends the replica and all running queries; no more answers are given."""
         with self._lock:
             self._closed = True
             self._drop()
@@ -125,7 +125,7 @@ class OutsideQueries:
     def _outcome(self, order: Order) -> Result:
         try:
             ended = self._sent(order).wait(order.time_limit)
-        except DeviceError:  # somebody killed the replica: a new one has another try
+        except DeviceError:  # the replica was killed: retry with a new one
             ended = self._sent(order).wait(order.time_limit)
         if ended.code != 0:
             raise UsageError(_why(ended.code, order))
@@ -160,7 +160,7 @@ class OutsideQueries:
 
 
 def _why(code: int, order: Order) -> str:
-    """What ended a query that gave no answer."""
+    """Why a query ended without an answer."""
     if code == -signal.SIGALRM:
         return f"the query took longer than {order.time_limit:g} s: ask for less, or bind more of it"
     if code in (OUT_OF_MEMORY, -signal.SIGABRT, -signal.SIGKILL):

@@ -1,4 +1,4 @@
-"""What a reasoner is: the base class of a kind of plug-in."""
+"""The base class of reasoners, a kind of plug-in."""
 
 from __future__ import annotations
 
