@@ -73,7 +73,7 @@ class PlanningReplica(Replica):
     Args:
         version, index: The state of the world.
         make_planners: Pickled; makes the planners of a worker.
-        mark: Tells the programs of this process from those of others.
+        mark: Identifies the programs of this process.
     """
 
     def __init__(self, version: int, index: Index, make_planners: bytes, mark: str) -> None:

@@ -45,7 +45,7 @@ class Ids:
         """Gives the next id for an element of a class: ``kitting:RelayBox`` -> ``relay_box_1``."""
         stem = ("learned:" if learned else "") + _stem(class_)
         number = self.highest(stem) + 1
-        while self.used(f"{stem}_{number}"):  # given by somebody's hand beyond what is counted
+        while self.used(f"{stem}_{number}"):  # assigned manually, beyond the counter
             number += 1
         self.claim(f"{stem}_{number}")
         return f"{stem}_{number}"

@@ -52,8 +52,8 @@ _NEVER = Stamp(0, 0.0)
 class Index:
     """One state of the scene, as a :class:`~skiros_py.world.view.WorldView`.
 
-    A published index never changes: to create another state, :meth:`copy` it first. That costs
-    nothing, since all tables are persistent: two states share all but what differs.
+    A published index never changes: to create another state, :meth:`copy` it first. That is
+    cheap, since all tables are persistent: two states share everything except their differences.
 
     Attributes:
         ontology: The classes and relations.

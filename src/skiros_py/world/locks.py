@@ -20,9 +20,9 @@ class Lock:
 
     Attributes:
         element: Id of the element.
-        owner: Who has it: the author of the edits that it allows, or what tells them from others of the same name.
-        until: When it ends by itself [s, the locks' clock].
-        name: What people call the owner, where that is something else.
+        owner: Its owner: the author of the edits it allows, or an id that distinguishes users of the same name.
+        until: When it expires [s, the locks' clock].
+        name: Display name of the owner, if different.
     """
 
     element: str
@@ -65,8 +65,8 @@ class Locks:
         Args:
             elements: Their ids.
             owner: The owner of the locks.
-            seconds: After how long the lock ends by itself [s].
-            name: What people call the owner, where that is something else.
+            seconds: How long until the lock expires [s].
+            name: Display name of the owner, if different.
 
         Raises:
             Locked: Another owner has locked one of them, its whole, or one of its parts.

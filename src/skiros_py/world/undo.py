@@ -26,7 +26,7 @@ def undo(world: World, author: str, *, expects: int | None = None, holder: str =
 
     Args:
         world: The world.
-        author: Who wants it.
+        author: The author of the undo.
         expects: Number of the change that they mean; None for whichever is the last.
         holder: Whose locks let it through, where they are not the author's.
 

@@ -44,7 +44,7 @@ class Facts:
 
 
 def is_variable(argument: str) -> bool:
-    """Tells a variable from an element."""
+    """Returns whether an argument is a variable, not an element."""
     return argument.startswith("?")
 
 

@@ -1,4 +1,4 @@
-"""Plan files as planners write them: one action a line, with times where the planner knows them."""
+"""Plan files as planners write them: one action per line, with times if the planner provides them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _STEP = re.compile(
     r"(?:\s*\[\s*(?P<duration>\d+(?:\.\d+)?)[^\]]*\])?"  # [12.000]
 )
 _LONGEST = 16 << 20
-"""No plan is longer [bytes]."""
+"""Maximum size of a plan file [bytes]."""
 
 
 def read_plan_text(title: str, text: str) -> Solved:
@@ -27,7 +27,7 @@ def read_plan_text(title: str, text: str) -> Solved:
             semicolons.
 
     Raises:
-        PlanningError: A line is no step; or some have a time and others not.
+        PlanningError: A line is not a step; or only some steps have a time.
     """
     found = []
     for number, line in enumerate(text.splitlines(), start=1):
@@ -46,7 +46,7 @@ def read_plan_file(title: str, path: Path) -> Solved:
     """Reads a plan file; see :func:`read_plan_text`.
 
     Raises:
-        PlanningError: It is no plan, or cannot be read.
+        PlanningError: It is not a plan, or cannot be read.
     """
     try:
         with path.open("rb") as file:
@@ -65,7 +65,7 @@ def last_plan_file(folder: Path, pattern: str) -> Path | None:
 
 
 def steps_among(title: str, text: str) -> Solved | None:
-    """Finds the steps among what else a planner prints; None if there are none."""
+    """Finds the steps in a planner's output; None if there are none."""
     found = [step for line in text.splitlines() if (step := _STEP.fullmatch(line.partition(";")[0].strip()))]
     return _solved(title, found) if found else None
 

@@ -14,8 +14,8 @@ class Solved:
 
     Attributes:
         steps: For each step the action and its objects, in PDDL names, in the order in which they start.
-        starts: When each step starts [s]; empty if the planner knows no time.
-        durations: How long each takes [s]; empty if the planner knows no time.
+        starts: Start time of each step [s]; empty if the planner has no notion of time.
+        durations: Duration of each step [s]; empty if the planner has no notion of time.
     """
 
     steps: tuple[tuple[str, ...], ...]

@@ -26,7 +26,7 @@ from skiros_py.world.view import WorldView
 _MOST_ROUNDS = 40
 """Plans with more rounds are not rearranged: it would take seconds."""
 _USUAL = 10.0
-"""How long a step is taken to last where nobody knows [s]."""
+"""Assumed duration of a step with unknown duration [s]."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -120,7 +120,7 @@ class JobLookups:
 
     @property
     def last_announcement(self) -> int:
-        """Number of the last announcement, forgotten or not; 0 before the first."""
+        """Number of the last announcement, deleted or not; 0 before the first."""
         return self.store.last_announcement
 
     def forget_announcements(self, upto: int) -> None:

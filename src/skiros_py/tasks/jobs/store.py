@@ -1,4 +1,4 @@
-"""Where jobs are kept: what was acknowledged outlives the process and a power cut."""
+"""The persistent store of jobs: acknowledged writes survive the process and a power cut."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ _log = logging.getLogger(__name__)
 T = TypeVar("T")
 
 _LAST = 2**63 - 1
-"""The greatest number that the file can hold."""
+"""The largest number the file can hold."""
 
 _ROOM = 4 << 20
-"""So many characters make a page, and what would come after them the next one."""
+"""Maximum size of a page [characters]; further jobs go to the next page."""
 
 _TRACE = TypeAdapter(dict[str, Any])
 
@@ -39,7 +39,7 @@ class Page:
     """Some of the jobs.
 
     Attributes:
-        jobs: By number, or back from the greatest one.
+        jobs: In order of their numbers, or backwards from the largest.
         next: Where the next page begins: its ``after``; None if this is the last one.
     """
 
@@ -48,15 +48,15 @@ class Page:
 
 
 class JobStore:
-    """The jobs of a data directory; used by any thread. Close it.
+    """The jobs of a data directory; thread-safe. The owner must close it.
 
-    What is written outlives the process at once, and a power cut after :meth:`after_sync`.
+    Writes survive the process at once, and a power cut after :meth:`after_sync`.
 
     Args:
-        path: The file; made where it is missing, brought up to date where it is old.
+        path: The file; created if missing, migrated if old.
 
     Raises:
-        FileError: It cannot be opened or made, or is damaged.
+        FileError: It cannot be opened or created, or is damaged.
     """
 
     def __init__(self, path: Path) -> None:
@@ -69,28 +69,28 @@ class JobStore:
     # ------------------------------------------------------------------ the disk
 
     def sync(self) -> Future[None]:
-        """Begins to wait until all that was written by now outlives a power cut.
+        """Starts syncing to disk everything written so far.
 
         Returns:
-            The end of that; its result raises FileError where the disk did not take it.
+            A future that is done after the sync; its result raises FileError if the disk failed.
         """
         return self._waiting.submit(self._database.sync)
 
     def after_sync(self, then: Callable[[], object]) -> Future[None]:
-        """Calls back when all that was written by now outlives a power cut; in a thread of its own, in this order.
+        """Calls back once everything written so far is synced to disk; in a separate thread, in order.
 
         Returns:
-            The end of that, as :meth:`sync` does.
+            A future that is done after that, as for :meth:`sync`.
         """
         return self._calling.submit(self._call, then)
 
     def flush(self) -> None:
-        """Waits until all that was written outlives a power cut, and everybody was called back.
+        """Waits until all writes are synced to disk and all callbacks have run.
 
-        A function that is called back does not wait for itself.
+        A callback that calls this does not wait for itself.
 
         Raises:
-            FileError: The disk did not take it.
+            FileError: The disk failed.
         """
         if threading.current_thread() is not self._caller:
             self.after_sync(lambda: None).result()
@@ -117,7 +117,7 @@ class JobStore:
         return tuple(self._job(data) for (data,) in rows)
 
     def job(self, job: str) -> Job | None:
-        """Returns a job; None if there is none of that id."""
+        """Returns a job; None if there is none with that id."""
         rows = self._database.rows("SELECT data FROM jobs WHERE id = ?", (job,))
         return self._job(rows[0][0]) if rows else None
 
@@ -130,7 +130,7 @@ class JobStore:
         return int(number)
 
     def removed(self, job: str) -> Job | None:
-        """Returns a job of that id that was removed in the last days, as it was last but for its details; or None."""
+        """Returns the last version, without details, of a job removed in the last days; None if there is none."""
         rows = self._database.rows("SELECT data FROM removed WHERE id = ?", (job,))
         return self._job(rows[0][0]) if rows else None
 
@@ -148,18 +148,18 @@ class JobStore:
         Args:
             states: Those in these states only; None for all.
             since: Those only that changed at that time or later [s since 1970]; None for all.
-            after: Those only that come after the one of this number; None for all.
-            limit: How many at most; fewer where they are very large.
+            after: Those only that come after the job with this number; None for all.
+            limit: How many at most; fewer if they are very large.
             newest_first: True to go back from the last one.
         """
         wanted = tuple(JobState) if states is None else tuple(states)
-        # Numbers of our own, and no text of anybody's: they need not be bound.
+        # Internal numbers, not user input: they need not be bound.
         among = "1" if states is None else f"state IN ({', '.join(str(state.value) for state in wanted)})"
         beyond, order = ("<", "number DESC") if newest_first else (">", "number")
         where = f"number {beyond} ? AND {among}"
         start = (_LAST if newest_first else 0) if after is None else min(after, _LAST)
         values: tuple[float, ...] = (start,)
-        if since is not None:  # found in the index alone, however many there are
+        if since is not None:  # answered from the index alone, regardless of their number
             changed = f"FROM jobs INDEXED BY jobs_by_change WHERE changed >= ? AND {where} ORDER BY {order}"
             where = f"id IN (SELECT id {changed} LIMIT {limit + 1})"
             values = (since, *values)
@@ -172,15 +172,15 @@ class JobStore:
         return Page(jobs, None if whole else jobs[-1].number)
 
     def add(self, job: Job, trigger: Trigger, comment: str = "", receipt: Receipt | None = None) -> Job:
-        """Takes a new job, and gives it a number that none had before.
+        """Adds a new job and assigns it a new number.
 
-        Its version is greater than that of any job that was removed, which may have had its id.
+        Its version is greater than that of any removed job, which may have had the same id.
 
         Args:
-            job: The job; its number and version count for nothing.
+            job: The job; its number and version are ignored.
             trigger: What led to its state.
             comment: Why.
-            receipt: The request that led to it, if it shall be known again.
+            receipt: The request that led to it, if repetitions are to be recognized.
 
         Returns:
             The job with its number and version.
@@ -195,7 +195,7 @@ class JobStore:
         return numbered
 
     def keep(self, job: Job, trigger: Trigger | None = None, comment: str = "") -> None:
-        """Writes a job down.
+        """Stores a job.
 
         Args:
             job: The job as it is now.
@@ -206,7 +206,7 @@ class JobStore:
             _write(connection, job, trigger, comment)
 
     def forget(self, job: Job, why: str) -> None:
-        """Removes a job with all that is known of it, apart from announcements and receipts, and that it was there.
+        """Removes a job with its records, except announcements, receipts and the record of its removal.
 
         Args:
             job: The job as it is now.
@@ -217,7 +217,7 @@ class JobStore:
             connection.execute("DELETE FROM jobs WHERE id = ?", (job.id,))
             connection.execute("UPDATE numbers SET version = max(version, ?)", (job.version,))
             for table in ("transitions", "intents", "trace"):
-                connection.execute(f"DELETE FROM {table} WHERE job = ?", (job.id,))  # noqa: S608 - our own names
+                connection.execute(f"DELETE FROM {table} WHERE job = ?", (job.id,))  # noqa: S608 - internal names
             leave_receipts(connection, job.id, data)
             keep_removal(connection, job)
             keep_announcement(connection, job, data, why)
@@ -225,9 +225,9 @@ class JobStore:
     # ------------------------------------------------------------------ requests and announcements
 
     def known(self, receipt: Receipt) -> Job | None:
-        """Returns the job that the same request led to before; None if there was none.
+        """Returns the job that an earlier identical request led to; None if there was none.
 
-        A job that was removed meanwhile is returned as it was last.
+        For a job removed meanwhile, its last version is returned.
 
         Raises:
             KeyReused: The key was used for another request.
@@ -241,15 +241,15 @@ class JobStore:
         return self._job(data)
 
     def note(self, receipt: Receipt, job: Job, wall: float) -> None:
-        """Keeps that a request led to a job that was there already."""
+        """Records that a request led to an existing job."""
         with self._database.transaction() as connection:
             keep_receipt(connection, receipt, job.id, wall)
 
     def announcements(self, after: int, most: int) -> tuple[Announcement, ...]:
-        """Returns what is to be told to others, in order.
+        """Returns the announcements to forward, in order.
 
         Args:
-            after: Number of the last one that is known; 0 for none.
+            after: Number of the last one received; 0 for none.
             most: How many at most.
         """
         sql = "SELECT number, wall, data, trigger FROM announcements WHERE number > ? ORDER BY number LIMIT ?"
@@ -258,12 +258,12 @@ class JobStore:
 
     @property
     def last_announcement(self) -> int:
-        """Number of the last announcement, forgotten or not; 0 before the first."""
+        """Number of the last announcement, deleted or not; 0 before the first."""
         rows = self._database.rows("SELECT seq FROM sqlite_sequence WHERE name = 'announcements'")
         return int(rows[0][0]) if rows else 0
 
     def forget_announcements(self, upto: int) -> None:
-        """Forgets what was told to everybody.
+        """Deletes announcements delivered to all recipients.
 
         Args:
             upto: Number of the last one of them.
@@ -274,7 +274,7 @@ class JobStore:
     # ------------------------------------------------------------------ what happened for a job
 
     def intend(self, job: str, skill: str, arguments: Mapping[str, str]) -> int:
-        """Writes down that a step is about to begin, and returns its number in the job."""
+        """Records that a step is about to start, and returns its number in the job."""
         with self._database.transaction() as connection:
             ((last,),) = connection.execute(
                 "SELECT coalesce(max(number), 0) FROM intents WHERE job = ?", (job,)
@@ -284,7 +284,7 @@ class JobStore:
         return intent.number
 
     def settle(self, job: str, number: int, ended: str) -> None:
-        """Writes down how a step ended."""
+        """Records how a step ended."""
         known = {intent.number: intent for intent in self.intents(job)}
         if number not in known:
             raise UnknownName("step", str(number), [str(n) for n in known], where=f"of job '{job}'")
@@ -293,12 +293,12 @@ class JobStore:
             connection.execute("UPDATE intents SET data = ? WHERE job = ? AND number = ?", (text, job, number))
 
     def intents(self, job: str) -> tuple[Intent, ...]:
-        """Returns the steps that were begun for a job, in order."""
+        """Returns the steps that were started for a job, in order."""
         rows = self._database.rows("SELECT data FROM intents WHERE job = ? ORDER BY number", (job,))
         return tuple(self._read(Intent.model_validate_json, data) for (data,) in rows)
 
     def transitions(self, job: str) -> tuple[Transition, ...]:
-        """Returns a job's changes of state, in order."""
+        """Returns a job's state changes, in order."""
         rows = self._database.looked_up("SELECT data FROM transitions WHERE job = ? ORDER BY rowid", (job,))
         return tuple(self._read(Transition.model_validate_json, data) for (data,) in rows)
 
@@ -312,7 +312,7 @@ class JobStore:
 
         Args:
             job: Its id.
-            skip: So many entries are left out at the beginning.
+            skip: How many entries to skip at the beginning.
             limit: How many at most; None for all.
         """
         sql = "SELECT data FROM trace WHERE job = ? ORDER BY rowid LIMIT ? OFFSET ?"
@@ -355,11 +355,11 @@ def _write(connection: sqlite3.Connection, job: Job, trigger: Trigger | None, co
 
 
 REMEMBERED = 7 * 24 * 3600.0
-"""How long it is known that there was a job [s]."""
+"""How long removed jobs are remembered [s]."""
 
 
 def keep_removal(connection: sqlite3.Connection, job: Job) -> None:
-    """Keeps what a job was that is removed: its order and how it ended; and forgets what is old."""
+    """Stores the order and outcome of a removed job, and deletes old records."""
     brief = job.model_copy(update={"plan": (), "actuals": (), "materials": (), "reasons": (), "choices": ()})
     connection.execute("DELETE FROM removed WHERE wall < ?", (job.changed - REMEMBERED,))
     values = (job.id, job.changed, brief.model_dump_json())
@@ -394,22 +394,22 @@ CREATE INDEX receipts_by_age ON receipts (wall);
 CREATE TABLE announcements (number INTEGER PRIMARY KEY AUTOINCREMENT, wall REAL NOT NULL, trigger TEXT NOT NULL,
     data TEXT NOT NULL);
 """
-"""Pages by state without reading all jobs; answers to repeated requests; what is to be told to others.
+"""Pages by state without reading all jobs; answers to repeated requests; announcements to forward.
 
-AUTOINCREMENT: a number is not given again, even where all announcements were passed on and forgotten.
+AUTOINCREMENT: numbers are not reused, even if all announcements were delivered and deleted.
 """
 
 _THIRD = """
 ALTER TABLE numbers ADD COLUMN version INTEGER NOT NULL DEFAULT 0;
 """
-"""The greatest version that a job had that was removed: whoever remembers one does not take a later job for it."""
+"""The largest version of any removed job: clients holding an old version do not mistake a later job for it."""
 
 _FOURTH = """
 CREATE TABLE removed (id TEXT PRIMARY KEY, wall REAL NOT NULL, data TEXT NOT NULL) WITHOUT ROWID;
 CREATE INDEX removed_by_age ON removed (wall);
 CREATE INDEX jobs_by_change ON jobs (changed, number, state);
 """
-"""What was removed; pages of what has changed without reading all jobs."""
+"""Removed jobs; pages of changed jobs without reading all jobs."""
 
 SCHEMA = Schema("list of jobs", "a list of jobs", 0x736B6A6F, (_FIRST, _SECOND, _THIRD, _FOURTH))
 """Such a file is marked "skjo"."""

@@ -59,7 +59,7 @@ class Content:
         self._stamps.update(stamps)
 
     def problems(self, ontology: Ontology) -> tuple[str, ...]:
-        """Returns a sentence for each thing that the ontology does not know, or knows as something else."""
+        """Returns a sentence for each thing that the ontology does not declare, or declares as another kind."""
         found = (
             *_class_problems(ontology, {element.type for element in self._elements.values()}),
             *_placement_problems(ontology, {placement.relation for placement in self._placements.values()}),

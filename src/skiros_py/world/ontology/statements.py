@@ -140,7 +140,7 @@ def end(statements: Statements, expressions: list[Node], known: Callable[[str], 
     Args:
         statements: All statements.
         expressions: Domains or ranges: all must be met.
-        known: Tells whether a name stands for a class that can be checked, or raises.
+        known: Returns whether a name stands for a class that can be checked, or raises.
     """
     parts = (part for expression in expressions for part in conjuncts(statements, expression))
     groups = {_group(statements, part, known) for part in parts}

@@ -50,7 +50,7 @@ def worked_out(store: QuadStore, view: Index, sparql: str, relations: frozenset[
 
 
 def _work_out(group: Group, pairs: _Pairs, store: QuadStore) -> None:
-    """Works out one step after the other, those of which most is known first: each tells more about the next."""
+    """Computes one step after the other, the most constrained first: each constrains the next."""
     known_here = [*group.around, *(known(step) for step in group.steps if pairs.is_stored(step.predicate))]
     waiting = [step for step in group.steps if not pairs.is_stored(step.predicate)]
     while waiting:
@@ -67,7 +67,7 @@ def _ends_known(step: Step, known_here: Sequence[Known]) -> int:
 
 
 def _candidates(end: End, known_here: Sequence[Known], store: QuadStore, pairs: _Pairs) -> _Ids:
-    """The elements that an end can stand for, as far as what is known tells."""
+    """The elements that an end can stand for, as far as known."""
     if isinstance(end, URIRef):
         return pairs.elements([ox.NamedNode(str(end))])
     if isinstance(end, Literal):

@@ -163,7 +163,7 @@ class Pending:
         """Waits until it has ended; returns None if that is no longer wanted.
 
         Args:
-            stopped: Tells whether it is no longer wanted.
+            stopped: Returns True once it is no longer needed.
             every: Time between two looks whether it is [s].
 
         Raises:

@@ -211,7 +211,7 @@ class _Remembered:
 
 
 class BoxMemory:
-    """Reads boxes; those of the state that was asked about last, it knows already."""
+    """Reads boxes; those of the last used state are cached."""
 
     def __init__(self) -> None:
         self._last: _Remembered | None = None

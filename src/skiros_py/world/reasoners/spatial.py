@@ -110,7 +110,7 @@ class SpatialReasoner(Reasoner):
 
         Raises:
             UsageError: It has no such key, or the value is nothing for it.
-            WorldError: It shall move with an element, and its pose in the frame of that is not known.
+            WorldError: It should move with an element, but its pose in that element's frame is unknown.
         """
         what, frame = _parsed(key)
         if what == "frame" and frame is None and isinstance(value, str):

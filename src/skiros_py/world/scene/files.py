@@ -72,7 +72,7 @@ def load_into(
     Args:
         world: The world.
         path: The file.
-        author: Who wants it.
+        author: The author of the change.
         ontology_paths: More files or folders in which imports are looked up.
         writer: What kind of author that is.
 

@@ -87,7 +87,7 @@ class LearnedFile:
         world.subscribe(lambda change: self._on_change(world, change))
 
     def _keep_another(self, text: str) -> None:
-        """Keeps a file that somebody changed since it was written: it does not count, but is somebody's work."""
+        """Keeps a file that was edited since it was written: it is not used, but must not be lost."""
         try:
             found = self.path.read_bytes() if self.path.exists() else b""
             if not found.strip() or found == text.encode():

@@ -143,7 +143,7 @@ def _first_answer(material: Material, choices: Iterator[Reasoner], owl_rl: Reaso
         try:
             found = logical_findings(material, choice, [owl_rl] if choice.is_complete else [])
         except NoAnswer as answer:
-            # Who asked for the complete reasoner alone wants to be sure; the other never is.
+            # A user who requests only the complete reasoner wants certainty, which the other cannot give.
             severity = Severity.ERROR if asked.choice == "hermit" else Severity.WARNING
             silences.append(Finding(severity, FindingKind.REASONER, "", str(answer)))
             note = f"{choice.name} {'does not start' if isinstance(answer, NotStarted) else 'gave no answer'}"

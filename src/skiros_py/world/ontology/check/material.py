@@ -61,7 +61,7 @@ def is_standard(iri: str) -> bool:
 
 
 def is_standard_word(iri: str) -> bool:
-    """Returns True when the standard of its namespace knows the word."""
+    """Returns True when the standard of its namespace defines the word."""
     for name, namespace in _STANDARD.items():
         if iri.startswith(namespace):
             word = iri.removeprefix(namespace)
