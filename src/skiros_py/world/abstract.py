@@ -26,14 +26,14 @@ _Said = Mapping[str, Sequence[Node]]
 
 
 def abstract_individuals(ontology: Ontology, reasoners: Reasoners) -> Index:
-    """Returns the state of a world in which nothing is but what the ontology's files describe.
+    """Returns the state of a world with only the individuals described in the ontology's files.
 
     An individual becomes an element of the most specific of its classes that are classes of elements. Ontologies of
     others say more than elements can bear: individuals of no such class, words that are not declared, several values of
     a property, and what fits another class of an individual that has several; these stay in the graph for queries.
 
     Raises:
-        FileError: What is said of an individual does not fit its class.
+        FileError: The statements about an individual do not fit its class.
     """
     if ontology not in _READ:
         _READ[ontology] = tuple(_Reader(ontology).edits()) if ontology.individuals else ()
@@ -44,7 +44,7 @@ def abstract_individuals(ontology: Ontology, reasoners: Reasoners) -> Index:
 
 
 class _Reader:
-    """Makes elements of individuals, and checks them."""
+    """Creates elements from individuals, and checks them."""
 
     def __init__(self, ontology: Ontology) -> None:
         self._ontology = ontology
@@ -53,7 +53,7 @@ class _Reader:
         self._lenient: set[str] = set()
 
     def edits(self) -> Iterator[Edit]:
-        """Yields what makes the elements; what is yielded is right."""
+        """Yields the edits that create the elements; they are validated."""
         elements = [name for name in self._ontology.individuals if self._add(name, self._statements.about(name))]
         for name in elements:
             self._set_values(name, self._statements.about(name))
@@ -120,7 +120,7 @@ class _Reader:
 
 
 def _literal(nodes: Sequence[Node]) -> ox.Literal | None:
-    """The one value that is said, or that of the language that people are shown."""
+    """The single value stated, or the one in the display language."""
     literals = list(dict.fromkeys(node for node in nodes if isinstance(node, ox.Literal)))
     if len(literals) > 1 and any(literal.language for literal in literals):
         return english(literals)

@@ -37,7 +37,7 @@ def parse_value(text: str, literal_type: str, range_: str) -> Value:
 
 
 def any_value(text: str, literal_type: str) -> Value:
-    """Reads an unchecked literal: the text itself where it is no value of its type."""
+    """Reads an unchecked literal: the text itself if it is not a valid value of its type."""
     if literal_type not in DATATYPES or literal_type == ANY_LITERAL:
         return text
     try:
@@ -62,7 +62,7 @@ def literal_type(value: Value, range_: str) -> str:
 
 
 def shown(value: object) -> str:
-    """Returns a value as messages show it: in quotes, and cut where it is long."""
+    """Returns a value as shown in messages: in quotes, and truncated if long."""
     text = value if isinstance(value, str) else _written(value)
     cut = text if len(text) <= _LONGEST_SHOWN else f"{text[:_LONGEST_SHOWN]}…"
     return f"'{cut}'" if isinstance(value, str) else cut
@@ -189,4 +189,4 @@ DATATYPES: Mapping[str, Datatype] = MappingProxyType(
         ANY_LITERAL: Datatype("a text, a number or true or false", frozenset(), _check_any, str, _format_any),
     }
 )
-"""What may be the range of a property, by CURIE."""
+"""The possible ranges of a property, by CURIE."""

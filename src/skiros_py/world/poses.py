@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def map_pose(view: WorldView, element: str) -> Pose | None:
-    """Returns an element's pose in the map, or None if its pose, or that of a frame it hangs on, is not known.
+    """Returns an element's pose in the map, or None if its pose, or that of a parent frame, is unknown.
 
     Raises:
         UnknownName: There is no such element.
@@ -42,7 +42,7 @@ def pose_in(view: WorldView, element: str, frame: str | None) -> Pose | None:
 
 
 def write_pose(tx: Transaction, element: str, pose: Pose | None, frame: str | None = None) -> None:
-    """Writes where an element is: in the map, or in the frame of another, with which it moves; None forgets it."""
+    """Writes where an element is: in the map, or in the frame of another, with which it moves; None removes it."""
     if frame is not None:
         tx.relate(element, POSE_FRAME, frame)
     else:
@@ -52,7 +52,7 @@ def write_pose(tx: Transaction, element: str, pose: Pose | None, frame: str | No
 
 
 def attach(tx: Transaction, element: str, frame: str | None) -> None:
-    """Lets an element stay where it is, and from now on move with another (None: with none, it stays in the map).
+    """Keeps an element's pose, but makes it move with another from now on (None: with none, fixed in the map).
 
     Raises:
         WorldError: Its pose in that frame is not known.

@@ -1,7 +1,7 @@
-"""Stock: so many things of a class in a container, without individuals of their own until one is taken (paper §6.3).
+"""Stock: a number of things of a class in a container, without individuals until one is taken (paper §6.3).
 
-A token stands for one of them where it has not been taken yet, in plans: "bolts_a#2". Tokens of one stock are
-interchangeable: its number says nothing but that "bolts_a#3" is another one.
+In plans, a token such as "bolts_a#2" stands for one that has not been taken yet. Tokens of one stock are
+interchangeable: the number only distinguishes them.
 """
 
 from __future__ import annotations
@@ -19,17 +19,17 @@ from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import CONTAINER, HAS_A, IN, ON, STOCK, STOCK_COUNT, STOCK_OF
 
 _MARK = "#"
-"""Parts a token's stock from its number; no id has it."""
+"""Separates a token's stock from its number; does not occur in ids."""
 
 
 @dataclass(frozen=True, slots=True)
 class Stock:
-    """What one place holds of one class.
+    """The things of one class in stock at one place.
 
     Attributes:
         id: Its element id.
         class_: CURIE of the class of the things.
-        count: How many there are without an individual, one at least.
+        count: How many there are without an individual, at least one.
         placement: Where they are.
     """
 
@@ -62,7 +62,7 @@ class Stocked(ExtendedView):
 
 
 def stocks(view: WorldView) -> tuple[Stock, ...]:
-    """Returns every stock that has something left; one that is described badly has nothing."""
+    """Returns every stock that is not empty; malformed ones count as empty."""
     if STOCK not in view.ontology.classes:
         return ()
     found = (_stock(view, element) for element in view.instances(STOCK))
@@ -75,7 +75,7 @@ def is_token(name: str) -> bool:
 
 
 def by_stock(names: Iterable[str]) -> tuple[str, ...]:
-    """Returns names for people: elements as they are, tokens as "2 of stock bolts_a"."""
+    """Returns readable names: elements as they are, tokens as "2 of stock bolts_a"."""
     given = tuple(names)
     counted = Counter(name.partition(_MARK)[0] for name in given if is_token(name))
     own = (name for name in given if not is_token(name))
@@ -83,11 +83,11 @@ def by_stock(names: Iterable[str]) -> tuple[str, ...]:
 
 
 def take(tx: Transaction, token: str) -> str:
-    """Gives a thing of a stock an individual of its own, where the stock is; one less is without one.
+    """Creates an individual for a thing in stock, at the stock's place, and decrements the stock.
 
     Args:
-        tx: Where it is written.
-        token: What stands for the thing.
+        tx: The transaction to write to.
+        token: The token of the thing.
 
     Returns:
         The id of the new element.

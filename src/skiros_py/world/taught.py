@@ -1,7 +1,7 @@
-"""What robots were taught about classes of things: values that count before those that the class itself gives.
+"""Values taught to robots about classes of things; they take precedence over the values of the class itself.
 
-A taught pose is an element of the learned concepts (or of an ontology) that bears the value and says by
-``sk:appliesTo`` for which class. So teaching changes no element and no class, outlives the scene, and can be forgotten.
+A taught pose is an element of the learned concepts (or of an ontology) that has the value and names its class by
+``sk:appliesTo``. So teaching changes no element and no class, persists beyond the scene, and can be deleted.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ TEACHABLE = frozenset({DRIVING_POSE, GRASP_POSE, GRASP_WIDTH, PLACING_POSE})
 
 
 def class_value(view: WorldView, class_: str, property_: str) -> Value | None:
-    """Returns what things of a class have where they have no value of their own: as taught, else as the class gives it.
+    """Returns the default value for things of a class: as taught, else from the class.
 
-    What was taught for the most specific class counts, of several the last.
+    The value taught for the most specific class counts; of several, the last.
 
     Raises:
         UnknownName: It is not a class.
@@ -38,7 +38,7 @@ def class_value(view: WorldView, class_: str, property_: str) -> Value | None:
 
 
 def lesson_about(view: WorldView, class_: str, property_: str) -> Element | None:
-    """Returns what says the taught value that things of a class have, or None if nothing was taught.
+    """Returns the element with the taught value for things of a class, or None if nothing was taught.
 
     Raises:
         UnknownName: It is not a class.

@@ -1,4 +1,4 @@
-"""What an ontology declares: classes, relations and properties, as plain values."""
+"""The declarations of an ontology: classes, relations and properties, as plain values."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Literal, TypeVar
 
 
 class Kind(StrEnum):
-    """What a term may be declared as; the value is what people call it."""
+    """The kinds of terms; the value is the display name."""
 
     CLASS = "class"
     RELATION = "relation"
@@ -39,7 +39,7 @@ DECLARES: Mapping[str, Kind] = MappingProxyType(
         "rdfs:Datatype": Kind.DATATYPE,
     }
 )
-"""What a type (CURIE) makes of a term."""
+"""The kind of term that a type (CURIE) declares."""
 
 
 # ---------------------------------------------------------------- declared terms
@@ -50,18 +50,18 @@ _T = TypeVar("_T", bound=Hashable)
 PlaceEnd = Literal["subject", "object"]
 
 End = tuple[tuple[str, ...], ...]
-"""What may be at one end of a relation: of each group one class at least; nothing said allows anything."""
+"""The classes allowed at one end of a relation: at least one of each group; empty allows anything."""
 
 
 class Family(StrEnum):
-    """What a relation is for; said in the ontology by its superproperty."""
+    """The purpose of a relation; given in the ontology by its superproperty."""
 
     PLACEMENT = "placement"
     """Where a thing is: one place across the whole family."""
     STRUCTURE = "structure"
-    """What a thing is built of: a piece has one owner."""
+    """The parts of a thing: a part has one owner."""
     COMPUTED = "computed"
-    """Worked out on demand, never stored."""
+    """Computed on demand, never stored."""
     PLAIN = "plain"
     """Any other."""
 
@@ -136,11 +136,11 @@ class Relation:
         label: Its display name.
         comment: What it means.
         parents: Its direct super-relations, sorted.
-        domains, ranges: What the subject and the object must be.
-        family: What it is for.
+        domains, ranges: The classes required of subject and object.
+        family: Its purpose.
         place_end: For a placement, the end that is the place; None for the others.
         functional: True when a subject has at most one object; a new object replaces the old one.
-        inverse: The relation that says the same from the other end, or None.
+        inverse: The inverse relation, or None.
         inverse_functional: True when an object has at most one subject.
         symmetric, transitive: As OWL means them; computed by reasoners only.
     """
@@ -178,7 +178,7 @@ class Property:
         curie: Its name ("sk:mass").
         label: Its display name.
         comment: What it means, with its unit.
-        domains: What bears it.
+        domains: The classes that may have it.
         range: CURIE of its data type, one of :data:`~skiros_py.world.literals.DATATYPES`.
     """
 
@@ -190,7 +190,7 @@ class Property:
 
     @property
     def domain(self) -> str | None:
-        """The one class that bears it, or None if there is none or it is not that simple."""
+        """The one class that may have it, or None if there is none or it is not that simple."""
         return _only(self.domains)
 
 
@@ -202,7 +202,7 @@ def _only(end: End) -> str | None:
 
 
 MOST_ABOVE = 500
-"""Terms that may be above another: a chain of so many levels was made by no person, and costs its square."""
+"""Maximum number of terms above another: longer chains are not made by hand, and cost quadratic time."""
 
 
 def reached(start: Iterable[_T], onward: Callable[[_T], Iterable[_T]]) -> tuple[_T, ...]:

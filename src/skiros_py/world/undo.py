@@ -1,4 +1,4 @@
-"""Taking back what a person did last."""
+"""Undoing the last edit made by a user."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from skiros_py.world.world import World
 
 
 def last_undoable(log: ChangeLog) -> Change | None:
-    """Returns the last remembered change by a person that was not taken back yet, or None."""
+    """Returns the last stored change by a user that has not been undone yet, or None."""
     undone = set()
     for change in log.by_people():
         if change.undoes is not None:
@@ -22,17 +22,17 @@ def last_undoable(log: ChangeLog) -> Change | None:
 
 
 def undo(world: World, author: str, *, expects: int | None = None, holder: str = "") -> Change:
-    """Takes back the last edit that a person made, as a new change; called again, it takes back the one before.
+    """Undoes the last edit made by a user, as a new change; called again, it undoes the one before.
 
     Args:
         world: The world.
         author: The author of the undo.
-        expects: Number of the change that they mean; None for whichever is the last.
-        holder: Whose locks let it through, where they are not the author's.
+        expects: Number of the change the caller expects to undo; None for the last one.
+        holder: The lock holder, if different from the author.
 
     Raises:
-        StaleVersion: It is not the last any more.
-        WorldError: There is nothing to take back, or something was built on it since; the text says what.
+        StaleVersion: It is no longer the last.
+        WorldError: There is nothing to undo, or later changes depend on it; the text names them.
     """
     last = last_undoable(world.log)
     if expects is not None and (last is None or last.number != expects):
@@ -51,7 +51,7 @@ def undo(world: World, author: str, *, expects: int | None = None, holder: str =
 
 
 def _check(change: Change, later: Sequence[Change]) -> None:
-    """Refuses where a later change of the same things stands; those that were undone count no more."""
+    """Refuses if there is a later change of the same things that has not been undone."""
     undone = {c.undoes for c in later}
     if change.number in undone:
         raise WorldError(f"change {change.number} ({change.author}: {change.reason}) was just undone by somebody else")

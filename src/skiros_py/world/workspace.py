@@ -1,4 +1,4 @@
-"""A state in the making: a copy of the world that keeps account of what was changed in it."""
+"""A working copy of the world that tracks its changes."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from skiros_py.world.vocabulary import HELD_BY, LABEL, PLACEMENT, POSE, POSE_FRA
 
 
 class Workspace:
-    """What a transaction works on. Nothing is checked here.
+    """The working copy of a transaction. Nothing is checked here.
 
     Attributes:
         base: The state it started from.
         view: The state as it is now.
-        touched: Elements that were written to, there or not.
-        places: Elements that something was placed at or taken from, there or not.
-        pairs: Statements of relations, no placements, that were written, holding or not.
+        touched: Elements that were written to, existing or not.
+        places: Elements that something was placed at or removed from, existing or not.
+        pairs: Relation statements, except placements, that were written, holding or not.
     """
 
     def __init__(self, base: Index) -> None:
@@ -40,13 +40,13 @@ class Workspace:
         self.view.put_placement(element, placement)
 
     def relate(self, subject: str, relation: str, object_: str, *, holds: bool) -> None:
-        """Lets a relation, no placement, hold or not."""
+        """Adds or removes a relation other than a placement."""
         self.touched |= {subject, object_}
         self.pairs.add((subject, relation, object_))
         self.view.put_relation(subject, relation, object_, holds=holds)
 
     def erase(self, element: str) -> None:
-        """Takes an element out, with everything that is stated of it."""
+        """Removes an element with all statements about it."""
         self.place(element, None)
         for subject, relation, object_ in self.view.statements_about(element):
             if self.view.ontology.is_placement(relation):
@@ -56,11 +56,11 @@ class Workspace:
         self.view.remove_element(element)
 
     def set_goals(self, goals: tuple[str, ...]) -> None:
-        """Replaces the goals that go with the scene."""
+        """Replaces the goals stored with the scene."""
         self.view.goals = goals
 
     def edits(self) -> tuple[Edit, ...]:
-        """Returns the net difference, in an order in which it can be done again on the base.
+        """Returns the net difference, in an order in which it can be applied to the base.
 
         An element that got another class is removed and added.
         """
@@ -117,7 +117,7 @@ def _property_edits(old: Element, new: Element) -> list[Edit]:
 
 
 def remove(work: Workspace, element: str) -> list[tuple[str, str]]:
-    """Removes an element and everything that hangs on it, or nothing.
+    """Removes an element and everything attached to it, or nothing.
 
     Returns:
         (element, why it cannot be removed), for each such element; empty when the element is gone.
@@ -146,7 +146,7 @@ def _held_by(view: Index, element: str) -> str | None:
 
 
 def _refuge(view: Index, element: str) -> Placement | None:
-    """Where the element is, or for a piece, where what it is a piece of is."""
+    """The place of the element, or for a part, that of its whole."""
     owners = [element]
     for name in owners:
         placement = view.placement(name)
@@ -158,7 +158,7 @@ def _refuge(view: Index, element: str) -> Placement | None:
 
 def _new_place(view: Index, guest: str, refuge: Placement | None) -> tuple[Placement | None, str]:
     """Where a guest goes, by the first relation that fits: the refuge's own, its old one, any; or why nowhere."""
-    if is_abstract(guest):  # need not be anywhere
+    if is_abstract(guest):  # needs no place
         return None, ""
     if refuge is None:
         return None, f"{guest} would be nowhere: place it elsewhere first"

@@ -31,7 +31,7 @@ class JobBook:
         open: The jobs that are not over, by id, in the order in which they were ordered.
         jobs: All that were not removed.
         queue: Those that wait for their turn.
-        unseen: Ids of those that were interrupted or halted and not reviewed since.
+        unseen: Ids of those that were cut off (by the end of the program) or halted, and not reviewed since.
     """
 
     def __init__(self, store: JobStore, clock: Callable[[], float]) -> None:

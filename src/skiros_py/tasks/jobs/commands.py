@@ -76,7 +76,7 @@ class JobCommands(JobLookups):
             return now
 
     def resume(self, job: str, comment: str = "", *, expects: int | None = None) -> Job:
-        """Resumes a paused job; an interrupted one is replanned when its turn comes.
+        """Resumes a paused job; a cut-off one is replanned when its turn comes.
 
         Raises:
             WrongState: It waits for an answer, the system is halted, or it is not paused.

@@ -32,8 +32,8 @@ class Conductor:
     """Runs jobs, up to a maximum number at a time.
 
     A job that waits for a user keeps its slot only while it holds a device or a thing. Otherwise the next job gets the
-    slot; once answered, the waiting job resumes before all others as soon as a slot is free. An interrupted or halted
-    job has no slot; when resumed, it waits for its turn.
+    slot; once answered, the waiting job resumes before all others as soon as a slot is free. A job that was cut off by
+    the end of the program, or halted, has no slot; when resumed, it waits for its turn.
 
     Args:
         tasks: Plans and executes.
@@ -96,7 +96,7 @@ class Conductor:
         self._wishes.append(partial(self._go_on, job))
 
     def note_done(self, job: str, by: str) -> None:
-        """Applies the effects of an interrupted step that the user reports as done by hand."""
+        """Applies the effects of a cut-off step that the user reports as done by hand."""
         self._wishes.append(partial(self._note_done, job, by))
 
     # ------------------------------------------------------------------ in the control thread
@@ -125,7 +125,7 @@ class Conductor:
     def _coming(self) -> str | None:
         """Id of the job whose turn it is.
 
-        While an interrupted or halted job has not been reviewed, no other is started: where the robot is and what it
+        While a cut-off or halted job has not been reviewed, no other is started: where the robot is and what it
         holds is equally uncertain for that one. Jobs that have their answer continue.
         """
         coming = self._turns.next()

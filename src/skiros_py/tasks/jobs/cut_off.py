@@ -1,4 +1,4 @@
-"""Jobs interrupted by the end of the program wait for the user: no step is repeated automatically."""
+"""Jobs cut off by the end of the program wait for the user: no step is repeated automatically."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ RETRY, BY_HAND, ABORT = "retry", "done by hand", "abort"
 """The user's options: continue from the current world model; the step was done by hand; give the job up."""
 
 CUT_OFF = "nobody knows: it was cut off, and planned anew"
-"""Recorded outcome of an interrupted step once the user has reviewed it and resumed the job."""
+"""Recorded outcome of a cut-off step once the user has reviewed it and resumed the job."""
 
 WAITS = "waits for its turn"
 """Detail text of a resumed job while others are running."""

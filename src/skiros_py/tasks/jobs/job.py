@@ -105,7 +105,7 @@ class Job(BaseModel):
         state: Its state.
         detail: Its current activity or what it waits for in this state, in words ("queued", "planning", "held: …").
         choices: The possible answers to its open question; empty if there is none.
-        question: Id of that question; None if the job itself asks because it was interrupted.
+        question: Id of that question; None if the job itself asks because it was cut off.
         outcome: Its outcome; None until it is over.
         actuals: The result for each condition.
         materials: The parts it has moved, by id; while it runs, those reported so far.

@@ -139,7 +139,7 @@ class JobRun:
             job: The job as it is now.
 
         Returns:
-            True if it is over or interrupted.
+            True if it is over or cut off.
         """
         task, seen = self._task, self._look()
         if task.done:

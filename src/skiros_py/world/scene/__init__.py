@@ -1,4 +1,4 @@
-"""Scene files: a world is read from one, written to one, compared and replaced; what was learned has a file alike."""
+"""Scene files: reading, writing, comparing and replacing a world's scene; learned data has a similar file."""
 
 from skiros_py.world.scene.diff import describe, diff
 from skiros_py.world.scene.files import load_into, load_scene, save_scene

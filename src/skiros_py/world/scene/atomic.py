@@ -1,4 +1,4 @@
-"""Writes a file so that it is there whole, or as it was before."""
+"""Writes a file atomically: it is either complete or unchanged."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from skiros_py.errors import FileError
 
 
 def write_atomically(path: Path, text: str) -> None:
-    """Writes a text file that is whole even after a crash or a power loss, or else the old one is still there.
+    """Writes a text file such that after a crash or power loss either the new or the old one is complete.
 
-    The permissions of the old file are kept; a symbolic link goes on leading to the file that is written.
+    The permissions of the old file are kept; a symbolic link still points to the written file.
 
     Raises:
-        FileError: It cannot be written, and the old file is as it was.
+        FileError: It cannot be written; the old file is unchanged.
     """
     try:
         _replace(Path(os.path.realpath(path)), text.encode())
@@ -49,7 +49,7 @@ def _write(path: Path, content: bytes) -> None:
 
 
 def _flush_folder(folder: Path) -> None:
-    """Makes the new name durable too, not only what it stands for."""
+    """Makes the new directory entry durable, not only the contents."""
     descriptor = os.open(folder, os.O_RDONLY)
     try:
         os.fsync(descriptor)

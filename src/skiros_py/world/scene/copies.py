@@ -1,6 +1,7 @@
-"""Robots that a scene has several of: each further one gets pieces of its own, made like those of the first.
+"""Several robots of one kind in a scene: each further one gets its own parts, copied from those of the first.
 
-A scene says ``scene:robot_2 sk:builtLike scene:robot_1`` and, of the pieces, only what differs: where base_2 starts.
+A scene says ``scene:robot_2 sk:builtLike scene:robot_1`` and, for the parts, only the differences, such as where
+base_2 starts.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from skiros_py.world.vocabulary import POSE, POSE_FRAME, STRUCTURE
 
 
 class Individual:
-    """What all files together say of one individual.
+    """The combined statements of all files about one individual.
 
     Attributes:
         types: Names of its classes.
@@ -38,16 +39,16 @@ _NUMBERED = re.compile(r"(.*?)_?(\d+)")
 
 
 def add_copy(individuals: MutableMapping[str, Individual], copy: str, like: str, ontology: Ontology) -> None:
-    """Completes a robot by what is said of another one, and makes pieces for it.
+    """Completes a robot from the description of another one, and creates its parts.
 
-    What is said of the copy and its pieces already stays. Where a piece is in the map is not copied: two bases do not
+    Existing statements about the copy and its parts are kept. Map poses of parts are not copied: two bases do not
     start in one place.
 
     Args:
         individuals: All individuals by name; both robots are among them, the one to copy is complete.
         copy: Name of the robot to complete.
-        like: Name of the robot that it is like.
-        ontology: Says which relations are structure.
+        like: Name of the robot to copy from.
+        ontology: Defines which relations are structure.
     """
     pieces = [like, *_pieces(individuals, like, ontology)]
     names = {piece: copy if piece == like else _renamed(piece, like, copy) for piece in pieces}
@@ -56,7 +57,7 @@ def add_copy(individuals: MutableMapping[str, Individual], copy: str, like: str,
 
 
 def _pieces(individuals: MutableMapping[str, Individual], whole: str, ontology: Ontology) -> Iterator[str]:
-    """Yields what a thing is built of, in the order of the files; of a circle each piece once."""
+    """Yields the parts of a thing, in the order of the files; in a cycle, each part once."""
     below, seen, waiting = ontology.sub_relations(STRUCTURE), {whole}, [whole]
     for name in waiting:
         for relation, piece in individuals[name].relations:
@@ -67,7 +68,7 @@ def _pieces(individuals: MutableMapping[str, Individual], whole: str, ontology: 
 
 
 def _renamed(piece: str, like: str, copy: str) -> str:
-    """Returns the copy's name for a piece: base_1 of robot_1 is base_2 of robot_2, its lamp is its lamp_2."""
+    """Returns the copy's name for a part: base_1 of robot_1 is base_2 of robot_2, its lamp is its lamp_2."""
     old, new = (_NUMBERED.fullmatch(name) for name in (like, copy))
     number = new.group(2) if new else copy
     if old is not None and piece.endswith(f"_{old.group(2)}"):

@@ -1,4 +1,4 @@
-"""What is different between two scenes: edits that make one of the other, and words for people."""
+"""The difference between two scenes: edits that turn one into the other, and a readable description."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ _Statement = tuple[str, str, str]
 
 
 def diff(old: Index, new: Index) -> tuple[Edit, ...]:
-    """Returns the edits that turn the scene of one state into that of another, in an order in which they can be done.
+    """Returns the edits that turn the scene of one state into that of another, in an applicable order.
 
-    What is abstract, the ontology's individuals and what was learned, is no part of a scene. An element that is of
-    another class in the new state counts as another one: it is removed and added. Poses that a file would show alike
-    count as equal.
+    Abstract elements (the ontology's individuals and learned data) are not part of a scene. An element with another
+    class in the new state counts as a different one: it is removed and added. Poses that are written identically count
+    as equal.
     """
     work = Workspace(old)
     work.view = new
@@ -33,7 +33,7 @@ def describe(ontology: Ontology | None, edits: Iterable[Edit]) -> Iterator[str]:
     """Yields a line for each edit: what was added (``+``), removed (``-``) or changed (``~``).
 
     Args:
-        ontology: Says of which type each property is; None if it is not at hand.
+        ontology: Gives the type of each property; None if not available.
         edits: The edits.
     """
     for edit in edits:
@@ -83,7 +83,7 @@ def _placed(placement: Placement | None) -> str:
 def _value(ontology: Ontology | None, property_: str, value: Value | None) -> str:
     if value is None:
         return ""
-    declared = ontology.properties.get(property_) if ontology else None  # that of an old change may be gone
+    declared = ontology.properties.get(property_) if ontology else None  # an old change's property may no longer exist
     text = format_value(value, ANY_LITERAL if declared is None else declared.range)
     return shown(text) if isinstance(value, str) else text
 

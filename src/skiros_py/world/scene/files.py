@@ -1,4 +1,4 @@
-"""Scene files: a world is read from one, written to one, and replaced by one."""
+"""Scene files: reading, writing and replacing the scene of a world."""
 
 from __future__ import annotations
 
@@ -24,18 +24,17 @@ def load_scene(
 ) -> World:
     """Reads a scene into a new world, as its first change, by author "scene".
 
-    What the scene imports is looked up by IRI among the ontology's files and ``ontology_paths``, never fetched; the
+    Imports of the scene are looked up by IRI among the ontology's files and ``ontology_paths``, never fetched; the
     individuals found there (a robot's) become part of the scene.
 
     Args:
-        ontology: What may be.
+        ontology: The ontology.
         path: The file: Turtle, RDF/XML or OWL/XML.
         ontology_paths: More files or folders in which imports are looked up.
-        reasoners: What works out computed relations in this world.
+        reasoners: The reasoners for computed relations in this world.
 
     Raises:
-        FileError: A file is missing, in none of these languages, or says what the ontology does not allow; with the
-            line where known.
+        FileError: A file is missing, in none of these languages, or violates the ontology; with the line if known.
     """
     world = World(ontology, reasoners=reasoners)
     with collection_paused():
@@ -44,7 +43,7 @@ def load_scene(
 
 
 def fill(world: World, reader: Reader, author: str, reason: str) -> None:
-    """Brings what was read into a world, as one change.
+    """Writes the scene that was read into a world, as one change.
 
     Raises:
         FileError: The ontology or a reasoner does not allow it; nothing was changed.
@@ -67,17 +66,17 @@ def load_into(
     *,
     writer: Writer = Writer.PERSON,
 ) -> Change | None:
-    """Replaces the scene of a live world by that of a file, as one change; what was learned stays.
+    """Replaces the scene of a live world by that of a file, as one change; learned data is kept.
 
     Args:
         world: The world.
         path: The file.
         author: The author of the change.
         ontology_paths: More files or folders in which imports are looked up.
-        writer: What kind of author that is.
+        writer: The kind of author.
 
     Returns:
-        The change, or None if the world is as the file says already.
+        The change, or None if the world already matches the file.
 
     Raises:
         FileError: The file is refused, as by :func:`load_scene`; nothing was changed.
@@ -90,7 +89,7 @@ def load_into(
 
 
 def save_scene(world: World, path: Path) -> None:
-    """Writes the present state as a Turtle file, whole or not at all; equal states give equal files.
+    """Writes the current state as a Turtle file, atomically; equal states give equal files.
 
     Imported individuals are written with the rest, so the file imports ontologies only.
 

@@ -1,4 +1,4 @@
-"""What robots were taught, as a Turtle file: written, read and kept up to date beside a journal."""
+"""Data taught to robots, as a Turtle file: written, read and kept in sync with a journal."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from skiros_py.world.world import World
 
 
 def learned_turtle(view: Index) -> str:
-    """Returns what was learned, of a state, as the text of a Turtle file; equal states give equal texts."""
+    """Returns the learned data of a state as Turtle text; equal states give equal texts."""
     writer = TurtleWriter(view)
     learned = [name for name in view.abstracts(ELEMENT) if is_learned(name)]
     return writer.file(LEARNED_GRAPH, writer.elements(learned))

@@ -34,7 +34,7 @@ _LONGEST = 60
 def parse_fault(text: str, message: str) -> str:
     """Returns where a query stops to parse and what could follow; the message itself where it says something else.
 
-    Columns are omitted: names have been expanded since the query was written.
+    Column numbers are omitted: names have been expanded since the query was written.
 
     Args:
         text: The query as the engine has read it.
