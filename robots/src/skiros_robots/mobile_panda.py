@@ -1,4 +1,4 @@
-"""A differential-drive platform with a Franka Panda on it: the arm of the pybullet_data package, its URDF mended.
+"""A differential-drive platform with a Franka Panda on it: the arm of the pybullet_data package, its URDF corrected.
 
 Meshes stay in the installed package: the URDF refers to them by absolute path, so it is composed for each run.
 """
@@ -42,7 +42,7 @@ def _panda_urdf() -> Path:
 
 
 def _mend(element: ET.Element, folder: Path) -> None:
-    """Mends one link or joint of the Panda's file in place.
+    """Corrects one link or joint of the Panda's file in place.
 
     The file gives every link an inertia of 0.1 kg m², which makes light links and fingers sluggish, leaves one link
     without mass, and makes the fingertips soft, in which a held part turns.

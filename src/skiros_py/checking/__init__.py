@@ -1,4 +1,4 @@
-"""Checks plug-ins: asks the rules about all that a distribution brings, and runs its skills on a fake robot."""
+"""Checks plug-ins: applies the rules to everything in a distribution, and runs its skills on a fake robot."""
 
 from skiros_py.checking.as_installed import as_installed
 from skiros_py.checking.cases import Ground

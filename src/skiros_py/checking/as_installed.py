@@ -1,4 +1,4 @@
-"""Checks a package that lies in a folder, without installing it."""
+"""Checks a package in a folder without installing it."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from skiros_py.plugins import as_if_installed
 
 @contextmanager
 def as_installed(path: Path) -> Iterator[str]:
-    """Makes the package in a folder known as if it were installed; yields its name.
+    """Registers the package in a folder as if it were installed; yields its name.
 
     Raises:
         FileError: The folder has no ``pyproject.toml`` that describes a package with plug-ins.

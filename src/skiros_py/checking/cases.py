@@ -1,6 +1,6 @@
-"""Finds where a skill can be tried: a world in which its preconditions hold, and parameters for it.
+"""Finds a test case for a skill: a world in which its preconditions hold, and parameters for it.
 
-First such worlds are taken as they are; then one is brought about by other skills; at last, it is made up.
+First the given worlds are used unchanged; then one is reached by running other skills; finally, one is generated.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ from skiros_py.world.terms import Family
 from skiros_py.world.world import World
 
 _MOST_TARGETS = 30
-"""So many elements are tried as what a skill is done to; in plans, which take longer, a tenth of that."""
+"""Maximum number of elements tried as the target of a skill; in plans, which take longer, a tenth of that."""
 
 
 @dataclass(frozen=True, slots=True)
 class Ground:
-    """A world that trials may start from.
+    """A world from which trials may start.
 
     Attributes:
         name: Its name ("kitting").
-        open: Makes it, fresh for each trial.
+        open: Creates it, for each trial anew.
     """
 
     name: str
@@ -40,13 +40,13 @@ class Ground:
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """Where a skill can start.
+    """A state in which a skill can start.
 
     Attributes:
-        rig: The robots, in the world as it must be.
-        agent: Who does it.
+        rig: The robots, in the required world.
+        agent: The subsystem that executes it.
         arguments: Value by key of every parameter.
-        where: The world and how it came about, for people ("kitting", "kitting, after other skills").
+        where: The world and how it was reached, for people ("kitting", "kitting, after other skills").
     """
 
     rig: Rig
@@ -57,7 +57,7 @@ class Case:
 
 @dataclass(frozen=True, slots=True)
 class NoCase:
-    """There is none.
+    """There is no such case.
 
     Attributes:
         reason: What was missing.
@@ -74,17 +74,17 @@ def find_case(
     *,
     may_make_up: bool = True,
 ) -> Case | NoCase:
-    """Finds where a skill can start and has something to do that the world allows; else, where it can start.
+    """Finds a case in which a skill can start and has an effect that the world allows; else one in which it can start.
 
     Args:
         skill: The implementation.
         grounds: Worlds to try it in, in that order.
-        skills: What may bring about what it needs, and the skill itself.
-        rig_in: Sets robots up.
-        may_make_up: Whether a world may be made up where there is none: bodies cannot be.
+        skills: Skills that may achieve its preconditions, and the skill itself.
+        rig_in: Sets up robots.
+        may_make_up: Whether a world may be generated if there is none; impossible with simulated bodies.
 
     Raises:
-        CycleOverrun: A condition holds everything too long.
+        CycleOverrun: A condition blocks the cycle for too long.
     """
     reasons: list[str] = []
     idle: Case | None = None
@@ -113,11 +113,11 @@ def _has_work(description: SkillDescription, case: Case) -> bool:
 
 
 class _TakenBackError(Exception):
-    """Ends a transaction that was only to see whether it would be allowed."""
+    """Rolls back a transaction that only tests whether a change is allowed."""
 
 
 def _is_allowed(posts: Sequence[Condition], world: World) -> bool:
-    """Tells whether the world could be as the postconditions say: a robot cannot stand on its own deck."""
+    """Returns whether the world allows the postconditions: a robot cannot stand on its own deck."""
     try:
         with world.transaction("contract test", "tries effects") as tx:
             for condition in posts:
@@ -149,7 +149,7 @@ def _as_it_is(skill: Skill, rig: Rig, ground: Ground, _skills: Sequence[Skill]) 
 
 
 def _beginnings(description: SkillDescription, rig: Rig, most: int) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Yields who may do it, with values that cannot be inferred, without a target and with each."""
+    """Yields agents with values that cannot be inferred, without a target and with each."""
     values = sample_values(description)
     target = description.param(description.target)
     targets = rig.world.instances(target.element_class)[:most] if target.is_element else ()
@@ -165,7 +165,7 @@ def _inferred(description: SkillDescription, given: Mapping[str, Any], rig: Rig,
 
 
 def _unmet(skill: Skill, rig: Rig, values: Mapping[str, Any]) -> str:
-    """Returns the first condition that does not hold, with the reason; nothing where the skill can start."""
+    """Returns the first condition that does not hold, with the reason; empty if the skill can start."""
     for condition in (*skill.description.needs, *skill.when, *skill.description.hold):
         with rig.watched():
             verdict = condition.evaluate(rig.world, values)
@@ -193,7 +193,7 @@ def _after_other_skills(skill: Skill, rig: Rig, ground: Ground, skills: Sequence
 
 
 def _is_changed(condition: Condition, skills: Sequence[Skill]) -> bool:
-    """Tells whether some skill has to do with what a condition reads."""
+    """Returns whether a skill changes anything that a condition reads."""
     words = set()
     for effect in (e for s in skills for c in s.description.post for e in brought_about(c)):
         match effect:
@@ -207,7 +207,7 @@ def _word(leaf: object) -> str:
 
 
 def _needing(description: SkillDescription, needs: Sequence[Condition]) -> SkillDescription:
-    """Returns a skill's description with other needs."""
+    """Returns a skill's description with other preconditions."""
     params = tuple(replace(param, where=()) for param in description.params)
     return replace(description, params=params, pre=tuple(needs))
 
@@ -230,7 +230,7 @@ def _made_up(skill: Skill, rig: Rig, ground: Ground, _skills: Sequence[Skill]) -
 
 
 def _is_kept(key: str, description: SkillDescription) -> bool:
-    """Tells whether a value is kept when a world is made up: the robot's own parts are, and what is no element."""
+    """Returns whether a value is kept when a world is generated: the robot's parts, and values other than elements."""
     param = description.param(key)
     return param.kind in (Kind.HARDWARE, Kind.PLANNING) or key == description.agent or not param.is_element
 
@@ -249,4 +249,4 @@ _WAYS: tuple[Callable[[Skill, Rig, Ground, Sequence[Skill]], Case | NoCase], ...
     _after_other_skills,
     _made_up,
 )
-"""In the order in which they are tried."""
+"""In order of trial."""

@@ -1,4 +1,4 @@
-"""Contract tests: what a skill declares must happen when it runs, and nothing else."""
+"""Contract tests: a run of a skill must have its declared effects, and no others."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from skiros_py.world.index import Index
 
 @dataclass(frozen=True, slots=True)
 class Contract:
-    """What came of the contract test of one implementation of a skill.
+    """The result of the contract test of one implementation of a skill.
 
     Attributes:
         skill: The implementation.
-        findings: Effects that did not happen, changes that are not declared, or that it could not be tried.
-        where: The world in which it ran; empty where it did not.
+        findings: Missing effects, undeclared changes, or the reason why it could not be tried.
+        where: The world in which it ran; empty if it did not.
         arguments: Its parameters.
-        outcome: How it ended; None where it was never tried.
+        outcome: Its outcome; None if it was never tried.
     """
 
     skill: Skill
@@ -39,7 +39,7 @@ class Contract:
 
 
 def is_testable(skill: Skill) -> bool:
-    """Tells whether a skill can be run by a contract test: those for fakes are."""
+    """Returns whether a skill can be run by a contract test: only those for fakes."""
     return skill.driver == "fake"
 
 
@@ -52,15 +52,15 @@ def check_contract(
     *,
     overrun: float | None = None,
 ) -> Contract:
-    """Runs a skill where its preconditions hold, and compares the world before and after with what it declares.
+    """Runs a skill where its preconditions hold, and compares the changes of the world with its declarations.
 
     Args:
         skill: The implementation; one for the fake driver.
         grounds: Worlds to try it in, in that order.
-        skills: Others that it may call, or that may prepare its start.
+        skills: Other skills that it may call, or that may prepare its start.
         primitives: Primitives that any of them calls, by name.
-        spot: Where it is written.
-        overrun: Wall time for which an author's code may hold everything [s]; None for the watchdog's own limit.
+        spot: Its location in the source.
+        overrun: Wall time for which an author's code may block the cycle [s]; None for the watchdog's own limit.
     """
     others = [s for s in skills if s.description.name != skill.description.name and is_testable(s)]
 
@@ -76,7 +76,7 @@ def check_contract(
 
 
 def contained_contract(skill: Skill, spot: Spot | None, trial: Callable[[], Contract]) -> Contract:
-    """Runs a trial; whatever an author's conditions and primitives raise in it is a finding."""
+    """Runs a trial; exceptions from an author's conditions and primitives become findings."""
     try:
         return trial()
     except KeyboardInterrupt:
@@ -87,7 +87,7 @@ def contained_contract(skill: Skill, spot: Spot | None, trial: Callable[[], Cont
 
 
 def never_tried(skill: Skill, reason: str, spot: Spot | None) -> Contract:
-    """Returns what came of a skill that cannot start anywhere."""
+    """Returns the result for a skill that cannot start in any world."""
     text = f"no world was found in which it can start: {reason}"
     return Contract(skill, (finding(NEVER_TRIED, skill, text, spot),))
 
@@ -103,7 +103,7 @@ def missing_effects(skill: Skill, case: Case, outcome: Outcome) -> Iterator[str]
 
 
 def finding(rule: Rule, skill: Skill, text: str, spot: Spot | None) -> Finding:
-    """Returns what a trial found of a skill."""
+    """Returns a finding of a trial of a skill."""
     return Finding(rule.name, rule.severity, title(skill), text, spot)
 
 

@@ -1,4 +1,4 @@
-"""What a run changed, held against what its skill declares."""
+"""Compares the changes of a run with the declarations of its skill."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from skiros_py.world.scene import describe, diff
 from skiros_py.world.vocabulary import HAS_A, MISSED_LOOKS, MISSING, POSE, POSE_FRAME
 
 _OF_MOVED = frozenset({POSE, MISSING, MISSED_LOOKS})
-"""Properties that say where a thing is: to move it is to change them."""
+"""Properties for the location of an element, which change when it is moved."""
 
 
 def undeclared(before: Index, after: Index, posts: Sequence[Condition]) -> Iterator[str]:
     """Yields a line for each change between two states that no postcondition declares.
 
-    That a moved thing leaves its old place, and that its pose and the poses of its parts become others, goes without
-    saying; so does the end of what a functional relation said before.
+    Implied changes are not reported: a moved element leaves its old place, its pose and the poses of its parts change,
+    and the previous object of a functional relation is removed.
 
     Args:
         before: The world before the run.
@@ -52,7 +52,7 @@ class _Declared:
         }
 
     def covers(self, edit: Edit) -> bool:
-        """Tells whether an edit goes without saying, or is said."""
+        """Returns whether an edit is implied or declared."""
         match edit:
             case PlacementEdit(element, old, new):
                 return element in self._moved or _is_at(old, self._emptied) or _is_at(new, self._filled)
@@ -70,7 +70,7 @@ class _Declared:
         match effect:
             case Relate(said, start, end) if holds:
                 return (start, end) == (subject, object_) and relation in self._ontology.sub_relations(said)
-            case Relate(said, start, end) if said == relation:  # which replaces what was there
+            case Relate(said, start, end) if said == relation:  # replaces the previous object
                 declared = self._ontology.relation(said)
                 return (declared.functional and start == subject) or (declared.inverse_functional and end == object_)
             case Unrelate(said, start, end) if not holds:

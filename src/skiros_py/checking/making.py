@@ -1,4 +1,4 @@
-"""Prepares a world in which a skill can start: adds what is missing, and writes what must hold."""
+"""Generates a world in which a skill can start: adds missing elements, and makes its preconditions hold."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from skiros_py.world.world import World
 
 
 def make_up(description: SkillDescription, world: World, given: Mapping[str, Any]) -> dict[str, Any]:
-    """Adds an element for each element parameter that is not given, and lets the needs hold as far as they can be said.
+    """Adds an element for each element parameter not given, and makes the preconditions hold as far as possible.
 
     Returns:
         Value by key of every parameter.
@@ -47,7 +47,7 @@ def _added(tx: Transaction, param: Param, world: World, *, is_piece: bool) -> st
 
 
 def _is_piece(key: str, description: SkillDescription, world: World) -> bool:
-    """Tells whether a need says that it is a piece of something: such a one has no place of its own."""
+    """Returns whether a precondition makes it a piece of another element, so that it has no place of its own."""
     return any(
         isinstance(p, Related) and p.object == key and world.ontology.family(p.relation) is Family.STRUCTURE
         for p in (condition.pattern for condition in description.needs)
@@ -55,7 +55,7 @@ def _is_piece(key: str, description: SkillDescription, world: World) -> bool:
 
 
 def _give(tx: Transaction, pattern: Pattern, world: World) -> None:
-    """Gives an element a value of a property that it must have."""
+    """Sets a required property of an element."""
     match pattern:
         case Has(property_, subject) if world.ontology.class_value(tx.view.element(subject).type, property_) is None:
             value = sample_of_range(world.ontology.properties[property_].range)
@@ -68,7 +68,7 @@ def _give(tx: Transaction, pattern: Pattern, world: World) -> None:
             pass
 
 
-# ---------------------------------------------------------------- values where none is given
+# ---------------------------------------------------------------- default values
 
 
 _OF_TYPE: Mapping[str, Any] = MappingProxyType(
@@ -99,7 +99,7 @@ def _sample(param: Param) -> Any:
 
 
 def sample_of_range(range_: str) -> Value | None:
-    """Returns a value that a property of that range may have; None where none comes to mind."""
+    """Returns an example value of a property range; None if there is none."""
     for value in _OF_TYPE.values():
         try:
             return DATATYPES[range_].check(value)

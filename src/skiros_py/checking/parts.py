@@ -1,4 +1,4 @@
-"""What distributions bring: every skill, primitive and condition with where it is written, and the files themselves."""
+"""The contents of distributions: every skill, primitive and condition with its location, and the source files."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ _OWN_PACKAGE = "skiros_py"
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """One thing that a distribution brings.
+    """One skill, primitive or condition of a distribution.
 
     Attributes:
         entry: The entry point that names it.
-        subject: The thing.
-        spot: Where it is written, or None where that is not known.
+        subject: The object.
+        spot: Its location in the source, or None if unknown.
     """
 
     entry: Entry
@@ -38,7 +38,7 @@ class Part:
 
 
 def parts_of(entries: Iterable[Entry]) -> tuple[Part, ...]:
-    """Loads entry points; those that are broken, or no code, bring nothing."""
+    """Loads entry points; broken ones, and those without code, yield no parts."""
     parts: list[Part] = []
     described: list[object] = []
     for entry in entries:
@@ -81,7 +81,7 @@ def _files(top: str) -> Iterator[Path]:
 
 
 def _homes(class_: type) -> Iterator[Path]:
-    """Yields the files in which a primitive and its own base classes are written."""
+    """Yields the files that define a primitive and its own base classes."""
     for base in class_.__mro__:
         if issubclass(base, Primitive) and base is not Primitive:
             module = sys.modules.get(base.__module__)
@@ -93,7 +93,7 @@ def _source(file: Path, module: ModuleType | None, has_primitives: bool) -> Sour
     try:
         return Source(file, file.read_text(encoding="utf-8"), vars(module) if module else {}, has_primitives)
     except (OSError, UnicodeDecodeError, SyntaxError):
-        return None  # what imports it does not load, and that is said
+        return None  # its importer does not load, which is reported
 
 
 def _spot(entry: Entry, subject: Subject) -> Spot | None:

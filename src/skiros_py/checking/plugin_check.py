@@ -1,4 +1,4 @@
-"""Checks all plug-ins of a distribution: what loads, what the rules say, what its skills do."""
+"""Checks all plug-ins of a distribution: loading, rules, and contract tests of its skills."""
 
 from __future__ import annotations
 
@@ -31,15 +31,15 @@ from skiros_py.world.world import World
 
 @dataclass(frozen=True, slots=True)
 class PluginReport:
-    """What was checked, and what was found.
+    """The result of a check.
 
     Attributes:
-        distributions: The distributions that were looked at, with their versions.
-        parts: How many skills, primitives and conditions were asked.
-        findings: What was found, by file and line.
+        distributions: The checked distributions, with their versions.
+        parts: Number of checked skills, primitives and conditions.
+        findings: The findings, by file and line.
         contracts: The contract tests.
-        not_run: Implementations that no contract test ran, for it would need a real or a simulated robot; none where
-            nothing should be run.
+        not_run: Implementations without a contract test, because it would need a real or a simulated robot; empty if
+            nothing was to be run.
     """
 
     distributions: tuple[str, ...]
@@ -50,7 +50,7 @@ class PluginReport:
 
     @property
     def errors(self) -> int:
-        """How many of the findings are errors."""
+        """Number of findings that are errors."""
         return sum(finding.severity is Severity.ERROR for finding in self.findings)
 
 
@@ -66,10 +66,10 @@ def check_plugins(
 
     Args:
         distribution: Its name; None for all.
-        rules: Names of the rules to ask; all where left out.
+        rules: Names of the rules to apply; all if omitted.
         run: Whether skills are run by contract tests.
-        simulate: Name or path of a scene in which those that are not for fakes are run in physics; None for nowhere.
-        progress: Called with what is being done.
+        simulate: Name or path of a scene in which skills not for fakes are run in physics; None to run none.
+        progress: Called with a description of each step.
 
     Raises:
         UnknownName: There is no such distribution with plug-ins, no such rule, or no such scene.
@@ -134,11 +134,11 @@ def _order(finding: Finding) -> tuple[str, int, str, str]:
     return (str(spot.file) if spot else "", spot.line if spot else 0, finding.rule, finding.text)
 
 
-# -------------------------------------------------------------------- what does not load
+# -------------------------------------------------------------------- loading
 
 
 def _broken(entries: Sequence[Entry], parts: Sequence[Part], rules: Collection[str]) -> Iterator[Finding]:
-    """Yields what could not be loaded; of skills that could, the rules have said it in finer words."""
+    """Yields plug-ins that could not be loaded; for skills that could, the rules report faults in more detail."""
     loaded = {(part.entry.group, part.entry.name) for part in parts}
     _, loose = surveyed = survey()
     for one in surveyed[0]:
@@ -163,7 +163,7 @@ def _raised_at(fault: PluginFault) -> Spot | None:
     return Spot(Path(fault.origin), 1) if fault.origin else None
 
 
-# -------------------------------------------------------------------- what they do
+# -------------------------------------------------------------------- contract tests
 
 
 def own_contracts(distribution: str) -> Mapping[str, Callable[[], Contract]]:
@@ -190,7 +190,7 @@ def _contracts(parts: Sequence[Part], known: Known, entries: Sequence[Entry]) ->
 
 
 def _simulations(parts: Sequence[Part], scene: str) -> Mapping[str, Callable[[], Contract]]:
-    find_scene(scene)  # a misspelt name is known before the first trial
+    find_scene(scene)  # reports a misspelt name before the first trial
     catalogue = load_catalogue()
     simulable = [(part, part.subject) for part in parts if isinstance(part.subject, Skill)]
     return {

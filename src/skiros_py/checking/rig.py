@@ -27,7 +27,7 @@ _LONGEST = 600.0
 
 
 class Rig:
-    """Runs skills and goals on the robots of a cell, whose watchdog looks on.
+    """Runs skills and goals on the robots of a cell, supervised by its watchdog.
 
     Args:
         runtime: The runtime.
@@ -43,10 +43,10 @@ class Rig:
 
     @contextmanager
     def watched(self) -> Iterator[None]:
-        """Has the watchdog see what runs outside the control cycle: conditions that an author wrote.
+        """Lets the watchdog supervise code outside the control cycle: conditions of an author.
 
         Raises:
-            CycleOverrun: They held everything too long.
+            CycleOverrun: They blocked the cycle for too long.
         """
         outer = self._cycle.pulse.enter(self._looking)
         try:
@@ -70,7 +70,7 @@ class Rig:
         return running.result
 
     def reach(self, goal: Sequence[Condition]) -> bool:
-        """Plans for a goal and does it; tells whether it holds then."""
+        """Plans for a goal and executes the plan; returns whether the goal then holds."""
         with closing(FastDownward()) as planner, closing(ThreadHost(self.world, planner)) as planning:
             tasks = TaskManager(self.world, self._managers, planning, self._cycle)
             try:
@@ -90,13 +90,13 @@ def fake_rig(
     primitives: Mapping[str, type[Primitive[Any]]],
     overrun: float | None = None,
 ) -> Iterator[Rig]:
-    """Sets fake robots up in a world.
+    """Sets up fake robots in a world.
 
     Args:
         world: The world.
-        skills: Implementations; those for fakes are taken.
+        skills: Implementations; only those for fakes are used.
         primitives: Primitives that they call, by name.
-        overrun: Wall time for which an author's code may hold everything [s]; None for the watchdog's own limit.
+        overrun: Wall time for which an author's code may block the cycle [s]; None for the watchdog's own limit.
     """
     spec = read_cell(world, world.instances(ROBOT), simulated=False)
     options = RuntimeOptions(overrun=overrun)

@@ -1,4 +1,4 @@
-"""Contract tests in physics: what a skill declares must happen to the bodies, too."""
+"""Contract tests in physics: the declared effects must also hold for the simulated bodies."""
 
 from __future__ import annotations
 
@@ -21,20 +21,20 @@ _DRIVER = "pybullet"
 
 
 def is_simulable(skill: Skill) -> bool:
-    """Tells whether a skill can be run in the simulation: those for every robot are."""
+    """Returns whether a skill can be run in the simulation: only those for every robot."""
     return skill.driver in (None, _DRIVER)
 
 
 def check_simulated(skill: Skill, scene: str, catalogue: Catalogue, spot: Spot | None = None) -> Contract:
-    """Runs a skill in physics, where its preconditions hold or others lead to, and holds its effects against the truth.
+    """Runs a skill in physics, in a reachable state, and compares its effects with the ground truth.
 
-    What else changed in the world is not looked at: a robot with eyes learns something wherever it goes.
+    Other changes of the world are ignored, because a robot with cameras updates its beliefs wherever it goes.
 
     Args:
         skill: The implementation.
         scene: Name or path of the scene.
         catalogue: Everything installed.
-        spot: Where it is written.
+        spot: Its location in the source.
     """
     ground = Ground(scene, lambda: open_world(scene))
     others = {key: one for key, one in catalogue.skills.items() if one.description.name != skill.description.name}
@@ -72,7 +72,7 @@ def _judged(skill: Skill, case: Case, session: Session, spot: Spot | None) -> Co
 
 
 def _untrue(skill: Skill, case: Case, outcome: Outcome, session: Session) -> Iterator[str]:
-    """Yields the postconditions that the robot believes, and the simulator does not."""
+    """Yields the postconditions that the robot believes but that do not hold in the simulator."""
     posts = [condition.bind(case.arguments) for condition in skill.description.post]
     for condition, truth in zip(posts, judge(session.simulation, session.spec, session.world, posts), strict=True):
         if truth is False and condition.evaluate(session.world):

@@ -1,4 +1,4 @@
-"""The adapters for motion that come along; their libraries are imported when they are made."""
+"""The built-in adapters for motion; their libraries are imported when they are created."""
 
 from __future__ import annotations
 

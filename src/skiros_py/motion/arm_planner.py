@@ -15,7 +15,7 @@ class WorkerArmPlanner:
 
     Args:
         spec: The robot.
-        latency: Declared time from request to plan [s]; in lockstep the simulation goes on for as long.
+        latency: Declared time from request to plan [s]; in lockstep the simulation runs on for as long.
     """
 
     def __init__(self, spec: RobotSpec, *, latency: float = _PLAN_LATENCY) -> None:
@@ -46,6 +46,6 @@ class _Factory:
         self._spec = spec
 
     def __call__(self) -> object:
-        from skiros_py.motion.pinocchio.arm_motion import ArmMotion  # heavy, and not wanted in the calling process
+        from skiros_py.motion.pinocchio.arm_motion import ArmMotion  # heavy, and not needed in the calling process
 
         return ArmMotion(self._spec)

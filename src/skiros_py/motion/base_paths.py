@@ -1,4 +1,4 @@
-"""Paths of a differential-drive base: out of a dock backwards, around what stands there, straight ahead into a dock."""
+"""Paths of a differential-drive base: backwards out of a dock, around obstacles, straight ahead into a dock."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class ShapelyBasePlanner:
 
 
 class BasePaths:
-    """Plans base paths at once, in tens of milliseconds.
+    """Plans base paths synchronously, in tens of milliseconds.
 
     In the open the base is a disc around its outline, so that it may turn anywhere on the way; docked it is the outline
     itself and only drives straight.
@@ -86,7 +86,7 @@ def _there(request: BasePathRequest) -> bool:
 
 
 def _outlines(obstacles: Sequence[Obstacle]) -> dict[str, BaseGeometry]:
-    """Returns what the obstacles cover of the floor, by id: a robot has one for its base and one for its arm."""
+    """Returns the floor areas of the obstacles, by id: a robot has one for its base and one for its arm."""
     found: dict[str, BaseGeometry] = {}
     for obstacle in obstacles:
         found[obstacle.id] = shapely.union(found.get(obstacle.id, shapely.Polygon()), floor_outline(obstacle))
@@ -94,7 +94,7 @@ def _outlines(obstacles: Sequence[Obstacle]) -> dict[str, BaseGeometry]:
 
 
 class _Floor:
-    """What the base may do among the outlines of one request."""
+    """The free space of the base among the outlines of one request."""
 
     def __init__(self, request: BasePathRequest) -> None:
         self._footprint = request.footprint

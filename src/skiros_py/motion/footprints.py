@@ -16,7 +16,7 @@ _CORNERS = 24  # of the polygon around a circle
 
 
 def floor_outline(obstacle: Obstacle) -> BaseGeometry:
-    """Returns what an obstacle covers of the floor [m in the map]: the union of its blocks' outlines below 1.6 m."""
+    """Returns the floor area of an obstacle [m in the map]: the union of its blocks' outlines below 1.6 m."""
     blocks = [_points(obstacle.pose @ block.pose, block) for block in obstacle.solid.primitives]
     outlines = [shapely.MultiPoint(points[:, :2]).convex_hull for points in blocks if points[:, 2].min() < _TALLEST]
     return shapely.union_all(outlines)
@@ -29,7 +29,7 @@ def placed(footprint: Sequence[tuple[float, float]], base: Pose) -> shapely.Poly
 
 
 def swept(footprint: Sequence[tuple[float, float]], start: Pose, end: Pose) -> BaseGeometry:
-    """Returns what a convex outline covers while driving straight, without turning, from start to end."""
+    """Returns the area swept by a convex outline while driving straight, without turning, from start to end."""
     return shapely.union(placed(footprint, start), placed(footprint, end)).convex_hull
 
 

@@ -1,7 +1,7 @@
-"""When is the arm where: time along a joint path, from rest to rest, within the joints' limits.
+"""Time parametrisation of a joint path, from rest to rest, within the joints' limits.
 
 First the fastest speed along the path is found on a grid (forwards and backwards pass under the limits), then it is
-averaged over a short window, which bounds the jerk; what the averaging may have broken is mended by stretching time.
+averaged over a short window, which bounds the jerk; limits violated by the averaging are restored by stretching time.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Which type of part, standing where, explains a cluster of raised cells best."""
+"""Finds the type and pose of a part that best explain a cluster of raised cells."""
 
 from __future__ import annotations
 

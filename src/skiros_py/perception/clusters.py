@@ -1,4 +1,4 @@
-"""Which cells of a surface belong to one thing."""
+"""Groups the cells of a surface into objects."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One look at a surface: find the support, what stands on it, and say what each thing is."""
+"""One look at a surface: finds the support and the objects on it, and classifies them."""
 
 from __future__ import annotations
 

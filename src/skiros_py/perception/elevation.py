@@ -1,4 +1,4 @@
-"""What one look says of each cell of a support surface: how high it was seen, how high it can be at most."""
+"""The result of one look for each cell of a support surface: its measured height and its maximum possible height."""
 
 from __future__ import annotations
 

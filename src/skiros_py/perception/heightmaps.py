@@ -1,4 +1,4 @@
-"""Templates: how high a solid is over each spot of its own frame, worked out from its primitives."""
+"""Templates: the height of a solid over each point of its own frame, computed from its primitives."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ class HeightMap:
 
 @lru_cache(maxsize=256)
 def height_map(solid: Solid) -> HeightMap:
-    """Works out the height map of a solid that stands on its frame."""
+    """Computes the height map of a solid that stands on its frame."""
     low, high = solid.bounds()
     border = 2.5 * _RESOLUTION  # between the millimetres: an entry on an edge would fall to one side by rounding
     axes = [np.arange(low[k] - border, high[k] + border + _RESOLUTION, _RESOLUTION) for k in (0, 1)]

@@ -20,7 +20,7 @@ _Colour = tuple[float, float, float, float]
 
 @dataclass(frozen=True, slots=True)
 class MeshPiece:
-    """What has one colour in a mesh, as a file of its own.
+    """The part of a mesh with one colour, as a file of its own.
 
     Attributes:
         file: Name of the binary STL file; the hash of its content is in it.
@@ -42,7 +42,7 @@ class MeshLightener:
         Args:
             sources: Files of meshes, of any format that Open3D reads; one that is drawn twice is named twice.
             folder: Where the new files go; it exists.
-            most: So many triangles all of them together shall have at most, about; with fewer they stay as they are.
+            most: Approximate maximum number of triangles of all meshes together; with fewer they are not simplified.
 
         Returns:
             The pieces of each mesh; none where it cannot be read.
@@ -67,7 +67,7 @@ def _by_colour(source: Path) -> Mapping[_Colour, Any]:
 
 
 def _limit(counts: Sequence[int], most: int) -> float:
-    """Returns how many triangles one piece may have so that all together have as many as they may."""
+    """Returns the limit of triangles per piece at which all pieces together reach the total limit."""
     left = most
     for done, count in enumerate(sorted(counts)):
         share = left / (len(counts) - done)
@@ -80,7 +80,7 @@ def _limit(counts: Sequence[int], most: int) -> float:
 def _written(mesh: Any, colour: _Colour, limit: float, stem: str, folder: Path) -> MeshPiece:
     if len(mesh.triangles) > limit:
         mesh = mesh.merge_close_vertices(_SAME).simplify_quadric_decimation(round(limit))
-    mesh.compute_triangle_normals()  # which such a file must have
+    mesh.compute_triangle_normals()  # required in such a file
     with TemporaryDirectory(dir=folder) as place:
         path = Path(place) / "mesh.stl"
         o3d.io.write_triangle_mesh(str(path), mesh)

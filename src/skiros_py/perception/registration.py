@@ -1,4 +1,4 @@
-"""Where exactly a known body stands: its raised walls, seen from above, matched to what is near its believed pose.
+"""The exact pose of a known body: its raised walls, seen from above, matched to points near its believed pose.
 
 All happens in the frame of the guess; ``lift`` is how far the body stands above it.
 """

@@ -1,4 +1,4 @@
-"""How much of a region the camera really saw."""
+"""The share of a region that the camera really saw."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Writes packages and what goes into them: from a few words of their author to working, tested code."""
+"""Generates packages and their contents: from a few options of the author to working, tested code."""
 
 from skiros_py.scaffold.condition import NewCondition, draft_condition
 from skiros_py.scaffold.description import NewSkill

@@ -20,15 +20,15 @@ from skiros_py.world.terms import End, Family
 
 @dataclass(frozen=True, slots=True)
 class NewCondition:
-    """What an author says of a condition.
+    """The author's options for a condition.
 
     Attributes:
         name: The word ("Scanned").
-        help: One sentence; made from the word where left out.
-        roles: Its arguments (``part:sk:Manipulatable``); taken from the relation or property where left out.
-        property: What it compares or asks for.
-        value: What the property must be; true for a boolean where left out, anything for another.
-        relation: What relates its two arguments.
+        help: One sentence; derived from the word if omitted.
+        roles: Its arguments (``part:sk:Manipulatable``); derived from the relation or property if omitted.
+        property: The property that it checks.
+        value: Required value of the property; if omitted, true for a boolean, any value for others.
+        relation: The relation between its two arguments.
         abstract: True when a goal may give a class instead of an element.
     """
 
@@ -45,7 +45,7 @@ def draft_condition(known: Knowledge, said: NewCondition) -> Draft:
     """Writes a condition, its test with a scene, and its entry point.
 
     Raises:
-        UsageError: Something said of it is wrong; the text says what would be right.
+        UsageError: An option is not valid; the text explains what would be.
     """
     name = class_name(said.name, "condition")
     known.check_free("condition", name)
@@ -81,7 +81,7 @@ def _module(values: dict[str, str], roles: Sequence[Declared], pattern: Pattern,
     )
 
 
-# ---------------------------------------------------------------- what it means
+# ---------------------------------------------------------------- meaning
 
 
 def _meaning(ontology: Ontology, said: NewCondition) -> tuple[tuple[Declared, ...], Pattern]:
@@ -146,7 +146,7 @@ def _default_roles(ends: Sequence[End]) -> tuple[str, ...]:
     return tuple(f"{key}:{class_}" for key, class_ in zip(keys, classes, strict=True))
 
 
-# ---------------------------------------------------------------- how it is written and tried
+# ---------------------------------------------------------------- code and test
 
 
 def _written(pattern: Pattern) -> str:
@@ -182,7 +182,7 @@ def _told(pattern: Pattern, roles: Sequence[Declared]) -> str:
 def _staged(
     ontology: Ontology, name: str, roles: Sequence[Declared], pattern: Pattern
 ) -> tuple[Stage, tuple[str, ...], tuple[str, ...]]:
-    """Puts a scene together with one thing for which it holds, and one for which it does not.
+    """Builds a scene with one element for which it holds, and one for which it does not.
 
     Returns:
         The scene, the arguments for which it holds (unknown where it is computed), and those for which it does not.

@@ -1,4 +1,4 @@
-"""What an author says of parameters and conditions in a few letters: ``Part:sk:Manipulatable``, ``Scanned(Part)``."""
+"""The short notation for parameters and conditions: ``Part:sk:Manipulatable``, ``Scanned(Part)``."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ class Declared:
         key: Its name.
         type: CURIE of an element class, or one of :data:`VALUE_TYPES`.
         help: One sentence for people.
-        kind: Who specifies it.
-        default: Value where it is not specified; None for none.
+        kind: The kind of the parameter, which determines who specifies it.
+        default: Value if it is not specified; None for none.
         unit: Unit of a number; "1" for one without.
     """
 
@@ -67,7 +67,7 @@ def read_parameter(text: str, ontology: Ontology) -> Declared:
     """Reads ``KEY:TYPE``, ``KEY:TYPE=DEFAULT`` or ``KEY:TYPE=DEFAULT [UNIT]``, then perhaps ``-- HELP``.
 
     Raises:
-        UsageError: It says something else.
+        UsageError: The text has a different form.
         UnknownName: No ontology declares the class.
     """
     said, _, help_ = text.partition(" -- ")
@@ -86,7 +86,7 @@ def read_parameter(text: str, ontology: Ontology) -> Declared:
 
 
 def kind_of(class_: str, ontology: Ontology) -> Kind:
-    """Returns who specifies a parameter of an element class: devices are chosen, robots follow from them."""
+    """Returns the kind of a parameter of an element class: devices are chosen, robots follow from them."""
     if ontology.is_a(class_, "sk:Robot"):
         return Kind.PLANNING
     hardware = any(ontology.is_a(class_, above) for above in ("sk:Device", "sk:Agent"))
@@ -134,7 +134,7 @@ def read_wanted(text: str) -> Wanted:
     """Reads ``Scanned(Part)`` or ``not Scanned(Part)``.
 
     Raises:
-        UsageError: It says something else.
+        UsageError: The text has a different form.
     """
     match = _WANTED.fullmatch(text.strip())
     if match is None:
@@ -144,10 +144,10 @@ def read_wanted(text: str) -> Wanted:
 
 
 def read_constant(text: str, range_: str, what: str) -> bool | int | float | str:
-    """Reads a value of the data type of a property.
+    """Parses a value of the data type of a property.
 
     Raises:
-        UsageError: It is no such value, or nothing compares values of that type.
+        UsageError: It is not such a value, or values of that type cannot be compared.
     """
     types = {"xsd:boolean": "boolean", "xsd:integer": "integer", "xsd:string": "text", "sk:className": "text"}
     type_ = types.get(range_, "number" if range_ in ("xsd:decimal", "xsd:double", "xsd:float") else "")

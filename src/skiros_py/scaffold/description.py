@@ -1,4 +1,4 @@
-"""Makes a skill description of the author's options: parameters and conditions, checked and completed."""
+"""Creates a skill description from the author's options: parameters and conditions, checked and completed."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ _ROBOT = "Robot"
 
 @dataclass(frozen=True, slots=True)
 class NewSkill:
-    """What an author says of a skill.
+    """The author's options for a skill.
 
     Attributes:
         name: Its name ("scan").
-        help: One sentence; made from the name where left out.
-        agent: Class of the subsystem that does it ("sk:Arm"). With it come a parameter for it, and where the skills are
-            there that speak of it, one for its robot and the condition that it is part of it.
+        help: One sentence; derived from the name if omitted.
+        agent: Class of the subsystem that executes it ("sk:Arm"). It adds a parameter for the subsystem and, if the
+            required skills are installed, one for its robot and the condition that it is part of the robot.
         params: Its other parameters (``Part:sk:Manipulatable``).
         pre, post: Conditions over the parameters (``Scanned(Part)``).
-        do: Primitives that do it, in order; none for a skill that is only pretended.
-        target: Key of the parameter it is done to; the first that a postcondition speaks of where left out.
-        robot: Name of the robot that its test has.
+        do: Primitives that implement it, in order; none for a skill that is only pretended.
+        target: Key of the parameter to which it is applied; if omitted, the first one in a postcondition.
+        robot: Name of the robot in its test.
     """
 
     name: str
@@ -62,10 +62,10 @@ class Described:
 
 
 def described(known: Knowledge, said: NewSkill) -> Described:
-    """Makes a description of what an author says.
+    """Creates a description from the author's options.
 
     Raises:
-        UsageError: Something said is wrong; the text says what would be right.
+        UsageError: An option is not valid; the text explains what would be.
     """
     own = [read_parameter(text, known.ontology) for text in said.params]
     agent = _agent(known, said, own)
@@ -83,7 +83,7 @@ def described(known: Knowledge, said: NewSkill) -> Described:
 
 
 def _agent(known: Knowledge, said: NewSkill, own: Sequence[Declared]) -> Declared:
-    """Returns the parameter that is the subsystem doing it: one that the author declared, else one of its own."""
+    """Returns the parameter for the executing subsystem: one declared by the author, else a new one."""
     if not said.agent:
         raise UsageError(f"skill '{said.name}': give --agent CLASS, such as sk:Arm: the subsystem that does it")
     class_ = known.ontology.resolve_class(said.agent)
@@ -112,7 +112,7 @@ def _missing_devices(known: Knowledge, said: NewSkill, params: Sequence[Declared
 def _with_robot(
     known: Knowledge, params: Sequence[Declared], wanted: Sequence[Wanted]
 ) -> tuple[list[Declared], list[Wanted]]:
-    """Adds the robot that has the devices, and that it has them, unless the author says how they hang together."""
+    """Adds the robot that has the devices, and the relations to them, unless the author specifies the relations."""
     if _HAS_PART not in known.catalogue.conditions:
         return list(params), []
     said = {argument for one in wanted if one.word == _HAS_PART for argument in one.arguments[1:]}

@@ -1,4 +1,4 @@
-"""Files that shall be written: all of them, or none."""
+"""Files to be written: all of them, or none."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from skiros_py.world.scene.atomic import write_atomically
 
 @dataclass(frozen=True, slots=True)
 class Draft:
-    """What is about to be written below one folder.
+    """The files to be written below one folder.
 
     Attributes:
         root: The folder.
-        new: Text by path below it, of files that are not there yet.
-        changed: Text by path, of files that are.
-        notes: What the author should know.
+        new: Text of new files, by path below it.
+        changed: Text of existing files, by path.
+        notes: Notes for the author.
     """
 
     root: Path
@@ -29,21 +29,21 @@ class Draft:
     notes: tuple[str, ...] = ()
 
     def check(self) -> None:
-        """Looks whether everything can be written.
+        """Checks that everything can be written.
 
         Raises:
-            UsageError: Something is there already, or there is no folder to write to.
+            UsageError: A file already exists, or there is no folder to write to.
         """
         there = [path for path in self.new if _is_there(self.root / path)]
         if there:
             raise UsageError(f"{', '.join(there)}: there already below {self.root}, and nothing is overwritten")
 
     def write(self) -> None:
-        """Writes it: the new files first, so that what names them never names something that is not there.
+        """Writes the new files first, so that changed files never refer to missing ones.
 
         Raises:
-            UsageError: Something is there already, or cannot be written; nothing was changed.
-            FileError: A file that is there cannot be changed; nothing was changed.
+            UsageError: A file already exists, or cannot be written; nothing was changed.
+            FileError: An existing file cannot be changed; nothing was changed.
         """
         self.check()
         written: list[Path] = []
@@ -59,10 +59,10 @@ class Draft:
             raise
 
     def write_folder(self) -> None:
-        """Writes a folder that is not there yet: in a temporary one beside it, which then gets its name.
+        """Writes a new folder: into a temporary one beside it, which is then renamed.
 
         Raises:
-            UsageError: It is there already, or cannot be written.
+            UsageError: It already exists, or cannot be written.
         """
         if _is_there(self.root):
             raise UsageError(f"{self.root} is there already, and nothing is overwritten")

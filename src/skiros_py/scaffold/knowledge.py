@@ -1,4 +1,4 @@
-"""What a package that is being written can build on: the words and modules that are installed, and its own."""
+"""The words and modules available to a package being written: installed ones, and its own."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Origin:
     Attributes:
         module: Its module.
         name: Its name there.
-        distribution: Name of the distribution that brings it.
+        distribution: Name of the distribution that provides it.
     """
 
     module: str
@@ -32,12 +32,12 @@ class Origin:
 
 
 class Knowledge:
-    """What is known where a package is written.
+    """The words and modules available to a package.
 
     Attributes:
         project: The package.
-        ontology: The words there are.
-        catalogue: The plug-ins there are.
+        ontology: The available words.
+        catalogue: The available plug-ins.
     """
 
     def __init__(self, project: Project, ontology: Ontology, catalogue: Catalogue) -> None:
@@ -49,7 +49,7 @@ class Knowledge:
         """Returns the condition of that word.
 
         Raises:
-            UnknownName: There is none; with the nearest.
+            UnknownName: There is none; the error names the most similar one.
         """
         if word not in self.catalogue.conditions:
             faults = [str(f) for f in self.catalogue.faults if f.group == "skiros.conditions" and f.name == word]
@@ -76,17 +76,17 @@ class Knowledge:
         return params_of(self.catalogue.primitives[name].Params)
 
     def check_free(self, kind: str, name: str) -> None:
-        """Looks whether a new skill, primitive or condition may have a name.
+        """Checks that a name is free for a new skill, primitive or condition.
 
         Raises:
-            UsageError: Somebody has it already: neither could be used.
+            UsageError: The name is taken: neither of the two could be used.
         """
         if (holder := taken_by(kind, name)) is not None:
             raise UsageError(f"there is {holder} already; choose another name")
 
 
 def taken_by(kind: str, name: str) -> str | None:
-    """Returns what has the name of a new skill, primitive or condition ("a skill 'pick' of skiros-skills"), or None."""
+    """Returns the owner of a name of a skill, primitive or condition ("a skill 'pick' of skiros-skills"), or None."""
     groups = ("skiros.conditions",) if kind == "condition" else ("skiros.skills", "skiros.primitives")
     for entry in (entry for group in groups for entry in installation().of(group)):
         if entry.name == name:
@@ -102,7 +102,7 @@ def _origin(group: str, name: str) -> Origin:
 
 @contextmanager
 def knowledge_of(project: Project) -> Iterator[Knowledge]:
-    """Loads what is known where a package is written; its own plug-ins count as they are now, installed or not."""
+    """Loads the knowledge for a package; its own plug-ins are included in their present state, installed or not."""
     with project.as_installed():
         ontology, _ = load_installed(ontology_paths())
         yield Knowledge(project, ontology, load_catalogue())

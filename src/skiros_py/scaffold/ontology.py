@@ -26,7 +26,7 @@ _RANGES = {
     "vector": "sk:vectorLiteral",
     "class": "sk:className",
 }
-"""Data type of a property by what people call it."""
+"""Data type of a property by its common name."""
 
 _LOWER = re.compile(r"[a-z][A-Za-z0-9]{0,39}")
 _CURIE = r"[A-Za-z][\w.-]*:\w+"
@@ -34,11 +34,11 @@ _CURIE = r"[A-Za-z][\w.-]*:\w+"
 
 @dataclass(frozen=True, slots=True)
 class NewOntology:
-    """What an author says of an ontology.
+    """The author's options for an ontology.
 
     Attributes:
         name: Its name, and its prefix ("scanning").
-        help: One sentence; made from the name where left out.
+        help: One sentence; derived from the name if omitted.
         classes: ``NAME:PARENT`` ("Scanner:sk:Device").
         relations: ``NAME:DOMAIN:RANGE`` ("scannedAt:sk:Manipulatable:sk:Station").
         properties: ``NAME:DOMAIN:TYPE`` ("scanned:sk:Manipulatable:boolean").
@@ -67,7 +67,7 @@ def draft_ontology(known: Knowledge, said: NewOntology) -> Draft:
     """Writes an ontology file; all in the folder ``ontologies`` of a package are found by one entry point.
 
     Raises:
-        UsageError: Something said of it is wrong; the text says what would be right.
+        UsageError: An option is not valid; the text explains what would be.
     """
     prefix = module_name(said.name, "ontology")
     if prefix in known.ontology.names.prefixes:
@@ -100,7 +100,7 @@ def draft_ontology(known: Knowledge, said: NewOntology) -> Draft:
 
 
 def _check(known: Knowledge, prefix: str, text: str) -> None:
-    """Loads it together with the others: what they say of each other may not go together."""
+    """Loads it together with the others, because their statements may contradict each other."""
     with tempfile.TemporaryDirectory(prefix="skiros-new-") as folder:
         file = Path(folder) / f"{prefix}.ttl"
         file.write_text(text, encoding="utf-8")

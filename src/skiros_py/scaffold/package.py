@@ -1,4 +1,4 @@
-"""Writes a package: an ordinary Python distribution with one of everything, made by what makes each of them later."""
+"""Writes a package: an ordinary Python distribution with one item of each kind, made by the respective generators."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ _Step = Callable[[Knowledge], Draft]
 
 @dataclass(frozen=True, slots=True)
 class NewPackage:
-    """What an author says of a package.
+    """The author's options for a package.
 
     Attributes:
         name: Its name ("my_scanning").
-        help: One sentence; made from the name where left out.
-        skill, primitive, condition: Names of those that it begins with; ones that are free where left out.
+        help: One sentence; derived from the name if omitted.
+        skill, primitive, condition: Names of the initial ones; free names if omitted.
     """
 
     name: str
@@ -47,11 +47,11 @@ def draft_package(folder: Path, said: NewPackage) -> Draft:
     """Makes the files of a package; write them by :meth:`Draft.write_folder`.
 
     Args:
-        folder: Where the package's own folder shall be.
-        said: What its author says of it.
+        folder: The folder in which the package's own folder is created.
+        said: The author's options.
 
     Raises:
-        UsageError: Something said of it is wrong; the text says what would be right.
+        UsageError: An option is not valid; the text explains what would be.
     """
     name = _free_name(said.name)
     if (folder / name).exists():
@@ -90,7 +90,7 @@ def _first(kind: str, name: str) -> str:
 
 
 _FIRST = {"skill": "inspect", "primitive": "look_at", "condition": "Inspected"}
-"""Names of the first skill, primitive and condition of a package, where they are free."""
+"""Names of the first skill, primitive and condition of a package, if they are free."""
 
 
 def _built(root: Path, said: NewPackage) -> Iterator[Draft]:

@@ -17,7 +17,7 @@ from skiros_py.scaffold.stage import Stage
 from skiros_py.skills.parameters import Kind
 
 SAMPLES: Mapping[str, Any] = {"number": 1.0, "integer": 1, "text": "text", "boolean": True}
-"""Some value of each type."""
+"""An example value of each type."""
 
 _OF_TEST_KIT = frozenset(
     {
@@ -40,13 +40,13 @@ _OF_TEST_KIT = frozenset(
 
 @dataclass(frozen=True, slots=True)
 class NewPrimitive:
-    """What an author says of a primitive.
+    """The author's options for a primitive.
 
     Attributes:
         name: Its name ("read_code").
-        help: One sentence; made from the name where left out.
+        help: One sentence; derived from the name if omitted.
         params: Its parameters (``camera:sk:Camera``, ``seconds:number=1.0 [s]``).
-        robot: Name of the robot that its test has.
+        robot: Name of the robot in its test.
     """
 
     name: str
@@ -59,7 +59,7 @@ def draft_primitive(known: Knowledge, said: NewPrimitive) -> Draft:
     """Writes a primitive, its test with a scene, and its entry point.
 
     Raises:
-        UsageError: Something said of it is wrong; the text says what would be right.
+        UsageError: An option is not valid; the text explains what would be.
     """
     name = module_name(said.name, "primitive")
     known.check_free("primitive", name)
@@ -85,7 +85,7 @@ def draft_primitive(known: Knowledge, said: NewPrimitive) -> Draft:
 
 
 def check_keys(params: Sequence[Declared], owner: str) -> None:
-    """Looks whether every parameter has a name of its own.
+    """Checks that every parameter has a unique name.
 
     Raises:
         UsageError: Two have the same, or one has a name that the test kit needs for itself.
@@ -132,7 +132,7 @@ def _imports(params: Iterable[Declared]) -> list[tuple[str, str]]:
 
 
 def _trial_arguments(params: Iterable[Declared], stage: Stage) -> Iterator[str]:
-    """Yields what the test gives: individuals of a scene, and some value where there is no default."""
+    """Yields the arguments of the test: individuals of a scene, and example values if there is no default."""
     for param in params:
         if param.default is None:
             value: Any = stage.cast(param.type, param.key) if param.is_element else SAMPLES[param.type]

@@ -1,4 +1,4 @@
-"""A package that is being written: where it is, what its ``pyproject.toml`` says, and how that is added to."""
+"""A package being written: its location, its ``pyproject.toml``, and additions to that."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ class Project:
 
     @property
     def dependencies(self) -> tuple[str, ...]:
-        """What it needs, as it says so."""
+        """Its dependencies, as declared."""
         needs = self._table.get("dependencies", ())
         return tuple(need for need in needs if isinstance(need, str)) if isinstance(needs, list) else ()
 
@@ -87,7 +87,7 @@ class Project:
         return table if isinstance(table, Mapping) else {}
 
     def as_installed(self) -> AbstractContextManager[None]:
-        """Makes it known to this process by what its ``pyproject.toml`` says, installed or not."""
+        """Registers it in this process according to its ``pyproject.toml``, installed or not."""
         known = {"name": self.name, "dependencies": self.dependencies, "entry-points": self.entry_points}
         return as_if_installed({**self._table, **known}, self.source)
 
@@ -118,12 +118,12 @@ class Project:
         return Project(self.root, self.package, tomlkit.dumps(document))
 
     def init_file(self, folder: str) -> dict[str, str]:
-        """Returns what makes a folder a Python package, by path; nothing where it is one already."""
+        """Returns the file that makes a folder a Python package, by path; nothing if it is one already."""
         path = f"src/{self.package}/{folder}/__init__.py"
         return {} if (self.root / path).exists() else {path: f'"""{_FOLDERS[folder]}"""\n'}
 
     def changes(self, before: Project) -> dict[str, str]:
-        """Returns the text of the file where it is another than before."""
+        """Returns the text of the file if it has changed."""
         return {_FILE: self.text} if self.text != before.text else {}
 
 

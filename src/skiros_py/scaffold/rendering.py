@@ -1,4 +1,4 @@
-"""Templates filled in: what comes out is formatted as linters want it."""
+"""Fills in templates; the output is formatted as linters require."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def render(template: str, **values: Any) -> str:
 
     Args:
         template: Name of its file, without the suffix.
-        **values: What it asks for; nothing may be missing.
+        **values: Its variables; none may be missing.
     """
     return _environment().get_template(f"{template}.j2").render(**values)
 
@@ -30,7 +30,7 @@ def _environment() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
-        autoescape=False,  # noqa: S701 - what is written are programs, not pages
+        autoescape=False,  # noqa: S701 - the output is code, not web pages
     )
     environment.filters |= {"literal": literal, "call": call, "imports": imports, "listed": listed}
     return environment

@@ -25,14 +25,14 @@ _LIMITS = {
 
 @dataclass(frozen=True, slots=True)
 class NewRobot:
-    """What an author says of a robot.
+    """The author's options for a robot.
 
     Attributes:
         name: Its name ("loader"); its individuals are called after it ("loader_arm").
-        help: One sentence; made from the name where left out.
-        start: Id of the location where it is when a run begins.
+        help: One sentence; derived from the name if omitted.
+        start: Id of its location at the start of a run.
         limits: ``NAME=VALUE`` ("max-linear=0.5").
-        model: Name of the robot model that drivers know how to build.
+        model: Name of a robot model that drivers can build.
     """
 
     name: str
@@ -46,7 +46,7 @@ def draft_robot(known: Knowledge, said: NewRobot) -> Draft:
     """Writes a robot's individuals and a test that a scene with it comes up; and the entry point for all robots.
 
     Raises:
-        UsageError: Something said of it is wrong; the text says what would be right.
+        UsageError: An option is not valid; the text explains what would be.
     """
     name = module_name(said.name, "robot")
     _check_free(known, name)

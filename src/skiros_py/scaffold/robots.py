@@ -1,4 +1,4 @@
-"""The robots there are, each a file of individuals that scenes import."""
+"""The available robots, each a file of individuals that scenes import."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class RobotFile:
         name: Last part of its IRI ("mobile_panda").
         iri: What a scene imports.
         individuals: Class (CURIE) of each individual by id, in file order.
-        pieces: What is a piece of what: (whole, piece).
+        pieces: The part relations: (whole, piece).
     """
 
     name: str

@@ -18,13 +18,13 @@ from skiros_py.scaffold.trial import tried
 
 @dataclass(frozen=True, slots=True)
 class NewScene:
-    """What an author says of a scene.
+    """The author's options for a scene.
 
     Attributes:
         name: Its name ("scan_cell").
-        help: One sentence; made from the name where left out.
-        robot: Name of the robot that is there.
-        things: What else is there (``part:sk:Manipulatable``): each becomes one individual, "part_1".
+        help: One sentence; derived from the name if omitted.
+        robot: Name of its robot.
+        things: Further elements (``part:sk:Manipulatable``): each becomes one individual, "part_1".
         goals: Conditions over the things and the robot's individuals (``Scanned(part)``, ``Scanned(part_1)``).
     """
 
@@ -36,10 +36,10 @@ class NewScene:
 
 
 def draft_scene(known: Knowledge, said: NewScene) -> Draft:
-    """Writes a scene and a test that it is right; and the entry point for all scenes of the package.
+    """Writes a scene and a test that it is valid; and the entry point for all scenes of the package.
 
     Raises:
-        UsageError: Something said of it is wrong; the text says what would be right.
+        UsageError: An option is not valid; the text explains what would be.
     """
     name = module_name(said.name, "scene")
     if name in scene_names():

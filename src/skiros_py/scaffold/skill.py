@@ -1,4 +1,4 @@
-"""Writes a skill: what it needs, what it brings about, and how it is done or pretended."""
+"""Writes a skill: its preconditions and effects, and its real or pretended implementation."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def draft_skill(known: Knowledge, said: NewSkill) -> Draft:
     """Writes a skill with an implementation for the fake robot and, of primitives, one for every other; and its test.
 
     Raises:
-        UsageError: Something said of it is wrong; the text says what would be right.
+        UsageError: An option is not valid; the text explains what would be.
     """
     name = module_name(said.name, "skill")
     known.check_free("skill", name)
@@ -104,14 +104,14 @@ def _condition(wanted: Wanted, constant: str) -> str:
 
 
 def _depending(project: Project, known: Knowledge, skill: Described) -> Project:
-    """Adds what brings the conditions of others to the dependencies."""
+    """Adds the distributions that provide foreign conditions to the dependencies."""
     for word in skill.words:
         project = project.with_dependency(known.origin(word).distribution)
     return project
 
 
 def _staged(known: Knowledge, said: NewSkill, skill: Described) -> tuple[Stage, Mapping[str, str]]:
-    """Puts a scene together in which it can be done, and wants what it brings about.
+    """Builds a scene in which it can be executed, with its effects as the goal.
 
     Returns:
         The scene, and its individuals by parameter.
@@ -131,7 +131,7 @@ def _staged(known: Knowledge, said: NewSkill, skill: Described) -> tuple[Stage, 
 
 
 def _is_plannable(known: Knowledge, condition: Condition) -> bool:
-    """True when a first goal can be made of it: that a relation does not hold any more is a poor one."""
+    """Returns whether it is suitable as a first goal: the absence of a relation is a poor one."""
     if isinstance(condition.pattern, Not) and isinstance(condition.pattern.pattern, Related):
         return False
     try:
@@ -142,9 +142,9 @@ def _is_plannable(known: Knowledge, condition: Condition) -> bool:
 
 
 def _tried(known: Knowledge, said: NewSkill, skill: Described, stage: Stage, cast: Mapping[str, str]) -> dict[str, Any]:
-    """What the test needs: its imports; and what it tries where all primitives are the package's own.
+    """Returns the data of the test: its imports, and the arguments of a trial if all primitives are the package's own.
 
-    Those of others may need arms that really move.
+    Foreign primitives may need real arms.
     """
     needed = [("skiros_py.station.session", "Options"), ("skiros_py.station.session", "Session")]
     origins = [known.primitive_origin(name) for name in dict.fromkeys(said.do)]

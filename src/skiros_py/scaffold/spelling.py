@@ -1,4 +1,4 @@
-"""How things are called: names that Python, the ontology and people take, and how one follows from another."""
+"""Names for Python, the ontology and people, and conversions between them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def module_name(name: str, what: str) -> str:
     """Checks the name of something that becomes a Python module ("read_code").
 
     Raises:
-        UsageError: It is none; the text has one that is like it.
+        UsageError: It is not valid; the text suggests a similar one.
     """
     if not _MODULE.fullmatch(name):
         near = snake_case(name)
@@ -32,7 +32,7 @@ def class_name(name: str, what: str) -> str:
     """Checks the name of something that is written in capitals and joined words ("RobotAtLocation").
 
     Raises:
-        UsageError: It is none; the text has one that is like it.
+        UsageError: It is not valid; the text suggests a similar one.
     """
     if not _CLASS.fullmatch(name):
         near = joined(name)
@@ -50,10 +50,10 @@ def _usable(name: str, what: str) -> str:
 
 
 def check_distinct(names: Iterable[str], what: str) -> None:
-    """Looks whether the names in the code that is about to be written are all different.
+    """Checks that the names in the generated code are all different.
 
     Raises:
-        UsageError: Two are the same, or one is that of something that every such file has.
+        UsageError: Two are the same, or one is defined in every such file.
     """
     seen = set(_IN_TEMPLATES)
     for name in names:
@@ -86,14 +86,14 @@ _IN_TEMPLATES = frozenset(
         "Success",
     }
 )
-"""Names that the files written have anyway."""
+"""Names that all generated files define."""
 
 
 def sentence(text: str, what: str) -> str:
-    """Makes one sentence of a text: a capital at the start, a full stop at the end.
+    """Turns a text into one sentence: a capital at the start, a full stop at the end.
 
     Raises:
-        UsageError: It is empty, too long for a line, or has what cannot stand in one.
+        UsageError: It is empty, too long for a line, or contains invalid characters.
     """
     text = text.strip()
     if not text or len(text) > _LONGEST_SENTENCE:

@@ -1,4 +1,4 @@
-"""A small scene in which something is tried: individuals of the classes asked for, and what shall hold of them."""
+"""A small scene for a trial: individuals of the requested classes, and facts about them."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ _SAMPLES = {
     "sk:className": '"sk:Object"^^sk:className',
     "rdf:JSON": '"[]"^^rdf:JSON',
 }
-"""Some value of each data type, as Turtle."""
+"""An example value of each data type, as Turtle."""
 
 
 @dataclass(slots=True)
 class _Individual:
-    """One individual: what Turtle says of it, by predicate."""
+    """One individual: its Turtle statements, by predicate."""
 
     id: str
     class_: str
@@ -40,16 +40,16 @@ class _Individual:
 
 
 class Stage:
-    """A scene that is put together.
+    """A scene under construction.
 
     Args:
-        ontology: The words there are.
+        ontology: The available words.
         name: Name of the scene.
-        robot: The robot that is there; None for none.
+        robot: Its robot; None for none.
 
     Attributes:
-        goals: The goals that go with it.
-        left_to_robot: Where the robot shall be, as (robot, relation, place): it goes there itself.
+        goals: Its goals.
+        left_to_robot: Required places of the robot, as (robot, relation, place): it drives there itself.
     """
 
     def __init__(self, ontology: Ontology, name: str, robot: RobotFile | None = None) -> None:
@@ -97,15 +97,15 @@ class Stage:
             if is_a(person.class_, "sk:Location") and not self._ontology.class_value(person.class_, "sk:drivingPose"):
                 person.facts["sk:drivingPose"] = ['"-0.8 0 0 0 0 0"^^sk:poseLiteral']
 
-    # ------------------------------------------------------------------ what shall hold
+    # ------------------------------------------------------------------ facts
 
     def suppose(self, pattern: Pattern, binding: Mapping[str, str]) -> tuple[str, ...]:
         """States facts that make a pattern true, as far as a scene can state them.
 
-        Where a robot stands is left out: it drives there.
+        The location of a robot is omitted, because it drives there.
 
         Returns:
-            What cannot be stated.
+            The parts that cannot be stated.
         """
         match pattern:
             case Related(relation, subject, object_):
@@ -126,7 +126,7 @@ class Stage:
             case Computed(relation):
                 return (f"{relation} is computed",)
             case _:
-                pass  # that something is not so needs no fact
+                pass  # a negation needs no fact
         return ()
 
     def relate(self, subject: str, relation: str, object_: str) -> None:
@@ -183,7 +183,7 @@ class Stage:
         """Returns the scene as a Turtle file.
 
         Args:
-            help_: What it is for, in a sentence.
+            help_: Its purpose, in a sentence.
         """
         people = [*self._of_robot.values(), *self._own.values()]
         used = {prefix_of(p.class_) for p in self._own.values()} | {prefix_of(f) for p in people for f in p.facts}

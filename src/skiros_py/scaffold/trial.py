@@ -1,4 +1,4 @@
-"""A scene tried out before it is written: it is loaded, and its goal read."""
+"""Tests a scene before it is written: loads it, and parses its goal."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def tried(known: Knowledge, text: str, what: str) -> World:
     """Loads a scene from its text.
 
     Raises:
-        UsageError: It cannot be loaded, or its goal is about what is not there.
+        UsageError: It cannot be loaded, or its goal refers to missing elements.
     """
     reasoners, _ = load_reasoners(known.ontology)
     with tempfile.TemporaryDirectory(prefix="skiros-new-") as folder:
@@ -38,7 +38,7 @@ def tried(known: Knowledge, text: str, what: str) -> World:
 def open_questions(
     world: World, stage: Stage, conditions: Mapping[str, Condition], cast: Mapping[str, str]
 ) -> Iterator[str]:
-    """Yields what is wanted of a scene and does not hold in it, and why; but for where its robot goes itself."""
+    """Yields the required facts that do not hold in a scene, with reasons, except where its robot drives itself."""
     for said, condition in conditions.items():
         about = {cast[argument] for argument in condition.arguments}
         by_itself = any({robot, place} <= about for robot, _, place in stage.left_to_robot)

@@ -31,7 +31,7 @@ class ArmModel:
 
     Args:
         urdf: The robot's description.
-        arm: Which joints and which tip.
+        arm: The joints and the tip.
         grippers: Grippers of the robot; those on this arm move their fingers with the gap.
 
     Attributes:
@@ -130,7 +130,7 @@ def arm_model(robot: RobotSpec, arm: ArmSpec) -> ArmModel:
     """Returns the model of an arm of a robot; it is built once.
 
     Raises:
-        UnknownName: No distribution brings the robot's model.
+        UnknownName: No distribution provides the robot's model.
         SkirosError: The model cannot be read.
     """
     return _loaded(robot.model, arm, robot.of(GripperSpec))

@@ -1,4 +1,4 @@
-"""Does the arm touch anything? Convex shapes of robot, obstacles and held body, checked with Coal."""
+"""Collision checks of the arm: convex shapes of robot, obstacles and held body, with Coal."""
 
 from __future__ import annotations
 
@@ -121,8 +121,8 @@ class CollisionScene:
         Args:
             margin: Smallest distance to keep [m].
             touching: Ids of obstacles that gripper and held body may touch.
-            start: Joint angles [rad] at which the move starts; what is nearer than the margin there must only not get
-                nearer.
+            start: Joint angles [rad] at which the move starts; pairs closer than the margin there only must not get
+                closer.
         """
         active = [not (pair.may_touch and pair.contact.other in touching) for pair in self._pairs]
         checker = Checker(self._arm, self._shapes, list(self.contacts), active, margin)
@@ -198,12 +198,12 @@ class Checker:
         return not pin.computeCollisions(self._arm.model, self._data, self._shapes, self._results, q, True)
 
     def contact(self, q: Array) -> Contact | None:
-        """Returns what is too close at joint angles [rad], or None."""
+        """Returns a contact that is too close at joint angles [rad], or None."""
         touching = self._touching(q)
         return self._contacts[touching[0]] if touching else None
 
     def tolerate(self, q: Array) -> None:
-        """Lets what is too close at joint angles [rad] stay as close as it is there."""
+        """Permits pairs that are too close at joint angles [rad] to stay as close as they are there."""
         for i in self._touching(q):
             distance = pin.computeDistance(self._shapes, self._results, i).min_distance
             if distance > -_DEEPEST_START:

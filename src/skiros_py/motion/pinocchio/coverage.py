@@ -1,4 +1,4 @@
-"""What an arm covers of the floor around its base while it moves."""
+"""The floor area around its base that an arm covers while it moves."""
 
 from __future__ import annotations
 

@@ -46,7 +46,7 @@ class FreeMoves:
 
     Args:
         arm: The kinematic model.
-        checker: What must not be touched.
+        checker: Checks for collisions.
         rng: Source of the random choices.
         effort: Bound of planning around things.
     """

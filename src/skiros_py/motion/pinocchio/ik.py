@@ -12,7 +12,7 @@ from skiros_py.ports.kinematics import InverseKinematics
 _ITERATIONS = 40
 _POSITION_TOLERANCE = 1e-6  # [m] the last step converges quadratically, so being exact costs one more iteration
 _ANGLE_TOLERANCE = 1e-5  # [rad]
-_CLAMPED_JOINTS = 3  # joints at their limit that the others may make up for in one step
+_CLAMPED_JOINTS = 3  # joints at their limit for which the others may compensate in one step
 _SETTLING = 15  # iterations that move a solution towards the reference
 _DISTINCT = 0.3  # [rad] two solutions closer than this in every joint are one
 _STRENGTH = 0.2  # share of the difference made up by each
@@ -54,7 +54,7 @@ class IkSolver:
         return None
 
     def _step(self, q: Array, jacobian: Array, error: Array, drift: Array) -> Array:
-        """Moves towards the target; for a joint that would leave its range the others make up."""
+        """Moves towards the target; the other joints compensate for a joint that would leave its range."""
         free = np.ones(len(q), dtype=bool)
         for _ in range(_CLAMPED_JOINTS):
             step = self._least_squares(jacobian * free, error, drift * free)

@@ -122,7 +122,7 @@ def kinematics_of(model: str) -> PinocchioKinematics:
     """Returns the kinematics of a robot model, which is loaded once.
 
     Raises:
-        UnknownName: No distribution brings that model.
+        UnknownName: No distribution provides that model.
         SkirosError: It cannot be read.
     """
     with TemporaryDirectory(prefix="skiros-model-") as directory:

@@ -52,7 +52,7 @@ class LineFollower:
         Args:
             start: Joint angles [rad].
             goal: Pose of the tip at the end, in the robot's base frame.
-            checker: What must not be touched on the way.
+            checker: Checks for collisions on the way.
 
         Returns:
             The line, or why it is not possible.

@@ -1,4 +1,4 @@
-"""Searches the postures that a route can be done with.
+"""Searches the postures with which a route can be executed.
 
 A free move to a pose leaves the choice of the posture, and the lines that follow it depend on that choice. So first
 chains of postures are built for all routes, each line followed and checked, the free moves only guessed as straight;
@@ -119,7 +119,7 @@ class RouteSearch:
         self._known: dict[Pose, list[Array]] = {}
 
     def find(self, start: Array, routes: tuple[Route, ...]) -> Chain | Refusal:
-        """Returns the feasible chain with the least joint motion of those tried, or what stopped the best one.
+        """Returns the feasible chain with the least joint motion of those tried, or why the best one failed.
 
         Args:
             start: Joint angles now [rad].
