@@ -78,7 +78,7 @@ _MODULES = {name: module for module, names in _HOMES.items() for name in names}
 
 
 def __getattr__(name: str) -> Any:
-    """Imports what is asked for: the pytest plug-in in this package is loaded by every pytest, and must be light."""
+    """Imports names on demand: the pytest plug-in in this package is loaded by every pytest, and must be light."""
     if name not in _MODULES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(import_module(f"{__name__}.{_MODULES[name]}"), name)

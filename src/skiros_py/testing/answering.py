@@ -8,11 +8,11 @@ from skiros_py.skills.questions import Question, Questions
 
 
 class Answers:
-    """The questions that were asked, and those without an answer.
+    """The questions of a run, and those without an answer.
 
     Attributes:
         asked: Every question so far.
-        unanswered: Those among them that no given answer fits; they stay open.
+        unanswered: Questions that match no given answer; they stay open.
     """
 
     def __init__(self, questions: Questions, given: Mapping[str, str]) -> None:
@@ -38,9 +38,9 @@ def answers(questions: Questions, given: Mapping[str, str]) -> Answers:
 
     Args:
         questions: Of a bench or a session.
-        given: Answer by words that the question contains; the first that fits is given.
+        given: Answer by words contained in the question; the first match is used.
 
     Returns:
-        What was asked so far.
+        The questions so far.
     """
     return Answers(questions, given)

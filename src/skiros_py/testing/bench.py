@@ -33,37 +33,37 @@ from skiros_py.world.vocabulary import ROBOT
 from skiros_py.world.world import World
 
 Cell = Callable[[CellSpec], CellDriver]
-"""Brings a cell up."""
+"""Brings up a cell."""
 
 
 class Bench:
-    """Runs skills and goals on a fake robot, as fast as it can; nothing sleeps. Use it in a ``with``.
+    """Runs skills and goals on a fake robot as fast as possible, without sleeping. Use it in a ``with``.
 
     Args:
         world: The world, such as :func:`skiros_py.testing.tiny_world`.
-        skills: Implementations for the fake driver; the tiny domain's where left out.
-        primitives: Primitives that the skills' bodies name, also by name.
+        skills: Implementations for the fake driver; those of the tiny domain if omitted.
+        primitives: Primitives that the skills' bodies use, also by name.
         robots: Ids of the robots that get skill managers; None for all.
         conditions: Words of goals.
-        planner: Plans, or several to choose from; Fast Downward where left out.
-        planning: Where it is planned; threads with the planner where left out.
+        planner: One planner, or several to choose from; Fast Downward if omitted.
+        planning: The planning host; threads with the planner if omitted.
         attempts: How often a skill may fail on one target.
-        cell: Brings the cell up; the fake one where left out.
+        cell: Brings up the cell; the fake one if omitted.
         driver: Kind of cell driver whose implementations of skills are used.
         ports: Adapters, for primitives that use them; see :class:`skiros_py.ports.adapters.GivenPorts`.
         config: Values of configuration parameters by "module.key".
-        overrun: Wall time for which one module may hold the control cycle [s]; None for the watchdog's own limit.
-        signals: Makes signal providers of the cell.
+        overrun: Wall time for which one module may block the control cycle [s]; None for the watchdog's own limit.
+        signals: Creates signal providers of the cell.
 
     Attributes:
-        runtime: What runs everything.
+        runtime: The runtime.
         events: Every module event so far.
         plans: Every plan so far.
-        questions: What is asked of a person; see :func:`skiros_py.testing.answers`.
+        questions: The questions to a person; see :func:`skiros_py.testing.answers`.
         managers: The skill managers by the id of their subsystem.
         cycle: The control cycle.
         signals: The signals of the present cycle.
-        watchdog: Interrupts what holds it.
+        watchdog: Interrupts code that blocks it.
     """
 
     def __init__(
@@ -110,11 +110,11 @@ class Bench:
     # ------------------------------------------------------------------ goals
 
     def goal(self, *texts: str) -> tuple[Condition, ...]:
-        """Reads goal texts."""
+        """Parses goal texts."""
         return parse_goal(texts, self.world, self._conditions)
 
     def plan(self, *texts: str) -> Planned:
-        """Plans for a goal without doing anything."""
+        """Plans for a goal without executing the plan."""
         return self._planning.ask(self.tasks.plan_request(self.goal(*texts))).result().value
 
     def pursue(self, *texts: str) -> GoalReport:
@@ -129,11 +129,11 @@ class Bench:
     def start(self, module: str, **arguments: Any) -> RunningModule:
         """Starts a skill or primitive by the manager of a subsystem among its arguments, else the first that offers it.
 
-        Nothing of it happens before time goes on: :meth:`advance`, :meth:`until`.
+        It does nothing until time advances: :meth:`advance`, :meth:`until`.
 
         Args:
             module: Its name.
-            **arguments: Values by parameter key; what is left out is inferred.
+            **arguments: Values by parameter key; omitted ones are inferred.
 
         Raises:
             UnknownName: No manager offers it.
@@ -148,8 +148,8 @@ class Bench:
 
         Args:
             module: Its name.
-            break_off: Asked in every cycle for a reason to break it off.
-            **arguments: Values by parameter key; what is left out is inferred.
+            break_off: Called in every cycle; returns a reason to cancel the run, or an empty text.
+            **arguments: Values by parameter key; omitted ones are inferred.
         """
         running = self.start(module, **arguments)
         while not running.done:
@@ -167,23 +167,23 @@ class Bench:
         return self.cycle.board.snapshot.time
 
     def advance(self, seconds: float) -> None:
-        """Lets so much time of the run pass."""
+        """Advances the time of the run."""
         end = self.time + seconds - self.cycle.board.period / 2.0
         while self.time < end:
             self.cycle.step()
 
     def until(self, what: Condition | Callable[[], object], *, limit: float = 60.0) -> float:
-        """Lets time pass until something holds.
+        """Advances time until a condition holds.
 
         Args:
-            what: A condition over elements, or a function that returns something true.
-            limit: Longest time of the run for it [s].
+            what: A condition over elements, or a function that returns a true value.
+            limit: Maximum time of the run [s].
 
         Returns:
-            How long it took [s].
+            The elapsed time [s].
 
         Raises:
-            AssertionError: It did not happen within the limit; with the reasons of a condition.
+            AssertionError: It did not hold within the limit; the error contains the reasons of a condition.
         """
         start = self.time
         while not (what.evaluate(self.world) if isinstance(what, Condition) else what()):

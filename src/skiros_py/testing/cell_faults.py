@@ -1,6 +1,6 @@
-"""Faults of devices, as plain data: what :class:`~skiros_py.testing.faulty_cell.FaultyCell` does to a cell.
+"""Faults of devices, as plain data, for :class:`~skiros_py.testing.faulty_cell.FaultyCell`.
 
-Each begins so many seconds of run time after the start (``after``) and lasts for so many (``for_``).
+Each begins ``after`` seconds of run time after the start and lasts for ``for_`` seconds.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from skiros_py.ports.values import Commands, Snapshot
 
 @dataclass(frozen=True, slots=True)
 class Deaf:
-    """A device does not hear its commands: it does its default safe task."""
+    """A device does not receive its commands, so that it executes its default safe task."""
 
     device: str
     after: float = 0.0
@@ -27,7 +27,7 @@ class Deaf:
 
 @dataclass(frozen=True, slots=True)
 class Frozen:
-    """A device goes on reporting what it said when the fault began."""
+    """A device keeps reporting its state at the start of the fault."""
 
     device: str
     after: float = 0.0
@@ -36,7 +36,7 @@ class Frozen:
 
 @dataclass(frozen=True, slots=True)
 class Says:
-    """A device reports a given state, whatever it does: a part between the fingers of a fake gripper, say."""
+    """A device reports a given state regardless of its true one, such as a part between the fingers of a fake gripper."""
 
     device: str
     state: object
@@ -46,12 +46,12 @@ class Says:
 
 @dataclass(frozen=True, slots=True)
 class Noisy:
-    """What a device says of where it is is wrong by a random amount each cycle.
+    """The position reported by a device has a random error in each cycle.
 
     Attributes:
         device: Its id.
         sigma: Standard deviation: of each joint [rad], of the gap [m], of x and y of a base [m] and its heading [rad].
-        after, for_: When [s].
+        after, for_: Start and duration [s].
         seed: Seed of the noise.
     """
 
@@ -64,7 +64,7 @@ class Noisy:
 
 @dataclass(frozen=True, slots=True)
 class Dies:
-    """The connection to the cell breaks: every exchange raises DeviceError. ``device`` is named in its text."""
+    """The connection to the cell is lost: every exchange raises DeviceError. ``device`` is named in its text."""
 
     after: float = 0.0
     device: str = "the cell"
@@ -73,7 +73,7 @@ class Dies:
 
 @dataclass(frozen=True, slots=True)
 class Blind:
-    """A camera does not answer: asking it for a picture raises DeviceError."""
+    """A camera does not answer: requesting a picture raises DeviceError."""
 
     device: str
     after: float = 0.0
@@ -82,7 +82,7 @@ class Blind:
 
 @dataclass(frozen=True, slots=True)
 class Late:
-    """A camera's pictures arrive so much later [s]."""
+    """A camera's pictures arrive with a delay [s]."""
 
     device: str
     seconds: float
@@ -111,8 +111,8 @@ def said(
 
     Args:
         fault: The fault.
-        now: What they say in truth.
-        onset: What they said when it began.
+        now: Their true states.
+        onset: Their states at the start of the fault.
         rng: Its random numbers.
         devices: The devices of the cell.
     """

@@ -1,4 +1,4 @@
-"""Contract tests of skills, for an author's own tests: what a skill declares must happen, and nothing else.
+"""Contract tests of skills, for an author's own tests: the declared effects must occur, and no others.
 
 ::
 
@@ -36,8 +36,8 @@ class ContractCase:
         """Runs the skill where its preconditions hold, and compares the world before and after.
 
         Raises:
-            AssertionError: An effect did not happen, something changed that is not declared, or no world was found in
-                which the skill can start: then nothing was tested.
+            AssertionError: An effect did not occur, an undeclared change occurred, or no world was found in which the
+                skill can start, so that nothing was tested.
         """
         _raise_for(self.run())
 
@@ -61,12 +61,12 @@ def check_contract(
     skills: Sequence[Skill] = (),
     primitives: Iterable[type[Primitive[Any]]] = (),
 ) -> None:
-    """Runs a skill in a world where its preconditions hold, or can be brought about, and compares before and after.
+    """Runs a skill in a world where its preconditions hold, or can be achieved, and compares before and after.
 
     Args:
         skill: An implementation for the fake driver.
-        world: Makes the world: ``lambda: world_of("…")``, or :func:`~skiros_py.testing.tiny_world`.
-        skills: Others that it calls, or that may prepare its start.
+        world: Creates the world: ``lambda: world_of("…")``, or :func:`~skiros_py.testing.tiny_world`.
+        skills: Other skills that it calls, or that may prepare its start.
         primitives: Primitives that any of them calls.
 
     Raises:

@@ -16,13 +16,13 @@ from skiros_py.testing.cell_faults import Blind, CellFault, Dies, Late, Noisy, h
 
 
 class FaultyCell:
-    """A :class:`skiros_py.ports.driver.CellDriver` that passes everything on, but for its faults.
+    """A :class:`skiros_py.ports.driver.CellDriver` that forwards everything, except for its faults.
 
     >>> cell = FaultyCell(FakeCell(spec), Deaf("base_1", after=2.0), Dies(after=10.0))
 
     Args:
         driver: The cell.
-        *faults: What goes wrong, and when; applied in this order.
+        *faults: The faults, applied in this order.
 
     Attributes:
         devices: The devices, by id.
@@ -61,10 +61,10 @@ class FaultyCell:
         return self._snapshot
 
     def exchange(self, commands: Commands) -> Snapshot:
-        """Applies the commands that are heard for one period, and returns what is reported at its end.
+        """Applies the received commands for one period, and returns the reported state at its end.
 
         Raises:
-            DeviceError: The cell is dead, or a device inside broke.
+            DeviceError: The cell is dead, or a device inside has failed.
         """
         for fault in self._active():
             if isinstance(fault, Dies):
@@ -78,7 +78,7 @@ class FaultyCell:
         self._driver.halt()
 
     def release(self) -> None:
-        """Obeys commands again."""
+        """Accepts commands again."""
         self._driver.release()
 
     def capture(self, camera: str) -> Pending[DepthImage]:
@@ -95,7 +95,7 @@ class FaultyCell:
         return _Delayed(picture, late) if late else picture
 
     def close(self) -> None:
-        """Brings the cell inside down."""
+        """Closes the cell inside."""
         self._driver.close()
 
     def _active(self) -> Iterable[CellFault]:
@@ -108,7 +108,7 @@ class FaultyCell:
 
 
 class _Fault:
-    """One fault in one cell: what it must remember."""
+    """The state of one fault in one cell."""
 
     def __init__(self, fault: CellFault, devices: Mapping[str, DeviceSpec[Any, Any]]) -> None:
         self.fault = fault

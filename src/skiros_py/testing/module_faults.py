@@ -13,7 +13,7 @@ from skiros_py.skills.primitive import Execution, Primitive
 
 @dataclass(frozen=True, slots=True)
 class Fails:
-    """A primitive fails at once, for so many calls; then it works. None is always."""
+    """A primitive fails immediately, for a number of calls (None for all); then it works."""
 
     primitive: str
     reason: str = "a fault of the test"
@@ -23,7 +23,7 @@ class Fails:
 
 @dataclass(frozen=True, slots=True)
 class Breaks:
-    """A primitive raises an exception, for so many calls; then it works. None is always."""
+    """A primitive raises an exception, for a number of calls (None for all); then it works."""
 
     primitive: str
     exception: BaseException
@@ -32,7 +32,7 @@ class Breaks:
 
 @dataclass(frozen=True, slots=True)
 class Slow:
-    """A primitive begins so much later [s], for so many calls. None is always."""
+    """A primitive starts with a delay [s], for a number of calls (None for all)."""
 
     primitive: str
     seconds: float
@@ -45,7 +45,7 @@ ModuleFault = Fails | Breaks | Slow
 def spoiled(
     primitives: Sequence[type[Primitive[Any]]], faults: Sequence[ModuleFault]
 ) -> tuple[type[Primitive[Any]], ...]:
-    """Returns the primitives, those with a fault replaced by ones of the same name that have it.
+    """Returns the primitives, with those that have a fault replaced by faulty ones of the same name.
 
     Raises:
         UnknownName: A fault is for a primitive that is not among them.
@@ -81,7 +81,7 @@ def _with_fault(primitive: type[Primitive[Any]], fault: ModuleFault) -> type[Pri
 
 
 def _calls(times: int | None) -> Iterator[bool]:
-    """Tells of each call whether it has the fault."""
+    """Yields for each call whether it has the fault."""
     left = times
     while True:
         yield left is None or left > 0

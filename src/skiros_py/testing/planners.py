@@ -1,4 +1,4 @@
-"""A planner whose answer is given in advance: to test what happens to a wrong one."""
+"""A planner with a fixed answer, to test the handling of wrong ones."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from skiros_py.planning.planners.planner import Answer, Solved, Unsolvable
 
 @dataclass(frozen=True, slots=True)
 class _Given:
-    """An answer that is there at once."""
+    """An answer that is available immediately."""
 
     answer: Answer
     latency: float = 0.0

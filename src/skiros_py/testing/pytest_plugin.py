@@ -49,7 +49,7 @@ def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestR
 
 @pytest.fixture
 def skiros_world(request: pytest.FixtureRequest) -> World:
-    """The world of the test's scene, with the installed ontologies; a new one for each test."""
+    """The world of the test's scene, with the installed ontologies; created for each test."""
     from skiros_py.testing import world_of
 
     marker = request.node.get_closest_marker(_MARKER)
@@ -79,9 +79,9 @@ def skiros_session(request: pytest.FixtureRequest) -> Iterator[Session]:
 
 @pytest.fixture
 def run_skill(request: pytest.FixtureRequest) -> Callable[..., SkillTrial]:
-    """:func:`skiros_py.testing.run_skill`; where the test fails, its report tells of the trial.
+    """:func:`skiros_py.testing.run_skill`; if the test fails, its report describes the trial.
 
-    The world may be left out: it is then that of the test's scene, the same for all calls of a test.
+    If the world is omitted, that of the test's scene is used, the same for all calls of a test.
     """
     from skiros_py.testing import run_skill
 

@@ -1,4 +1,4 @@
-"""One run of a skill or primitive, with everything that a test may want to know of it."""
+"""One run of a skill or primitive, with all data that a test may need."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from skiros_py.world.scene import describe
 
 @dataclass(frozen=True, slots=True, repr=False)
 class SkillTrial:
-    """What happened when a module was tried; true when it succeeded.
+    """The result of running a module; true if it succeeded.
 
     Attributes:
         module: Its name.
         outcome: How it ended.
-        events: What modules reported meanwhile.
-        changes: What was written into the world meanwhile.
-        seconds: How long it took, in time of the run [s].
+        events: Module events during the run.
+        changes: Changes of the world during the run.
+        seconds: Duration, in time of the run [s].
         verdicts: Whether its postconditions hold afterwards, with reasons, by their keys' order; none of a primitive.
-        questions: What a person was asked.
+        questions: The questions to a person.
     """
 
     module: str
@@ -42,11 +42,11 @@ class SkillTrial:
 
     @property
     def reason(self) -> str:
-        """Why it failed, or what it said of its success."""
+        """Why it failed, or its message upon success."""
         return self.outcome.message if isinstance(self.outcome, Success) else self.outcome.reason
 
     def check(self) -> Self:
-        """Returns it when it succeeded.
+        """Returns itself if it succeeded.
 
         Raises:
             AssertionError: It failed; with the reasons, the events and the changes.

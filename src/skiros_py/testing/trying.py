@@ -1,4 +1,4 @@
-"""Trying a skill or a primitive on its own, in one call."""
+"""Runs a single skill or primitive in one call."""
 
 from __future__ import annotations
 
@@ -48,21 +48,21 @@ def run_skill(
     limit: float = _LIMIT,
     **arguments: Any,
 ) -> SkillTrial:
-    """Runs one implementation of a skill to its end, as fast as it can, and tells everything of it.
+    """Runs one implementation of a skill to its end, as fast as possible, and returns all data of the run.
 
     >>> trial = run_skill(PARK, tiny_world(), primitives=[BackOff], faults=[Fails("back_off")], Place="floor")
 
     Args:
         skill: The implementation, whichever driver it is for.
         world: Where it runs; it is changed.
-        primitives: What its body names.
+        primitives: Primitives that its body uses.
         skills: Further skills that it calls.
         driver: Kind of cell: "fake", "pybullet", the name of a plug-in's driver, or what brings one up.
-        faults: What goes wrong, of devices and primitives.
-        answers: What a person says; see :func:`skiros_py.testing.answers`.
+        faults: Faults of devices and primitives.
+        answers: Answers of a person; see :func:`skiros_py.testing.answers`.
         ports: Adapters, for primitives that use them; see :class:`skiros_py.ports.adapters.GivenPorts`.
         config: Values of configuration parameters by "module.key".
-        limit: Longest time of the run [s]; then it is stopped, which is a failure.
+        limit: Maximum time of the run [s], after which it is stopped and fails.
         **arguments: Values by parameter key; what is left out is inferred.
 
     Raises:
@@ -88,7 +88,7 @@ def run_primitive(
     limit: float = _LIMIT,
     **params: Any,
 ) -> SkillTrial:
-    """Runs one primitive to its end, as fast as it can, and tells everything of it; see :func:`run_skill`.
+    """Runs one primitive to its end, as fast as possible, and returns all data of the run; see :func:`run_skill`.
 
     >>> trial = run_primitive(BackOff, tiny_world(), base="base_1", robot="robot_1", place="floor", seconds=0.5)
 
@@ -97,11 +97,11 @@ def run_primitive(
         world: Where it runs; it is changed.
         primitives: Further ones that it calls.
         driver: Kind of cell: "fake", "pybullet", the name of a plug-in's driver, or what brings one up.
-        faults: What goes wrong, of devices and primitives.
-        answers: What a person says.
+        faults: Faults of devices and primitives.
+        answers: Answers of a person.
         ports: Adapters, for primitives that use them; see :class:`skiros_py.ports.adapters.GivenPorts`.
         config: Values of configuration parameters by "module.key".
-        limit: Longest time of the run [s]; then it is stopped, which is a failure.
+        limit: Maximum time of the run [s], after which it is stopped and fails.
         **params: Its parameters; devices that are left out are those of the robot.
     """
     with _bench(world, (), (primitive, *primitives), driver, faults, ports, config) as bench:
@@ -141,7 +141,7 @@ def _made(driver: Driver, spec: CellSpec) -> CellDriver:
         case "fake":
             return FakeCell(spec)
         case "pybullet":
-            from skiros_py.simulation.cell import SimulatedCell  # heavy, and seldom wanted
+            from skiros_py.simulation.cell import SimulatedCell  # heavy, and rarely needed
 
             return SimulatedCell(spec, seed=0)
         case str():
@@ -159,7 +159,7 @@ def _try(
     unsubscribe = bench.world.subscribe(changes.append)
     start = bench.time
     running = bench.start(module, **arguments)
-    # Who reports for ever that it moves never comes to a standstill.
+    # A device that always reports motion never comes to a standstill.
     while not running.done and bench.time - start < limit + 2.0 * bench.cycle.board.braking_time:
         if bench.time - start >= limit:
             running.task.stop(f"it did not end within {limit:g} s")

@@ -20,7 +20,7 @@ _ROOTS = {
     "sk:Floor": 'scene:floor a sk:Floor ; rdfs:label "floor" .',
     "sk:UnknownLocation": 'scene:unknown_location a sk:UnknownLocation ; rdfs:label "unknown location" .',
 }
-"""What every scene has; added where the text does not say it itself."""
+"""Elements of every scene; added if the text does not define them."""
 
 _ROBOT = """
 scene:robot_{n} a sk:Robot ; rdfs:label "robot {n}" ; sk:model "tiny" ; sk:at scene:unknown_location ;
@@ -37,7 +37,7 @@ scene:gripper_{n} a sk:Gripper ; rdfs:label "gripper {n}" ; sk:joints "finger" ;
 def world_of(
     scene: str | Path, *, ontologies: Sequence[Path] = (), imports: Sequence[str] = (), robots: int = 1
 ) -> World:
-    """Makes a live world, with the installed ontologies and reasoners; nothing is kept on disk.
+    """Creates a live world, with the installed ontologies and reasoners; nothing is stored on disk.
 
     >>> world = world_of("scene:box_1 a sk:Container ; sk:on scene:floor .")
     >>> world.objects("box_1", "sk:on")
@@ -48,7 +48,7 @@ def world_of(
             floor, no unknown_location and no robot.
         ontologies: Files or folders of further ontologies.
         imports: IRIs of files whose individuals become part of a world given as Turtle, such as
-            ``https://w3id.org/skiros-py/robots/mobile_panda``; leave out ``robots`` then.
+            ``https://w3id.org/skiros-py/robots/mobile_panda``; then omit ``robots``.
         robots: How many small robots a world given as Turtle gets: robot_1 with base_1, arm_1, gripper_1, and so on
             (:func:`robot_turtle`).
 
