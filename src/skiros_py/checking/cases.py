@@ -31,7 +31,7 @@ class Ground:
 
     Attributes:
         name: Its name ("kitting").
-        open: Creates it, for each trial anew.
+        open: Creates a fresh copy for each trial.
     """
 
     name: str

@@ -17,7 +17,7 @@ def round_corners(way_points: Sequence[Array], clear: Callable[[Array], bool]) -
 
     Args:
         way_points: Joint angles [rad] with clear straight lines in between; at least two.
-        clear: Tells whether a posture touches nothing.
+        clear: Returns whether a posture is free of collisions.
 
     Returns:
         Joint angles [rad] at even steps, shape (n, joints), from the first to the last way point; None when even the

@@ -26,7 +26,7 @@ class NewSkill:
         name: Its name ("scan").
         help: One sentence; derived from the name if omitted.
         agent: Class of the subsystem that executes it ("sk:Arm"). It adds a parameter for the subsystem and, if the
-            required skills are installed, one for its robot and the condition that it is part of the robot.
+            condition for it is installed, one for its robot and the condition that it is part of the robot.
         params: Its other parameters (``Part:sk:Manipulatable``).
         pre, post: Conditions over the parameters (``Scanned(Part)``).
         do: Primitives that implement it, in order; none for a skill that is only pretended.

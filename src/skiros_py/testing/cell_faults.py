@@ -36,7 +36,7 @@ class Frozen:
 
 @dataclass(frozen=True, slots=True)
 class Says:
-    """A device reports a given state regardless of its true one, such as a part between the fingers of a fake gripper."""
+    """A device reports a given state instead of its true one, such as a part between the fingers of a fake gripper."""
 
     device: str
     state: object

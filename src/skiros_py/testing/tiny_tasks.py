@@ -22,9 +22,9 @@ def tiny_task(
 
     Args:
         view: The world.
-        *goal: Conditions that shall hold.
-        skills: What can be done.
-        agents: Who can do it, each what fits its class; None for everyone whom a skill's class allows.
+        *goal: Conditions that must hold.
+        skills: The available skills.
+        agents: The subsystems that can execute them, if they fit the skill's class; None for all that fit it.
     """
     able = [
         Capability(s, tuple(a for a in view.instances(s.agent_class) if agents is None or a in agents)) for s in skills

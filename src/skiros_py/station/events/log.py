@@ -17,7 +17,7 @@ _MOST_ELEMENTS = 1000
 
 
 class EventLog:
-    """A bounded log. A slow reader loses the oldest events and delays nobody.
+    """A bounded log. A slow reader loses the oldest events and does not delay others.
 
     Args:
         kept: Number of events kept.

@@ -9,7 +9,7 @@
 
 import pytest
 
-# Before they are imported: a failing claim shall say which values did not fit.
+# Before they are imported, so that a failing claim shows the values that did not fit.
 for _name in (
     "arm_planner",
     "base_planner",
