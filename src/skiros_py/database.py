@@ -215,7 +215,7 @@ class Database:
                 return cursor.fetchall() if room is None else list(_fitting(cursor, room))
 
     def sync(self) -> None:
-        """Waits until what was committed outlives a power cut as well; nobody who reads or writes has to wait.
+        """Waits until what was committed outlives a power cut as well; readers and writers do not wait.
 
         Raises:
             FileError: The disk does not take it.

@@ -54,7 +54,7 @@ class Connection:
         self._driver = driver
 
     def disconnect(self) -> CellDriver | None:
-        """Parts with the driver between two cycles, and returns it for the caller to close; None if there is none."""
+        """Removes the driver between two cycles, and returns it for the caller to close; None if there is none."""
         driver, self._driver = self._driver, None
         return driver
 

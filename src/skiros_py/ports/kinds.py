@@ -57,7 +57,7 @@ def load_device_kinds() -> tuple[DeviceKinds, tuple[PluginFault, ...]]:
     """Loads all kinds, in the order of their entry points' names, the built-in ones first.
 
     Returns:
-        Those that can be used together; and the faults of the others, which hurt nobody else. Of two plug-ins with
+        Those that can be used together; and the faults of the others, which affect no other. Of two plug-ins with
         one kind or class neither counts; a built-in kind stays.
     """
     return _loaded(installation())

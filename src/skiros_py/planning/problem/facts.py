@@ -107,8 +107,8 @@ def living(actions: Iterable[Action], view: WorldView) -> tuple[Action, ...]:
     """Removes variants that involve a class without elements (no station, no deck, ...)."""
     drafts = tuple(actions)
     classes = {v.type for action in drafts for v in action.parameters} & view.ontology.classes.keys()
-    nobody = {class_ for class_ in classes if not view.some_instances(class_, 1)}
-    return _or_all(drafts, lambda action: all(v.type not in nobody for v in action.parameters))
+    empty = {class_ for class_ in classes if not view.some_instances(class_, 1)}
+    return _or_all(drafts, lambda action: all(v.type not in empty for v in action.parameters))
 
 
 def supported(

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
@@ -35,7 +36,7 @@ from skiros_py.testing.conformance.cells import small_cell
 from skiros_py.testing.conformance.pending import check_pending
 
 
-class ArmPlannerContract:
+class ArmPlannerContract(ABC):
     """Claims about an :class:`~skiros_py.ports.motion.ArmPlanner`; one planner serves all tests of the class.
 
     The robot's first arm must be able to move each joint by 0.2 rad from home, and its tip by 4 cm, in free space.
@@ -52,9 +53,9 @@ class ArmPlannerContract:
     turn_tolerance: ClassVar[float] = 0.01
     line_tolerance: ClassVar[float] = 0.003
 
+    @abstractmethod
     def make(self, robot: RobotSpec) -> ArmPlanner:
         """Returns the planner for a robot; it is closed by its ``close``, where it has one."""
-        raise NotImplementedError("say how to make the planner: def make(self, robot): return MyPlanner(robot)")
 
     def robot(self) -> RobotSpec:
         """Returns the robot; override it for one of another kind."""

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from typing import ClassVar
 
@@ -21,7 +22,7 @@ _START = Pose()
 _GOAL = Pose.of(4.0, 1.0, 0.0, yaw=0.5)
 
 
-class BasePlannerContract:
+class BasePlannerContract(ABC):
     """Claims about a :class:`~skiros_py.ports.motion.BasePlanner`; one planner serves all tests of the class.
 
     Class attributes:
@@ -30,9 +31,9 @@ class BasePlannerContract:
 
     goal_tolerance: ClassVar[float] = 0.01
 
+    @abstractmethod
     def make(self) -> BasePlanner:
         """Returns the planner; it is closed by its ``close``, where it has one."""
-        raise NotImplementedError("say how to make the planner: def make(self): return MyPlanner()")
 
     @pytest.fixture(scope="class")
     @classmethod

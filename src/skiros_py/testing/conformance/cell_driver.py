@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 import threading
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from itertools import pairwise
 from typing import ClassVar, TypeVar
@@ -27,7 +28,7 @@ from skiros_py.testing.conformance.pending import check_pending
 _NOTHING: Commands = {}
 
 
-class CellDriverContract:
+class CellDriverContract(ABC):
     """Claims about a :class:`~skiros_py.ports.driver.CellDriver`; every test gets a cell of its own.
 
     The robot needs 0.5 m of free floor ahead and behind. Devices that a robot does not have are not tested.
@@ -47,9 +48,9 @@ class CellDriverContract:
     gap_tolerance: ClassVar[float] = 0.003
     speed_tolerance: ClassVar[float] = 0.1
 
+    @abstractmethod
     def make(self, spec: CellSpec) -> CellDriver:
         """Returns the adapter for a cell, at rest."""
-        raise NotImplementedError("say how to make the driver: def make(self, spec): return MyDriver(spec)")
 
     def spec(self) -> CellSpec:
         """Returns the cell; override it for a robot of another kind."""

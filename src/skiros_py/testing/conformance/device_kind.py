@@ -8,6 +8,7 @@ import dataclasses
 import json
 import math
 import pickle
+from abc import ABC, abstractmethod
 from typing import Any
 
 import pytest
@@ -20,12 +21,12 @@ _AT_REST = 400
 """Cycles after which a device without a target stands, at the latest."""
 
 
-class DeviceKindContract:
+class DeviceKindContract(ABC):
     """Claims about a kind of device, tried on one device of it; what it does not have is skipped."""
 
+    @abstractmethod
     def device(self) -> DeviceSpec[Any, Any]:
         """Returns a device of the kind."""
-        raise NotImplementedError("name a device: def device(self): return MySpec(…)")
 
     def target(self) -> Any:
         """Returns a target that moves it; None for a sensor."""

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import ClassVar
@@ -44,7 +45,7 @@ def _depth(rendering: Rendering) -> Array:
     return rendering.depth
 
 
-class EngineContract:
+class EngineContract(ABC):
     """Claims about a :class:`~skiros_py.ports.simulation.Engine`; every test gets an empty world of its own.
 
     Class attributes:
@@ -57,9 +58,9 @@ class EngineContract:
     tolerance: ClassVar[float] = 2e-3
     depth_tolerance: ClassVar[float] = 1e-3
 
+    @abstractmethod
     def make(self, period: float) -> Engine:
         """Returns the engine with an empty world."""
-        raise NotImplementedError("say how to make the engine: def make(self, period): return MyEngine(period=period)")
 
     @pytest.fixture
     def engine(self) -> Iterator[Engine]:

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
+
 import numpy as np
 import pytest
 
@@ -16,12 +18,12 @@ from skiros_py.testing.conformance.cells import small_cell
 _STEP = 1e-6
 
 
-class KinematicsContract:
+class KinematicsContract(ABC):
     """Claims about :class:`~skiros_py.ports.kinematics.Kinematics`, for a robot with an arm."""
 
+    @abstractmethod
     def make(self, robot: RobotSpec) -> Kinematics:
         """Returns the kinematics of a robot."""
-        raise NotImplementedError("say how to make it: def make(self, robot): return MyKinematics(robot)")
 
     def robot(self) -> RobotSpec:
         """Returns the robot; override it for one of another kind."""

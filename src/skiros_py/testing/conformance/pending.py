@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import threading
 import time
+from abc import ABC, abstractmethod
 from typing import Any, TypeVar
 
 import pytest
@@ -18,12 +19,12 @@ _PATIENCE = 60.0
 """Longest wall time for which an answer is waited for [s]."""
 
 
-class PendingContract:
+class PendingContract(ABC):
     """Claims about a :class:`~skiros_py.ports.pending.Pending`, such as the answer of a device of one's own."""
 
+    @abstractmethod
     def make(self) -> Pending[Any]:
         """Asks for something that will be answered; each test asks once."""
-        raise NotImplementedError("say how to ask: def make(self): return device.request()")
 
     @pytest.fixture
     def pending(self) -> Pending[Any]:
