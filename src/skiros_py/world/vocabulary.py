@@ -138,7 +138,7 @@ STRUCTURE: Final = RelationName("sk:structure")
 COMMENT: Final = PropertyName("rdfs:comment")
 """What people note about it."""
 LABEL: Final = PropertyName("rdfs:label")
-"""Its display name."""
+"""What people call it."""
 ADDRESS: Final = PropertyName("sk:address")
 """Where the driver reaches the hardware: a host, a port, a serial number, as the driver wants it."""
 APPLIES_TO: Final = PropertyName("sk:appliesTo")
