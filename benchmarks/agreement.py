@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from random_tasks import RandomTask
 
-from skiros_py.planning.domain.needs import passed_keys
+from skiros_py.planning.domain.actions import passed_keys
 from skiros_py.planning.domain.pddl import write_pddl
 from skiros_py.planning.domain.sequencing import in_sequence
 from skiros_py.planning.plan import Step, read_plan

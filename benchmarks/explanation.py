@@ -19,16 +19,14 @@ from table import Figure, finish
 
 from skiros_py.planning.explanation import Explanation, Trial, explain
 from skiros_py.planning.plan import NoPlan
-from skiros_py.planning.planners.choosing import Planners
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.kairos import Kairos
-from skiros_py.planning.planners.planner import Planner
+from skiros_py.planning.planners.planner import Planner, Planners
 from skiros_py.planning.problem.task import build_task
 from skiros_py.planning.service import plan
 from skiros_py.skills.conditions import Condition
 from skiros_py.testing import tiny_world
-from skiros_py.testing.tiny_skills import IN_CONTAINER
-from skiros_py.testing.tiny_tasks import tiny_task
+from skiros_py.testing.tiny import IN_CONTAINER, tiny_task
 
 _RIGHT, _CAUSE, _ALL = 0.95, 0.5, 5.0
 

@@ -38,7 +38,7 @@ from skiros_py.skills.parameters import Kind, Param
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.testing import Bench, tiny_world
-from skiros_py.testing.tiny_skills import AT_LOCATION, REACHABLE
+from skiros_py.testing.tiny import AT_LOCATION, REACHABLE
 from skiros_py.world.vocabulary import AT
 from skiros_py.world.world import World
 

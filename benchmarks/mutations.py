@@ -11,13 +11,12 @@ from dataclasses import dataclass, replace
 from functools import partial
 from random import Random
 
+from skiros_py.planning.plan import Cause, CauseKind
 from skiros_py.planning.problem.task import Capability
-from skiros_py.planning.reasons import Cause, CauseKind
 from skiros_py.skills.conditions import AllOf, Compare, Condition, ConditionType, Exists, Related, Role
 from skiros_py.skills.parameters import Kind, Param
 from skiros_py.skills.skill import SkillDescription
-from skiros_py.testing.tiny import tiny_world
-from skiros_py.testing.tiny_skills import (
+from skiros_py.testing.tiny import (
     AT_LOCATION,
     DRIVE,
     EMPTY_HANDED,
@@ -26,6 +25,7 @@ from skiros_py.testing.tiny_skills import (
     IN_CONTAINER,
     PICK,
     PLACE,
+    tiny_world,
 )
 from skiros_py.world.vocabulary import DRIVING_POSE, HAS_A, IN
 from skiros_py.world.world import World

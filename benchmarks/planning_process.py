@@ -10,12 +10,11 @@ from planning_worlds import PART_CLASSES, able, crowded
 from table import Figure
 
 from skiros_py.planning.plan import Plan
-from skiros_py.planning.planners.choosing import Planners
 from skiros_py.planning.planners.fast_downward import FastDownward
-from skiros_py.planning.planners.planner import Answer, Planner
+from skiros_py.planning.planners.planner import Answer, Planner, Planners
 from skiros_py.planning.process import PlanningProcess
 from skiros_py.planning.requests import Asked, Check, PlanRequest
-from skiros_py.ports.pending import Pending
+from skiros_py.ports.values import Pending
 from skiros_py.testing import Bench, tiny_world
 from skiros_py.world.element import Placement
 from skiros_py.world.vocabulary import IN

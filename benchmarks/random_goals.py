@@ -7,7 +7,7 @@ import random
 from skiros_py.errors import SkirosError
 from skiros_py.skills.conditions import Condition
 from skiros_py.tasks.goals import parse_goal
-from skiros_py.testing.tiny_skills import CONDITIONS
+from skiros_py.testing.tiny import CONDITIONS
 from skiros_py.world.world import World
 
 _CLASSES = ("Ball", "RedBall", "Giant")

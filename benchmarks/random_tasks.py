@@ -12,8 +12,17 @@ from skiros_py.planning.problem.task import Capability
 from skiros_py.planning.sequence import counts
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.parameters import Param
-from skiros_py.testing.tiny import tiny_world
-from skiros_py.testing.tiny_skills import AT_LOCATION, DRIVE, EMPTY_HANDED, FREE, HOLDING, IN_CONTAINER, PICK, PLACE
+from skiros_py.testing.tiny import (
+    AT_LOCATION,
+    DRIVE,
+    EMPTY_HANDED,
+    FREE,
+    HOLDING,
+    IN_CONTAINER,
+    PICK,
+    PLACE,
+    tiny_world,
+)
 from skiros_py.world.world import World
 
 TAKE = replace(

@@ -88,7 +88,7 @@ def running(scene: str, data: Path, *options: str) -> Iterator[Server]:
 
 
 def _address(data: Path, process: subprocess.Popen[bytes]) -> str:
-    from skiros_py.api.local import SERVER_FILE, LocalServer
+    from skiros_py.api.server import SERVER_FILE, LocalServer
 
     deadline = time.monotonic() + _PATIENCE
     while time.monotonic() < deadline and process.poll() is None:

@@ -31,7 +31,7 @@ _subject: Any = None
 
 
 class Call(Generic[T]):
-    """A call under way in a worker; a :class:`skiros_py.ports.pending.Pending`."""
+    """A call under way in a worker; a :class:`skiros_py.ports.values.Pending`."""
 
     def __init__(self, future: Future[T], worker: str, latency: float) -> None:
         self._future = future

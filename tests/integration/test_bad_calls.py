@@ -14,10 +14,10 @@ from skiros_py.errors import DescriptionError, SkirosError, UnknownName
 from skiros_py.ports.cell import CellSpec
 from skiros_py.simulation.fake import FakeCell
 from skiros_py.skills.conditions import Computed, ConditionType, Role
+from skiros_py.skills.context import QuestionKind
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
-from skiros_py.skills.questions import QuestionKind
 from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.testing import (
     Bench,
@@ -28,7 +28,7 @@ from skiros_py.testing import (
     run_skill,
     tiny_world,
 )
-from skiros_py.testing.tiny_skills import AT_LOCATION, DRIVE, PICK, PLACE, REACHABLE, pretend
+from skiros_py.testing.tiny import AT_LOCATION, DRIVE, PICK, PLACE, REACHABLE, pretend
 
 from .bad import Bad, Behaviour, Moving, assert_others_go_on, bad, yielding
 

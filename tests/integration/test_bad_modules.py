@@ -23,7 +23,7 @@ from skiros_py.testing import (
     run_skill,
     tiny_world,
 )
-from skiros_py.testing.tiny_skills import DRIVE
+from skiros_py.testing.tiny import DRIVE
 
 from .bad import Bad, Behaviour, Moving, OwnBase, assert_others_go_on, bad, halted, raising, returning, yielding
 

@@ -17,7 +17,7 @@ Install = Callable[[str, Mapping[str, Mapping[str, str]], str], None]
 
 GOOD = """
 from dataclasses import replace
-from skiros_py.testing.tiny_skills import AT_LOCATION, DRIVE, pretend
+from skiros_py.testing.tiny import AT_LOCATION, DRIVE, pretend
 HOP = pretend(replace(DRIVE, name="hop"))
 AT = AT_LOCATION
 """
@@ -177,7 +177,7 @@ from dataclasses import dataclass, replace
 from skiros_py.behaviours import Do
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.conditions import ConditionType, Related, Role
-from skiros_py.testing.tiny_skills import DRIVE, pretend
+from skiros_py.testing.tiny import DRIVE, pretend
 KNOWS = ConditionType("Knows", (Role("robot", "sk:Robot"), Role("place", "sk:Location")),
                       Related("tiny:knows", "robot", "place"), "Was there.")
 LEARN = pretend(replace(DRIVE, name="learn", post=(KNOWS("Robot", "Location"),)), Do.of("stumble"))

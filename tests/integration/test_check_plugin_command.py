@@ -16,18 +16,18 @@ from skiros_py.skills.lint import RULES
 
 GOOD = """
 from dataclasses import replace
-from skiros_py.testing.tiny_skills import DRIVE, pretend
+from skiros_py.testing.tiny import DRIVE, pretend
 HOP = pretend(replace(DRIVE, name="hop"))
 """
 BAD = """
 from dataclasses import replace
 from skiros_py.behaviours import Do
 from skiros_py.skills.skill import Skill
-from skiros_py.testing.tiny_skills import AT_LOCATION, DRIVE
+from skiros_py.testing.tiny import AT_LOCATION, DRIVE
 
 SKIP = Skill(replace(DRIVE, name="skip"), Do.of("fly"))
 """
-CONDITION = '[project.entry-points."skiros.conditions"]\nReachable = "skiros_py.testing.tiny_skills:REACHABLE"\n'
+CONDITION = '[project.entry-points."skiros.conditions"]\nReachable = "skiros_py.testing.tiny:REACHABLE"\n'
 
 
 def run(*arguments: str) -> Result:
@@ -129,7 +129,7 @@ def test_what_does_not_load_is_a_finding_at_the_line_that_raised(tmp_path: Path)
 
 
 def test_a_condition_on_a_missing_parameter_has_the_name_of_its_rule(tmp_path: Path) -> None:
-    text = "from skiros_py.testing.tiny_skills import *\nfrom dataclasses import replace\n"
+    text = "from skiros_py.testing.tiny import *\nfrom dataclasses import replace\n"
     text += 'HOP = pretend(replace(DRIVE, name="hop", pre=(AT_LOCATION("Robbot", "Location"),)))\n'
     package = written(tmp_path, "sk_stray", text, skill("hop", "sk_stray:HOP"))
 

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from skiros_py.cli.text import brief
+from skiros_py.cli.output import brief
 from skiros_py.testing import TINY_ONTOLOGY, tiny_scene
 
 Start = Callable[..., subprocess.Popen[str]]
@@ -25,7 +25,7 @@ from skiros_py.behaviours import Do
 from skiros_py.skills.outcome import Success
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.conditions import ConditionType, Related, Role
-from skiros_py.testing.tiny_skills import DRIVE, pretend
+from skiros_py.testing.tiny import DRIVE, pretend
 KNOWS = ConditionType("Knows", (Role("robot", "sk:Robot"), Role("place", "sk:Location")),
                       Related("tiny:knows", "robot", "place"), "Was there.")
 HOP = pretend(replace(DRIVE, name="hop", post=(KNOWS("Robot", "Location"),)), Do.of("leap"))

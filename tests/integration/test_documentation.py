@@ -84,8 +84,8 @@ def test_the_second_robot_of_the_manual_comes_into_the_small_scene(tmp_path, cap
 
 def test_the_world_commands_of_the_manual_work(tmp_path, monkeypatch, capsys):
     from skiros_py.station.worlds import open_data
+    from skiros_py.world.branches import learn
     from skiros_py.world.change import Writer
-    from skiros_py.world.drafts import learn
 
     with open_data(tmp_path / "data", "kitting") as data:
         with data.world.transaction("teach", "shown by hand") as tx:

@@ -12,8 +12,7 @@ from skiros_py.errors import StaleVersion, UnknownName, UsageError
 from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.skills.behaviour import nodes_of
 from skiros_py.skills.outcome import Failure, Outcome, Success
-from skiros_py.station.documents import DocumentStore
-from skiros_py.station.runnable import RunnableDocuments
+from skiros_py.station.documents import DocumentStore, RunnableDocuments
 from skiros_py.station.session import Options, Session
 from skiros_py.testing import TINY_ONTOLOGY, tiny_scene
 
@@ -24,7 +23,7 @@ from types import MappingProxyType
 
 from skiros_py.behaviours import Behaviour, DocumentKind, Edge, Uses
 from skiros_py.errors import DescriptionError
-from skiros_py.skills.execution import tick
+from skiros_py.skills.outcome import tick
 from skiros_py.skills.outcome import Failure, Success
 from skiros_py.skills.parameters import param
 from skiros_py.skills.primitive import Primitive

@@ -19,7 +19,7 @@ Install = Callable[[str, Mapping[str, Mapping[str, str]], str], None]
 
 GOOD = """
 from dataclasses import replace
-from skiros_py.testing.tiny_skills import AT_LOCATION, DRIVE, pretend
+from skiros_py.testing.tiny import AT_LOCATION, DRIVE, pretend
 HOP = pretend(replace(DRIVE, name="hop"))
 AT = AT_LOCATION
 """
@@ -28,7 +28,7 @@ from dataclasses import replace
 from skiros_py.behaviours import Do
 from skiros_py.skills.parameters import Param
 from skiros_py.skills.skill import Skill
-from skiros_py.testing.tiny_skills import DRIVE, pretend
+from skiros_py.testing.tiny import DRIVE, pretend
 FLY = pretend(replace(DRIVE, name="fly", params=(Param("Base", "uav:Drone", "Who."), *DRIVE.params[1:])))
 SWIM = Skill(replace(DRIVE, name="swim"), Do.of("paddle"), driver="fake")
 """
@@ -126,7 +126,7 @@ def test_a_class_where_an_object_is_needed_is_refused(install: Install, kind: st
 
 
 REASONERS = """
-from skiros_py.world.reasoners.reasoner import Answer, Reasoner
+from skiros_py.world.reasoners.registry import Answer, Reasoner
 
 class Luck(Reasoner):
     name = "luck"
@@ -142,7 +142,7 @@ class Nearer(Reasoner):
 ASKING = """
 from dataclasses import replace
 from skiros_py.skills.conditions import Computed, ConditionType, Role
-from skiros_py.testing.tiny_skills import PLACE, pretend
+from skiros_py.testing.tiny import PLACE, pretend
 ROLES = (Role("ball", "tiny:Ball"), Role("slot", "tiny:Slot"))
 LUCKY = ConditionType("Lucky", ROLES, Computed("tiny:fitsIn", "ball", "slot"), "-")
 DROP = pretend(replace(PLACE, name="drop", pre=(*PLACE.pre, LUCKY("Ball", "Slot"))))
@@ -175,7 +175,7 @@ def test_a_skill_that_asks_for_what_no_reasoner_computes_is_left_out_and_reporte
 
 BROKEN = {"reasoners": {"far": "Far", "paint": "Paint"}, "ontologies": {"words": "WORDS"}}
 PAINT = """
-from skiros_py.world.reasoners.reasoner import Reasoner
+from skiros_py.world.reasoners.registry import Reasoner
 WORDS = 5
 
 class Paint(Reasoner):

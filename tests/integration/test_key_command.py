@@ -12,7 +12,7 @@ import httpx2
 from click.testing import CliRunner, Result
 from support.serving import serving
 
-from skiros_py.api.access import RoleName
+from skiros_py.api.server import RoleName
 from skiros_py.cli.key import command
 from skiros_py.server.access.roles import Role
 

@@ -13,8 +13,8 @@ from pathlib import Path
 
 from support.server_process import ServerProcess
 
-from skiros_py.api.access import KeyOrder
 from skiros_py.api.jobs import Job, JobOrder
+from skiros_py.api.server import KeyOrder
 from skiros_py.client import Client, ProblemError
 from skiros_py.client.calls import robots
 from skiros_py.config import find_scene

@@ -10,14 +10,13 @@ from typing import Any
 
 import pytest
 
-from skiros_py.api.replays import Replay
+from skiros_py.api.view import Replay
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
 from skiros_py.planning.plan import Plan
 from skiros_py.ports.board import DeviceBoard, DeviceHandle
 from skiros_py.ports.cell import CellSpec
-from skiros_py.ports.device import MobileSpec
-from skiros_py.ports.kinds import load_device_kinds
+from skiros_py.ports.device import MobileSpec, load_device_kinds
 from skiros_py.recording import Recording, RecordingWriter
 from skiros_py.simulation.cell import SimulatedCell
 from skiros_py.simulation.fake import FakeCell
@@ -571,7 +570,7 @@ lab:Cube a owl:Class ; rdfs:subClassOf sk:Manipulatable ; rdfs:label "cube" ; rd
 ENGINE = "from unit.simulation.kinematic_engine import KinematicEngine"
 MODELS = """
 from pathlib import Path
-from skiros_py.ports.models import RobotModel
+from skiros_py.ports.kinematics import RobotModel
 CARRIER, TURNTABLE = (RobotModel(n, Path(__file__).with_name(n + ".urdf")) for n in ("carrier", "turntable"))
 """
 

@@ -17,14 +17,13 @@ import pytest
 
 from skiros_py.errors import PlanningError
 from skiros_py.planning.plan import Plan
-from skiros_py.planning.planners.choosing import Planners
 from skiros_py.planning.planners.fast_downward import FastDownward
-from skiros_py.planning.planners.planner import Planner, Solved
+from skiros_py.planning.planners.planner import Planner, Planners, Solved
 from skiros_py.planning.problem.task import Capability
 from skiros_py.planning.process import PlanningProcess
 from skiros_py.planning.requests import Answer, Asked, PlanRequest
 from skiros_py.testing import Bench, tiny_world
-from skiros_py.testing.tiny_skills import DRIVE, IN_CONTAINER, PICK, PLACE
+from skiros_py.testing.tiny import DRIVE, IN_CONTAINER, PICK, PLACE
 from skiros_py.world.index import Index
 from skiros_py.world.world import World
 

@@ -9,8 +9,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from skiros_py.catalogue import Catalogue, fitting, load_catalogue
-from skiros_py.cli.doctor import examined
-from skiros_py.cli.doctor_checks import CHECKS, Finding, data_folder
+from skiros_py.cli.doctor import CHECKS, Finding, data_folder, examined
 from skiros_py.cli.main import cli, main
 from skiros_py.errors import PlanningError, UnknownName, UsageError
 from skiros_py.plugins import fault_of, installation
@@ -23,7 +22,7 @@ from dataclasses import dataclass, replace
 from skiros_py.behaviours import Do
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill
-from skiros_py.testing.tiny_skills import DRIVE, pretend
+from skiros_py.testing.tiny import DRIVE, pretend
 HOP = pretend(replace(DRIVE, name="hop"))
 CALLS = Skill(replace(DRIVE, name="calls"), Do.of("paddle"), driver="fake")
 UNSEEN = Skill(replace(DRIVE, name="unseen"), Do.of("glide"))
@@ -38,7 +37,7 @@ def planner():
 
 MOVES = """
 from dataclasses import replace
-from skiros_py.testing.tiny_skills import DRIVE, pretend
+from skiros_py.testing.tiny import DRIVE, pretend
 X = pretend(replace(DRIVE, name="tiny_drive"))
 """
 
@@ -257,7 +256,7 @@ def test_a_skill_that_calls_a_broken_primitive_says_so_by_name(site: Any) -> Non
 WITHIN = """
 from dataclasses import replace
 from skiros_py.behaviours import Do, P
-from skiros_py.testing.tiny_skills import DRIVE, pretend
+from skiros_py.testing.tiny import DRIVE, pretend
 OUTER = pretend(replace(DRIVE, name="tour"), Do.of("hop", Location=P("Location")))
 INNER = pretend(replace(DRIVE, name="hop"))
 LOST = pretend(replace(DRIVE, name="lost"), Do.of("sunk", Location=P("Location")))
@@ -265,7 +264,7 @@ LOST = pretend(replace(DRIVE, name="lost"), Do.of("sunk", Location=P("Location")
 
 
 def test_a_skill_of_one_package_calls_a_skill_of_another(site: Any, tmp_path: Any) -> None:
-    site.install("sk-words", {"conditions": {"TinyAt": "skiros_py.testing.tiny_skills:AT_LOCATION"}})
+    site.install("sk-words", {"conditions": {"TinyAt": "skiros_py.testing.tiny:AT_LOCATION"}})
     site.install(
         "sk-outer", {"skills": {"tour": "sk_within:OUTER", "lost": "sk_within:LOST"}}, {"sk_within.py": WITHIN}
     )
@@ -287,13 +286,13 @@ REAL = """
 from dataclasses import replace
 from skiros_py.behaviours import Wait
 from skiros_py.skills.skill import Skill
-from skiros_py.testing.tiny_skills import DRIVE
+from skiros_py.testing.tiny import DRIVE
 X = Skill(replace(DRIVE, name="ride"), Wait(1.0))
 """
 
 
 def test_a_skill_without_an_implementation_for_the_driver_is_said_to_be_there(site: Any, tmp_path: Any) -> None:
-    site.install("sk-words", {"conditions": {"TinyCarries": "skiros_py.testing.tiny_skills:CARRIES"}})
+    site.install("sk-words", {"conditions": {"TinyCarries": "skiros_py.testing.tiny:CARRIES"}})
     site.install("sk-real", {"skills": {"ride": "sk_real:X"}}, {"sk_real.py": REAL})
     scene = str(tiny_scene(tmp_path))
     says = "ride is there, but has no implementation for driver fake"
@@ -307,7 +306,7 @@ def test_a_skill_without_an_implementation_for_the_driver_is_said_to_be_there(si
 
 
 def test_a_session_runs_beside_broken_primitives_and_skills(site: Any, tmp_path: Any) -> None:
-    site.install("sk-words", {"conditions": {"TinyAt": "skiros_py.testing.tiny_skills:AT_LOCATION"}})
+    site.install("sk-words", {"conditions": {"TinyAt": "skiros_py.testing.tiny:AT_LOCATION"}})
     site.install("sk-moves", {"skills": {"tiny_drive": "sk_moves:X"}}, {"sk_moves.py": MOVES})
 
     with Session(

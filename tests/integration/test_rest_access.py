@@ -16,7 +16,7 @@ import httpx2
 import pytest
 from support.serving import Served, serving
 
-from skiros_py.api.access import KeyOrder
+from skiros_py.api.server import KeyOrder
 from skiros_py.client.client import Client
 from skiros_py.server.access.roles import Role
 

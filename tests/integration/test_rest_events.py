@@ -18,12 +18,12 @@ from support.serving import serving
 
 from skiros_py.api.events import EventInfo, ResetInfo
 from skiros_py.client.calls import events as calls
-from skiros_py.client.errors import ProblemError, Unreachable
+from skiros_py.client.request import ProblemError, Unreachable
 from skiros_py.client.streams import follow, follow_later
 from skiros_py.server.access.roles import Role
-from skiros_py.server.events.positions import position_text
 from skiros_py.server.settings import ServerSettings
-from skiros_py.station.events.event import Kind
+from skiros_py.server.streams import position_text
+from skiros_py.station.events.log import Kind
 from skiros_py.tasks.jobs import JobOrder
 from skiros_py.world.change import Writer
 from skiros_py.world.element import Placement

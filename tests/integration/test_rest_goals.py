@@ -7,9 +7,8 @@ import httpx2
 import pytest
 from support.serving import Served, serving
 
-from skiros_py.api.goals import GoalOrder
+from skiros_py.api.goals import GoalOrder, GoalTemplateContent
 from skiros_py.api.jobs import order_from
-from skiros_py.api.templates import GoalTemplateContent
 from skiros_py.client.calls import goals as goal_calls
 from skiros_py.client.client import Client
 

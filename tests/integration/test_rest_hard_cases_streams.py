@@ -20,7 +20,7 @@ from skiros_py.api.events import EventInfo, ResetInfo
 from skiros_py.client.calls import events as calls
 from skiros_py.client.streams import follow
 from skiros_py.server.settings import ServerSettings
-from skiros_py.station.events.event import Kind
+from skiros_py.station.events.log import Kind
 
 from .hard import HOLDS, api_of, cycles, over, until
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from support.serving import Served, serving
 
-from skiros_py.api.looks import Look, RobotMotion
+from skiros_py.api.robots import Look, RobotMotion
 from skiros_py.client.calls.events import get_state
 from skiros_py.client.client import Client
 from skiros_py.station.session import Options

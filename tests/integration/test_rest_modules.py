@@ -9,8 +9,8 @@ import pytest
 from support.serving import Served, serving
 
 from skiros_py.api.modules import ModuleDetails, ModuleRunInfo
-from skiros_py.client.call import Call
 from skiros_py.client.calls import modules as calls
+from skiros_py.client.request import Call
 from skiros_py.server.services import Services
 
 OVER = ("succeeded", "failed", "stopped")

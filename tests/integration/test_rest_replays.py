@@ -13,7 +13,7 @@ import pytest
 from mcap.reader import make_reader
 from support.serving import Served, serving
 
-from skiros_py.api.replays import Replay
+from skiros_py.api.view import Replay
 from skiros_py.client.client import Client
 from skiros_py.station.session import Options
 

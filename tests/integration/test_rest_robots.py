@@ -11,8 +11,8 @@ from support.serving import Served, serving
 
 from skiros_py.api.modules import ModuleRunInfo
 from skiros_py.api.robots import Jog, JogBase, JogGripper, JogJoints, Teach
-from skiros_py.client.call import Call
 from skiros_py.client.calls import modules, robots
+from skiros_py.client.request import Call
 
 OVER = ("succeeded", "failed", "stopped")
 STEP = (0.1, 0.0, 0.0, 0.0, 0.0, 0.0, -0.2)

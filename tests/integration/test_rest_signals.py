@@ -12,7 +12,7 @@ from support.serving import serving
 
 from skiros_py.catalogue.loading import load_catalogue
 from skiros_py.client import Client
-from skiros_py.client.errors import ProblemError
+from skiros_py.client.request import ProblemError
 from skiros_py.ports.signals import Input, Request, Signal, Value
 
 

@@ -13,7 +13,7 @@ from support.serving import serving
 
 from skiros_py.devices.base import BaseState
 from skiros_py.errors import WrongState
-from skiros_py.skills.questions import QuestionKind
+from skiros_py.skills.context import QuestionKind
 from skiros_py.station.session import Options
 from skiros_py.tasks.jobs import JobOrder, JobState
 

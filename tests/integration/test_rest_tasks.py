@@ -8,11 +8,10 @@ import httpx2
 import pytest
 from support.serving import Served, serving
 
-from skiros_py.api.sequences import InsertStep, NewSequence, RunSequence, SequenceInfo
-from skiros_py.api.tasks import NewTask, TaskInfo, WantedStep
-from skiros_py.client.call import Call
+from skiros_py.api.tasks import InsertStep, NewSequence, NewTask, RunSequence, SequenceInfo, TaskInfo, WantedStep
 from skiros_py.client.calls import sequences as seq
 from skiros_py.client.calls import tasks as calls
+from skiros_py.client.request import Call
 
 TO_PALLET = WantedStep(skill="drive", arguments={"Location": "pallet_a"})
 TO_KIT = WantedStep(skill="drive", arguments={"Location": "kit_1"})

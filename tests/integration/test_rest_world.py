@@ -14,13 +14,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from support.serving import Served, serving
 
-from skiros_py.api.elements import ElementPatch, NewElement
 from skiros_py.api.queries import AskAnswer, Query
-from skiros_py.api.values import GivenPose, Placement
-from skiros_py.api.world import LockOrder, SetOperation, TransactionOrder
+from skiros_py.api.world import (
+    ElementPatch,
+    GivenPose,
+    LockOrder,
+    NewElement,
+    Placement,
+    SetOperation,
+    TransactionOrder,
+)
 from skiros_py.client.calls import elements, ontology, world
 from skiros_py.client.client import Client
-from skiros_py.client.errors import ProblemError
+from skiros_py.client.request import ProblemError
 from skiros_py.world.change import Writer
 from skiros_py.world.journal import Journal
 from skiros_py.world.vocabulary import APPLIES_TO, GRASP_WIDTH, TAUGHT_GRASP

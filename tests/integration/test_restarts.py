@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from skiros_py.geometry import Pose
-from skiros_py.skills.respawn import respawn
+from skiros_py.skills.surroundings import respawn
 from skiros_py.station.session import Options, Session
 from skiros_py.world.change import Writer
 

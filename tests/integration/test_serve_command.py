@@ -17,9 +17,9 @@ import pytest
 from support.server_process import ServerProcess
 
 from skiros_py.api.jobs import JobOrder
-from skiros_py.cli.first_start import rollback_first_start
 from skiros_py.cli.job_files import JobFiles
 from skiros_py.cli.main import main
+from skiros_py.cli.serve import rollback_first_start
 from skiros_py.errors import UsageError
 from skiros_py.server.access.keys import KeyStore
 from skiros_py.server.access.roles import Role

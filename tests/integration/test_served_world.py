@@ -14,8 +14,8 @@ from support.server_process import ServerProcess
 
 from skiros_py.cli.main import cli, main
 from skiros_py.station.worlds import open_data
+from skiros_py.world.branches import learn
 from skiros_py.world.change import Writer
-from skiros_py.world.drafts import learn
 
 MANY = 210
 """More than a server tells at once of what is in a place, or of the edits of a change."""

@@ -4,9 +4,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from skiros_primitives.choose import Choose
-from skiros_primitives.confirm import Confirm
-from skiros_primitives.refill import Refill
+from skiros_primitives.asking import Choose, Confirm, Refill
 from skiros_py.skills.outcome import Failure, Success
 from skiros_py.testing import Bench, answers, tiny_world
 

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from skiros_primitives import association
+from skiros_primitives import locate
 from skiros_py.geometry import Pose
 from skiros_py.ports.perception import Detection
 from skiros_py.testing import Bench, tiny_world
@@ -34,12 +34,12 @@ def bench(*facts: str) -> Iterator[Bench]:
         yield made
 
 
-def look(*facts: str, sees: Sequence[Detection], types: Sequence[str] = TYPES) -> association.Association:
+def look(*facts: str, sees: Sequence[Detection], types: Sequence[str] = TYPES) -> locate.Association:
     with bench(*facts) as made:
-        return association.associate(made.context, "box_a", types, sees)
+        return locate.associate(made.context, "box_a", types, sees)
 
 
-def names(found: association.Association) -> list[str | None]:
+def names(found: locate.Association) -> list[str | None]:
     return [element for element, _, _ in found.seen]
 
 
@@ -124,7 +124,7 @@ detections = st.lists(st.builds(at, st.floats(0.9, 1.4), st.sampled_from([*TYPES
 @given(detections)
 def test_however_things_lie_everyone_is_seen_once_or_unseen_and_types_agree(sees: list[Detection]) -> None:
     with bench(*FACTS) as made:
-        found = association.associate(made.context, "box_a", TYPES, sees)
+        found = locate.associate(made.context, "box_a", TYPES, sees)
         types = {e: made.world.element(e).type for e in "abcrs"}
 
     known = [element for element in names(found) if element is not None]

@@ -8,11 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from skiros_primitives.jog_base import JogBase
-from skiros_primitives.jog_joints import JogJoints
-from skiros_primitives.jog_tool import JogTool
-from skiros_primitives.jogging import even
-from skiros_primitives.move_arm import MoveArm
+from skiros_primitives.jogging import JogBase, JogJoints, JogTool, even
+from skiros_primitives.postures import MoveArm
 from skiros_py.devices.arm import ArmState
 from skiros_py.devices.base import BaseState
 from skiros_py.skills.outcome import Failure, Success

@@ -4,9 +4,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from skiros_primitives.teach_driving_pose import TeachDrivingPose
-from skiros_primitives.teach_grasp import TeachGrasp
-from skiros_primitives.teach_placing_pose import TeachPlacingPose
+from skiros_primitives.teaching import TeachDrivingPose, TeachGrasp, TeachPlacingPose
 from skiros_py.devices.gripper import Gripper, GripperTarget
 from skiros_py.geometry import Pose
 from skiros_py.planning.plan import NoPlan, Plan

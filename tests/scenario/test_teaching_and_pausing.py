@@ -13,9 +13,8 @@ import numpy as np
 import pytest
 
 from skiros_primitives.arm_moves import ArmPrimitive
-from skiros_primitives.home import Home
-from skiros_primitives.teach_driving_pose import TeachDrivingPose
-from skiros_primitives.teach_grasp import TeachGrasp
+from skiros_primitives.postures import Home
+from skiros_primitives.teaching import TeachDrivingPose, TeachGrasp
 from skiros_py.catalogue import load_catalogue
 from skiros_py.devices.arm import ArmSpec, ArmState
 from skiros_py.devices.gripper import GripperState

@@ -15,7 +15,7 @@ from support.server_process import ServerProcess
 from support.serving import Served
 
 from skiros_py.server.settings import ServerSettings
-from skiros_py.skills.questions import QuestionKind
+from skiros_py.skills.context import QuestionKind
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page

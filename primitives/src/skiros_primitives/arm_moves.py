@@ -8,18 +8,66 @@ from typing import Any
 
 import numpy as np
 
-from skiros_primitives.fingers import firm_force, move_fingers
-from skiros_primitives.other_robots import bodies, others
-from skiros_primitives.playback import Playback
+from skiros_primitives.floor_obstacles import bodies, others
+from skiros_primitives.gripper import firm_force, move_fingers
 from skiros_py.devices.arm import Arm, ArmSpec, ArmTarget
 from skiros_py.devices.gripper import Gripper, GripperSpec, GripperState
 from skiros_py.geometry import Pose
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.motion import ArmPlanner, Held, MotionPlan, MotionRequest, NoMotion, Obstacle, Route, Trajectory
-from skiros_py.skills.floor import Outline
+from skiros_py.skills.context import Outline
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.surroundings import held_by, obstacles
 from skiros_py.world.vocabulary import GRIPPER, HAS_A
+
+_SAME = 1e-6
+"""Clock times that differ by less than this fraction of a period count as equal."""
+
+
+class Playback:
+    """Samples a trajectory at the time that has passed on a clock; the path is independent of the clock's speed.
+
+    Args:
+        trajectory: Samples, one per period.
+        period: The control period [s].
+        now: Time on the clock when it begins [s].
+    """
+
+    def __init__(self, trajectory: Trajectory, period: float, now: float) -> None:
+        self._trajectory = trajectory
+        self._period = period
+        self._start = now
+        self._last = now - period
+        self._sample = 0.0
+
+    @property
+    def ended(self) -> bool:
+        """True once the last sample has been returned."""
+        return self._sample >= len(self._trajectory.positions) - 1
+
+    def target(self, now: float) -> ArmTarget:
+        """Returns the set-point for the end of the coming cycle, assuming the clock runs as in the last one.
+
+        Args:
+            now: Time on the clock, once per cycle [s].
+        """
+        rate = min(1.0, _rounded((now - self._last) / self._period))
+        self._last = now
+        passed = _rounded((now - self._start) / self._period)
+        self._sample = min(passed + rate, float(len(self._trajectory.positions) - 1))
+        before, share = int(self._sample), self._sample % 1.0
+        positions, velocities = self._trajectory.positions[before], self._trajectory.velocities[before]
+        if share > 0.0:
+            positions = positions + share * (self._trajectory.positions[before + 1] - positions)
+            velocities = velocities + share * (self._trajectory.velocities[before + 1] - velocities)
+        return ArmTarget(tuple(positions.tolist()), tuple((rate * velocities).tolist()))
+
+
+def _rounded(periods: float) -> float:
+    """Returns a whole number if within rounding error: on a regular clock each sample is hit exactly."""
+    whole = math.floor(periods + 0.5)
+    return float(whole) if abs(periods - whole) < _SAME else periods
+
 
 _ARRIVED = 0.02
 """Greatest joint error at the end of a motion [rad]."""

@@ -1,12 +1,20 @@
-"""Common base of the primitives that ask the user."""
+"""Asks the user: to choose, to confirm, or to bring something to a place."""
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
-from skiros_py.skills.outcome import Failure
+from skiros_py.skills.context import QuestionKind
+from skiros_py.skills.outcome import Failure, Outcome, Success
+from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive
-from skiros_py.skills.questions import QuestionKind
+from skiros_py.skills.surroundings import set_pose
+from skiros_py.world.element import Placement, Value
+from skiros_py.world.literals import ANY_LITERAL, DATATYPES
+from skiros_py.world.names import local_name
+from skiros_py.world.transaction import Transaction
+from skiros_py.world.vocabulary import CONTAINER, ELEMENT, IN, MANIPULATABLE, MISSED_LOOKS, MISSING
 
 
 class AskingPrimitive(Primitive[Any]):
@@ -33,3 +41,146 @@ class AskingPrimitive(Primitive[Any]):
             return Failure(f"nobody answered within {patience:g} s: {text}")
         self.progress(2, f"{asked.by} answered: {asked.answer}")
         return asked.answer
+
+
+class Choose(AskingPrimitive):
+    """Asks the user to choose one of several options; the choice is stored as a property of an element."""
+
+    name: ClassVar[str] = "choose"
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        """Parameters."""
+
+        question: str = param("text", "What is asked, such as 'Which colour?'.")
+        options: tuple[str, ...] = param("text", "What there is to choose from.", length=0)
+        element: str | None = param(ELEMENT, "Where the choice is written to.", kind=Kind.OPTIONAL, default=None)
+        property: str | None = param(
+            "text", "Its property that gets the choice, such as 'sk:model'.", kind=Kind.OPTIONAL, default=None
+        )
+        patience: float | None = param(
+            "number", "Longest wait for the answer; left out: for ever.", kind=Kind.OPTIONAL, default=None, unit="s"
+        )
+
+    def start(self) -> Failure | None:
+        """Checks that there are options, and that each could be stored."""
+        if len(set(self.params.options)) < 2 or len(set(self.params.options)) < len(self.params.options):
+            return Failure(f"options: give two or more that differ, not {list(self.params.options)}")
+        if (self.params.element is None) != (self.params.property is None):
+            return Failure("element and property: the choice is written to both together, give both or none")
+        return self._unwritable() or super().start()
+
+    def execute(self) -> Execution[Outcome]:
+        """Asks, and stores the answer."""
+        answer = yield from self.ask(QuestionKind.CHOOSE, self.params.question, self.params.options)
+        if isinstance(answer, Failure):
+            return answer
+        element, property_ = self.params.element, self.params.property
+        if element is not None and property_ is not None:
+            with self.world.transaction(author=self.name, reason=f"a person chose {answer}") as tx:
+                tx.set(element, property_, self._value(property_, answer))
+        return Success(answer)
+
+    def _unwritable(self) -> Failure | None:
+        property_ = self.params.property
+        if property_ is None:
+            return None
+        if property_ not in self.world.ontology.properties:
+            return Failure(f"property: there is no property '{property_}'")
+        for option in self.params.options:
+            try:
+                self._value(property_, option)
+            except ValueError:
+                says = DATATYPES[self.world.ontology.properties[property_].range].says
+                return Failure(f"option '{option}' cannot be written as {property_}: it needs {says}")
+        return None
+
+    def _value(self, property_: str, answer: str) -> Value:
+        datatype = DATATYPES[self.world.ontology.properties[property_].range]
+        return answer if datatype is DATATYPES[ANY_LITERAL] else datatype.check(datatype.parse(answer))
+
+
+class Confirm(AskingPrimitive):
+    """Asks the user a yes-or-no question; "no" is a failure."""
+
+    name: ClassVar[str] = "confirm"
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        """Parameters."""
+
+        question: str = param("text", "What is asked, such as 'Is the door closed?'.")
+        patience: float | None = param(
+            "number", "Longest wait for the answer; left out: for ever.", kind=Kind.OPTIONAL, default=None, unit="s"
+        )
+
+    def execute(self) -> Execution[Outcome]:
+        """Asks."""
+        answer = yield from self.ask(QuestionKind.CONFIRM, self.params.question, ("yes", "no"))
+        if isinstance(answer, Failure):
+            return answer
+        return Success("yes") if answer == "yes" else Failure(f"a person said no: {self.params.question}")
+
+
+_DONE, _CANNOT = "done", "cannot"
+
+
+class Refill(AskingPrimitive):
+    """Asks the user to bring something to a place; it has to be located before it is used."""
+
+    name: ClassVar[str] = "refill"
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        """Parameters."""
+
+        place: str = param(CONTAINER, "Where it is wanted.")
+        what: str = param("class", "The class of thing that is wanted, such as kitting:Starter.")
+        count: int = param("integer", "How many.", kind=Kind.OFFLINE, default=1)
+        patience: float | None = param(
+            "number", "Longest wait for the answer; left out: for ever.", kind=Kind.OPTIONAL, default=None, unit="s"
+        )
+
+    def start(self) -> Failure | None:
+        """Checks that the thing can be requested."""
+        if not self.world.ontology.is_a(self.params.what, MANIPULATABLE):
+            return Failure(f"what: {self.params.what} is no {MANIPULATABLE}, so nobody can bring it")
+        if self.params.count < 1:
+            return Failure(f"count: one or more, not {self.params.count}")
+        return super().start()
+
+    def execute(self) -> Execution[Outcome]:
+        """Asks, and takes the answer as true until a look contradicts it."""
+        place, count = self.params.place, self.params.count
+        text = f"Bring {count} x {local_name(self.params.what)} to {self.world.element(place).label} ({place})"
+        answer = yield from self.ask(QuestionKind.REFILL, text, (_DONE, _CANNOT))
+        if isinstance(answer, Failure):
+            return answer
+        if answer != _DONE:
+            return Failure(f"a person cannot do this: {text}")
+        with self.world.transaction(author=self.name, reason=f"a person brought {count} x {self.params.what}") as tx:
+            self._unverify(tx)
+            self._bring(tx)
+        return Success(f"{place} was refilled")
+
+    def _unverify(self, tx: Transaction) -> None:
+        """Marks the place's things as unverified: the user may have moved them."""
+        for thing in self.world.subjects(IN, self.params.place):
+            if self.world.ontology.is_a(self.world.element(thing).type, MANIPULATABLE):
+                self._forget(tx, thing)
+
+    def _bring(self, tx: Transaction) -> None:
+        """Adds what was brought: first as the missing things of its class, which looks identify; the rest is new."""
+        place = Placement(IN, self.params.place)
+        missing = [e for e in self.world.instances(self.params.what) if self.world.value(e, MISSING) is True]
+        found = [e for e in missing if self.world.placement(e) != place][: self.params.count]
+        for thing in found:
+            tx.place(thing, IN, self.params.place)
+            self._forget(tx, thing)
+        for _ in range(self.params.count - len(found)):
+            tx.add(self.params.what, placement=place)
+
+    def _forget(self, tx: Transaction, thing: str) -> None:
+        tx.set(thing, MISSING, None)
+        tx.set(thing, MISSED_LOOKS, None)
+        set_pose(tx, self.world, thing, None)

@@ -6,10 +6,9 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from skiros_primitives.arm_moves import ArmPrimitive
-from skiros_primitives.fingers import firm_force, move_fingers
+from skiros_primitives.gripper import firm_force, move_fingers
 from skiros_primitives.part_models import Grasp as GraspData
-from skiros_primitives.part_models import grasp_of
-from skiros_primitives.poses import level
+from skiros_primitives.part_models import grasp_of, level
 from skiros_py.devices.gripper import Gripper, GripperState
 from skiros_py.errors import DescriptionError
 from skiros_py.geometry import Pose

@@ -1,14 +1,31 @@
-"""Common parts of the jogging primitives."""
+"""Jogs the joints or the tool of an arm, or a base, by a small step, for robot setup."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
+import shapely
+from shapely.geometry.base import BaseGeometry
 
+from skiros_primitives import floor_obstacles
 from skiros_primitives.arm_moves import ArmPrimitive
-from skiros_py.ports.motion import MotionPlan, NoMotion, Trajectory
+from skiros_primitives.driving import DrivingPrimitive
+from skiros_primitives.floor_obstacles import covered, placed
+from skiros_py.devices.arm import ArmSpec, ArmState
+from skiros_py.devices.base import Base, BaseTwist
+from skiros_py.geometry import Pose, wrap_angle
+from skiros_py.ports.cell import RobotSpec
+from skiros_py.ports.motion import BaseLeg, BasePath, JointMove, LineMove, MotionPlan, NoMotion, Obstacle, Trajectory
+from skiros_py.skills.context import Outline
+from skiros_py.skills.outcome import Failure, Outcome, Success
+from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
+from skiros_py.skills.surroundings import map_pose, obstacles
+from skiros_py.world.vocabulary import ARM, BASE, ROBOT, SPATIAL_THING
 
 _SPEED = 0.3
 """Mean joint speed of an unplanned motion [rad/s]."""
@@ -35,3 +52,337 @@ def slip(arm: ArmPrimitive, planned: MotionPlan) -> Execution[NoMotion | None]:
     if refusal is None:
         arm.context.floor.stretch(arm.params.arm, planned.ends)
     return refusal
+
+
+_FARTHEST = 0.2
+"""Farthest turn of one joint in one step [rad]."""
+_SHOWN = 0.0005
+"""Smaller joint motions are not reported [rad]."""
+
+
+_DETOUR = 0.02
+"""How much farther than commanded a joint may turn [rad]: more means a detour around something."""
+
+
+class JogJoints(ArmPrimitive):
+    """Turns the joints of an arm by at most 0.2 rad each, straight and only if nothing is touched."""
+
+    name: ClassVar[str] = "jog_joints"
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        """Parameters."""
+
+        arm: str = param(ARM, "The arm that moves.", kind=Kind.HARDWARE)
+        deltas: tuple[float, ...] = param(
+            "number", "By how much each joint turns, at most 0.2 rad, in the arm's order.", length=0, unit="rad"
+        )
+
+    def start(self) -> Failure | None:
+        """Checks that it is a small step of this arm."""
+        joints, deltas = self.arm_spec.joints, self.params.deltas
+        if len(deltas) != len(joints):
+            return Failure(
+                f"deltas: {self.params.arm} has {len(joints)} joints ({', '.join(joints)}), not {len(deltas)}"
+            )
+        worst = max(deltas, key=abs)
+        if abs(worst) > _FARTHEST:
+            return Failure(f"deltas: one step turns a joint by at most {_FARTHEST:g} rad, not by {worst:g} rad")
+        return None
+
+    def execute(self) -> Execution[Outcome]:
+        """Moves if the straight path is free."""
+        before = self.arm.state.positions
+        goal = tuple(position + delta for position, delta in zip(before, self.params.deltas, strict=True))
+        if not self.is_planned:
+            refusal = yield from self.follow(even(before, goal, self.context.board.period))
+        else:
+            refusal = yield from self._go(goal)
+        if refusal is not None:
+            return Failure(f"{self.params.arm} cannot turn so: {refusal.reason}")
+        return Success(self._turned())
+
+    def _turned(self) -> str:
+        """Describes which joints were turned, and by how much."""
+        ways = zip(self.arm_spec.joints, self.params.deltas, strict=True)
+        turned = [f"{joint} by {delta:.3f} rad" for joint, delta in ways if abs(delta) >= _SHOWN]
+        return f"turned {', '.join(turned)}" if turned else "nothing to turn"
+
+    def _go(self, goal: tuple[float, ...]) -> Execution[NoMotion | None]:
+        planned = yield from self.plan([(JointMove(goal),)], speed=_SPEED)
+        if isinstance(planned, NoMotion):
+            return planned
+        ways = [np.abs(np.diff(leg.positions, axis=0)).sum(axis=0) for leg in planned.legs]
+        more = np.sum(ways, axis=0) - np.abs(self.params.deltas)
+        if more.max() > _DETOUR:
+            return NoMotion("something is in the straight way")
+        return (yield from slip(self, planned))
+
+
+_TOOL_FARTHEST = 0.1
+"""Longest step [m]."""
+_TURN = 0.35
+"""Greatest turn in one step [rad]."""
+_TOOL_SPEED = 0.05
+"""Greatest speed of the tool [m/s]."""
+_SHARE = 0.3
+"""Fraction of the maximum joint speeds that is used."""
+
+Triple = tuple[float, float, float]
+
+
+class JogTool(ArmPrimitive):
+    """Moves and turns the tool of an arm by at most 0.1 m and 0.35 rad, straight and only if nothing is touched."""
+
+    name: ClassVar[str] = "jog_tool"
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        """Parameters."""
+
+        arm: str = param(ARM, "The arm whose tool moves.", kind=Kind.HARDWARE)
+        frame: str = param(
+            "text", "Along whose axes: tool, base (of the robot), map, or the id of an element.", default="tool"
+        )
+        translation: Triple = param(
+            "number", "By how much it moves along x, y, z; 0.1 m at most.", length=3, default=(0.0, 0.0, 0.0), unit="m"
+        )
+        rotation: Triple = param(
+            "number",
+            "Axis in that frame, as long as it turns about the tool's tip; 0.35 rad at most.",
+            length=3,
+            default=(0.0, 0.0, 0.0),
+            unit="rad",
+        )
+        near: str | None = param(
+            SPATIAL_THING,
+            "A thing that gripper and held part may touch, and what it lies on.",
+            kind=Kind.OPTIONAL,
+            default=None,
+        )
+
+    def start(self) -> Failure | None:
+        """Checks that it is a small step in an existing frame."""
+        way, turn = math.hypot(*self.params.translation), math.hypot(*self.params.rotation)
+        if way > _TOOL_FARTHEST or turn > _TURN:
+            return Failure(
+                f"one step is at most {_TOOL_FARTHEST:g} m and {_TURN:g} rad long, not {way:.3g} m and {turn:.3g} rad"
+            )
+        if not self.is_planned:
+            return Failure("there is no planner for the arm: jog the joints instead")
+        if self.params.frame not in ("tool", "base", "map"):
+            return self._unplaced(self.params.frame)
+        return None
+
+    def execute(self) -> Execution[Outcome]:
+        """Moves along a line if it is free."""
+        tool = self.tool_pose()
+        line = LineMove(self._goal(tool), speed=_TOOL_SPEED, touching=self._touching())
+        refusal = yield from self.go([(line,)], speed=_SHARE)
+        if refusal is not None:
+            return Failure(f"{self.params.arm} cannot move its tool so: {refusal.reason}")
+        tool = self.tool_pose()
+        return Success("at {:.3f} {:.3f} {:.3f} m in the map".format(*tool.position))
+
+    def _goal(self, tool: Pose) -> Pose:
+        """The tool's pose in the map afterwards."""
+        axes = Pose((0.0, 0.0, 0.0), self._frame(tool).orientation)
+        step = axes.apply(np.array(self.params.translation))
+        turn = axes @ Pose((0.0, 0.0, 0.0), _quaternion(self.params.rotation)) @ axes.inverse()
+        x, y, z = (at + by for at, by in zip(tool.position, step.tolist(), strict=True))
+        return Pose((x, y, z), (turn @ Pose((0.0, 0.0, 0.0), tool.orientation)).orientation)
+
+    def _frame(self, tool: Pose) -> Pose:
+        match self.params.frame:
+            case "tool":
+                return tool
+            case "base":
+                return self.base_pose
+            case "map":
+                return Pose()
+            case element:
+                return map_pose(self.context, element) or Pose()
+
+    def _unplaced(self, element: str) -> Failure | None:
+        if not self.world.has(element):
+            return Failure(f"frame: there is no element '{element}'; else it is tool, base or map")
+        if map_pose(self.context, element) is None:
+            return Failure(f"frame: nobody knows where {element} is")
+        return None
+
+    def _touching(self) -> frozenset[str]:
+        near = self.params.near
+        if near is None:
+            return frozenset()
+        placement = self.world.placement(near)
+        return frozenset((near, placement.place) if placement else (near,))
+
+
+def _quaternion(rotation: Triple) -> tuple[float, float, float, float]:
+    """Converts a rotation vector [rad] to a unit quaternion."""
+    angle = math.hypot(*rotation)
+    if angle == 0.0:
+        return (0.0, 0.0, 0.0, 1.0)
+    x, y, z = (component * math.sin(angle / 2.0) / angle for component in rotation)
+    return (x, y, z, math.cos(angle / 2.0))
+
+
+_BASE_SPEED, _TURNING = 0.1, 0.3
+"""Greatest speeds [m/s, rad/s]."""
+_CLOSE = 0.02
+"""Distance kept from everything [m]; things already nearer must not get nearer."""
+_NEARER = 0.001
+"""Approaching by less than this does not count [m]."""
+_SHORT = 0.002
+"""A shorter distance counts as zero [m]."""
+_STEP = math.radians(3.0)
+"""Turn between two checked outlines [rad]."""
+_STOWED = 0.05
+"""Maximum joint error of an arm in its travelling posture [rad]."""
+_PATIENCE = 20.0
+"""Time limit for the straight path and for each turn [s]."""
+
+
+class JogBase(DrivingPrimitive):
+    """Drives a base by at most 0.2 m and 0.35 rad, with its arms at home, if nothing is touched.
+
+    A sideways step is a turn, a straight path and a turn back: wheels do not roll sideways.
+    """
+
+    name: ClassVar[str] = "jog_base"
+    takes: ClassVar[tuple[str, ...]] = ("robot",)
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        """Parameters."""
+
+        base: str = param(BASE, "The base that drives.", kind=Kind.HARDWARE)
+        robot: str = param(ROBOT, "The robot it carries along.", kind=Kind.PLANNING)
+        dx: float = param("number", "How far ahead; 0.2 m at most.", default=0.0, unit="m")
+        dy: float = param("number", "How far to the left; 0.2 m at most.", default=0.0, unit="m")
+        dyaw: float = param("number", "How far it turns to the left; 0.35 rad at most.", default=0.0, unit="rad")
+
+    def start(self) -> Failure | None:
+        """Checks that the step is small and the arms are in their travelling posture."""
+        way = math.hypot(self.params.dx, self.params.dy)
+        if way > _FARTHEST or abs(self.params.dyaw) > _TURN:
+            said = f"{way:.3g} m and {abs(self.params.dyaw):.3g} rad"
+            return Failure(f"one step is at most {_FARTHEST:g} m and {_TURN:g} rad long, not {said}")
+        stretched = [arm.id for arm in self._robot.of(ArmSpec) if not self._is_stowed(arm.id, arm.home)]
+        if stretched:
+            return Failure(f"{', '.join(stretched)} is stretched out: bring it home before the base moves")
+        return None
+
+    def execute(self) -> Execution[Outcome]:
+        """Drives if the way is free, and returns how far it got."""
+        base = Base(self.context.board, self.params.base)
+        before = base.state.pose
+        goal = before @ Pose.of(self.params.dx, self.params.dy, 0.0, yaw=self.params.dyaw)
+        path = _path(before, goal)
+        touched = self._touched(before, path)
+        if touched:
+            return Failure(f"{self.params.base} would touch {touched}")
+        with self.context.floor.ask(self.params.robot, self._robot.outline, before, path) as way:
+            if not way.free:
+                return Failure(f"{' and '.join(way.waits_for())} is in the way")
+            self.leave("is moved by hand")
+            arrived = yield from self._drive(base, path)
+        return self._came(before.inverse() @ base.state.pose, arrived=arrived)
+
+    @property
+    def _robot(self) -> RobotSpec:
+        return self.context.cell.group_of(self.params.base)
+
+    def _is_stowed(self, arm: str, home: tuple[float, ...]) -> bool:
+        now = self.context.board.snapshot.state(arm, ArmState).positions
+        return max(abs(is_ - wanted) for is_, wanted in zip(now, home, strict=True)) <= _STOWED
+
+    # ------------------------------------------------------------------ obstacles
+
+    def _touched(self, start: Pose, path: BasePath) -> str:
+        """Returns the first thing that would be touched or come too near; empty if the way is free.
+
+        Folded arms are above everything except other robots.
+        """
+        things = [o for o in obstacles(self.context, parts=False) if not self.rides(o.id)]
+        robots = floor_obstacles.standing(self.context, self.params.robot, margin=0.0)
+        outline = floor_obstacles.outline(self.context, self._robot)
+        near = _nearing(things, self._robot.outline, start, path) + _nearing(robots, outline, start, path)
+        return " and ".join(near)
+
+    # ------------------------------------------------------------------ driving
+
+    def _drive(self, base: Base, path: BasePath) -> Execution[bool]:
+        for leg in path.legs:
+            x, y, _ = base.state.pose.position
+            along = math.atan2(leg.y - y, leg.x - x) + (math.pi if leg.backwards else 0.0)
+            if not ((yield from self._turn(base, along)) and (yield from self._straight(base, leg))):
+                return False
+        arrived = yield from self._turn(base, path.heading)
+        yield from self.stand(base)
+        return arrived
+
+    def _turn(self, base: Base, heading: float) -> Execution[bool]:
+        return (yield from self.turn(base, heading, fastest=_TURNING, patience=_PATIENCE))
+
+    def _straight(self, base: Base, leg: BaseLeg) -> Execution[bool]:
+        """Drives along its heading until it is level with the leg's end."""
+        limit, deadline = base.spec.max_linear_acceleration, self.context.now + _PATIENCE
+        while self.context.now < deadline:
+            left = _ahead(base.state.pose, leg)
+            if abs(left) < _SHORT:
+                return True
+            speed = min(_BASE_SPEED, math.sqrt(1.6 * limit * abs(left)), 4.0 * abs(left))
+            base.command(BaseTwist(math.copysign(speed, left), 0.0))
+            yield
+        return False
+
+    def _came(self, step: Pose, *, arrived: bool) -> Outcome:
+        x, y, _ = step.position
+        said = f"by {x:.3f} m ahead, {y:.3f} m to the left and {step.yaw:.3f} rad"
+        return Success(f"moved {said}") if arrived else Failure(f"{self.params.base} is stuck: it moved {said}")
+
+
+def _path(start: Pose, goal: Pose) -> BasePath:
+    """The straight path, driven forwards or backwards, whichever needs the smaller turn."""
+    x, y, _ = (start.inverse() @ goal).position
+    if math.hypot(x, y) < _SHORT:
+        return BasePath((), goal.yaw)
+    return BasePath((BaseLeg(goal.position[0], goal.position[1], backwards=x < 0.0),), goal.yaw)
+
+
+def _ahead(pose: Pose, leg: BaseLeg) -> float:
+    """How far a leg's end is ahead of the base [m]; negative if behind."""
+    dx, dy = leg.x - pose.position[0], leg.y - pose.position[1]
+    return dx * math.cos(pose.yaw) + dy * math.sin(pose.yaw)
+
+
+def _stations(start: Pose, path: BasePath) -> Iterator[Pose]:
+    """Yields poses along the path, close enough for collision checks of the outline."""
+    at, heading = start.position, start.yaw
+    for leg in path.legs:
+        along = math.atan2(leg.y - at[1], leg.x - at[0]) + (math.pi if leg.backwards else 0.0)
+        yield from _turning(at, heading, along)
+        middle = ((at[0] + leg.x) / 2.0, (at[1] + leg.y) / 2.0, 0.0)
+        yield Pose.of(*middle, yaw=along)
+        at, heading = (leg.x, leg.y, 0.0), along
+    yield from _turning(at, heading, path.heading)
+
+
+def _turning(at: tuple[float, float, float], before: float, after: float) -> Iterator[Pose]:
+    turn = wrap_angle(after - before)
+    count = max(1, math.ceil(abs(turn) / _STEP))
+    for number in range(count + 1):
+        yield Pose.of(at[0], at[1], 0.0, yaw=before + turn * number / count)
+
+
+def _nearing(around: Sequence[Obstacle], outline: Outline, start: Pose, path: BasePath) -> list[str]:
+    """Returns the ids of things that an outline comes too near to: nearer than the margin and than at the start."""
+    standing = placed(outline, start)
+    area = shapely.union_all([placed(outline, pose) for pose in _stations(start, path)])
+    return [obstacle.id for obstacle in around if _too_near(covered(obstacle), standing, area)]
+
+
+def _too_near(thing: BaseGeometry, standing: BaseGeometry, area: BaseGeometry) -> bool:
+    now, then = float(shapely.distance(standing, thing)), float(shapely.distance(area, thing))
+    return then < _CLOSE and (then <= 0.0 or then < now - _NEARER)

@@ -1,19 +1,68 @@
-"""Common base of the looking primitives: an image from straight above, and the parts it shows."""
+"""Looks from straight above: at a part or a kit for its exact pose, into a compartment for its content."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
+from typing import ClassVar
 
 from skiros_primitives.arm_moves import ArmPrimitive
-from skiros_primitives.part_models import part_models
-from skiros_primitives.poses import downward
+from skiros_primitives.part_models import downward, part_models
 from skiros_py.devices.camera import Camera, CameraSpec
-from skiros_py.geometry import Pose
+from skiros_py.errors import DeviceError
+from skiros_py.geometry import Pose, Solid
 from skiros_py.ports.kinematics import Kinematics
 from skiros_py.ports.motion import NoMotion, PoseMove
-from skiros_py.ports.perception import LookRequest, LookResult, PartDetector, Region
+from skiros_py.ports.perception import (
+    Detection,
+    LookRequest,
+    LookResult,
+    PartDetector,
+    Region,
+    Registrar,
+    RegistrationRequest,
+    RegistrationResult,
+)
 from skiros_py.ports.values import DepthImage
+from skiros_py.skills.context import RunContext
+from skiros_py.skills.outcome import Failure, Outcome, Success
+from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
+from skiros_py.skills.surroundings import map_pose, set_pose, solid_of
+from skiros_py.world.vocabulary import (
+    ARM,
+    CAMERA,
+    CONTAINER,
+    IN,
+    MANIPULATABLE,
+    MISSING,
+    ON,
+    POSE_FRAME,
+    SOLID,
+    SUPPORT_HALF_EXTENTS,
+    SUPPORT_OFFSET,
+    UNKNOWN_LOCATION,
+)
+
+
+def support_region(context: RunContext, place: str) -> Region | str:
+    """Returns the support area of a storage place in the map, or why there is none."""
+    pose = map_pose(context, place)
+    half, offset = context.world.value(place, SUPPORT_HALF_EXTENTS), context.world.value(place, SUPPORT_OFFSET)
+    if pose is None or not isinstance(half, tuple) or not isinstance(offset, tuple):
+        return f"{place} has no pose or no support area: nothing can be looked for there"
+    return Region(pose @ Pose((offset[0], offset[1], offset[2])), (half[0], half[1]))
+
+
+def inner_region(context: RunContext, compartment: str) -> Region | str:
+    """Returns the floor of a compartment in the map, or why it is unknown."""
+    pose = map_pose(context, compartment)
+    solid = context.world.value(compartment, SOLID)
+    if pose is None or solid is None:
+        return f"{compartment} has no pose or no inner volume"
+    low, high = Solid.from_json(str(solid)).bounds()
+    return Region(pose, (float(high[0] - low[0]) / 2.0, float(high[1] - low[1]) / 2.0))
+
 
 _LOOK_HEIGHTS = (0.46, 0.40, 0.34)
 """Heights of the camera above the viewed surface, best first [m]; low ones for when the arm cannot reach higher."""
@@ -72,3 +121,162 @@ class LookingPrimitive(ArmPrimitive):
         positions = dict(zip(self.arm_spec.joints, self.arm.state.positions, strict=True))
         tool, optical = (kinematics.pose(link, positions) for link in (self.arm_spec.tip, camera.frame))
         return tool.inverse() @ optical
+
+
+_ASIDE = (0.0, 0.06, 0.09)
+"""How far the tool is retracted for each look [m]: a held part may hide the kit."""
+
+
+class RegisterKit(LookingPrimitive):
+    """Fits the kit's walls to the camera image; a bad fit gives a failure, not a pose."""
+
+    name: ClassVar[str] = "register_kit"
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        """Parameters."""
+
+        arm: str = param(ARM, "The arm that carries the camera.", kind=Kind.HARDWARE)
+        camera: str = param(CAMERA, "The camera to look with.", kind=Kind.HARDWARE)
+        kit: str = param(CONTAINER, "The kit.")
+
+    def execute(self) -> Execution[Outcome]:
+        """Looks, and corrects the believed pose."""
+        believed = map_pose(self.context, self.params.kit)
+        if believed is None:
+            return Failure(f"nobody said where {self.params.kit} is")
+        why = ""
+        for attempt, aside in enumerate(_ASIDE, start=1):
+            self.progress(attempt, f"look {attempt} at {self.params.kit}")
+            result = yield from self._look(believed, aside)
+            if isinstance(result, RegistrationResult) and result.pose is not None:
+                self._write(result.pose, result.cost)
+                moved = result.pose.distance(believed) * 1e3
+                return Success(f"{self.params.kit} is {moved:.0f} mm from where it was believed")
+            why = why or result.reason
+        return Failure(f"{self.params.kit} is not recognised where it should be: {why}")
+
+    def _look(self, believed: Pose, aside: float) -> Execution[RegistrationResult | NoMotion]:
+        camera, solid = self.camera_spec(self.params.camera), solid_of(self.world, self.params.kit)
+        registrar = self.context.port(Registrar, camera.id)
+        if solid is None:
+            raise DeviceError(f"register_kit needs a shape of {self.params.kit}")
+        image = yield from self.look_down(camera, *believed.position, aside=aside)
+        if isinstance(image, NoMotion):
+            return image
+        pose = self.camera_pose(camera, image)
+        request = RegistrationRequest(image, pose, solid, believed, self.seed(), camera.id, self.params.kit)
+        return (yield from self.wait(registrar.register(request)))
+
+    def _write(self, pose: Pose, cost: float) -> None:
+        kit = self.params.kit
+        frame = next(iter(self.world.objects(kit, POSE_FRAME)), None)
+        in_map = map_pose(self.context, frame) if frame else None
+        own = in_map.inverse() @ pose if in_map is not None else pose
+        with self.world.transaction(author=self.name, reason=f"fitted within {cost * 1e3:.1f} mm") as tx:
+            set_pose(tx, self.world, kit, own, frame)
+
+
+_NEAR = 0.05
+"""The part seen may lie at most this far from where the first look saw it [m]."""
+_HALF = 0.10
+"""Half the side length of the searched square [m]."""
+
+
+class RegisterPart(LookingPrimitive):
+    """The second look, with the camera exactly above the part: nothing hides its far side."""
+
+    name: ClassVar[str] = "register_part"
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        """Parameters."""
+
+        arm: str = param(ARM, "The arm that carries the camera.", kind=Kind.HARDWARE)
+        camera: str = param(CAMERA, "The camera to look with.", kind=Kind.HARDWARE)
+        part: str = param(MANIPULATABLE, "The part; a first look has seen it.")
+
+    def execute(self) -> Execution[Outcome]:
+        """Looks, and corrects the believed pose."""
+        believed = map_pose(self.context, self.params.part)
+        if believed is None:
+            return Failure(f"{self.params.part} has not been seen yet")
+        x, y, _ = believed.position
+        look = yield from self.look_for_parts(Region(Pose(believed.position), (_HALF, _HALF)), x, y)
+        if isinstance(look, NoMotion):
+            return Failure(look.reason)
+        nearest = min(look.detections, key=lambda d: d.pose.distance(believed), default=None)
+        return self._judge(nearest, believed)
+
+    def _judge(self, nearest: Detection | None, believed: Pose) -> Outcome:
+        part = self.params.part
+        wanted = self.world.element(part).type
+        if nearest is None or nearest.pose.distance(believed) > _NEAR:
+            return self._forget(f"{part} is not where the first look saw it")
+        if nearest.type != wanted:
+            what = nearest.type.partition(":")[2] if nearest.type else "something of unknown shape"
+            return self._forget(f"what lies where {part} was seen is {what}")
+        with self.world.transaction(author=self.name, reason=f"cost {nearest.cost * 1e3:.1f} mm") as tx:
+            set_pose(tx, self.world, part, nearest.pose)
+        return Success(f"{part} at ({nearest.pose.position[0]:.3f}, {nearest.pose.position[1]:.3f})")
+
+    def _forget(self, reason: str) -> Failure:
+        with self.world.transaction(author=self.name, reason=reason) as tx:
+            set_pose(tx, self.world, self.params.part, None)
+        return Failure(reason)
+
+
+_LOOKS = 2
+
+
+class VerifyPlace(LookingPrimitive):
+    """Only parts seen in the compartment are believed to be in it."""
+
+    name: ClassVar[str] = "verify_place"
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        """Parameters."""
+
+        arm: str = param(ARM, "The arm that carries the camera.", kind=Kind.HARDWARE)
+        camera: str = param(CAMERA, "The camera to look with.", kind=Kind.HARDWARE)
+        part: str = param(MANIPULATABLE, "The part that was put down.")
+        compartment: str = param(CONTAINER, "Where it should be.")
+
+    def execute(self) -> Execution[Outcome]:
+        """Looks, at most twice."""
+        region = inner_region(self.context, self.params.compartment)
+        if isinstance(region, str):
+            return Failure(region)
+        strange = False
+        for attempt in range(_LOOKS):
+            x, y, _ = region.pose.position
+            look = yield from self.look_for_parts(region, x + 0.03 * attempt, y)
+            if isinstance(look, NoMotion):
+                return Failure(look.reason)
+            seen = self._find(look)
+            if seen is not None:
+                return self._confirm(seen)
+            strange = any(d.type is None for d in look.detections)
+        return self._deny(strange=strange)
+
+    def _find(self, look: LookResult) -> Detection | None:
+        wanted = self.world.element(self.params.part).type
+        return next((d for d in look.detections if d.type == wanted), None)
+
+    def _confirm(self, seen: Detection) -> Outcome:
+        part, compartment = self.params.part, self.params.compartment
+        with self.world.transaction(author=self.name, reason=f"seen in {compartment}") as tx:
+            tx.place(part, IN, compartment)
+            tx.set(part, MISSING, None)
+            set_pose(tx, self.world, part, seen.pose)
+        return Success(f"{part} is in {compartment}")
+
+    def _deny(self, *, strange: bool) -> Outcome:
+        part, compartment = self.params.part, self.params.compartment
+        what = "something of unknown shape" if strange else "nothing of its kind"
+        with self.world.transaction(author=self.name, reason=f"{what} seen in {compartment}") as tx:
+            set_pose(tx, self.world, part, None)
+            tx.set(part, MISSING, True)
+            tx.place(part, ON, self.world.instances(UNKNOWN_LOCATION)[0])
+        return Failure(f"{part} was released over {compartment}, but {what} is seen there")

@@ -1,17 +1,27 @@
-"""Part types from the ontology: shape and grasps."""
+"""Part types from the ontology: shape, grasps, and poses of tools and parts."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 
-from skiros_primitives.poses import downward
 from skiros_py.errors import DescriptionError
 from skiros_py.geometry import Pose, Solid
 from skiros_py.ports.perception import PartModel
 from skiros_py.skills.surroundings import solid_of
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import GRASP_HEIGHT, GRASP_POSE, GRASP_WIDTH, MANIPULATABLE, SOLID
+
+
+def downward(x: float, y: float, z: float, yaw: float) -> Pose:
+    """Returns a tool pose that points straight down; the tool's x axis has the given heading [m, rad]."""
+    return Pose.of(x, y, z, roll=math.pi, yaw=yaw)
+
+
+def level(pose: Pose) -> Pose:
+    """Returns a pose without its tilt: things are assumed to stand upright, regardless of the measured tilt."""
+    return Pose.of(*pose.position, yaw=pose.yaw)
+
 
 _ROUND_TURNS = 8
 """How many grasp directions are tried for a round part."""

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from skiros_primitives.arm_moves import ArmPrimitive
-from skiros_primitives.fingers import firm_force, move_fingers
-from skiros_primitives.poses import level
-from skiros_primitives.regions import inner_region
+from skiros_primitives.gripper import firm_force, move_fingers
+from skiros_primitives.looking import inner_region
+from skiros_primitives.part_models import level
 from skiros_py.devices.gripper import Gripper
 from skiros_py.geometry import Pose
 from skiros_py.ports.motion import Held, LineMove, MotionPlan, NoMotion, PoseMove, Route, Trajectory

@@ -10,7 +10,7 @@ import xml.etree.ElementTree as ET
 from pathlib import Path
 
 from skiros_py.errors import DeviceError, FileError
-from skiros_py.ports.models import RobotModel
+from skiros_py.ports.kinematics import RobotModel
 
 _HERE = Path(__file__).parent
 _FINGER_EFFORT = "70"  # continuous force of the Franka hand; the file's 20 is less than the hand is used with here

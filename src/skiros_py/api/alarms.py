@@ -1,4 +1,4 @@
-"""Alarms on the wire: what stopped a robot, or waits for a person."""
+"""Alarms on the wire: what stopped a robot, or waits for a person; and stopping everything."""
 
 from __future__ import annotations
 
@@ -101,4 +101,36 @@ class AlarmAnswer(Request):
         default=None,
         description="The alarm's `question` that was seen: if it asks something else by now, the answer is refused.",
         examples=[None],
+    )
+
+
+class StopRequest(Request):
+    """Why everything shall stop; may be left out."""
+
+    reason: str = Field(
+        default="", max_length=1000, description="Why, for a person.", examples=["a person is in the cell"]
+    )
+
+
+class StopInfo(Answer):
+    """Whether everything is halted."""
+
+    halted: bool = Field(description="Whether nothing may move until somebody resets it.", examples=[True])
+    why: str = Field(default="", description="Why; empty where nothing is.", examples=["a person is in the cell"])
+    by: str = Field(
+        default="",
+        description="Who wanted it; empty where it was the watchdog or a module.",
+        examples=["panel at the door"],
+    )
+    since: datetime | None = Field(
+        default=None, description="Since when; null while nothing is halted.", examples=["2026-11-20T09:30:00.125Z"]
+    )
+    standing: bool | None = Field(
+        description="Whether all arms and bases stand; null if unknown: the control thread does not run.",
+        examples=[True],
+    )
+    obeyed: bool = Field(
+        description="Whether the control thread has come round since. If not, do not rely on it: press the button of"
+        " the machine.",
+        examples=[True],
     )

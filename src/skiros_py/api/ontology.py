@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pydantic import Field
 
-from skiros_py.api.values import Value
 from skiros_py.api.wire import Answer
+from skiros_py.api.world import Value
 
 
 class ClassNode(Answer):

@@ -6,8 +6,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field, StrictBool, StrictInt
 
-from skiros_py.api.values import GivenPose, Number
 from skiros_py.api.wire import Answer, Request
+from skiros_py.api.world import GivenPose, Number
 
 _LONGEST_TIME = 60.0
 """What a question asked over the network may take at most [s]."""

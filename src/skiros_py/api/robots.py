@@ -1,13 +1,13 @@
-"""Robots: what they are made of, where they are, and moving them by hand."""
+"""Robots: what they are made of, their devices and signals, where they are, what they saw, and moving them by hand."""
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import ConfigDict, Field, model_validator
 
 from skiros_py.api.modules import Arguments
-from skiros_py.api.state import ArmInfo, BaseInfo, GripperInfo, PoseInfo
+from skiros_py.api.view import ArmInfo, BaseInfo, GripperInfo, PoseInfo
 from skiros_py.api.wire import Answer, Name, Request
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
@@ -210,3 +210,124 @@ class HomeRobot(Request):
     model_config = ConfigDict(json_schema_extra={"examples": [{}]})
 
     arm: Name | None = Field(None, description="The arm; all arms where left out.", examples=["arm_1"])
+
+
+SignalValue = bool | float | tuple[float, ...]
+"""A truth value, a number, or numbers."""
+
+
+class SignalInfo(Answer):
+    """A value that a device offers in each cycle."""
+
+    name: str = Field(description="Its name, as conditions use it.", examples=["force"])
+    unit: str = Field(description="Its unit; empty for truth values and pure numbers.", examples=["N"])
+    frame: str = Field(description='"map", "own" for the frame of the device; empty where none matters.', examples=[""])
+    help: str = Field(description="Its meaning.", examples=["force per finger"])
+
+
+class DeviceInfo(Answer):
+    """One device."""
+
+    id: str = Field(description="Its id.", examples=["gripper_1"])
+    kind: str = Field(description="Its kind.", examples=["gripper"])
+    robot: str | None = Field(description="The robot that it belongs to; null for none.", examples=["robot_1"])
+    description: dict[str, Any] = Field(
+        description="What is known of it, by the names that its kind uses.", examples=[{"max_gap": 0.08}]
+    )
+    signals: tuple[SignalInfo, ...] = Field(description="The values that it offers.")
+    open: bool = Field(description="Whether it may be used; false after it was closed.", examples=[True])
+    commanded: bool = Field(description="Whether it takes commands; false for a sensor.", examples=[True])
+    jog: str = Field(description="Module that moves it by a little; empty for none.", examples=["gripper_control"])
+    teach: str = Field(description="Module that teaches a pose with it; empty for none.", examples=[""])
+
+
+class DeviceReading(Answer):
+    """A device at one moment."""
+
+    id: str = Field(description="Its id.", examples=["gripper_1"])
+    time: float = Field(description="Run time [s].", examples=[45.8])
+    cycle: int = Field(description="Number of the control cycle.", examples=[9160])
+    still: bool = Field(description="Whether it stands, so that a stop need not wait for it.", examples=[True])
+    state: dict[str, Any] | None = Field(
+        description="What it says, by the names that its kind uses; null for one that is only asked, a camera.",
+        examples=[{"gap": 0.051, "force": 30.0, "still": True}],
+    )
+    signals: dict[str, SignalValue] = Field(
+        description="The values that it offers, by name.", examples=[{"gap": 0.051, "force": 30.0}]
+    )
+
+
+class CellSignal(SignalInfo):
+    """A signal of the cell: of a device, computed, or set from outside."""
+
+    name: str = Field(description="Its name, as conditions and expressions use it.", examples=["gripper_1.force"])
+    length: int | None = Field(description="Number of values of a computed vector; null for any other.", examples=[3])
+    source: str = Field(description="Device or provider that gives it.", examples=["gripper_1"])
+    input: bool = Field(description="Whether it can be set.", examples=[False])
+
+
+class SignalReading(Answer):
+    """The value of a signal in one cycle."""
+
+    value: SignalValue | None = Field(description="The value; null where it has none.", examples=[30.0])
+    reason: str = Field(description="Why it has no value; empty where it has one.", examples=[""])
+
+
+class SignalReadings(Answer):
+    """Values of signals in one control cycle."""
+
+    time: float = Field(description="Run time [s].", examples=[45.8])
+    cycle: int = Field(description="Number of the control cycle.", examples=[9160])
+    signals: dict[str, SignalReading] = Field(description="The values by the names of the signals.")
+
+
+class SetSignal(Request):
+    """A new value of a signal."""
+
+    value: bool | Number | tuple[Number, ...] = Field(description="The value, in its unit.", examples=[0.3])
+
+
+class Seen(Answer):
+    """One thing that was recognised, or not."""
+
+    type: str | None = Field(description="Its class; null for what fits no known shape.", examples=["kitting:Starter"])
+    pose: PoseInfo = Field(description="Where it is in the map.")
+    size: tuple[float, float, float] = Field(description="Length, width, height of the box around it [m].")
+    cost: float = Field(description="Mean misfit of the shape [m]; smaller is better.", examples=[0.0011])
+    margin: float = Field(description="By how much the next best shape fits worse [m].", examples=[0.004])
+
+
+class Look(Answer):
+    """The last picture that a camera took for somebody, as points."""
+
+    number: int = Field(description="Counts the looks of this camera; 0 when there was none yet.", examples=[3])
+    camera: str = Field(description="The camera.", examples=["camera_1"])
+    time: float = Field(description="When it was taken [s, run time].", examples=[21.4])
+    pose: PoseInfo | None = Field(description="Where the camera was in the map; z looks forward. Null for no look yet.")
+    points: str = Field(description="What it saw: x, y, z in the map [m] as little-endian 32-bit floats, in base64.")
+    colours: str = Field(description="Red, green, blue of each point (0 to 255) as bytes, in base64; empty for none.")
+    seen: tuple[Seen, ...] = Field(description="What was made out in it.")
+    purpose: str = Field(description="What the look was for: parts, or a kit's exact pose.", examples=["parts"])
+
+
+class Waypoint(Answer):
+    """A point on a base's way."""
+
+    x: float = Field(description="In the map [m].", examples=[1.2])
+    y: float = Field(description="In the map [m].", examples=[0.4])
+    heading: float = Field(description="Heading in the map [rad].", examples=[1.57])
+
+
+class ArmWay(Answer):
+    """Where an arm's tool is about to go."""
+
+    arm: str = Field(description="The arm.", examples=["arm_1"])
+    points: tuple[tuple[float, float, float], ...] = Field(description="The tip's positions in the map [m].")
+
+
+class RobotMotion(Answer):
+    """What a robot is about to do, or did last."""
+
+    number: int = Field(description="Counts the plans of this robot; 0 when there was none yet.", examples=[7])
+    base: tuple[Waypoint, ...] = Field(description="The base's way; empty where it stands.")
+    arms: tuple[ArmWay, ...] = Field(description="The arms' ways; empty where they stand.")

@@ -8,8 +8,7 @@ from typing import ClassVar
 from skiros_py.behaviours.children import check_seconds
 from skiros_py.behaviours.wait import pause_for
 from skiros_py.skills.behaviour import Behaviour, Scope, Uses, check_texts, require
-from skiros_py.skills.execution import Execution
-from skiros_py.skills.outcome import Failure, Outcome, Success
+from skiros_py.skills.outcome import Execution, Failure, Outcome, Success
 
 
 @dataclass(frozen=True, slots=True)

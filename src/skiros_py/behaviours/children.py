@@ -9,8 +9,7 @@ from contextlib import closing
 from skiros_py.skills.behaviour import Behaviour, Scope, check_behaviour, require
 from skiros_py.skills.conditions import Condition, holds
 from skiros_py.skills.conditions.watch import Watch
-from skiros_py.skills.execution import Execution
-from skiros_py.skills.outcome import Failure, Outcome, Success
+from skiros_py.skills.outcome import Execution, Failure, Outcome, Success
 
 
 def check_children(what: str, children: tuple[Behaviour, ...]) -> None:

@@ -8,8 +8,7 @@ from types import MappingProxyType
 from typing import Any, ClassVar
 
 from skiros_py.skills.behaviour import Behaviour, Call, Out, P, Scope, Uses, check_texts, require
-from skiros_py.skills.execution import Execution
-from skiros_py.skills.outcome import Outcome
+from skiros_py.skills.outcome import Execution, Outcome
 
 
 @dataclass(frozen=True, slots=True)

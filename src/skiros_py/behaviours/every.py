@@ -9,8 +9,7 @@ from typing import ClassVar
 
 from skiros_py.behaviours.children import check_seconds, numbered
 from skiros_py.skills.behaviour import Behaviour, Scope, check_behaviour, require
-from skiros_py.skills.execution import Execution, tick
-from skiros_py.skills.outcome import Outcome
+from skiros_py.skills.outcome import Execution, Outcome, tick
 
 
 @dataclass(frozen=True, slots=True)

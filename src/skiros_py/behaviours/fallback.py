@@ -8,8 +8,7 @@ from typing import ClassVar
 
 from skiros_py.behaviours.children import check_children, in_turn, numbered
 from skiros_py.skills.behaviour import Behaviour, Scope, Uses
-from skiros_py.skills.execution import Execution
-from skiros_py.skills.outcome import Outcome, Success
+from skiros_py.skills.outcome import Execution, Outcome, Success
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,8 +9,7 @@ from typing import ClassVar
 from skiros_py.behaviours.children import numbered
 from skiros_py.skills.behaviour import Behaviour, Scope, Uses, check_behaviour, check_texts, require
 from skiros_py.skills.conditions import Pattern
-from skiros_py.skills.execution import Execution
-from skiros_py.skills.outcome import Failure, Outcome, Success
+from skiros_py.skills.outcome import Execution, Failure, Outcome, Success
 from skiros_py.skills.parameters import IT
 from skiros_py.skills.references import variables
 

@@ -10,8 +10,7 @@ from typing import ClassVar
 from skiros_py.behaviours.children import lost, numbered, read_conditions, run_until
 from skiros_py.skills.behaviour import Behaviour, Scope, Uses, check_behaviour
 from skiros_py.skills.conditions import Condition
-from skiros_py.skills.execution import Execution, tick
-from skiros_py.skills.outcome import Outcome
+from skiros_py.skills.outcome import Execution, Outcome, tick
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,8 +10,7 @@ from typing import Any, ClassVar
 from skiros_py.behaviours.children import check_children, numbered
 from skiros_py.errors import DescriptionError
 from skiros_py.skills.behaviour import Behaviour, Scope, Uses, require
-from skiros_py.skills.execution import Execution
-from skiros_py.skills.outcome import Failure, Outcome, Success
+from skiros_py.skills.outcome import Execution, Failure, Outcome, Success
 from skiros_py.skills.plain import Reader
 
 

@@ -8,8 +8,7 @@ from typing import ClassVar
 
 from skiros_py.behaviours.children import check_children, in_turn, numbered
 from skiros_py.skills.behaviour import Behaviour, Scope
-from skiros_py.skills.execution import Execution
-from skiros_py.skills.outcome import Failure, Outcome
+from skiros_py.skills.outcome import Execution, Failure, Outcome
 
 
 @dataclass(frozen=True, slots=True)

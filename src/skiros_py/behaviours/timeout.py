@@ -8,8 +8,7 @@ from typing import ClassVar
 
 from skiros_py.behaviours.children import check_seconds, numbered, run_until
 from skiros_py.skills.behaviour import Behaviour, Scope, check_behaviour, require
-from skiros_py.skills.execution import Execution, tick
-from skiros_py.skills.outcome import Failure, Outcome
+from skiros_py.skills.outcome import Execution, Failure, Outcome, tick
 
 
 @dataclass(frozen=True, slots=True)

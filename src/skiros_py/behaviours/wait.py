@@ -7,8 +7,7 @@ from typing import ClassVar
 
 from skiros_py.behaviours.children import check_seconds
 from skiros_py.skills.behaviour import Behaviour, Scope
-from skiros_py.skills.execution import Execution
-from skiros_py.skills.outcome import Outcome, Success
+from skiros_py.skills.outcome import Execution, Outcome, Success
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,8 +9,7 @@ from typing import ClassVar
 from skiros_py.behaviours.children import read_conditions
 from skiros_py.skills.behaviour import Behaviour, Scope, Uses
 from skiros_py.skills.conditions import Condition
-from skiros_py.skills.execution import Execution
-from skiros_py.skills.outcome import Outcome, Success
+from skiros_py.skills.outcome import Execution, Outcome, Success
 
 
 @dataclass(frozen=True, slots=True)

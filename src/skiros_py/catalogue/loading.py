@@ -1,16 +1,30 @@
-"""Loads what is installed."""
+"""Loads what is installed: what each entry-point group must name, and which skills an ontology can be used with."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+import inspect
+import traceback
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, is_dataclass, replace
+from importlib.resources.abc import Traversable
+from pathlib import Path
 from typing import Any
 
-from skiros_py.catalogue.catalogue import Catalogue
-from skiros_py.catalogue.clashes import Named, clashes_of_conditions, clashes_of_modules
-from skiros_py.catalogue.kinds import KINDS, skills_of
-from skiros_py.config import ontology_paths
-from skiros_py.errors import FileError
+from skiros_py.behaviours.document import DocumentKind
+from skiros_py.catalogue.catalogue import (
+    Catalogue,
+    Named,
+    called_by,
+    callers_of_broken,
+    clashes_of_conditions,
+    clashes_of_modules,
+)
+from skiros_py.config import SCENE_SUFFIXES, ontology_paths, plugin_scenes, scene_paths
+from skiros_py.errors import FileError, PlanningError, SkirosError, UnknownName
+from skiros_py.interruptions import by_user
+from skiros_py.planning.domain.actions import actions_of
 from skiros_py.plugins import (
+    GROUPS,
     Entry,
     LazyPlugins,
     Plugin,
@@ -21,9 +35,138 @@ from skiros_py.plugins import (
     load,
     unambiguous,
 )
-from skiros_py.ports.kinds import load_device_kinds
+from skiros_py.ports.adapters import Adapter, adapter_problem
+from skiros_py.ports.device import DeviceSpec, device_problem, load_device_kinds
+from skiros_py.ports.kinematics import RobotModel
+from skiros_py.skills.behaviour import Behaviour
+from skiros_py.skills.conditions import ConditionType
+from skiros_py.skills.lint import problems_of
+from skiros_py.skills.parameters import params_of
+from skiros_py.skills.primitive import Primitive
+from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.world.ontology import Ontology, load_installed
-from skiros_py.world.reasoners.plugins import load_reasoners
+from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoner, Reasoners, load_reasoners
+from skiros_py.world.scene.files import documents_of
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """One group of entry points.
+
+    Attributes:
+        group: The group ("skiros.skills").
+        names: What an entry point of it must name, for people.
+        is_one: Tells whether an object is such a thing.
+        finer: Says what is wrong with one that is, or None.
+    """
+
+    group: str
+    names: str
+    is_one: Callable[[Any], bool]
+    finer: Callable[[Plugin], str | None] = lambda _: None
+
+    def problem(self, plugin: Plugin) -> str | None:
+        """Returns why a plug-in cannot be used, or None."""
+        if not self.is_one(plugin.value):
+            kind = self.group.partition(".")[2]
+            return f"it is a {type(plugin.value).__name__}, nothing for {kind}: name {self.names}"
+        return self.finer(plugin)
+
+
+def skills_of(plugin: Plugin) -> Mapping[str, Skill]:
+    """Returns the skills that an entry point names: one under its name, several as ``name[1]``, ``name[2]``, …."""
+    if isinstance(plugin.value, Skill):
+        return {plugin.name: plugin.value}
+    return {f"{plugin.name}[{number}]": skill for number, skill in enumerate(plugin.value, start=1)}
+
+
+def _is_skill(value: Any) -> bool:
+    if isinstance(value, Sequence) and not isinstance(value, str) and value:
+        return all(isinstance(one, Skill) for one in value)
+    return isinstance(value, Skill)
+
+
+def _wrong_skill(plugin: Plugin) -> str | None:
+    for skill in skills_of(plugin).values():
+        description: Any = skill.description  # nothing keeps a dataclass from being made with something else
+        if not isinstance(description, SkillDescription):
+            return f"its description is a {type(description).__name__}, not a SkillDescription"
+        texts = {"name": description.name, "label": skill.label, "driver": skill.driver or ""}
+        for what, text in texts.items():
+            if (wrong := _no_text(text)) is not None:
+                return f"its {what} is {wrong}, not a text"
+    return None
+
+
+def _wrong_condition(plugin: Plugin) -> str | None:
+    wrong = _no_text(plugin.value.name)
+    return f"its name is {wrong}, not a word" if wrong is not None else None
+
+
+def _no_text(value: Any) -> str | None:
+    """Writes out what should be a text and is none."""
+    return None if isinstance(value, str) else repr(value)
+
+
+def _wrong_primitive(plugin: Plugin) -> str | None:
+    class_ = plugin.value
+    own = getattr(class_, "name", None)
+    if own != plugin.name:
+        called = f"it calls itself '{own}'" if own else "it has no name"
+        return f"{called}: compositions find it as '{plugin.name}', so both must be the same"
+    if not is_dataclass(getattr(class_, "Params", None)):
+        return "it has no Params: a frozen dataclass, empty where it takes nothing"
+    try:
+        params_of(class_.Params)
+    except SkirosError as error:
+        return str(error)
+    missing = sorted(class_.__abstractmethods__) if inspect.isabstract(class_) else []
+    return f"it does not define {', '.join(missing)}" if missing else None
+
+
+def _wrong_behaviour(plugin: Plugin) -> str | None:
+    class_ = plugin.value
+    own = getattr(class_, "kind", None)
+    if own != plugin.name:
+        return f"its kind is {own!r}: documents find it as '{plugin.name}', so both must be the same"
+    missing = sorted(class_.__abstractmethods__) if inspect.isabstract(class_) else []
+    return f"it does not define {', '.join(missing)}" if missing else None
+
+
+def _instance_of(*types: type) -> Callable[[Any], bool]:
+    return lambda value: isinstance(value, types)
+
+
+def _subclass_of(base: type) -> Callable[[Any], bool]:
+    return lambda value: isinstance(value, type) and issubclass(value, base)
+
+
+_is_files = _instance_of(Path, Traversable)
+_is_robot = _instance_of(RobotModel, Path, Traversable)
+
+KINDS: Mapping[str, Kind] = {
+    kind.group: kind
+    for kind in (
+        Kind("skiros.skills", "a Skill, or a sequence of them", _is_skill, _wrong_skill),
+        Kind("skiros.primitives", "a subclass of Primitive", _subclass_of(Primitive), _wrong_primitive),
+        Kind("skiros.behaviours", "a subclass of Behaviour", _subclass_of(Behaviour), _wrong_behaviour),
+        Kind("skiros.documents", "a subclass of DocumentKind", _subclass_of(DocumentKind), _wrong_behaviour),
+        Kind("skiros.conditions", "a ConditionType", _instance_of(ConditionType), _wrong_condition),
+        Kind("skiros.reasoners", "a subclass of Reasoner", _subclass_of(Reasoner)),
+        Kind("skiros.planners", "what makes a Planner when it is called", callable),
+        Kind("skiros.devices", "a subclass of DeviceSpec", _subclass_of(DeviceSpec), device_problem),
+        Kind("skiros.adapters", "an Adapter", _instance_of(Adapter), adapter_problem),
+        Kind("skiros.drivers", "what makes a CellDriver when it is called", callable),
+        Kind("skiros.signals", "a function of the cell that returns signal providers", callable),
+        Kind("skiros.engines", "what makes a simulation Engine when it is called", callable),
+        Kind("skiros.ontologies", "a package with ontology files, or a Path", _is_files),
+        Kind("skiros.robots", "a RobotModel, a package with Turtle files, or a Path", _is_robot),
+        Kind("skiros.scenes", "a package with scene files, or a Path", _is_files),
+        Kind("skiros.pages", "the Path of a folder of built web pages", _instance_of(Path)),
+        Kind("skiros.topics", "a function that takes a Recorder", callable),
+    )
+}
+"""By group."""
 
 
 def load_catalogue() -> Catalogue:
@@ -123,3 +266,149 @@ def _installed() -> tuple[Ontology | None, tuple[PluginFault, ...]]:
         return load_installed(ontology_paths())
     except FileError:
         return None, ()  # no plug-in's fault, and reported when a scene is opened
+
+
+def fitting(
+    catalogue: Catalogue, ontology: Ontology, reasoners: Reasoners = NO_REASONERS, *, fake: bool | None = None
+) -> Catalogue:
+    """Leaves out skills that cannot be used here; they are reported.
+
+    A skill must use words that the ontology declares, relations that a reasoner computes and modules that exist and can
+    themselves be used, and it must be possible to plan with it.
+
+    Args:
+        catalogue: What was found.
+        ontology: The words that there are.
+        reasoners: What computes relations.
+        fake: True where only skills for fakes will be used, False where only the others: those that are not used are
+            left out unseen, and what they call is not loaded. None to look at all.
+    """
+    wanted = {n: s for n, s in catalogue.skills.items() if fake is None or fake == _is_fake(s)}
+    sides = {side: {n: s for n, s in wanted.items() if _is_fake(s) is side} for side in (True, False)}
+    faults: dict[str, PluginFault] = {}
+    for name, skill in wanted.items():
+        try:
+            if problems := _problems(catalogue, skill, sides[_is_fake(skill)].values(), ontology, reasoners):
+                faults[name] = _fault(catalogue, name, "; ".join(problems))
+            else:
+                actions_of(skill.description.under([skill.when]), ontology)
+        except PlanningError as error:
+            faults[name] = _fault(catalogue, name, str(error))
+        except BaseException as error:
+            if by_user(error):
+                raise
+            faults[name] = _fault(catalogue, name, f"{type(error).__name__}: {error}", traceback.format_exc())
+    reasons = {name: fault.reason for name, fault in faults.items()}
+    for side in sides.values():  # those for fakes and the others never meet in one run, so they cannot call each other
+        faults |= {name: _fault(catalogue, name, reason) for name, reason in callers_of_broken(side, reasons).items()}
+    good = {name: skill for name, skill in wanted.items() if name not in faults}
+    early = (*catalogue.early, *(faults[n] for n in wanted if n in faults))
+    elsewhere = _names(catalogue.skills.values()) - _names(wanted.values())
+    return replace(catalogue, skills=good, early=early, elsewhere=elsewhere, fake=bool(fake))
+
+
+def _names(skills: Iterable[Skill]) -> frozenset[str]:
+    return frozenset(skill.description.name for skill in skills)
+
+
+def _is_fake(skill: Skill) -> bool:
+    return skill.driver == "fake"
+
+
+def _problems(
+    catalogue: Catalogue, skill: Skill, beside: Iterable[Skill], ontology: Ontology, reasoners: Reasoners
+) -> tuple[str, ...]:
+    broken = tuple(_broken_calls(catalogue, skill))
+    return broken or problems_of(skill, ontology, catalogue.primitives, reasoners, tuple(beside))
+
+
+def _fault(catalogue: Catalogue, name: str, reason: str, trace: str = "") -> PluginFault:
+    source = catalogue.sources.get(f"skills/{name}", "this catalogue")
+    return PluginFault("skiros.skills", name, source, reason, trace)
+
+
+def _broken_calls(catalogue: Catalogue, skill: Skill) -> Iterator[str]:
+    """Yields what is wrong with the modules that a skill calls and that are there, but cannot be used."""
+    primitives = catalogue.primitives
+    unloaded = {fault.name: fault for fault in catalogue.early if fault.group == "skiros.skills"}
+    there = {other.description.name for other in catalogue.skills.values()}
+    for name in called_by(skill):
+        reason = primitives.why_not(name) if isinstance(primitives, LazyPlugins) else None
+        if reason is not None:
+            yield f"it calls '{name}': {reason}"
+        elif name in unloaded and name not in there and name not in primitives:
+            yield f"it calls '{name}': {unloaded[name]}"
+
+
+_WITH_FILES = ("skiros.robots", "skiros.scenes")
+_LOADED_BY_USERS = ("skiros.adapters", "skiros.pages", "skiros.topics")
+"""The catalogue has none of these: whatever uses one finds it by its group."""
+
+
+@dataclass(frozen=True, slots=True)
+class Surveyed:
+    """One entry point, and whether it works.
+
+    Attributes:
+        entry: The entry point.
+        faults: What is wrong with it; nothing where it works.
+    """
+
+    entry: Entry
+    faults: tuple[PluginFault, ...]
+
+    @property
+    def works(self) -> bool:
+        """True where nothing is wrong."""
+        return not self.faults
+
+
+def survey() -> tuple[tuple[Surveyed, ...], tuple[PluginFault, ...]]:
+    """Loads every plug-in, without being hurt by any.
+
+    Returns:
+        All entry points by group and name; and the faults that belong to none of them.
+    """
+    found = installation()
+    faults = [replace(fault, name=fault.name.partition("[")[0]) for fault in (*_of_code(), *_of_files())]
+    for entry in found.entries:
+        if entry.group not in GROUPS:
+            faults.append(fault_of(entry, str(UnknownName("group of entry points", entry.group, GROUPS))))
+        elif entry.group in _LOADED_BY_USERS and isinstance(one := checked(entry), PluginFault):
+            faults.append(one)
+    seen = tuple(Surveyed(entry, tuple(f for f in faults if _is_about(f, entry))) for entry in found.entries)
+    about = {fault for one in seen for fault in one.faults}
+    return seen, tuple(fault for fault in faults if fault not in about)
+
+
+def _is_about(fault: PluginFault, entry: Entry) -> bool:
+    return (fault.group, fault.name, fault.distribution) == (entry.group, entry.name, str(entry.distribution))
+
+
+def _of_code() -> tuple[PluginFault, ...]:
+    catalogue = load_catalogue()
+    catalogue.load_all()
+    try:
+        ontology, _ = load_installed(ontology_paths())
+    except FileError:
+        return catalogue.faults
+    return fitting(catalogue, ontology, catalogue.reasoners).faults
+
+
+def _of_files() -> Iterator[PluginFault]:
+    for group in _WITH_FILES:
+        entries, twins = unambiguous(installation().of(group))
+        yield from twins
+        for entry in entries:
+            yield from (found for found in documents_of(entry) if isinstance(found, PluginFault))
+    for name, own in plugin_scenes().items():
+        yield from (fault_of(entry, reason) for entry in own if (reason := _hidden(name, own)))
+
+
+def _hidden(name: str, entries: Sequence[Entry]) -> str | None:
+    """Returns why a plug-in's scene cannot be opened by name, or None."""
+    if len(entries) > 1:
+        return f"more than one plug-in has a scene '{name}': {' and '.join(map(str, entries))}; neither counts"
+    own = (folder for folder in scene_paths() for suffix in SCENE_SUFFIXES if (folder / f"{name}{suffix}").is_file())
+    folder = next(own, None)
+    return f"its scene '{name}' is hidden by the one in {folder}" if folder else None

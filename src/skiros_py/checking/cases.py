@@ -1,4 +1,4 @@
-"""Finds a test case for a skill: a world in which its preconditions hold, and parameters for it.
+"""Finds a test case for a skill: a world in which it can start, and robots in that world.
 
 First the given worlds are used unchanged; then one is reached by running other skills; finally, one is generated.
 """
@@ -6,20 +6,223 @@ First the given worlds are used unchanged; then one is reached by running other 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Any
 
-from skiros_py.checking.making import make_up, sample_values
-from skiros_py.checking.rig import Rig
-from skiros_py.errors import SkirosError, WorldError
-from skiros_py.skills.conditions import Assign, Condition, Not, Nothing, Relate, Related, Unrelate, write_effects
+from skiros_py.errors import PlanningError, SkirosError, UsageError, WorldError
+from skiros_py.execution.pulse import Chore
+from skiros_py.execution.runtime import Runtime, RuntimeOptions
+from skiros_py.geometry import Pose
+from skiros_py.planning.planners.fast_downward import FastDownward
+from skiros_py.planning.process import ThreadHost
+from skiros_py.simulation.fake.cell import FakeCell
+from skiros_py.skills.cell_reader import read_cell
+from skiros_py.skills.conditions import (
+    AllOf,
+    Assign,
+    Condition,
+    Has,
+    Not,
+    Nothing,
+    Pattern,
+    Relate,
+    Related,
+    Unrelate,
+    write_effects,
+)
+from skiros_py.skills.context import Questions
 from skiros_py.skills.inference import Inferred, Missing, infer
-from skiros_py.skills.lint.patterns import leaves
+from skiros_py.skills.lint.rule import leaves
 from skiros_py.skills.lint.rules.reach import brought_about
-from skiros_py.skills.parameters import Kind
+from skiros_py.skills.outcome import Failure, Outcome
+from skiros_py.skills.parameters import Kind, Param
+from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill, SkillDescription
+from skiros_py.tasks.task_manager import TaskManager
+from skiros_py.world.element import Placement, Value
+from skiros_py.world.literals import DATATYPES
 from skiros_py.world.terms import Family
+from skiros_py.world.transaction import Transaction
+from skiros_py.world.vocabulary import ELEMENT, FLOOR, ON, ROBOT, SPATIAL_THING
 from skiros_py.world.world import World
+
+_LONGEST = 600.0
+"""A skill that runs longer than this is cancelled [s, simulated]."""
+
+
+class Rig:
+    """Runs skills and goals on the robots of a cell, supervised by its watchdog.
+
+    Args:
+        runtime: The runtime.
+    """
+
+    def __init__(self, runtime: Runtime) -> None:
+        self.world = runtime.world
+        self._runtime = runtime
+        self._cycle = runtime.cycle
+        self._managers = runtime.managers
+        self._looking = Chore("a contract test", interruptible=True)
+        _answer(runtime.questions)
+
+    @contextmanager
+    def watched(self) -> Iterator[None]:
+        """Lets the watchdog supervise code outside the control cycle: conditions of an author.
+
+        Raises:
+            CycleOverrun: They blocked the cycle for too long.
+        """
+        outer = self._cycle.pulse.enter(self._looking)
+        try:
+            yield
+        finally:
+            self._cycle.pulse.leave(outer)
+
+    def agents(self, skill: str) -> tuple[str, ...]:
+        """Returns the subsystems that offer a skill."""
+        return tuple(agent for agent, manager in sorted(self._managers.items()) if skill in manager.descriptions)
+
+    def run(self, agent: str, skill: str, arguments: Mapping[str, Any]) -> Outcome:
+        """Runs a skill to its end, or until it takes too long."""
+        running = self._managers[agent].start(skill, arguments)
+        deadline = self._runtime.context.now + _LONGEST
+        in_time = self._runtime.finish(running, leave=lambda: self._runtime.context.now > deadline)
+        if not in_time and not self._cycle.halted:
+            running.stop()
+            self._cycle.step()
+            return Failure(f"it did not end within {_LONGEST:.0f} s")
+        return running.result
+
+    def reach(self, goal: Sequence[Condition]) -> bool:
+        """Plans for a goal and executes the plan; returns whether the goal then holds."""
+        with closing(FastDownward()) as planner, closing(ThreadHost(self.world, planner)) as planning:
+            tasks = TaskManager(self.world, self._managers, planning, self._cycle)
+            try:
+                task = tasks.begin(goal)
+                self._runtime.finish(task)
+                task.result  # noqa: B018 - raises what broke it
+            except (PlanningError, UsageError):
+                return False
+        with self.watched():
+            return all(condition.evaluate(self.world) for condition in goal)
+
+
+@contextmanager
+def fake_rig(
+    world: World,
+    skills: Sequence[Skill],
+    primitives: Mapping[str, type[Primitive[Any]]],
+    overrun: float | None = None,
+) -> Iterator[Rig]:
+    """Sets up fake robots in a world.
+
+    Args:
+        world: The world.
+        skills: Implementations; only those for fakes are used.
+        primitives: Primitives that they call, by name.
+        overrun: Wall time for which an author's code may block the cycle [s]; None for the watchdog's own limit.
+    """
+    spec = read_cell(world, world.instances(ROBOT), simulated=False)
+    options = RuntimeOptions(overrun=overrun)
+    with closing(FakeCell(spec)) as cell, Runtime(world, spec, cell, skills, primitives, options) as runtime:
+        yield Rig(runtime)
+
+
+def _answer(questions: Questions) -> None:
+    """Answers each question with its first option."""
+    questions.subscribe(lambda question: questions.answer(question.id, question.options[0], by="the contract test"))
+
+
+def make_up(description: SkillDescription, world: World, given: Mapping[str, Any]) -> dict[str, Any]:
+    """Adds an element for each element parameter not given, and makes the preconditions hold as far as possible.
+
+    Returns:
+        Value by key of every parameter.
+
+    Raises:
+        WorldError: The world does not allow it.
+    """
+    values: dict[str, Any] = {param.key: param.default for param in description.params} | dict(given)
+    with world.transaction("contract test", f"prepares where {description.name} can start") as tx:
+        for param in description.params:
+            if param.is_element and values[param.key] is None and param.kind.is_required:
+                values[param.key] = _added(tx, param, world, is_piece=_is_piece(param.key, description, world))
+        for condition in description.needs:
+            bound = condition.bind(values)
+            write_effects(tx, world.ontology, brought_about(bound))
+            _give(tx, bound.pattern, world)
+    return values
+
+
+def _added(tx: Transaction, param: Param, world: World, *, is_piece: bool) -> str:
+    is_spatial = world.ontology.is_a(param.element_class, SPATIAL_THING)
+    floor = Placement(ON, world.instances(FLOOR)[0]) if is_spatial and not is_piece else None
+    return tx.add(param.element_class, placement=floor)
+
+
+def _is_piece(key: str, description: SkillDescription, world: World) -> bool:
+    """Returns whether a precondition makes it a piece of another element, so that it has no place of its own."""
+    return any(
+        isinstance(p, Related) and p.object == key and world.ontology.family(p.relation) is Family.STRUCTURE
+        for p in (condition.pattern for condition in description.needs)
+    )
+
+
+def _give(tx: Transaction, pattern: Pattern, world: World) -> None:
+    """Sets a required property of an element."""
+    match pattern:
+        case Has(property_, subject) if world.ontology.class_value(tx.view.element(subject).type, property_) is None:
+            value = sample_of_range(world.ontology.properties[property_].range)
+            if tx.view.value(subject, property_) is None and value is not None:
+                tx.set(subject, property_, value)
+        case AllOf(patterns):
+            for part in patterns:
+                _give(tx, part, world)
+        case _:
+            pass
+
+
+# ---------------------------------------------------------------- default values
+
+
+_OF_TYPE: Mapping[str, Any] = MappingProxyType(
+    {
+        "number": 1.0,
+        "integer": 1,
+        "text": "text",
+        "boolean": True,
+        "pose": Pose(),
+        "vector": (1.0,),
+        "class": ELEMENT,
+    }
+)
+
+
+def sample_values(description: SkillDescription) -> dict[str, Any]:
+    """Returns a value for each parameter that must be given and cannot be inferred."""
+    return {
+        param.key: _sample(param)
+        for param in description.params
+        if param.kind is Kind.ONLINE and not param.is_element and param.type in _OF_TYPE
+    }
+
+
+def _sample(param: Param) -> Any:
+    one = _OF_TYPE[str(param.type)]
+    return one if param.length == 1 else (one,) * max(1, param.length)
+
+
+def sample_of_range(range_: str) -> Value | None:
+    """Returns an example value of a property range; None if there is none."""
+    for value in _OF_TYPE.values():
+        try:
+            return DATATYPES[range_].check(value)
+        except ValueError:
+            continue
+    return None
+
 
 _MOST_TARGETS = 30
 """Maximum number of elements tried as the target of a skill; in plans, which take longer, a tenth of that."""

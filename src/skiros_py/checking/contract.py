@@ -1,22 +1,117 @@
-"""Contract tests: a run of a skill must have its declared effects, and no others."""
+"""Contract tests: a run of a skill must have its declared effects and no others, on a fake and in physics."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
-from skiros_py.checking.cases import Case, Ground, NoCase, find_case
-from skiros_py.checking.difference import undeclared
-from skiros_py.checking.rig import Rig, fake_rig
-from skiros_py.execution.contained import words
-from skiros_py.execution.pulse import CycleOverrun
+from skiros_py.catalogue import Catalogue
+from skiros_py.checking.cases import Case, Ground, NoCase, Rig, fake_rig, find_case
+from skiros_py.execution.pulse import CycleOverrun, words
+from skiros_py.skills.conditions import Assign, Condition, Effect, Not, Nothing, Relate, Unrelate
 from skiros_py.skills.lint import EFFECT_MISSING, NEVER_TRIED, UNDECLARED_CHANGE, Finding, Rule, Spot, title
+from skiros_py.skills.lint.rules.reach import brought_about
 from skiros_py.skills.outcome import Failure, Outcome
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill
+from skiros_py.station.judgement import judge
+from skiros_py.station.session import Options, Session
+from skiros_py.station.worlds import open_world
+from skiros_py.world.change import Edit, ElementEdit, PlacementEdit, PropertyEdit, RelationEdit
+from skiros_py.world.element import Placement
 from skiros_py.world.index import Index
+from skiros_py.world.ontology import Ontology
+from skiros_py.world.scene import describe, diff
+from skiros_py.world.vocabulary import HAS_A, MISSED_LOOKS, MISSING, POSE, POSE_FRAME
+
+_OF_MOVED = frozenset({POSE, MISSING, MISSED_LOOKS})
+"""Properties for the location of an element, which change when it is moved."""
+
+
+def undeclared(before: Index, after: Index, posts: Sequence[Condition]) -> Iterator[str]:
+    """Yields a line for each change between two states that no postcondition declares.
+
+    Implied changes are not reported: a moved element leaves its old place, its pose and the poses of its parts change,
+    and the previous object of a functional relation is removed.
+
+    Args:
+        before: The world before the run.
+        after: The world after it.
+        posts: The postconditions, over elements.
+    """
+    declared = _Declared(after, posts)
+    for edit in diff(before, after):
+        is_new_or_gone = not isinstance(edit, ElementEdit) and any(
+            not (before.has(name) and after.has(name)) for name in edit.marks()
+        )
+        if not is_new_or_gone and not declared.covers(edit):
+            yield from describe(after.ontology, [edit])
+
+
+class _Declared:
+    def __init__(self, world: Index, posts: Sequence[Condition]) -> None:
+        self._ontology = world.ontology
+        self._effects = [effect for condition in posts for effect in brought_about(condition)]
+        moved = {name for effect in self._effects for name in _placed(effect, world.ontology)}
+        self._moved = moved | {part for name in moved for part in _parts(world, name)}
+        self._emptied = {(p.relation, p.object) for p in (c.pattern for c in posts) if isinstance(p, Nothing)}
+        filled = (c.pattern for c in posts)
+        self._filled = {
+            (p.pattern.relation, p.pattern.object)
+            for p in filled
+            if isinstance(p, Not) and isinstance(p.pattern, Nothing)
+        }
+
+    def covers(self, edit: Edit) -> bool:
+        """Returns whether an edit is implied or declared."""
+        match edit:
+            case PlacementEdit(element, old, new):
+                return element in self._moved or _is_at(old, self._emptied) or _is_at(new, self._filled)
+            case RelationEdit(subject, relation, object_):
+                of_moved = relation == POSE_FRAME and subject in self._moved
+                return of_moved or any(self._is_said(e, subject, relation, object_, edit.new) for e in self._effects)
+            case PropertyEdit(element, property_):
+                if element in self._moved and property_ in _OF_MOVED:
+                    return True
+                return any(_assigns(effect, element, property_) for effect in self._effects)
+            case _:
+                return False
+
+    def _is_said(self, effect: Effect, subject: str, relation: str, object_: str, holds: bool) -> bool:
+        match effect:
+            case Relate(said, start, end) if holds:
+                return (start, end) == (subject, object_) and relation in self._ontology.sub_relations(said)
+            case Relate(said, start, end) if said == relation:  # replaces the previous object
+                declared = self._ontology.relation(said)
+                return (declared.functional and start == subject) or (declared.inverse_functional and end == object_)
+            case Unrelate(said, start, end) if not holds:
+                return (start, end) == (subject, object_) and relation in self._ontology.sub_relations(said)
+            case _:
+                return False
+
+
+def _placed(effect: Effect, ontology: Ontology) -> Iterator[str]:
+    match effect:
+        case Relate(relation, subject, object_) if ontology.is_placement(relation):
+            yield ontology.placed(subject, relation, object_)[0]
+        case _:
+            pass
+
+
+def _parts(world: Index, element: str) -> Iterator[str]:
+    for part in world.objects(element, HAS_A) if world.has(element) else ():
+        yield part
+        yield from _parts(world, part)
+
+
+def _is_at(placement: Placement | None, places: Collection[tuple[str, str]]) -> bool:
+    return placement is not None and (placement.relation, placement.place) in places
+
+
+def _assigns(effect: Effect, element: str, property_: str) -> bool:
+    return isinstance(effect, Assign) and (effect.subject, effect.property) == (element, property_)
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,3 +218,65 @@ def _faults(skill: Skill, case: Case, before: Index, outcome: Outcome) -> Iterat
     posts = [condition.bind(case.arguments) for condition in skill.description.post]
     for line in undeclared(before, case.rig.world.snapshot(), posts):
         yield UNDECLARED_CHANGE, f"no postcondition declares {line}"
+
+
+_DRIVER = "pybullet"
+
+
+def is_simulable(skill: Skill) -> bool:
+    """Returns whether a skill can be run in the simulation: only those for every robot."""
+    return skill.driver in (None, _DRIVER)
+
+
+def check_simulated(skill: Skill, scene: str, catalogue: Catalogue, spot: Spot | None = None) -> Contract:
+    """Runs a skill in physics, in a reachable state, and compares its effects with the ground truth.
+
+    Other changes of the world are ignored, because a robot with cameras updates its beliefs wherever it goes.
+
+    Args:
+        skill: The implementation.
+        scene: Name or path of the scene.
+        catalogue: Everything installed.
+        spot: Its location in the source.
+    """
+    ground = Ground(scene, lambda: open_world(scene))
+    others = {key: one for key, one in catalogue.skills.items() if one.description.name != skill.description.name}
+    alone = replace(catalogue, skills={**others, _key(skill, catalogue.skills): skill})
+    simulable = [one for one in alone.skills.values() if is_simulable(one)]
+
+    def tried() -> Contract:
+        with ExitStack() as stack:
+            sessions: list[Session] = []
+
+            def rig_in(_ground: Ground) -> Rig:
+                sessions.append(stack.enter_context(Session(scene, Options(), catalogue=alone)))
+                return Rig(sessions[-1].runtime)
+
+            case = find_case(skill, [ground], simulable, rig_in, may_make_up=False)
+            if isinstance(case, NoCase):
+                return never_tried(skill, case.reason, spot)
+            session = next(one for one in sessions if one.world is case.rig.world)
+            return _judged(skill, case, session, spot)
+
+    return contained_contract(skill, spot, tried)
+
+
+def _key(skill: Skill, skills: Mapping[str, Skill]) -> str:
+    return next((key for key, one in skills.items() if one == skill), skill.description.name)
+
+
+def _judged(skill: Skill, case: Case, session: Session, spot: Spot | None) -> Contract:
+    outcome = case.rig.run(case.agent, skill.description.name, case.arguments)
+    with case.rig.watched():
+        texts = [*missing_effects(skill, case, outcome), *_untrue(skill, case, outcome, session)]
+    where = f"{case.where}, simulated"
+    findings = tuple(finding(EFFECT_MISSING, skill, f"{text} ({where})", spot) for text in texts)
+    return Contract(skill, findings, where, case.arguments, outcome)
+
+
+def _untrue(skill: Skill, case: Case, outcome: Outcome, session: Session) -> Iterator[str]:
+    """Yields the postconditions that the robot believes but that do not hold in the simulator."""
+    posts = [condition.bind(case.arguments) for condition in skill.description.post]
+    for condition, truth in zip(posts, judge(session.simulation, session.spec, session.world, posts), strict=True):
+        if truth is False and condition.evaluate(session.world):
+            yield f"{condition} is believed, and is not so: it ended with {outcome}"

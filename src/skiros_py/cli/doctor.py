@@ -1,19 +1,281 @@
-"""``skiros doctor``: explains an environment."""
+"""``skiros doctor``: explains an environment; each check looks at one thing and says what to do about it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import os
+import platform
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import click
 
-from skiros_py.cli.doctor_checks import CHECKS, Check, Finding, data_folder
-from skiros_py.cli.exit_status import NOT_REACHED, REACHED
 from skiros_py.cli.options import JSON, data_option
-from skiros_py.cli.output import answer
-from skiros_py.cli.text import escaped
+from skiros_py.cli.output import NOT_REACHED, REACHED, answer, escaped
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """What a check found.
+
+    Attributes:
+        text: What is so.
+        todo: What to do about it; empty where all is well.
+        wrong: True where something does not work; False for what is well, or only optional.
+    """
+
+    text: str
+    todo: str = ""
+    wrong: bool = False
+
+
+Check = Callable[[], Iterator[Finding]]
+
+CHECKS: dict[str, Check] = {}
+"""All checks by name, in the order in which they are made."""
+
+_LEAST_MEMORY = 4 * 2**30
+_DOMAIN = """
+(define (domain try) (:requirements :strips) (:predicates (done) (ready))
+  (:action act :parameters () :precondition (ready) :effect (done)))
+"""
+_PROBLEM = "(define (problem try) (:domain try) (:init (ready)) (:goal (done)))"
+
+
+def _check(name: str) -> Callable[[Check], Check]:
+    def register(check: Check) -> Check:
+        CHECKS[name] = check
+        return check
+
+    return register
+
+
+@_check("python")
+def _python() -> Iterator[Finding]:
+    from importlib.metadata import metadata
+
+    from packaging.specifiers import SpecifierSet
+
+    wanted = metadata("skiros-py")["Requires-Python"] or ""
+    text = f"Python {platform.python_version()} ({sys.executable})"
+    fits = SpecifierSet(wanted).contains(platform.python_version(), prereleases=True)
+    yield Finding(text) if fits else Finding(text, f"use a Python {wanted}", wrong=True)
+
+
+@_check("skiros-py")
+def _skiros() -> Iterator[Finding]:
+    from importlib.metadata import version
+
+    yield Finding(f"skiros-py {version('skiros-py')} in {Path(__file__).parents[1]}")
+
+
+@_check("libraries")
+def _libraries() -> Iterator[Finding]:
+    """Looks whether pip installed what skiros-py asks for, in versions that fit."""
+    from importlib.metadata import PackageNotFoundError, requires, version
+
+    from packaging.requirements import Requirement
+
+    wanted = [Requirement(text) for text in requires("skiros-py") or ()]
+    for requirement in (r for r in wanted if r.marker is None or r.marker.evaluate({"extra": ""})):
+        todo = f"pip install '{requirement}'"
+        try:
+            found = version(requirement.name)
+        except PackageNotFoundError:
+            yield Finding(f"{requirement.name} is not installed", todo, wrong=True)
+        else:
+            if not requirement.specifier.contains(found, prereleases=True):
+                yield Finding(f"{requirement.name} {found} does not fit {requirement.specifier}", todo, wrong=True)
+
+
+@_check("extras")
+def _extras() -> Iterator[Finding]:
+    """Says which extras of the distribution are installed; each is optional."""
+    from skiros_py.system import EXTRAS, has_extra
+
+    for extra in EXTRAS:
+        installed = has_extra(extra)
+        text = f"extra {extra}: {'installed' if installed else 'not installed'}"
+        yield Finding(text, "" if installed else f"python3 -m pip install 'skiros-py[{extra}]'")
+
+
+@_check("system")
+def _system() -> Iterator[Finding]:
+    from skiros_py.system import missing_system_libraries
+
+    for missing in dict.fromkeys(missing_system_libraries()):
+        yield Finding(str(missing), f"apt-get install {missing.package}", wrong=True)
+
+
+@_check("machine")
+def _machine() -> Iterator[Finding]:
+    from skiros_py.system import memory, processors
+
+    text = f"{processors()} processors, {memory() / 2**30:.1f} GiB of memory"
+    little = processors() < 2 or memory() < _LEAST_MEMORY
+    yield Finding(text, "runs with physics want 2 processors and 4 GiB" if little else "")
+
+
+@_check("folders")
+def _folders() -> Iterator[Finding]:
+    folder = tempfile.gettempdir()
+    try:
+        with tempfile.TemporaryFile() as file:
+            file.write(b"-")
+    except OSError as error:
+        yield Finding(f"{folder}: {error.strerror}", "set TMPDIR to a folder that can be written", wrong=True)
+    for variable in ("SKIROS_ONTOLOGIES", "SKIROS_SCENES"):
+        for path in filter(None, os.environ.get(variable, "").split(":")):
+            if not Path(path).exists():
+                yield Finding(f"{variable} names {path}, which does not exist", f"mend {variable}", wrong=True)
+
+
+def data_folder(folder: Path) -> Iterator[Finding]:
+    """Looks whether a world can live in a folder, which may not exist yet."""
+    there = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+    if not there.is_dir():
+        yield Finding(f"{there} is no folder", "choose another with --data", wrong=True)
+    elif not os.access(there, os.W_OK | os.X_OK):
+        yield Finding(f"{there} cannot be written", "choose another with --data, or change its owner", wrong=True)
+    else:
+        yield Finding(f"{folder} can be written")
+
+
+@_check("java")
+def _java() -> Iterator[Finding]:
+    from skiros_py.world.ontology.check.reasoner import java
+
+    path = java()
+    todo = "optional: skiros ontology check asks HermiT where there is a Java; apt-get install default-jre-headless"
+    yield Finding(f"{path}") if path else Finding("there is no Java", todo)
+
+
+@_check("display")
+def _display() -> Iterator[Finding]:
+    from skiros_py.errors import SkirosError
+    from skiros_py.system import check_display
+
+    try:
+        check_display(os.environ.get("DISPLAY"))
+    except (SkirosError, OSError) as error:
+        yield Finding(str(error), "optional: only skiros run --gui wants one")
+
+
+@_check("planner")
+def _planner() -> Iterator[Finding]:
+    """Lets the planner solve something: that shows whether its programs start here."""
+    from contextlib import closing
+
+    from skiros_py.errors import SkirosError
+    from skiros_py.planning.planners.fast_downward import FastDownward
+    from skiros_py.planning.planners.planner import Solved
+
+    try:
+        with closing(FastDownward(time_limit=30.0)) as planner:
+            answer = planner.solve(_DOMAIN, _PROBLEM).result()
+    except (SkirosError, OSError) as error:
+        yield Finding(f"{error}", "pip install --force-reinstall up-fast-downward", wrong=True)
+    else:
+        solved = isinstance(answer, Solved)
+        yield Finding("Fast Downward plans" if solved else f"Fast Downward answers {answer}", wrong=not solved)
+
+
+@_check("plug-ins")
+def _distributions() -> Iterator[Finding]:
+    from skiros_py.plugins import installation
+
+    found = installation()
+    for distribution in found.distributions:
+        number = sum(entry.distribution == distribution for entry in found.entries)
+        yield Finding(f"{distribution}: {number} entry points ({distribution.folder})")
+    for fault in found.faults:
+        yield Finding(
+            f"{fault.distribution}: {fault.reason}", f"install it again, or remove {fault.origin}", wrong=True
+        )
+
+
+@_check("versions")
+def _versions() -> Iterator[Finding]:
+    from skiros_py.plugins import installation, misfit
+
+    for distribution in installation().distributions:
+        if found := misfit(distribution):
+            yield Finding(f"{distribution}: {found.problem}", found.todo, wrong=True)
+
+
+@_check("stale entry points")
+def _stale() -> Iterator[Finding]:
+    from skiros_py.plugins import installation, locate
+
+    for entry in installation().entries:
+        if not entry.is_well_formed:
+            yield Finding(f"{entry.group} {entry.name} of {entry} names nothing", "write module:object", wrong=True)
+        elif locate(entry.module) is None:
+            name = entry.distribution.name
+            todo = f"pip install --force-reinstall {name}, or pip uninstall {name}"
+            yield Finding(f"{entry.group} {entry.name} of {entry}: the module is gone", todo, wrong=True)
+
+
+@_check("unknown groups")
+def _groups() -> Iterator[Finding]:
+    from skiros_py.errors import UnknownName
+    from skiros_py.plugins import GROUPS, installation
+
+    for entry in installation().entries:
+        if entry.group not in GROUPS:
+            text = f"{entry.name} of {entry}: {UnknownName('group of entry points', entry.group, GROUPS)}"
+            yield Finding(text, "nothing reads it; correct the group in the metadata of its distribution")
+
+
+@_check("loading")
+def _loading() -> Iterator[Finding]:
+    """Loads all plug-ins; names that stand twice show here, too."""
+    from skiros_py.catalogue import survey
+    from skiros_py.plugins import GROUPS
+
+    for one in survey()[0]:
+        for fault in one.faults if one.entry.group in GROUPS else ():
+            text = f"{one.entry.group} {one.entry.name} of {one.entry.distribution}: {fault.reason}"
+            yield Finding(text, f"skiros plugins {one.entry.name} shows it in full", wrong=True)
+
+
+@_check("ontologies")
+def _ontologies() -> Iterator[Finding]:
+    from skiros_py.config import ontology_paths
+    from skiros_py.errors import FileError
+    from skiros_py.world.ontology import load_installed
+
+    try:
+        ontology, _ = load_installed(ontology_paths())
+    except FileError as error:
+        yield Finding(str(error), "mend the file; skiros ontology check says more", wrong=True)
+    else:
+        number = len(ontology.sources)
+        yield Finding(
+            f"{number} files go together: {len(ontology.classes)} classes, {len(ontology.relations)} relations"
+        )
+
+
+@_check("scenes")
+def _scenes() -> Iterator[Finding]:
+    from skiros_py.config import named_scene, ontology_paths, scene_names
+    from skiros_py.errors import SkirosError
+    from skiros_py.world.ontology import load_installed
+    from skiros_py.world.reasoners.registry import load_reasoners
+    from skiros_py.world.scene import load_scene
+
+    ontology, _ = load_installed(ontology_paths())
+    reasoners, _ = load_reasoners(ontology)
+    for name in scene_names():
+        try:
+            load_scene(ontology, named_scene(name), ontology_paths(), reasoners=reasoners)
+        except SkirosError as error:
+            yield Finding(f"{name}: {error}", f"mend it; skiros scene check {name} tries again", wrong=True)
+    yield Finding(f"{len(scene_names())} scenes: {', '.join(scene_names())}")
 
 
 @click.command("doctor", epilog="Example: skiros doctor --json")

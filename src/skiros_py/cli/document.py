@@ -15,8 +15,7 @@ from skiros_py.cli.reaching import with_client
 from skiros_py.errors import FileError
 
 if TYPE_CHECKING:
-    from skiros_py.api.documents import DocumentInfo
-    from skiros_py.api.modules import ModuleRunInfo
+    from skiros_py.api.modules import DocumentInfo, ModuleRunInfo
     from skiros_py.client import Client
 
 

@@ -1,22 +1,104 @@
-"""The command ends, whatever the code of others does: C that does not come back, threads that are left."""
+"""How the command ends: signals that ask for it, warnings that were logged, and code that does not come back."""
 
 from __future__ import annotations
 
 import atexit
 import gc
+import logging
 import os
 import signal
 import sys
 import threading
 import time
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import click
 
-from skiros_py.cli.output import answer
-from skiros_py.cli.text import escaped
+from skiros_py.cli.output import answer, brief, escaped
+from skiros_py.interruptions import UserStop
+
+STOPS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
+
+def raise_interrupt(_number: int, _frame: object) -> None:
+    """Unwinds the stack, so that everything that was started is closed."""
+    raise UserStop
+
+
+def unwind_on_stops() -> None:
+    """Makes every stop unwind the stack."""
+    for number in STOPS:
+        signal.signal(number, raise_interrupt)
+
+
+def ignore_stops() -> None:
+    """Lets the clean-up that is already under way come to its end."""
+    for number in STOPS:
+        signal.signal(number, signal.SIG_IGN)
+
+
+@contextmanager
+def heard_at_once(listener: Callable[[], None]) -> Iterator[None]:
+    """Calls a function, in a thread of its own, for each stop: also while the main thread is in C and hears none."""
+    reading, writing = os.pipe()
+    os.set_blocking(writing, False)
+    before = signal.set_wakeup_fd(writing, warn_on_full_buffer=False)
+    thread = threading.Thread(target=_listen, args=(reading, listener), name="skiros-stops", daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        signal.set_wakeup_fd(before)
+        os.close(writing)
+        thread.join()
+        os.close(reading)
+
+
+def _listen(reading: int, listener: Callable[[], None]) -> None:
+    while numbers := os.read(reading, 1):
+        if numbers[0] in STOPS:
+            listener()
+
+
+@contextmanager
+def warnings_on_stderr() -> Iterator[None]:
+    """Says each warning once, in one line, while it lasts; stdout stays the answer's."""
+    logger, handler = logging.getLogger("skiros_py"), _Stderr(logging.WARNING)
+    logger.addHandler(handler)
+    try:
+        yield
+    finally:
+        logger.removeHandler(handler)
+
+
+def no_warnings_on_stderr() -> None:
+    """Ends that early, where a log says it all."""
+    logger = logging.getLogger("skiros_py")
+    for handler in [one for one in logger.handlers if isinstance(one, _Stderr)]:
+        logger.removeHandler(handler)
+
+
+class _Stderr(logging.Handler):
+    """Says in one line what happened and where; with SKIROS_DEBUG the stack follows."""
+
+    def __init__(self, level: int) -> None:
+        super().__init__(level)
+        self._said: set[str] = set()
+        self._whole = logging.Formatter()
+
+    def emit(self, record: logging.LogRecord) -> None:
+        whole = self._whole.format(record)
+        text = brief(whole)
+        if text in self._said:  # a command that opens two worlds meets the same plug-ins twice
+            return
+        self._said.add(text)
+        click.echo(escaped(f"skiros: {record.levelname.lower()}: {text}"), err=True)
+        if os.environ.get("SKIROS_DEBUG"):
+            for line in whole.splitlines()[1:]:
+                click.echo(escaped(line), err=True)
+
 
 GRACE = 3.0
 """For how long the control thread may be stuck once the command shall end [s]."""

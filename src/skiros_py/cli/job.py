@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from skiros_py.cli.exit_status import REACHED
 from skiros_py.cli.lazy import LazyGroup
 from skiros_py.cli.options import JSON
-from skiros_py.cli.output import tell
+from skiros_py.cli.output import REACHED, tell
 from skiros_py.cli.reaching import reach, server_options, with_client
 
 if TYPE_CHECKING:
@@ -121,7 +120,7 @@ def _jobs(data: Path | None, url: str | None, key_file: Path | None) -> Abstract
     """Opens the jobs of a server; where none runs on a data directory, what is kept there."""
     from skiros_py.cli.job_files import JobFiles
     from skiros_py.cli.job_server import JobServer
-    from skiros_py.client.discovery import find_server
+    from skiros_py.client.client import find_server
 
     if data is not None and find_server(data) is None:
         files = JobFiles(data)

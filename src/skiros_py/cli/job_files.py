@@ -27,7 +27,7 @@ class JobFiles:
 
     def __init__(self, data: Path) -> None:
         from skiros_py.tasks.jobs import JobStore
-        from skiros_py.world.journal.lock import DirectoryLock
+        from skiros_py.world.journal.data_directory import DirectoryLock
 
         path = data / "jobs.db"
         if not path.exists():

@@ -9,13 +9,10 @@ from typing import TYPE_CHECKING, Any
 import click
 from pydantic import ValidationError
 
-from skiros_py.api.jobs import JobOrder, order_from
-from skiros_py.api.previews import Preview, PreviewState
-from skiros_py.cli.exit_status import NO_PLAN, NOT_REACHED, REACHED
-from skiros_py.cli.job_text import state_line
-from skiros_py.cli.job_watch import follow_job
+from skiros_py.api.jobs import JobOrder, Preview, PreviewState, order_from
+from skiros_py.cli.job_text import follow_job, state_line
 from skiros_py.cli.options import JSON
-from skiros_py.cli.output import tell
+from skiros_py.cli.output import NO_PLAN, NOT_REACHED, REACHED, tell
 from skiros_py.cli.reaching import with_client
 from skiros_py.errors import UsageError
 

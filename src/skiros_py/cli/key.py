@@ -13,13 +13,12 @@ from typing import TYPE_CHECKING
 import click
 
 from skiros_py.cli.options import DATA, JSON
-from skiros_py.cli.output import tell
-from skiros_py.cli.text import escaped
+from skiros_py.cli.output import escaped, tell
 from skiros_py.errors import FileError
 from skiros_py.system import require_extra
 
 if TYPE_CHECKING:
-    from skiros_py.api.access import ApiKey
+    from skiros_py.api.server import ApiKey
     from skiros_py.server.access.keys import KeyStore
 
 _ROLES = ("viewer", "operator", "engineer", "admin", "mes")
@@ -113,8 +112,7 @@ def _check_folder(data: Path, *, new: bool) -> None:
 
 @contextmanager
 def _keys(data: Path, *, make: bool = False) -> Iterator[KeyStore]:
-    from skiros_py.server.access.file import FILE
-    from skiros_py.server.access.keys import KeyStore
+    from skiros_py.server.access.keys import FILE, KeyStore
 
     if not make and not (data / FILE).exists():
         raise FileError(data, "no keys were made in this data directory: 'skiros key create' makes one")

@@ -9,13 +9,9 @@ from contextlib import AbstractContextManager, nullcontext
 
 import click
 
-from skiros_py.cli.ending import leave
-from skiros_py.cli.exit_status import NOT_REACHED, REACHED, STOPPED, USAGE
+from skiros_py.cli.ending import ignore_stops, leave, unwind_on_stops, warnings_on_stderr
 from skiros_py.cli.lazy import LazyGroup
-from skiros_py.cli.output import answer, answers_alone, silence
-from skiros_py.cli.stops import ignore_stops, unwind_on_stops
-from skiros_py.cli.text import brief
-from skiros_py.cli.warnings import warnings_on_stderr
+from skiros_py.cli.output import NOT_REACHED, REACHED, STOPPED, USAGE, answer, answers_alone, brief, silence
 from skiros_py.errors import DeviceError, PlanningError, SkirosError
 from skiros_py.interruptions import by_user
 

@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from skiros_py.cli.asking import answering, ask_option
-from skiros_py.cli.exit_status import NOT_REACHED, REACHED, STOPPED
 from skiros_py.cli.options import GUI, JSON, cell_options
-from skiros_py.cli.output import answer
+from skiros_py.cli.output import NOT_REACHED, REACHED, STOPPED, answer
+from skiros_py.cli.run import answering, ask_option
 from skiros_py.errors import UnknownName, UsageError
 
 if TYPE_CHECKING:

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from skiros_py.cli.exit_status import REACHED
 from skiros_py.cli.options import JSON
-from skiros_py.cli.output import answer
+from skiros_py.cli.output import REACHED, answer
 
 if TYPE_CHECKING:
     from skiros_py.scaffold import Draft, Knowledge

@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from skiros_py.cli.exit_status import NOT_REACHED, REACHED
 from skiros_py.cli.options import Seconds
-from skiros_py.cli.output import answer
+from skiros_py.cli.output import NOT_REACHED, REACHED, answer
 from skiros_py.errors import UsageError
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-"""Stdout is for the answer: whatever else is printed while a command runs, also from C, goes to stderr."""
+"""Output of the commands: text or JSON, escaped for the terminal, and exit statuses."""
 
 from __future__ import annotations
 
@@ -11,8 +11,42 @@ from typing import Any, TextIO
 
 import click
 
-from skiros_py.cli.exit_status import REACHED
-from skiros_py.cli.text import escaped
+REACHED = 0
+"""The goal holds: by the simulator's truth, or by belief where a fake ran."""
+NOT_REACHED = 1
+"""It does not, or something broke on the way."""
+DIFFERENT = 1
+"""Two things that were compared are not equal, or a copy is not current."""
+USAGE = 2
+"""Wrong usage, or a file that cannot be understood; nothing was started."""
+NO_PLAN = 3
+"""No plan leads to the goal; nothing was done."""
+STOPPED = 130
+"""Somebody stopped it."""
+
+
+_STACKS = ('\n  File "', "\nTraceback (most recent call last):")
+"""How stacks begin that follow a text."""
+
+
+def escaped(text: str) -> str:
+    r"""Returns a line in which everything that cannot be printed is written out, as in ``\x1b`` or ``\n``.
+
+    Labels, authors and reasons come from anywhere; what they say must not steer the terminal or look like more lines.
+    """
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+
+
+def brief(text: str) -> str:
+    """Returns a text without the stack that follows it; in its place stands the author's line where that is from."""
+    from skiros_py.plugins.plugin import authors_line  # help is there at once, without all that
+
+    start = min((at for stack in _STACKS if (at := text.find(stack)) >= 0), default=-1)
+    if start < 0:
+        return text
+    head, frame = text[:start], authors_line(text[start:])
+    return head if frame is None else f"{head} ({frame[0]}:{frame[1]} in {frame[2]})"
+
 
 _answers: TextIO | None = None
 

@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from skiros_py.cli.exit_status import NO_PLAN, REACHED
 from skiros_py.cli.options import GOAL, SKILLS, planner_options
-from skiros_py.cli.output import answer
+from skiros_py.cli.output import NO_PLAN, REACHED, answer
 from skiros_py.errors import UsageError
 
 if TYPE_CHECKING:
-    from skiros_py.planning.domain.account import SkillAccount
+    from skiros_py.planning.domain.model import SkillAccount
     from skiros_py.planning.domain.pddl import PddlTexts
     from skiros_py.skills.skill import SkillDescription
 
@@ -77,7 +76,7 @@ def command(scene: str, folder: Path | None, explain: bool, as_json: bool, **opt
 
 
 def _account(skills: Sequence[SkillDescription], texts: PddlTexts) -> tuple[SkillAccount, ...]:
-    from skiros_py.planning.domain.account import account_of
+    from skiros_py.planning.domain.model import account_of
 
     by_name = {skill.name: skill for skill in skills}
     return account_of(by_name.values(), list(texts.actions.items()))

@@ -7,9 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from skiros_py.cli.exit_status import NOT_REACHED, REACHED
-from skiros_py.cli.output import answer
-from skiros_py.cli.text import escaped
+from skiros_py.cli.output import NOT_REACHED, REACHED, answer, escaped
 from skiros_py.errors import UnknownName
 
 if TYPE_CHECKING:

@@ -92,7 +92,7 @@ def present_world(data: Path, **options: Any) -> Iterator[OpenWorld | ServedWorl
     Raises:
         FileError: It is not there, another process uses it, it cannot be read or written, or a file is broken.
     """
-    from skiros_py.client.discovery import find_server
+    from skiros_py.client.client import find_server
 
     if find_server(data) is None:
         from skiros_py.cli.world_open import OpenWorld

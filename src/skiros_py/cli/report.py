@@ -6,9 +6,8 @@ from pathlib import Path
 
 import click
 
-from skiros_py.cli.exit_status import REACHED
 from skiros_py.cli.options import JSON
-from skiros_py.cli.output import answer
+from skiros_py.cli.output import REACHED, answer
 from skiros_py.errors import FileError
 
 

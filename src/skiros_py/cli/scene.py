@@ -9,10 +9,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from skiros_py.cli.exit_status import DIFFERENT, REACHED
 from skiros_py.cli.options import JSON
-from skiros_py.cli.output import answer_text, tell
-from skiros_py.cli.text import escaped
+from skiros_py.cli.output import DIFFERENT, REACHED, answer_text, escaped, tell
 from skiros_py.errors import FileError, UsageError
 
 if TYPE_CHECKING:
@@ -113,7 +111,7 @@ def diff(old: str, new: str, as_json: bool) -> int:
 )
 def save(scene_and_file: tuple[str, ...], data: Path | None) -> int:
     """Writes SCENE with all that it imports as one Turtle file FILE, in an order that depends on the content alone."""
-    from skiros_py.world.scene.atomic import write_atomically
+    from skiros_py.world.scene.files import write_atomically
 
     *scenes, file = scene_and_file
     if len(scenes) != (0 if data else 1):

@@ -7,22 +7,17 @@ import signal
 import sys
 import tempfile
 from collections.abc import Iterator
-from contextlib import ExitStack, closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
-from skiros_py.cli.ending import end_now, end_unless
-from skiros_py.cli.exit_status import NOT_REACHED, REACHED, STOPPED
-from skiros_py.cli.first_start import rollback_first_start
+from skiros_py.cli.ending import STOPS, end_now, end_unless, no_warnings_on_stderr
 from skiros_py.cli.options import JSON, SKILLS, cell_options, data_option, planner_options
-from skiros_py.cli.output import answer
-from skiros_py.cli.stops import STOPS
-from skiros_py.cli.text import escaped
-from skiros_py.cli.warnings import no_warnings_on_stderr
-from skiros_py.errors import UsageError
+from skiros_py.cli.output import NOT_REACHED, REACHED, STOPPED, answer, escaped
+from skiros_py.errors import FileError, SkirosError, UsageError
 from skiros_py.interruptions import UserStop
 from skiros_py.system import require_extra
 
@@ -33,6 +28,52 @@ if TYPE_CHECKING:
     from skiros_py.server.serving import Serving
     from skiros_py.server.settings import Authentication, ServerSettings
     from skiros_py.station.session import Options
+
+
+_OF_ACCESS = ("access.db", "access.db-wal", "access.db-shm")
+
+
+@contextmanager
+def rollback_first_start(data: Path) -> Iterator[None]:
+    """Removes the data directory if the block created it and then failed.
+
+    The world in it is discarded by its owner; files that others added meanwhile are kept.
+    """
+    made = [folder for folder in (data, *data.parents) if not folder.exists()]
+    try:
+        yield
+    except SkirosError:
+        if made:
+            _remove(made)
+        raise
+
+
+def _remove(made: list[Path]) -> None:
+    """Removes folders, the innermost first; what cannot be removed stays."""
+    from skiros_py.world.journal.data_directory import DirectoryLock
+
+    data = made[0]
+    with suppress(OSError, FileError):  # FileError: somebody else uses it by now
+        lock = DirectoryLock(data)
+        try:
+            if not _holds_more(data):
+                for name in (*_OF_ACCESS, "lock"):
+                    (data / name).unlink(missing_ok=True)
+        finally:
+            lock.release()
+        for folder in made:
+            folder.rmdir()
+
+
+def _holds_more(data: Path) -> bool:
+    """Returns whether there is more than a server makes before it opens its world."""
+    from skiros_py.server.access.keys import KeyStore
+
+    if {file.name for file in data.iterdir()} - {*_OF_ACCESS, "lock"}:
+        return True
+    with closing(KeyStore(data)) as keys:
+        return bool(keys.all())
+
 
 _OVERRUN = 0.5
 """For how long a module may hold the control cycle at a pace [s]: it shares the interpreter with requests here."""
@@ -151,7 +192,7 @@ def _lives(data: Path) -> bool:
 
 
 def _log_to_stderr(form: Literal["console", "json"]) -> None:
-    from skiros_py.server.logs import log_to
+    from skiros_py.server.monitoring import log_to
 
     no_warnings_on_stderr()
     log_to(sys.stderr, form=form)
@@ -160,9 +201,8 @@ def _log_to_stderr(form: Literal["console", "json"]) -> None:
 def _serve(
     scene: str, options: Options, settings: ServerSettings, listening: socket, stops: _Stops, *, as_json: bool
 ) -> None:
-    from skiros_py.server.discovery import announced
     from skiros_py.server.services import Services
-    from skiros_py.server.serving import Serving, url_of
+    from skiros_py.server.serving import Serving, announced, url_of
     from skiros_py.station.session import Session
 
     data = options.data

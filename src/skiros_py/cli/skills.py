@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from skiros_py.cli.output import answer
-from skiros_py.cli.text import escaped
+from skiros_py.cli.output import answer, escaped
 
 if TYPE_CHECKING:
     from skiros_py.catalogue import Catalogue

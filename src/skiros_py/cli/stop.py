@@ -6,13 +6,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from skiros_py.cli.exit_status import NOT_REACHED, REACHED
 from skiros_py.cli.options import JSON
-from skiros_py.cli.output import tell
+from skiros_py.cli.output import NOT_REACHED, REACHED, tell
 from skiros_py.cli.reaching import with_client
 
 if TYPE_CHECKING:
-    from skiros_py.api.stop import StopInfo
+    from skiros_py.api.alarms import StopInfo
     from skiros_py.client import Client
 
 _TIMEOUT, _TRIES = 3.0, 3

@@ -8,12 +8,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from skiros_py.cli.exit_status import REACHED
 from skiros_py.cli.lazy import LazyGroup
 from skiros_py.cli.options import AUTHOR, DATA, JSON, data_option, open_existing
-from skiros_py.cli.output import answer, tell
+from skiros_py.cli.output import REACHED, answer, escaped, tell
 from skiros_py.cli.reaching import present_world
-from skiros_py.cli.text import escaped
 from skiros_py.errors import FileError
 from skiros_py.world.vocabulary import ELEMENT
 
@@ -51,7 +49,7 @@ def create(scene: str, data: Path) -> int:
 
     A learned.ttl that lies in it already comes along.
     """
-    from skiros_py.client.discovery import find_server
+    from skiros_py.client.client import find_server
     from skiros_py.station.worlds import open_data
 
     if (data / "journal.db").exists():
@@ -137,7 +135,7 @@ def _print_history(found: History, element: str | None, ontology: Ontology) -> N
 
 def _print_change(ontology: Ontology, entry: Entry, element: str | None) -> None:
     """One line for the change, and one for each of its edits that is about the element."""
-    from skiros_py.world.scene.diff import describe
+    from skiros_py.world.scene.files import describe
 
     change = entry.change
     click.echo(escaped(f"{change.number:6}  {_written(entry)}  {change.author} ({change.writer}): {change.reason}"))

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from skiros_py.cli.exit_status import REACHED
 from skiros_py.cli.options import AUTHOR, DATA, JSON
-from skiros_py.cli.output import tell
+from skiros_py.cli.output import REACHED, tell
 from skiros_py.cli.reaching import present_world
 from skiros_py.world.vocabulary import APPLIES_TO
 
@@ -60,7 +59,7 @@ def export(file: Path | None, data: Path) -> int:
 
     Another robot knows it from the start when the file lies in its new data directory as learned.ttl.
     """
-    from skiros_py.world.scene.atomic import write_atomically
+    from skiros_py.world.scene.files import write_atomically
 
     with present_world(data) as world:
         text = world.learned_turtle()

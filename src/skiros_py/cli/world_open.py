@@ -109,7 +109,7 @@ class OpenWorld:
 
     def scene_turtle(self) -> str:
         """Returns the scene as the text of a Turtle file."""
-        from skiros_py.station.scenes.content import scene_only
+        from skiros_py.station.scenes.scenes import scene_only
         from skiros_py.world.scene.writer import scene_turtle
 
         return scene_turtle(scene_only(self._world.snapshot()))

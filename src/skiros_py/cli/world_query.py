@@ -11,11 +11,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from skiros_py.cli.exit_status import REACHED
 from skiros_py.cli.options import Seconds
-from skiros_py.cli.output import answer
+from skiros_py.cli.output import REACHED, answer, escaped
 from skiros_py.cli.reaching import present_world
-from skiros_py.cli.text import escaped
 from skiros_py.errors import FileError
 
 if TYPE_CHECKING:
@@ -81,7 +79,7 @@ def command(
     with _world(scene, data, time_limit) as world:
         result = world.query(sparql, bound, entailed=entailed, time_limit=time_limit)
     if as_json:
-        from skiros_py.station.world.answers import Answer
+        from skiros_py.station.world.service import Answer
 
         answer(Answer(result).data())
     else:
@@ -165,7 +163,7 @@ def _value(text: str) -> Binding:
 
 
 def _show(result: Result, *, as_csv: bool) -> None:
-    from skiros_py.station.world.answers import Answer
+    from skiros_py.station.world.service import Answer
     from skiros_py.world.queries import Table
 
     if as_csv and not isinstance(result, Table):
@@ -185,7 +183,7 @@ def _print_table(table: Table) -> None:
     from rich.table import Table as Columns
     from rich.text import Text
 
-    from skiros_py.station.world.answers import shown_value
+    from skiros_py.station.world.service import shown_value
 
     columns = Columns(box=None, pad_edge=False)
     for name in table.variables:

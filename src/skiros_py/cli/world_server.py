@@ -12,10 +12,9 @@ from skiros_py.cli.world_open import History, Shown
 from skiros_py.errors import UsageError
 
 if TYPE_CHECKING:
-    from skiros_py.api.elements import ElementDetails, Relation
     from skiros_py.api.queries import Query
     from skiros_py.api.world import Change as ChangeInfo
-    from skiros_py.api.world import ChangePage, Learned
+    from skiros_py.api.world import ChangePage, ElementDetails, Learned, Relation
     from skiros_py.client import Client
     from skiros_py.world.change import Change
     from skiros_py.world.element import Element, Value
@@ -180,8 +179,8 @@ def _value(found: Any) -> Value:
 def _question(sparql: str, bindings: Mapping[str, Binding], *, entailed: bool, time_limit: float) -> Query:
     from pydantic import ValidationError
 
-    from skiros_py.api.faults import fault_words
     from skiros_py.api.queries import Query
+    from skiros_py.api.wire import fault_words
 
     bound = {name: _bound(value) for name, value in bindings.items()}
     try:

@@ -1,18 +1,293 @@
-"""Turns calls into requests and responses into results, for both clients."""
+"""Requests: a call as a value, its errors, when it is retried, and its result for both clients."""
 
 from __future__ import annotations
 
 import ipaddress
 import uuid
-from typing import Any, TypeAlias, TypeVar
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import lru_cache, partial
+from types import GenericAlias
+from typing import Any, Generic, ParamSpec, Protocol, TypeAlias, TypeVar, overload
+from urllib.parse import quote
 
 import httpx2
+import stamina
+from pydantic import BaseModel, TypeAdapter, ValidationError
 
-from skiros_py.client.call import Call
-from skiros_py.client.errors import Unreachable, problem_of
-from skiros_py.errors import SkirosError, UsageError
+from skiros_py.api.wire import ProblemDetails
+from skiros_py.errors import DeviceError, SkirosError, UsageError
 
 T = TypeVar("T")
+P = ParamSpec("P")
+C_co = TypeVar("C_co", bound="Sender | AsyncSender", covariant=True)
+
+
+@dataclass(frozen=True, slots=True)
+class Call(Generic[T]):
+    """One request, and how its response is parsed.
+
+    Attributes:
+        method: HTTP method.
+        path: Path below ``/api/v1``, already quoted.
+        read: How a successful response is parsed: a model, a list of models, or a function of the response.
+        query: Query parameters; None leaves one out.
+        json: Body, as plain data; None for none.
+        content: Raw body instead of ``json``; the headers give its type.
+        headers: Further headers; None leaves one out.
+        repeatable: True if repeating the request is safe, so that it may be sent again when the connection breaks.
+    """
+
+    method: str
+    path: str
+    read: type[T] | Callable[[httpx2.Response], T]
+    query: Mapping[str, Any] = field(default_factory=dict)
+    json: Any = None
+    headers: Mapping[str, str | None] = field(default_factory=dict)
+    repeatable: bool = True
+    content: bytes | None = None
+
+    def result(self, response: httpx2.Response) -> T:
+        """Parses a successful response.
+
+        Raises:
+            ValueError: The response does not have the expected shape.
+        """
+        result: T = _reader(self.read)(response)
+        return result
+
+
+def _reader(read: Any) -> Callable[[httpx2.Response], Any]:
+    """Returns the function that parses a response as a model or a list of models; functions are returned as is."""
+    if isinstance(read, GenericAlias) or (isinstance(read, type) and issubclass(read, BaseModel)):
+        return lambda response: _adapter(read).validate_json(response.content)
+    return read  # type: ignore[no-any-return]
+
+
+@lru_cache(maxsize=128)
+def _adapter(kind: Any) -> TypeAdapter[Any]:
+    return TypeAdapter(kind)
+
+
+class Sender(Protocol):
+    """A blocking client, as its topics see it."""
+
+    def send(self, call: Call[T]) -> T:
+        """Sends a call and returns its result."""
+        ...
+
+
+class AsyncSender(Protocol):
+    """An asynchronous client, as its topics see it."""
+
+    async def send(self, call: Call[T]) -> T:
+        """Sends a call and returns its result."""
+        ...
+
+
+class Topic(Generic[C_co]):
+    """A part of a client."""
+
+    def __init__(self, client: C_co) -> None:
+        self.client = client
+
+
+class Method(Generic[P, T]):
+    """A method of a topic, made from a function that creates a call: blocking or awaitable, depending on the client.
+
+    Args:
+        make: Creates the call.
+    """
+
+    def __init__(self, make: Callable[P, Call[T]]) -> None:
+        self.make = make
+        self.__doc__ = make.__doc__
+
+    @overload
+    def __get__(self, topic: None, owner: type) -> Method[P, T]: ...
+    @overload
+    def __get__(self, topic: Topic[Sender], owner: type) -> Callable[P, T]: ...
+    @overload
+    def __get__(self, topic: Topic[AsyncSender], owner: type) -> Callable[P, Awaitable[T]]: ...
+    def __get__(self, topic: Topic[Any] | None, owner: type) -> Any:
+        """Returns the method of one client."""
+        if topic is None:
+            return self
+        send = partial(_send, topic.client, self.make)
+        send.__doc__ = self.__doc__  # for help()
+        return send
+
+
+def _send(client: Sender | AsyncSender, make: Callable[P, Call[T]], /, *args: P.args, **kwargs: P.kwargs) -> Any:
+    return client.send(make(*args, **kwargs))
+
+
+def path_of(*parts: str | int) -> str:
+    """Returns a resource path below ``/api/v1``; each part is quoted."""
+    return "".join(f"/{quote(str(part), safe='')}" for part in parts)
+
+
+def if_match(version: int | None, otherwise: str | None = None) -> dict[str, str | None]:
+    """Returns the header with the expected version.
+
+    Args:
+        version: The version.
+        otherwise: The value if there is no version; None to omit the header.
+    """
+    return {"If-Match": otherwise if version is None else f'"{version}"'}
+
+
+def plain(response: httpx2.Response) -> Any:
+    """Parses a response as plain data."""
+    return response.json()
+
+
+def nothing(_response: httpx2.Response) -> None:
+    """Accepts a response without a body."""
+
+
+_LONGEST_SHOWN = 200
+_LONGEST_NUMBER = 5
+
+
+class ProblemError(SkirosError):
+    """The server refused a request and gave the reason.
+
+    Attributes:
+        problem: The problem document.
+        retry_after: When to retry [s]; None if not given.
+    """
+
+    def __init__(self, problem: ProblemDetails, retry_after: float | None = None) -> None:
+        self.problem = problem
+        self.retry_after = retry_after
+        super().__init__(problem.detail or problem.title)
+
+    @property
+    def status(self) -> int:
+        """The HTTP status: 404 for not found, 409 for a conflict with the current state, 412 for a stale version, …."""
+        return self.problem.status
+
+    @property
+    def code(self) -> str:
+        """The kind of problem, for programs ("UnknownJobOrderID"); empty if it did not come from a SkiROS server."""
+        return self.problem.code
+
+    @property
+    def detail(self) -> str:
+        """What is wrong with this request, and how to correct it."""
+        return self.problem.detail
+
+
+class Unreachable(DeviceError):
+    """The server does not answer; whether a request that was sent took effect is unknown.
+
+    Attributes:
+        url: The URL that was tried.
+    """
+
+    def __init__(self, url: str, why: str) -> None:
+        self.url = url
+        super().__init__(
+            f"no server answers at {url}: {why}; 'skiros serve SCENE --data DIR' starts one, and prints its address"
+        )
+
+
+class TookTooLong(SkirosError):
+    """The awaited condition did not become true in time; it may later."""
+
+
+def problem_of(response: httpx2.Response) -> ProblemError:
+    """Parses the server's refusal; other responses (such as a proxy's) are shown as they are."""
+    later = _retry_after(response)
+    try:
+        problem = ProblemDetails.model_validate_json(response.content)
+        return ProblemError(problem.model_copy(update={"status": response.status_code}), later)
+    except ValidationError:
+        said = " ".join(response.text[:_LONGEST_SHOWN].split())
+        title = f"{response.status_code} {response.reason_phrase}".rstrip()
+        detail = f"{response.url} answered {title}{f': {said}' if said else ''}"
+        return ProblemError(ProblemDetails(title=title, status=response.status_code, detail=detail), later)
+
+
+def _retry_after(response: httpx2.Response) -> float | None:
+    text = response.headers.get("retry-after", "").strip()
+    return float(text) if text.isascii() and text.isdecimal() and len(text) <= _LONGEST_NUMBER else None
+
+
+_FIRST, _LONGEST = 0.1, 5.0
+"""First and longest wait between two attempts [s]."""
+_APART = 0.1
+"""Maximum random time added to each wait [s]: keeps many clients from retrying at the same moment."""
+_LONGEST_ASKED = 30.0
+"""If the server asks for a longer wait [s], the error is raised to the caller instead."""
+_TOO_MANY_REQUESTS, _UNAVAILABLE = 429, 503
+
+
+class Attempts(Protocol):
+    """The attempts at one call, for ``for`` and ``async for``: each is a ``with`` block; success ends the loop."""
+
+    def __iter__(self) -> Iterator[stamina.Attempt]:
+        """Yields the attempts, and waits between them."""
+        ...
+
+    def __aiter__(self) -> AsyncIterator[stamina.Attempt]:
+        """Yields the attempts, and awaits between them."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Patience:
+    """How often, and after which waits, a call is retried.
+
+    Attributes:
+        tries: How often it is sent at most.
+    """
+
+    tries: int = 6
+
+    def __post_init__(self) -> None:
+        if self.tries < 1:
+            raise UsageError(f"tries: 1 or more, not {self.tries}")
+
+    def attempts(self, call: Call[Any]) -> Attempts:
+        """Returns the attempts at a call; the last one raises the error."""
+        return stamina.retry_context(
+            on=lambda error: wait_after(error, call),
+            attempts=self.tries,
+            timeout=None,
+            wait_initial=_FIRST,
+            wait_max=_LONGEST,
+            wait_jitter=_APART,
+        )
+
+
+def wait_after(error: Exception, call: Call[Any]) -> bool | float:
+    """Returns whether a call is sent again: True after the usual wait, False for no, a number to wait that long [s].
+
+    Args:
+        error: The error of the last attempt.
+        call: The call.
+    """
+    if isinstance(error, ProblemError):
+        return _asked_wait(error, call)
+    if not isinstance(error, Unreachable):
+        return False
+    broken = error.__cause__
+    # A request that never reached the server had no effect: it may always be sent again.
+    never_arrived = isinstance(broken, httpx2.ConnectError | httpx2.ConnectTimeout | httpx2.PoolTimeout)
+    return (call.repeatable or never_arrived) and not isinstance(broken, httpx2.UnsupportedProtocol)
+
+
+def _asked_wait(problem: ProblemError, call: Call[Any]) -> bool | float:
+    """Returns the wait the server asks for [s]; False if there is none, or it is too long."""
+    refused = problem.status == _TOO_MANY_REQUESTS  # the request had no effect
+    if not refused and not (call.repeatable and problem.status == _UNAVAILABLE):
+        return False
+    seconds = problem.retry_after
+    return False if seconds is None or seconds > _LONGEST_ASKED else seconds
+
+
 Outcome: TypeAlias = httpx2.Response | httpx2.TransportError
 """The outcome of sending a request: a response, or a connection error."""
 

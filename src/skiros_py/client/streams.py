@@ -12,7 +12,7 @@ from typing import Any, Generic, TypeVar
 import httpx2
 from httpx2 import ServerSentEvent
 
-from skiros_py.client.errors import Unreachable, problem_of
+from skiros_py.client.request import Unreachable, problem_of
 
 T = TypeVar("T")
 

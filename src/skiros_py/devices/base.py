@@ -23,7 +23,7 @@ from skiros_py.ports.device import (
     read_mobile,
     require_numbers,
 )
-from skiros_py.ports.models import BASE_JOINTS, BASE_LINK
+from skiros_py.ports.kinematics import BASE_JOINTS, BASE_LINK
 from skiros_py.ports.simulation import SimulatedRobot
 
 _STILL = 0.002  # [m/s], turning counted as [rad/s]

@@ -9,9 +9,8 @@ import numpy as np
 
 from skiros_py.ports.board import DeviceHandle
 from skiros_py.ports.device import DeviceSpec, Individual
-from skiros_py.ports.pending import Pending
 from skiros_py.ports.simulation import SimulatedRobot
-from skiros_py.ports.values import DepthImage
+from skiros_py.ports.values import DepthImage, Pending
 
 
 @dataclass(frozen=True, slots=True)

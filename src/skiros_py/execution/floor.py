@@ -26,7 +26,7 @@ from skiros_py.geometry import Pose, wrap_angle
 from skiros_py.ports.board import DeviceBoard
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.motion import BasePath
-from skiros_py.skills.floor import Outline, Path
+from skiros_py.skills.context import Outline, Path
 
 _MARGIN = 0.06
 """Greatest distance of a base from its path [m]."""
@@ -37,7 +37,7 @@ _TURNS = math.radians(2.0)
 
 
 class FloorAreas:
-    """The areas of all robots of a cell; a :class:`skiros_py.skills.floor.Floor`. For the control thread only.
+    """The areas of all robots of a cell; a :class:`skiros_py.skills.context.Floor`. For the control thread only.
 
     Args:
         board: Says where the robots are.
@@ -115,7 +115,7 @@ class FloorAreas:
 
 
 class FloorWay:
-    """A way that a robot asked for; a :class:`skiros_py.skills.floor.Way`.
+    """A way that a robot asked for; a :class:`skiros_py.skills.context.Way`.
 
     Attributes:
         robot: Whose it is.

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 from typing import Any, Generic, Protocol, TypeVar
 
 from skiros_py.errors import DescriptionError, UnknownName
-from skiros_py.execution.behaviour_run import BehaviourRun, RunnableDocument
 from skiros_py.execution.claims import Claim, Claims
 from skiros_py.execution.loader import Loader
 from skiros_py.execution.primitive_run import run_primitive
+from skiros_py.execution.running import BehaviourRun, RunnableDocument
 from skiros_py.execution.scope import Scope, failed
 from skiros_py.execution.skill_run import SkillRun
 from skiros_py.ports.board import DeviceBoard

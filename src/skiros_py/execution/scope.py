@@ -13,17 +13,15 @@ from typing import Any, Protocol
 
 from skiros_py.errors import UsageError
 from skiros_py.execution.claims import Claim, standstill
-from skiros_py.execution.contained import contained
 from skiros_py.execution.monitor import ModuleEvent, Monitor, Status, end_of
-from skiros_py.execution.pulse import CycleOverrun
+from skiros_py.execution.pulse import CycleOverrun, contained
 from skiros_py.execution.task import Task
 from skiros_py.skills.behaviour import Behaviour, Call, P
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.conditions.watch import Watch, Watches
 from skiros_py.skills.context import RunContext
-from skiros_py.skills.execution import Execution
 from skiros_py.skills.inference import applying
-from skiros_py.skills.outcome import BROKEN, Failure, Outcome, Success
+from skiros_py.skills.outcome import BROKEN, Execution, Failure, Outcome, Success
 
 _log = logging.getLogger(__name__)
 

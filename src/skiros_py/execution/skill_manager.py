@@ -5,13 +5,14 @@ It is reached through a small interface of plain data, so that it may one day li
 
 from __future__ import annotations
 
+import json
 import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import chain
 from typing import Any, Protocol
 
 from skiros_py.errors import UnknownName, UsageError
-from skiros_py.execution.behaviour_run import RunnableDocument
 from skiros_py.execution.claims import Claims, pieces
 from skiros_py.execution.cycle import ControlCycle
 from skiros_py.execution.loader import Loader
@@ -19,20 +20,133 @@ from skiros_py.execution.modules import Directory, ModuleInfo, Modules
 from skiros_py.execution.monitor import ModuleEvent, Monitor, Status
 from skiros_py.execution.panel import Panel, primitive_panel, skill_panel
 from skiros_py.execution.pulse import Watched
-from skiros_py.execution.registration import Registration
-from skiros_py.execution.running import Running, RunningModule
+from skiros_py.execution.running import RunnableDocument, Running, RunningModule
 from skiros_py.execution.scope import Scope
-from skiros_py.execution.task import RunClock
-from skiros_py.execution.watchers import Watchers
+from skiros_py.execution.task import RunClock, Task
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.conditions.watch import Watches
 from skiros_py.skills.context import RunContext
-from skiros_py.skills.outcome import BROKEN, Failure
+from skiros_py.skills.outcome import BROKEN, Failure, Outcome
 from skiros_py.skills.parameters import Kind, params_of
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.skills.surroundings import owner
 from skiros_py.world.change import Change
+from skiros_py.world.view import WorldView
+from skiros_py.world.vocabulary import HAS_A, HAS_PRIMITIVE, HAS_SKILL, MODULE_DESCRIPTION, PRIMITIVE, SKILL, VERSION
+from skiros_py.world.world import World
+
+_WORDS = {"skill": (SKILL, HAS_SKILL), "primitive": (PRIMITIVE, HAS_PRIMITIVE)}
+
+
+class Registration:
+    """The individuals of one subsystem's modules.
+
+    Args:
+        world: Where they are written.
+        agent: Id of the subsystem.
+    """
+
+    def __init__(self, world: World, agent: str) -> None:
+        self._world = world
+        self._agent = agent
+        self._written: list[str] = []
+
+    def write(self, modules: Iterable[ModuleInfo], *, adopt: bool = False) -> None:
+        """Writes what the subsystem can do.
+
+        Args:
+            modules: What that is.
+            adopt: True where what is written of it already was left by a program that has ended: what is still so
+                stays, the rest goes, and where nothing is different nothing is changed.
+        """
+        offered = tuple(modules)
+        left = self._left_behind() if adopt else {}
+        if not (offered or left):
+            return
+        with self._world.transaction(author=self._author, reason="registers what it can do") as tx:
+            for info in offered:
+                class_, relation = _WORDS[info.kind]
+                same = left.get((class_, info.name))
+                module = same.pop() if same else tx.add(class_, label=info.name)
+                tx.set(module, VERSION, info.version)
+                tx.set(module, MODULE_DESCRIPTION, json.dumps(info.as_json()))
+                tx.relate(self._agent, relation, module)
+                self._written.append(module)
+            for module in chain.from_iterable(left.values()):
+                tx.remove(module)
+
+    def withdraw(self, reason: str) -> None:
+        """Takes all of that back; may be called twice, and in any thread.
+
+        Args:
+            reason: Why, for a person.
+        """
+        there = [module for module in self._written if self._world.has(module)]
+        self._written.clear()
+        if there:
+            with self._world.transaction(author=self._author, reason=reason) as tx:
+                for module in there:
+                    tx.remove(module)
+
+    def _left_behind(self) -> dict[tuple[str, str], list[str]]:
+        """Returns what is written already, by class and name; those of one name by id, the first one last."""
+        found: dict[tuple[str, str], list[str]] = {}
+        for class_, relation in _WORDS.values():
+            for module in reversed(self._world.objects(self._agent, relation)):
+                found.setdefault((class_, self._world.element(module).label), []).append(module)
+        return found
+
+    @property
+    def _author(self) -> str:
+        return f"skill manager {self._agent}"
+
+
+class Watchers:
+    """The watching primitives of one subsystem: each runs at most once for each device of its class.
+
+    Args:
+        modules: What can be run.
+        view: Tells the subsystem's devices.
+        cycle: Runs them.
+        scope: Gives the scope for a run of a name.
+    """
+
+    def __init__(self, modules: Modules, view: WorldView, cycle: ControlCycle, scope: Callable[[str], Scope]) -> None:
+        self._modules = modules
+        self._view = view
+        self._cycle = cycle
+        self._scope = scope
+        self._tasks: dict[str, Task[Outcome]] = {}
+
+    def start(self) -> None:
+        """Starts those that do not run, or no longer."""
+        self._tasks = {name: task for name, task in self._tasks.items() if not task.done}
+        for primitive, device in self._wanted():
+            name = f"{primitive} of {device}"
+            if name not in self._tasks:
+                run = self._modules.run(primitive, {"device": device}, self._scope(name))
+                self._tasks[name] = self._cycle.start(run, name=name)
+
+    def stop(self, reason: str) -> None:
+        """Ends them all.
+
+        Args:
+            reason: Why, for a person.
+        """
+        for task in self._tasks.values():
+            task.stop(reason)
+        self._tasks = {}
+
+    def __contains__(self, task: Watched) -> bool:
+        return any(own is task for own in tuple(self._tasks.values()))
+
+    def _wanted(self) -> Iterator[tuple[str, str]]:
+        for name, primitive in sorted(self._modules.primitives.items()):
+            for device in self._view.objects(self._modules.agent, HAS_A) if primitive.watches else ():
+                if self._view.ontology.is_a(self._view.element(device).type, primitive.watches or ""):
+                    yield name, device
+
 
 _PATIENCE = 1.0
 """For how long a write is waited for when a manager is lost [s]."""

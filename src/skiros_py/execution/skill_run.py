@@ -11,17 +11,16 @@ from typing import Any
 
 from skiros_py.behaviours.children import lost, run_until
 from skiros_py.execution.claims import Claim, complete, devices_of
-from skiros_py.execution.contained import contained
 from skiros_py.execution.monitor import Status
 from skiros_py.execution.panel import ConditionRow
 from skiros_py.execution.primitive_run import Take
+from skiros_py.execution.pulse import contained
 from skiros_py.execution.scope import Scope, Unfinished, teller, to_its_end
 from skiros_py.skills.behaviour import Behaviour
 from skiros_py.skills.conditions import Condition, Verdict
 from skiros_py.skills.context import Effects
-from skiros_py.skills.execution import Execution, tick
 from skiros_py.skills.inference import Inferred, Missing, applying, infer
-from skiros_py.skills.outcome import BROKEN_OFF, Failure, Outcome, Success
+from skiros_py.skills.outcome import BROKEN_OFF, Execution, Failure, Outcome, Success, tick
 from skiros_py.skills.parameters import as_shown, read_arguments
 from skiros_py.skills.skill import Skill, SkillDescription
 

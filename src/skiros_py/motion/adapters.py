@@ -7,9 +7,55 @@ from importlib.util import find_spec
 from skiros_py.devices.arm import ArmSpec
 from skiros_py.errors import SkirosError
 from skiros_py.ports.adapters import Adapter, Request
+from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.device import DeviceSpec, MobileSpec
 from skiros_py.ports.kinematics import InverseKinematics, Kinematics
-from skiros_py.ports.motion import ArmPlanner, BasePlanner
+from skiros_py.ports.motion import ArmPlanner, BasePlanner, MotionPlan, MotionRequest, NoMotion
+from skiros_py.ports.values import Pending
+from skiros_py.workers import Worker
+
+_PLAN_LATENCY = 0.05
+
+
+class WorkerArmPlanner:
+    """Plans the motions of one robot's arms in a worker process; a :class:`skiros_py.ports.motion.ArmPlanner`.
+
+    Args:
+        spec: The robot.
+        latency: Declared time from request to plan [s]; in lockstep the simulation runs on for as long.
+    """
+
+    def __init__(self, spec: RobotSpec, *, latency: float = _PLAN_LATENCY) -> None:
+        self._worker = Worker("motion", _Factory(spec))
+        self._latency = latency
+
+    def plan(self, request: MotionRequest) -> Pending[MotionPlan | NoMotion]:
+        """Plans one request."""
+        return self._worker.call("plan", request, latency=self._latency)
+
+    def wait_ready(self) -> None:
+        """Waits until the models are loaded.
+
+        Raises:
+            DeviceError: They could not be loaded.
+        """
+        self._worker.wait_ready()
+
+    def close(self) -> None:
+        """Ends the worker process."""
+        self._worker.close()
+
+
+class _Factory:
+    """Builds the planner inside the worker, where Pinocchio is loaded."""
+
+    def __init__(self, spec: RobotSpec) -> None:
+        self._spec = spec
+
+    def __call__(self) -> object:
+        from skiros_py.motion.pinocchio.arm_motion import ArmMotion  # heavy, and not needed in the calling process
+
+        return ArmMotion(self._spec)
 
 
 def _is_arm(device: DeviceSpec[object, object]) -> bool:
@@ -21,7 +67,6 @@ def _is_base(device: DeviceSpec[object, object]) -> bool:
 
 
 def _arm_planner(request: Request) -> object:
-    from skiros_py.motion.arm_planner import WorkerArmPlanner
 
     return WorkerArmPlanner(request.groups[0])
 
@@ -46,7 +91,7 @@ def _kinematics(request: Request) -> object | None:
 
 def _inverse_kinematics(request: Request) -> object:
     from skiros_py.motion.pinocchio.arm_model import arm_model
-    from skiros_py.motion.pinocchio.ik import IkSolver
+    from skiros_py.motion.pinocchio.kinematics import IkSolver
 
     assert isinstance(request.device, ArmSpec)
     return IkSolver(arm_model(request.groups[0], request.device))

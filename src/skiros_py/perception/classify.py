@@ -1,17 +1,132 @@
-"""Finds the type and pose of a part that best explain a cluster of raised cells."""
+"""Finds the type and pose of a part that best explain a cluster of raised cells, to the last millimetre."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 
+from skiros_py.geometry import Array
 from skiros_py.perception.elevation import ElevationMap
 from skiros_py.perception.heightmaps import Floats, HeightMap, height_map
-from skiros_py.perception.search import compass_search
 from skiros_py.ports.perception import PartModel
+
+_COMPASS = np.vstack([np.eye(3), -np.eye(3)]).astype(np.float32)
+
+
+def compass_search(
+    cost: Callable[[Floats], Floats], starts: Floats, *, step: tuple[float, float], halvings: int, rounds: int
+) -> tuple[Floats, Floats]:
+    """Walks every start downhill in x, y and yaw, halving its steps where no neighbour is better.
+
+    Args:
+        cost: Costs of poses (x, y, yaw) of shape (m, 3).
+        starts: Poses (x, y, yaw) [m, rad], shape (n, 3).
+        step: First step in x and y [m], and in yaw [rad].
+        halvings: How often the steps may be halved.
+        rounds: Greatest number of steps tried for each start.
+
+    Returns:
+        The poses reached and their costs.
+    """
+    poses, costs = starts.astype(np.float32), cost(starts)
+    unit = np.array([step[0], step[0], step[1]], dtype=np.float32)
+    level = np.zeros(len(poses), dtype=np.int64)
+    for _ in range(rounds):
+        active = np.flatnonzero(level <= halvings)
+        if len(active) == 0:
+            break
+        scale = (0.5 ** level[active]).astype(np.float32)
+        neighbours = poses[active, None, :] + scale[:, None, None] * (_COMPASS * unit)[None]
+        tried = cost(neighbours.reshape(-1, 3)).reshape(len(active), len(_COMPASS))
+        best = tried.argmin(axis=1)
+        better = tried[np.arange(len(active)), best] < costs[active]
+        poses[active[better]] = neighbours[better, best[better]]
+        costs[active[better]] = tried[better, best[better]]
+        level[active[~better]] += 1
+    return poses, costs
+
+
+_POLISH_CLIP = np.float32(0.015)
+_BESIDE = 0.008
+_SMOOTH = 3
+_DOUBT = 2
+_STEP = (0.002, math.radians(0.8))
+_HALVINGS = 4
+_ROUNDS = 30
+
+
+def polish(template: HeightMap, points: Array, start: Floats, *, lowest: float) -> Floats:
+    """Moves a pose to where the template's heights agree best with points on and beside the body's raised parts.
+
+    Args:
+        template: The body.
+        points: x, y and height above the body's support [m], shape (n, 3).
+        start: Pose (x, y, yaw) [m, rad].
+        lowest: From which height on a part of the body counts as raised [m].
+
+    Returns:
+        The pose (x, y, yaw).
+    """
+    x, y, height = (points[:, k].astype(np.float32) for k in range(3))
+    near = _widened(template).placed(x, y, start[None, :])[0] >= lowest
+    if not near.any():
+        return start
+    x, y, height = x[near], y[near], height[near]
+    soft = _softened(template)
+
+    def cost(poses: Floats) -> Floats:
+        misfit = np.abs(soft.placed(x, y, poses) - height)
+        return np.asarray(np.minimum(misfit, _POLISH_CLIP).mean(axis=1))
+
+    poses, _ = compass_search(cost, start[None, :], step=_STEP, halvings=_HALVINGS, rounds=_ROUNDS)
+    return np.asarray(poses[0])
+
+
+def misfits(template: HeightMap, elevation: ElevationMap, pose: Floats) -> Floats:
+    """Returns by how much each cell contradicts a body at a pose (x, y, yaw), beyond the doubt about its edges [m]."""
+    low, high = (bound.placed(elevation.x, elevation.y, pose[None, :])[0] for bound in _bounds(template))
+    measured = np.where(elevation.seen, elevation.height - high, np.float32(0.0))
+    return np.asarray(np.maximum(np.maximum(low - elevation.ceiling, measured), np.float32(0.0)))
+
+
+def least_heights(template: HeightMap, elevation: ElevationMap, pose: Floats) -> Floats:
+    """Returns how high a body at a pose (x, y, yaw) is in each cell at least, at the doubtful edges too [m]."""
+    return np.asarray(_bounds(template)[0].placed(elevation.x, elevation.y, pose[None, :])[0])
+
+
+@lru_cache(maxsize=256)
+def _bounds(template: HeightMap) -> tuple[HeightMap, HeightMap]:
+    """The least and the greatest height within half a cell."""
+    heights, origin = np.pad(template.heights, _DOUBT), _outwards(template, _DOUBT)
+    size = 2 * _DOUBT + 1
+    low, high = ndimage.minimum_filter(heights, size=size), ndimage.maximum_filter(heights, size=size)
+    return HeightMap(low, origin, template.resolution), HeightMap(high, origin, template.resolution)
+
+
+@lru_cache(maxsize=256)
+def _softened(template: HeightMap) -> HeightMap:
+    """Edges as slopes as wide as a point's place is in doubt, so that a shift of less than a pixel changes the fit."""
+    heights = ndimage.uniform_filter(np.pad(template.heights, _SMOOTH), size=_SMOOTH)
+    return HeightMap(heights, _outwards(template, _SMOOTH), template.resolution)
+
+
+@lru_cache(maxsize=256)
+def _widened(template: HeightMap) -> HeightMap:
+    reach = round(_BESIDE / template.resolution)
+    heights = ndimage.maximum_filter(np.pad(template.heights, reach + 1), size=2 * reach + 1)
+    return HeightMap(heights, _outwards(template, reach + 1), template.resolution)
+
+
+def _outwards(template: HeightMap, entries: int) -> tuple[float, float]:
+    x, y = template.origin
+    return x - entries * template.resolution, y - entries * template.resolution
+
 
 _CLIP = np.float32(0.030)
 _RAISED = np.float32(0.008)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from skiros_py.ports.adapters import Adapter
-from skiros_py.ports.pending import Pending
 from skiros_py.ports.perception import (
     LookRequest,
     LookResult,
@@ -12,6 +11,7 @@ from skiros_py.ports.perception import (
     RegistrationRequest,
     RegistrationResult,
 )
+from skiros_py.ports.values import Pending
 from skiros_py.workers import Worker
 
 LATENCY = 0.15

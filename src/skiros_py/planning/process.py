@@ -1,4 +1,4 @@
-"""Client side of planning in a separate process.
+"""Client side of planning: in a separate process, or in threads of this one.
 
 The control thread only posts requests and polls for answers. The process follows the world's change feed; each request
 is answered in a forked worker. A process that dies is restarted and its requests are repeated.
@@ -6,6 +6,7 @@ is answered in a forked worker. A process that dies is restarted and its request
 
 from __future__ import annotations
 
+import ctypes
 import pickle
 import signal
 import threading
@@ -13,16 +14,17 @@ import time
 import uuid
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from threading import Event
+from threading import Event, Lock, Timer, get_ident
 from typing import Any, TypeVar
 
 from skiros_py.errors import DeviceError, PlanningError, SkirosError, WorldError
-from skiros_py.planning.planners.choosing import Planners
+from skiros_py.interruptions import Interruption
+from skiros_py.planning.planners.planner import Planner, Planners
 from skiros_py.planning.planners.programs import kill_group, kill_marked
 from skiros_py.planning.replica import MARK, PROCESSOR_TIME
-from skiros_py.planning.requests import Answer, Asked, Request
+from skiros_py.planning.requests import Answer, Asked, Request, answered
 from skiros_py.processes import packed
-from skiros_py.world.queries.replica_process import Ended, ReplicaProcess
+from skiros_py.world.queries.outside import Ended, ReplicaProcess
 from skiros_py.world.world import World
 
 T = TypeVar("T")
@@ -154,3 +156,84 @@ def _packed(what: str, thing: object) -> bytes:
         return packed(thing)
     except Exception as error:  # noqa: BLE001 - unpicklable objects may raise anything
         raise PlanningError(f"{what} cannot be sent to the planning process: {type(error).__name__}: {error}") from None
+
+
+_PATIENCE = 1.0
+"""How long cancelled work may continue before it is interrupted: a user-defined condition may hang [s]."""
+
+
+class _Stopped(Interruption):
+    """Raised in a thread whose cancelled work does not stop."""
+
+
+class ThreadHost:
+    """Answers requests in threads.
+
+    Args:
+        world: The world that requests refer to.
+        planners: The planner that solves the PDDL, or several to choose from. They are not closed.
+    """
+
+    def __init__(self, world: World, planners: Planner | Planners) -> None:
+        self._world = world
+        self._planners = planners if isinstance(planners, Planners) else Planners.only(planners)
+        self._threads = ThreadPoolExecutor(thread_name_prefix="skiros-planning")
+        self._closed = Event()
+        self._lock = Lock()
+        self._working: dict[int, Event] = {}
+
+    def ask(self, request: Request[T]) -> Asked[T]:
+        """Submits a request about the current world.
+
+        Raises:
+            PlanningError: It was closed.
+        """
+        stop = Event()
+        version, state = self._world.state()
+
+        def work() -> Answer[T]:
+            with self._lock:
+                self._working[get_ident()] = stop
+            try:
+                value = answered(request, state, self._planners, lambda: stop.is_set() or self._closed.is_set())
+                return Answer(version, value)
+            except _Stopped:
+                raise PlanningError("planning was stopped") from None
+            finally:
+                with self._lock:
+                    del self._working[get_ident()]
+                    _raise_in(get_ident(), None)
+
+        try:
+            return Asked(self._threads.submit(work), lambda: self._end(stop))
+        except RuntimeError:
+            raise PlanningError("planning was stopped") from None
+
+    def _end(self, stop: Event) -> None:
+        """Cancels one request; work that does not poll for cancellation is interrupted soon after."""
+        stop.set()
+        timer = Timer(_PATIENCE, self._interrupt, (stop,))
+        timer.daemon = True
+        timer.start()
+
+    def _interrupt(self, stop: Event | None = None) -> None:
+        with self._lock:
+            for thread, other in self._working.items():
+                if stop is None or other is stop:
+                    _raise_in(thread, _Stopped)
+
+    def close(self) -> None:
+        """Cancels all pending requests."""
+        self._closed.set()
+        self._threads.shutdown(wait=False, cancel_futures=True)
+        end = time.monotonic() + _PATIENCE
+        while self._working and time.monotonic() < end:
+            time.sleep(0.005)
+        self._interrupt()
+        self._threads.shutdown(wait=True)
+
+
+def _raise_in(thread: int, kind: type[BaseException] | None) -> None:
+    """Raises an exception in a thread at its next Python instruction; None revokes one that has not been raised yet."""
+    exception = None if kind is None else ctypes.py_object(kind)
+    ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), exception)

@@ -21,7 +21,7 @@ from itertools import count
 from typing import Any
 
 from skiros_py.errors import SkirosError, UsageError
-from skiros_py.planning.planners.choosing import Planners
+from skiros_py.planning.planners.planner import Planners
 from skiros_py.planning.planners.programs import kill_marked
 from skiros_py.planning.requests import Request, answered
 from skiros_py.processes import packed, receive, send

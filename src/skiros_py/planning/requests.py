@@ -9,16 +9,16 @@ from typing import Generic, Protocol, TypeVar
 
 from skiros_py.errors import PlanningError, SkirosError
 from skiros_py.interruptions import Interruption
-from skiros_py.planning.domain.needs import with_defaults
+from skiros_py.planning.domain.actions import with_defaults
 from skiros_py.planning.plan import Plan, Step
 from skiros_py.planning.plan_validation import Flaw, apply_effects, replay
-from skiros_py.planning.planners.choosing import Planners
+from skiros_py.planning.planners.planner import Planners
 from skiros_py.planning.problem.stock import tokens_of, with_stock
 from skiros_py.planning.problem.task import Capability
 from skiros_py.planning.sequence import Round
 from skiros_py.planning.service import USUAL, Planned, PlanningOptions, plan
 from skiros_py.skills.conditions import Condition, Verdict
-from skiros_py.skills.conditions.reads import Key, ReadingView
+from skiros_py.skills.conditions.watch import Key, ReadingView
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.skills.surroundings import owner
 from skiros_py.world.index import Index
@@ -55,7 +55,7 @@ class Answer(Generic[T]):
 
 
 class Asked(Generic[T]):
-    """A pending request; a :class:`~skiros_py.ports.pending.Pending`.
+    """A pending request; a :class:`~skiros_py.ports.values.Pending`.
 
     Args:
         future: The answer.

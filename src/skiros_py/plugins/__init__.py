@@ -4,22 +4,21 @@ They are found without importing any of them, and loaded when they are needed. O
 with its name, version, origin and traceback, and does not affect the others.
 """
 
-from skiros_py.plugins.files import files_of, folder_of
-from skiros_py.plugins.installation import GROUPS, OWN_NAME, Installation, installation, misfit
+from skiros_py.plugins.installation import GROUPS, OWN_NAME, Installation, as_if_installed, installation, misfit
 from skiros_py.plugins.loading import (
     LazyPlugins,
     attempt,
     examined,
     fault_of,
+    files_of,
     find_plugin,
+    folder_of,
     load,
     load_plugins,
     raised,
     unambiguous,
 )
-from skiros_py.plugins.origin import locate, origin_of
-from skiros_py.plugins.plugin import Distribution, Entry, Plugin, PluginFault
-from skiros_py.plugins.uninstalled import as_if_installed
+from skiros_py.plugins.plugin import Distribution, Entry, Plugin, PluginFault, locate, origin_of
 
 __all__ = [
     "GROUPS",

@@ -9,8 +9,7 @@ from typing import Any, ClassVar, Generic, Protocol, TypeVar, cast
 from skiros_py.errors import DeviceError
 from skiros_py.ports.device import Contribution, DeviceSpec
 from skiros_py.ports.driver import CellDriver
-from skiros_py.ports.pending import Pending
-from skiros_py.ports.values import DepthImage, Snapshot
+from skiros_py.ports.values import DepthImage, Pending, Snapshot
 
 T = TypeVar("T")
 SpecT = TypeVar("SpecT", bound=DeviceSpec[Any, Any])
@@ -51,7 +50,7 @@ class DeviceBoard:
     """The snapshot of the present cycle and the commands collected for the next one.
 
     Commands for a device with one owner go straight to the driver. Commands for a shared device are collected by run;
-    :class:`~skiros_py.execution.mix.Mix` merges them into one target before the exchange.
+    :class:`~skiros_py.execution.cycle.Mix` merges them into one target before the exchange.
 
     Attributes:
         devices: The devices, by id.

@@ -1,15 +1,15 @@
-"""The port to a robot cell: PyBullet, the fake, later real hardware."""
+"""The port to a robot cell: simulated, real or both; a driver is connected and disconnected while its cell runs."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import replace
 from typing import Any, Protocol, TypeVar
 
-from skiros_py.errors import DeviceError, SkirosError
-from skiros_py.ports.device import DeviceModel, DeviceSpec
-from skiros_py.ports.kinds import load_device_kinds
-from skiros_py.ports.pending import Pending
-from skiros_py.ports.values import Commands, DepthImage, Snapshot
+from skiros_py.errors import DeviceError, SkirosError, UsageError
+from skiros_py.ports.device import DeviceModel, DeviceSpec, load_device_kinds
+from skiros_py.ports.values import Commands, DepthImage, Pending, Snapshot
 
 T = TypeVar("T")
 
@@ -149,3 +149,190 @@ def _broken(device: DeviceSpec[Any, Any], error: Exception) -> DeviceError:
 
 def _described(device: DeviceSpec[Any, Any]) -> str:
     return load_device_kinds()[0].describe(device.id, type(device))
+
+
+class CompositeDriver:
+    """A :class:`~skiros_py.ports.driver.CellDriver` made of several, which are exchanged one after the other.
+
+    Args:
+        drivers: The drivers; the first is that of the cell, which says the kind.
+
+    Attributes:
+        drivers: The drivers.
+        devices: The devices of all, by id.
+
+    Raises:
+        UsageError: Their periods differ, or two of them drive one device.
+    """
+
+    def __init__(self, drivers: Sequence[CellDriver]) -> None:
+        self.drivers = tuple(drivers)
+        self.devices: dict[str, DeviceSpec[Any, Any]] = {}
+        for driver in self.drivers:
+            twice = sorted(self.devices.keys() & driver.devices.keys())
+            if twice:
+                raise UsageError(f"two drivers drive {', '.join(twice)}")
+            if driver.period != self.period:
+                raise UsageError(
+                    f"drivers of one cell need one period: {self.kind} has {self.period:g} s, {driver.kind} has "
+                    f"{driver.period:g} s"
+                )
+            self.devices |= driver.devices
+        self._snapshot = self._merged(0, [driver.read() for driver in self.drivers])
+
+    @property
+    def period(self) -> float:
+        """Length of one control cycle [s]."""
+        return self.drivers[0].period
+
+    @property
+    def kind(self) -> str:
+        """Kind of the cell's own driver."""
+        return self.drivers[0].kind
+
+    @property
+    def braking_time(self) -> float:
+        """Longest time from full speed to standstill [s]."""
+        return max(driver.braking_time for driver in self.drivers)
+
+    def read(self) -> Snapshot:
+        """Returns the present state without advancing time."""
+        return self._snapshot
+
+    def exchange(self, commands: Commands) -> Snapshot:
+        """Exchanges each driver's commands for one period, and returns what the sensors of all say at its end.
+
+        Raises:
+            DeviceError: A device broke, or a command is for a device that does not exist.
+        """
+        require_known(commands, self.devices)
+        snapshots = [
+            driver.exchange({device: target for device, target in commands.items() if device in driver.devices})
+            for driver in self.drivers
+        ]
+        self._snapshot = self._merged(self._snapshot.cycle + 1, snapshots)
+        return self._snapshot
+
+    def halt(self) -> None:
+        """Brakes everything until :meth:`release`; for any thread."""
+        for driver in self.drivers:
+            driver.halt()
+
+    def release(self) -> None:
+        """Obeys commands again."""
+        for driver in self.drivers:
+            driver.release()
+
+    def capture(self, camera: str) -> Pending[DepthImage]:
+        """Takes a picture now; it shows the devices of the driver that has the camera.
+
+        Raises:
+            DeviceError: No such camera.
+        """
+        for driver in self.drivers:
+            if camera in driver.devices:
+                return driver.capture(camera)
+        raise DeviceError(f"no camera '{camera}' in this cell")
+
+    def close(self) -> None:
+        """Brings all drivers down, also where one of them fails; may be called twice."""
+        with ExitStack() as stack:
+            for driver in self.drivers:
+                stack.callback(driver.close)
+
+    def _merged(self, cycle: int, snapshots: Sequence[Snapshot]) -> Snapshot:
+        devices = {device: state for snapshot in snapshots for device, state in snapshot.devices.items()}
+        return Snapshot(cycle, cycle * self.period, devices)
+
+
+class Connection:
+    """A :class:`~skiros_py.ports.driver.CellDriver` in front of one that may be gone for a while.
+
+    While it is disconnected, its devices keep the state that they had last, and take no commands.
+
+    Args:
+        make: Connects a driver.
+    """
+
+    def __init__(self, make: Callable[[], CellDriver]) -> None:
+        self._make = make
+        self._halted = False
+        driver = make()
+        self._driver: CellDriver | None = driver
+        self._snapshot = driver.read()
+        self._ahead = 0, 0.0
+        self.devices, self.period = driver.devices, driver.period
+        self.kind, self.braking_time = driver.kind, driver.braking_time
+
+    @property
+    def connected(self) -> bool:
+        """True while there is a driver."""
+        return self._driver is not None
+
+    def connect(self) -> None:
+        """Connects a driver, if there is none; this may take long, and any thread may do it.
+
+        Raises:
+            DeviceError: It cannot be connected, or drives other devices than the one before.
+        """
+        if self._driver is not None:
+            return
+        driver = self._make()
+        if driver.devices.keys() != self.devices.keys():
+            driver.close()
+            raise DeviceError(f"{self.kind} drives {', '.join(driver.devices)} now, not {', '.join(self.devices)}")
+        if self._halted:
+            driver.halt()
+        first, last = driver.read(), self._snapshot
+        self._ahead = last.cycle - first.cycle, last.time - first.time
+        self._driver = driver
+
+    def disconnect(self) -> CellDriver | None:
+        """Removes the driver between two cycles, and returns it for the caller to close; None if there is none."""
+        driver, self._driver = self._driver, None
+        return driver
+
+    def read(self) -> Snapshot:
+        """Returns the last state without advancing time."""
+        return self._snapshot
+
+    def exchange(self, commands: Commands) -> Snapshot:
+        """Applies the commands for one period; while disconnected, the state stays as it was.
+
+        Raises:
+            DeviceError: A device broke.
+        """
+        last = self._snapshot
+        if self._driver is None:
+            self._snapshot = replace(last, cycle=last.cycle + 1, time=last.time + self.period)
+        else:
+            now, (cycles, seconds) = self._driver.exchange(commands), self._ahead
+            self._snapshot = replace(now, cycle=now.cycle + cycles, time=now.time + seconds) if cycles else now
+        return self._snapshot
+
+    def halt(self) -> None:
+        """Brakes everything until :meth:`release`; for any thread."""
+        self._halted = True
+        if (driver := self._driver) is not None:
+            driver.halt()
+
+    def release(self) -> None:
+        """Obeys commands again."""
+        self._halted = False
+        if (driver := self._driver) is not None:
+            driver.release()
+
+    def capture(self, camera: str) -> Pending[DepthImage]:
+        """Takes a picture now.
+
+        Raises:
+            DeviceError: No such camera, or it is disconnected.
+        """
+        if self._driver is None:
+            raise DeviceError(f"{camera} is not connected")
+        return self._driver.capture(camera)
+
+    def close(self) -> None:
+        """Brings the driver down; may be called twice."""
+        if (driver := self.disconnect()) is not None:
+            driver.close()

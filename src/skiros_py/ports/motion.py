@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from skiros_py.geometry import Array, Pose, Solid
-from skiros_py.ports.pending import Pending
+from skiros_py.ports.values import Pending
 
 
 @dataclass(frozen=True, slots=True)

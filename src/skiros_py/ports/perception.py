@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from skiros_py.geometry import Pose, Solid
-from skiros_py.ports.pending import Pending
-from skiros_py.ports.values import DepthImage
+from skiros_py.ports.values import DepthImage, Pending
 
 
 @dataclass(frozen=True, slots=True)

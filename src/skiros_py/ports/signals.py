@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from skiros_py.errors import UnknownName
-from skiros_py.ports.pending import Pending
+from skiros_py.ports.values import Pending
 
 Value = float | bool | tuple[float, ...]
 """What a signal is worth in one cycle: a number, a truth value or a vector."""

@@ -18,8 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skiros_py.geometry import Array, Pose, Solid
-from skiros_py.ports.pending import Pending
-from skiros_py.ports.values import CameraIntrinsics
+from skiros_py.ports.values import CameraIntrinsics, Pending
 
 FLOOR = "floor"
 """Name of the floor, the plane z = 0; every engine has it."""

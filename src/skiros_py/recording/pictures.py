@@ -15,8 +15,7 @@ from skiros_py.errors import UsageError
 from skiros_py.execution.monitor import ModuleEvent, Monitor, Status
 from skiros_py.execution.runtime import Runtime
 from skiros_py.geometry import Pose
-from skiros_py.ports.pending import Pending
-from skiros_py.ports.values import Snapshot
+from skiros_py.ports.values import Pending, Snapshot
 from skiros_py.recording.foxglove import COMPRESSED_IMAGE, Json, Schema, compressed_image
 from skiros_py.recording.recorder import Recorder
 from skiros_py.recording.topics import Topic

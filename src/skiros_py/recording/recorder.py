@@ -14,8 +14,8 @@ from math import inf
 from types import TracebackType
 from typing import Any, Self
 
-from skiros_py.execution.behaviour_run import RunnableDocument
 from skiros_py.execution.monitor import ModuleEvent, Status
+from skiros_py.execution.running import RunnableDocument
 from skiros_py.execution.runtime import Runtime
 from skiros_py.ports.device import DeviceSpec, MobileSpec
 from skiros_py.ports.signals import Value

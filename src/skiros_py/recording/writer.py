@@ -19,7 +19,7 @@ from mcap.well_known import MessageEncoding, SchemaEncoding
 from mcap.writer import CompressionType, Writer
 
 from skiros_py.errors import FileError, SkirosError, UsageError
-from skiros_py.ports.pending import Pending
+from skiros_py.ports.values import Pending
 from skiros_py.recording.reader import Recording, nanoseconds
 from skiros_py.recording.topics import Topic
 

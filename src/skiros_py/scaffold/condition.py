@@ -6,11 +6,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from skiros_py.errors import DescriptionError, UnknownName, UsageError
-from skiros_py.scaffold.declared import Declared, read_constant, read_parameter
-from skiros_py.scaffold.draft import Draft
-from skiros_py.scaffold.knowledge import Knowledge
-from skiros_py.scaffold.rendering import literal, render
-from skiros_py.scaffold.spelling import check_distinct, class_name, constant_name, sentence, snake_case, words_of
+from skiros_py.scaffold.declared import (
+    Declared,
+    check_distinct,
+    class_name,
+    constant_name,
+    read_constant,
+    read_parameter,
+    sentence,
+    snake_case,
+    words_of,
+)
+from skiros_py.scaffold.draft import Draft, literal, render
+from skiros_py.scaffold.project import Knowledge
 from skiros_py.scaffold.stage import Stage
 from skiros_py.skills.conditions import Compare, Computed, Has, Pattern, Related
 from skiros_py.world.names import local_name

@@ -12,16 +12,13 @@ from pathlib import Path
 
 from skiros_py.errors import UsageError
 from skiros_py.scaffold.condition import NewCondition, draft_condition
-from skiros_py.scaffold.description import NewSkill
-from skiros_py.scaffold.draft import Draft
-from skiros_py.scaffold.knowledge import Knowledge, knowledge_of, taken_by
+from skiros_py.scaffold.declared import class_name, module_name, sentence, snake_case, words_of
+from skiros_py.scaffold.draft import Draft, render
 from skiros_py.scaffold.ontology import NewOntology, draft_ontology
 from skiros_py.scaffold.primitive import NewPrimitive, draft_primitive
-from skiros_py.scaffold.project import Project
-from skiros_py.scaffold.rendering import render
+from skiros_py.scaffold.project import Knowledge, Project, knowledge_of, taken_by
 from skiros_py.scaffold.scene import NewScene, draft_scene
-from skiros_py.scaffold.skill import draft_skill
-from skiros_py.scaffold.spelling import class_name, module_name, sentence, snake_case, words_of
+from skiros_py.scaffold.skill import NewSkill, draft_skill
 
 _Step = Callable[[Knowledge], Draft]
 

@@ -7,12 +7,19 @@ from dataclasses import dataclass
 from typing import Any
 
 from skiros_py.errors import UsageError
-from skiros_py.scaffold.declared import VALUE_TYPES, Declared, read_parameter
-from skiros_py.scaffold.draft import Draft
-from skiros_py.scaffold.knowledge import Knowledge
-from skiros_py.scaffold.rendering import literal, render
-from skiros_py.scaffold.robots import find_robot
-from skiros_py.scaffold.spelling import check_distinct, joined, module_name, sentence, words_of
+from skiros_py.scaffold.declared import (
+    VALUE_TYPES,
+    Declared,
+    check_distinct,
+    joined,
+    module_name,
+    read_parameter,
+    sentence,
+    words_of,
+)
+from skiros_py.scaffold.draft import Draft, literal, render
+from skiros_py.scaffold.project import Knowledge
+from skiros_py.scaffold.robot import find_robot
 from skiros_py.scaffold.stage import Stage
 from skiros_py.skills.parameters import Kind
 

@@ -6,14 +6,11 @@ from dataclasses import dataclass, replace
 
 from skiros_py.config import scene_names
 from skiros_py.errors import DescriptionError, UsageError
-from skiros_py.scaffold.declared import Declared, Wanted, read_parameter, read_wanted
-from skiros_py.scaffold.draft import Draft
-from skiros_py.scaffold.knowledge import Knowledge
-from skiros_py.scaffold.rendering import render
-from skiros_py.scaffold.robots import find_robot
-from skiros_py.scaffold.spelling import module_name, sentence, words_of
-from skiros_py.scaffold.stage import Stage
-from skiros_py.scaffold.trial import tried
+from skiros_py.scaffold.declared import Declared, Wanted, module_name, read_parameter, read_wanted, sentence, words_of
+from skiros_py.scaffold.draft import Draft, render
+from skiros_py.scaffold.project import Knowledge
+from skiros_py.scaffold.robot import find_robot
+from skiros_py.scaffold.stage import Stage, tried
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,19 +1,28 @@
-"""A small scene for a trial: individuals of the requested classes, and facts about them."""
+"""A small scene for a trial: individuals of the requested classes, facts about them; and its test."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+import tempfile
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import count
+from pathlib import Path
 
-from skiros_py.scaffold.namespaces import declaring, prefix_of, prefix_table
-from skiros_py.scaffold.rendering import render
-from skiros_py.scaffold.robots import RobotFile
-from skiros_py.scaffold.spelling import snake_case, words_of
-from skiros_py.skills.conditions import AllOf, AnyOf, Compare, Computed, Exists, Has, Pattern, Related
+from skiros_py.config import ontology_paths
+from skiros_py.errors import FileError, UsageError
+from skiros_py.scaffold.declared import snake_case, words_of
+from skiros_py.scaffold.draft import render
+from skiros_py.scaffold.ontology import declaring, prefix_of, prefix_table
+from skiros_py.scaffold.project import Knowledge
+from skiros_py.scaffold.robot import RobotFile
+from skiros_py.skills.conditions import AllOf, AnyOf, Compare, Computed, Condition, Exists, Has, Pattern, Related
+from skiros_py.tasks.goals import parse_goal
 from skiros_py.world.ontology import Ontology
+from skiros_py.world.reasoners.registry import load_reasoners
+from skiros_py.world.scene import load_scene
 from skiros_py.world.terms import Family
+from skiros_py.world.world import World
 
 _SAMPLES = {
     "xsd:boolean": "true",
@@ -210,3 +219,33 @@ def _turtle(value: object) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     return json.dumps(value, ensure_ascii=False)
+
+
+def tried(known: Knowledge, text: str, what: str) -> World:
+    """Loads a scene from its text.
+
+    Raises:
+        UsageError: It cannot be loaded, or its goal refers to missing elements.
+    """
+    reasoners, _ = load_reasoners(known.ontology)
+    with tempfile.TemporaryDirectory(prefix="skiros-new-") as folder:
+        file = Path(folder) / "scene.ttl"
+        file.write_text(text, encoding="utf-8")
+        try:
+            world = load_scene(known.ontology, file, ontology_paths(), reasoners=reasoners)
+            parse_goal(world.goals, world, known.catalogue.conditions)
+        except FileError as error:
+            raise UsageError(f"{what}: {error.reason}") from error
+    return world
+
+
+def open_questions(
+    world: World, stage: Stage, conditions: Mapping[str, Condition], cast: Mapping[str, str]
+) -> Iterator[str]:
+    """Yields the required facts that do not hold in a scene, with reasons, except where its robot drives itself."""
+    for said, condition in conditions.items():
+        about = {cast[argument] for argument in condition.arguments}
+        by_itself = any({robot, place} <= about for robot, _, place in stage.left_to_robot)
+        verdict = condition.evaluate(world, cast)
+        if not verdict.holds and not by_itself:
+            yield f"{said} ({verdict.lines()[-1].strip()})"

@@ -13,46 +13,35 @@ from starlette.staticfiles import StaticFiles
 
 from skiros_py.server.access.gate import Gate
 from skiros_py.server.access.openapi import GuardedApi
-from skiros_py.server.metrics import RequestMetrics
+from skiros_py.server.monitoring import RequestMetrics
 from skiros_py.server.pages import Pages, pages_of
 from skiros_py.server.problems import PROBLEMS, add_problem_handlers
 from skiros_py.server.routes import (
+    access,
     alarms,
-    audit,
-    devices,
-    documents,
     elements,
     events,
     goals,
     health,
     jobs,
-    keys,
-    learned,
-    locks,
     modules,
     ontology,
-    plugins,
-    previews,
     queries,
     robots,
     scenes,
-    sequences,
-    session,
-    simulation,
-    stop,
     tasks,
-    templates,
-    view,
     webhooks,
     world,
 )
 from skiros_py.server.services import Services
 
 PREFIX = "/api/v1"
-_TOPICS = (
-    jobs, goals, templates, previews, world, view, elements, ontology, queries, learned, locks, scenes, simulation,
-    modules, plugins, tasks, sequences, documents, robots, devices, stop, events, alarms, webhooks, keys,
-    session, audit,
+_ROUTERS = (
+    jobs.router, goals.router, goals.templates_router, goals.previews_router, world.router, elements.router,
+    ontology.router, queries.router, world.learned_router, world.locks_router, scenes.router,
+    scenes.simulation_router, modules.router, modules.documents_router, tasks.router, tasks.sequences_router,
+    modules.plugins_router, robots.router, alarms.router, events.router, alarms.stop_router, webhooks.router,
+    access.router, access.keys_router, access.session_router,
 )  # fmt: skip
 """The routes, in the order in which the documentation shows them."""
 
@@ -75,8 +64,8 @@ def create_app(services: Services) -> FastAPI:
         generate_unique_id_function=lambda route: route.name,
     )
     app.state.services = services
-    for topic in _TOPICS:
-        app.include_router(topic.router, prefix=PREFIX, responses=PROBLEMS)
+    for router in _ROUTERS:
+        app.include_router(router, prefix=PREFIX, responses=PROBLEMS)
     app.include_router(health.router)
     add_documentation(app, PREFIX)
     add_problem_handlers(app)

@@ -1,21 +1,20 @@
-"""Problem documents: every failed request is answered in the same form (RFC 9457)."""
+"""Problem documents: every failed request is answered in the same form (RFC 9457); and versions of resources (ETag)."""
 
 from __future__ import annotations
 
 import errno
 import json
 import logging
+import re
 from collections.abc import Callable, Mapping, Sequence
 from datetime import UTC, datetime, timedelta
-from typing import Any
+from typing import Annotated, Any, Protocol, TypeVar
 
-from fastapi import FastAPI, Request
+from fastapi import Depends, FastAPI, Header, Request, Response
 from fastapi.exceptions import RequestValidationError
-from fastapi.responses import Response
 from starlette.exceptions import HTTPException
 
-from skiros_py.api.faults import fault_limit, fault_words
-from skiros_py.api.problem import ProblemDetails
+from skiros_py.api.wire import ProblemDetails, fault_limit, fault_words
 from skiros_py.errors import (
     Busy,
     FileError,
@@ -32,6 +31,7 @@ from skiros_py.errors import (
     WorldError,
     WrongState,
 )
+from skiros_py.station.requests import Seen
 
 _log = logging.getLogger(__name__)
 
@@ -267,3 +267,76 @@ PROBLEMS: dict[int | str, dict[str, Any]] = {
     }.items()
 }
 """Problem answers common to all routes; for ``responses=``."""
+
+
+class _Versioned(Protocol):
+    @property
+    def version(self) -> int: ...
+
+
+V = TypeVar("V", bound=_Versioned)
+
+_TAG = re.compile(r'(?:W/)?"(\d{1,18})"')
+
+
+async def _if_match(
+    if_match: Annotated[
+        str | None,
+        Header(description="Version that was seen: the ETag of an answer; * for whichever it is.", examples=['"17"']),
+    ] = None,
+) -> Seen | None:
+    return None if if_match is None else Seen(expected_version(if_match))
+
+
+SeenDep = Annotated[Seen | None, Depends(_if_match)]
+"""For routes: the version in If-Match; None if there is no such header."""
+
+NEEDS_VERSION: dict[int | str, dict[str, Any]] = {
+    428: {
+        "model": ProblemDetails,
+        "description": "If-Match is missing: say which version you have seen.",
+        "content": {"application/problem+json": {}},
+    }
+}
+"""Answers of a route that requires a version for each write; for ``responses=``."""
+
+
+def tagged(*statuses: int) -> dict[int | str, dict[str, Any]]:
+    """Returns the documentation of answers that carry an ETag; for ``responses=``.
+
+    Args:
+        statuses: Status codes of these answers; 200 if omitted.
+    """
+    header = {"description": "The present version, for If-Match.", "schema": {"type": "string", "examples": ['"17"']}}
+    return {status: {"headers": {"ETag": header}} for status in statuses or (200,)}
+
+
+def etag(version: int) -> str:
+    """Returns the ETag of a version."""
+    return f'"{version}"'
+
+
+def with_etag(found: V, response: Response) -> V:
+    """Returns the resource and puts its version into the headers of the answer."""
+    response.headers["ETag"] = etag(found.version)
+    return found
+
+
+def expected_version(given: str | None) -> int | None:
+    """Returns the version in If-Match; None if there is no such header, or it accepts any version ("*").
+
+    Args:
+        given: Value of If-Match.
+
+    Raises:
+        Problem: The header is not an ETag of this server (412: no such version existed), or has several (400).
+    """
+    if given is None or given.strip() == "*":
+        return None
+    tags = {tag.strip() for tag in given.split(",")}
+    if len(tags) > 1:
+        raise Problem(400, "InvalidRequest", f"If-Match: name the one version that you have seen, not {given[:100]}")
+    match = _TAG.fullmatch(tags.pop())
+    if match is None:
+        raise Problem(412, "StaleVersion", f'If-Match takes an ETag of this API such as "17", or *, not {given[:100]}')
+    return int(match[1])

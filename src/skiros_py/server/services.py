@@ -14,12 +14,10 @@ from fastapi import Depends, Request
 from skiros_py.api.alarms import AlarmKind, Severity
 from skiros_py.server.access.audit import AuditLog
 from skiros_py.server.access.authenticator import Authenticator, check_access
-from skiros_py.server.access.file import open_access
-from skiros_py.server.access.keys import KeyStore
-from skiros_py.server.events.streams import Streams
-from skiros_py.server.logs import job_events_logged
-from skiros_py.server.metrics import Metrics
+from skiros_py.server.access.keys import KeyStore, open_access
+from skiros_py.server.monitoring import Metrics, job_events_logged
 from skiros_py.server.settings import ServerSettings
+from skiros_py.server.streams import Streams
 from skiros_py.server.webhooks.sender import WebhookSender
 from skiros_py.server.webhooks.store import Post, WebhookStore
 from skiros_py.station.control import OpenSession

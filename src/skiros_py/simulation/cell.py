@@ -1,9 +1,10 @@
-"""A physically simulated robot cell, on any engine."""
+"""A physically simulated robot cell with its cameras, on any engine."""
 
 from __future__ import annotations
 
 import tempfile
 from collections import Counter
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -14,14 +15,64 @@ from skiros_py.devices.camera import CameraSpec
 from skiros_py.errors import DeviceError, SkirosError, UsageError
 from skiros_py.geometry import Pose
 from skiros_py.plugins import find_plugin
-from skiros_py.ports.cell import BodySpec, CellSpec
+from skiros_py.ports.cell import BodySpec, CellSpec, RobotSpec
 from skiros_py.ports.driver import command_models, require_known, states_of
-from skiros_py.ports.models import write_robot_urdf
-from skiros_py.ports.pending import Pending
-from skiros_py.ports.simulation import Engine, EngineFactory, Vector
-from skiros_py.ports.values import Commands, DepthImage, Snapshot
-from skiros_py.simulation.camera import DepthShot, colour_of, outside_view, view_of
+from skiros_py.ports.kinematics import write_robot_urdf
+from skiros_py.ports.simulation import Engine, EngineFactory, Rendering, Vector, View
+from skiros_py.ports.values import CameraIntrinsics, Commands, DepthImage, Pending, Snapshot
 from skiros_py.simulation.scene import Scene
+
+_OUTSIDE_FOV = 0.8726646259971648  # vertical, 50 degrees [rad]
+_OUTSIDE_RANGE = (0.1, 30.0)  # [m]
+
+
+@dataclass(frozen=True, slots=True)
+class DepthShot:
+    """Makes the image of a depth camera from a rendering: adds noise, and keeps what is in range.
+
+    Attributes:
+        snapshot: What the devices said in the cycle of the shot.
+        noise: Standard deviation of depth noise [m].
+        seed: Seed of this shot's noise.
+        intrinsics: The camera's model.
+    """
+
+    snapshot: Snapshot
+    noise: float
+    seed: tuple[int, ...]
+    intrinsics: CameraIntrinsics
+
+    def __call__(self, rendering: Rendering) -> DepthImage:
+        """Returns the image."""
+        rng = np.random.default_rng(self.seed)
+        depth = rendering.depth + rng.normal(scale=self.noise, size=rendering.depth.shape)
+        depth[(depth > self.intrinsics.far) | (depth < self.intrinsics.near)] = 0.0
+        return DepthImage(self.snapshot, depth.astype(np.float32), rendering.colour, self.intrinsics)
+
+
+def colour_of(rendering: Rendering) -> NDArray[np.uint8]:
+    """Returns the colours of a rendering."""
+    return rendering.colour
+
+
+def view_of(camera: CameraSpec, robot: RobotSpec) -> View:
+    """Returns what a camera sees: on a link of its robot, or fixed where it stands by itself."""
+    size = (camera.width, camera.height)
+    at: dict[str, Any] = {"robot": robot.id, "link": camera.frame} if robot.model else {"pose": robot.place}
+    return View(*size, camera.vertical_fov, camera.near, camera.far, **at)
+
+
+def outside_view(eye: Vector, target: Vector, width: int, height: int) -> View:
+    """Returns a view for people: from a point in the map towards another that is not straight above or below [m]."""
+    forward = np.subtract(target, eye)
+    forward = forward / np.linalg.norm(forward)
+    right = np.cross(forward, (0.0, 0.0, 1.0))
+    right = right / np.linalg.norm(right)
+    axes = np.eye(4)
+    axes[:3, :3] = np.column_stack([right, np.cross(forward, right), forward])
+    axes[:3, 3] = eye
+    return View(width, height, _OUTSIDE_FOV, *_OUTSIDE_RANGE, pose=Pose.from_matrix(axes))
+
 
 ENGINE = "pybullet"
 """The engine that is used where no other is asked for."""

@@ -12,7 +12,7 @@ import numpy as np
 from skiros_py.errors import UnknownName
 from skiros_py.geometry import Pose
 from skiros_py.ports.cell import BodySpec
-from skiros_py.ports.models import BASE_LINK
+from skiros_py.ports.kinematics import BASE_LINK
 from skiros_py.ports.simulation import FLOOR, SimulatedCarrier, SimulatedHolder
 from skiros_py.simulation.cell import SimulatedCell
 

@@ -13,8 +13,7 @@ from skiros_py.errors import DescriptionError
 from skiros_py.skills.conditions import Condition, Pattern
 from skiros_py.skills.conditions.watch import Watch
 from skiros_py.skills.context import RunContext
-from skiros_py.skills.execution import Execution
-from skiros_py.skills.outcome import Outcome
+from skiros_py.skills.outcome import Execution, Outcome
 
 if TYPE_CHECKING:
     from skiros_py.skills.plain import Reader

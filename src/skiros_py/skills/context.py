@@ -1,31 +1,258 @@
-"""What a primitive may reach besides its parameters, and the effects that it may write."""
+"""What a primitive may reach besides its parameters: effects, questions to the user, the floor.
+
+The way of a base is its own until it has driven it, or until it stands again; the floor below an arm, until it goes on.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import enum
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+from itertools import count
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar
 
 import numpy as np
 
+from skiros_py.errors import UnknownName, UsageError
+from skiros_py.geometry import Pose
+from skiros_py.listeners import Listeners
 from skiros_py.ports.adapters import Ports
 from skiros_py.ports.board import DeviceBoard
 from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.frames import Frames
+from skiros_py.ports.motion import BasePath
 from skiros_py.ports.signals import NO_SIGNALS, SignalReader
-from skiros_py.skills.floor import Floor, OpenFloor
-from skiros_py.skills.questions import Questions
+from skiros_py.skills.conditions import Condition
+from skiros_py.skills.conditions.effects import effects_of, write_effects
 from skiros_py.world.world import World
 
 if TYPE_CHECKING:
     from skiros_py.skills.outcome import Outcome
     from skiros_py.skills.primitive import Execution
-from collections.abc import Iterable
 
-from skiros_py.errors import UnknownName
-from skiros_py.skills.conditions import Condition
-from skiros_py.skills.conditions.effects import effects_of, write_effects
+
+Outline = Sequence[tuple[float, float]]
+"""Points on the floor in the frame of a base [m]; what is in their convex hull belongs to the robot."""
+
+
+Path = BasePath | Sequence[Pose]
+"""What a base wants to drive: turns and straight legs, or poses in close succession."""
+
+
+class Way(Protocol):
+    """A path that a base wants to drive. Release it when the base stands again, or use it in a ``with``."""
+
+    @property
+    def free(self) -> bool:
+        """True when nobody else is on it or was promised it before: the base may go."""
+        ...
+
+    @property
+    def blocked(self) -> bool:
+        """True when somebody who is not driving stands there, or has an arm there: waiting is no use."""
+        ...
+
+    def waits_for(self) -> tuple[str, ...]:
+        """Returns the ids of the robots because of which it is not free."""
+        ...
+
+    def passed(self, legs: float) -> None:
+        """Gives back what lies behind: so many legs (or poses) have been driven, 1.5 being half of the second leg."""
+        ...
+
+    def release(self) -> None:
+        """Gives the rest back; while the base still rolls, it stays taken."""
+        ...
+
+    def __enter__(self) -> Self: ...
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None: ...
+
+
+class Floor(Protocol):
+    """The ways of all bases of a cell."""
+
+    def is_driving(self, robot: str) -> bool:
+        """Returns True when a robot is on its way: it will not stay where it is."""
+        ...
+
+    def ask(self, robot: str, outline: Outline, start: Pose, path: Path) -> Way:
+        """Asks for the way along a path; whoever asked first goes first.
+
+        Args:
+            robot: Id of the robot.
+            outline: What it covers while it drives.
+            start: Where its base stands.
+            path: The legs of a base that turns and drives straight, or the poses of any other base in the map: between
+                two of them it stays within the hull of its outline at both.
+        """
+        ...
+
+    def stretch(self, arm: str, outline: Outline) -> tuple[str, ...]:
+        """Takes the floor below a motion of an arm, until its next one; whoever asks for a way has to go around it.
+
+        Args:
+            arm: Id of the arm.
+            outline: Above what it moves.
+
+        Returns:
+            The ids of the robots that are on their way there: nothing is taken before they have passed.
+        """
+        ...
+
+    def stretched(self, arm: str) -> Outline:
+        """Returns above what an arm is or moves; nothing where it has not moved yet."""
+        ...
+
+
+class OpenFloor:
+    """A floor with nobody else on it; a :class:`Floor`."""
+
+    def is_driving(self, robot: str) -> bool:  # noqa: ARG002 - the port's signature
+        """Returns False: there is nobody else."""
+        return False
+
+    def ask(self, robot: str, outline: Outline, start: Pose, path: Path) -> Way:  # noqa: ARG002
+        """Returns a way that is free."""
+        return _OpenWay()
+
+    def stretch(self, arm: str, outline: Outline) -> tuple[str, ...]:  # noqa: ARG002
+        """Returns nobody: there is nobody else."""
+        return ()
+
+    def stretched(self, arm: str) -> Outline:  # noqa: ARG002
+        """Returns nothing: nobody wants to know."""
+        return ()
+
+
+class _OpenWay:
+    free = True
+    blocked = False
+
+    def waits_for(self) -> tuple[str, ...]:
+        return ()
+
+    def passed(self, legs: float) -> None:
+        pass
+
+    def release(self) -> None:
+        pass
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        pass
+
+
+class QuestionKind(enum.Enum):
+    """What is asked for."""
+
+    CONFIRM = "confirm"
+    """Yes or no."""
+    CHOOSE = "choose"
+    """One of several."""
+    REFILL = "refill"
+    """Something to be brought; the answer says when it is done."""
+
+
+@dataclass(frozen=True, slots=True)
+class Question:
+    """One question to a person.
+
+    Attributes:
+        id: Number of the question within the run.
+        kind: What is asked for.
+        text: The question, in the operator's words.
+        options: The answers that are possible.
+        asker: Name of the module that asks.
+        time: Run time at which it was asked [s].
+    """
+
+    id: int
+    kind: QuestionKind
+    text: str
+    options: tuple[str, ...]
+    asker: str
+    time: float
+
+
+class Asked:
+    """A question that is open; the answer may come from any thread."""
+
+    def __init__(self, question: Question) -> None:
+        self.question = question
+        self.answer: str | None = None
+        self.by = ""
+
+
+class Questions:
+    """The questions of a run that are open. Answers may be given from any thread; askers look in every cycle."""
+
+    def __init__(self) -> None:
+        self._open: dict[int, Asked] = {}
+        self._numbers = count(1)
+        self._listeners = Listeners[[Question]]("questions")
+
+    @property
+    def open(self) -> tuple[Question, ...]:
+        """The open questions, oldest first."""
+        return tuple(asked.question for asked in list(self._open.values()))
+
+    @property
+    def heard(self) -> bool:
+        """True when a listener answers: else a question would wait for ever."""
+        return bool(self._listeners)
+
+    def subscribe(self, listener: Callable[[Question], None]) -> Callable[[], None]:
+        """Calls the listener with each new question; returns how to end that. It must be quick."""
+        return self._listeners.add(listener)
+
+    def ask(self, kind: QuestionKind, text: str, options: tuple[str, ...], *, asker: str, time: float) -> Asked:
+        """Opens a question and tells who listens."""
+        asked = Asked(Question(next(self._numbers), kind, text, options, asker, time))
+        self._open[asked.question.id] = asked
+        self._listeners.notify(asked.question)
+        return asked
+
+    def withdraw(self, asked: Asked) -> None:
+        """Closes a question that its asker no longer needs; what is answered or withdrawn already stays so."""
+        self._open.pop(asked.question.id, None)
+
+    def answer(self, number: int, answer: str, *, by: str) -> None:
+        """Answers a question.
+
+        Args:
+            number: Its id.
+            answer: One of its options.
+            by: Who answers.
+
+        Raises:
+            UnknownName: No such question is open.
+            UsageError: The answer is none of its options.
+        """
+        asked = self._open.get(number)
+        if asked is None:
+            raise UnknownName("question", str(number), [str(n) for n in self._open])
+        if answer not in asked.question.options:
+            raise UsageError(f"question {number}: answer one of {', '.join(asked.question.options)}, not '{answer}'")
+        self._open.pop(number, None)
+        asked.by = by
+        asked.answer = answer  # last: the asker looks at this one
+
+    def as_json(self) -> tuple[Mapping[str, object], ...]:
+        """Returns the open questions as plain data."""
+        return tuple(
+            {"id": q.id, "kind": q.kind.value, "text": q.text, "options": q.options, "asker": q.asker, "time": q.time}
+            for q in self.open
+        )
+
 
 T = TypeVar("T")
 

@@ -1,11 +1,11 @@
-"""How something that takes time ended. Failing is an expected outcome, so it is a value with a reason."""
+"""What takes time: a generator that is ticked once per control cycle, and how it ended."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Generator, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any
+from typing import Any, TypeVar
 
 _NO_VALUES: Mapping[str, Any] = MappingProxyType({})
 
@@ -42,3 +42,19 @@ class Failure:
 
 
 Outcome = Success | Failure
+
+
+T = TypeVar("T")
+
+Execution = Generator[None, None, T]
+"""A generator that yields once per control cycle while it still runs and returns its result."""
+
+
+def tick(run: Execution[T]) -> T | None:
+    """Runs up to the next ``yield``; returns the result, which must not be None, or None while it goes on."""
+    try:
+        next(run)
+    except StopIteration as end:
+        result: T = end.value
+        return result
+    return None

@@ -8,10 +8,9 @@ from inspect import isasyncgenfunction, iscoroutinefunction, isgeneratorfunction
 from typing import Any, ClassVar, Generic, TypeVar
 
 from skiros_py.errors import DescriptionError
-from skiros_py.ports.pending import Pending
+from skiros_py.ports.values import Pending
 from skiros_py.skills.context import RunContext
-from skiros_py.skills.execution import Execution, tick
-from skiros_py.skills.outcome import Failure, Outcome
+from skiros_py.skills.outcome import Execution, Failure, Outcome, tick
 from skiros_py.world.world import World
 
 __all__ = ["Execution", "Primitive"]

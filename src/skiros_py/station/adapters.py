@@ -7,14 +7,11 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from skiros_py.catalogue import Catalogue, choose_planners
-from skiros_py.planning.process import PlanningProcess
+from skiros_py.planning.process import PlanningProcess, ThreadHost
 from skiros_py.planning.requests import PlanningHost
-from skiros_py.planning.thread_host import ThreadHost
 from skiros_py.ports.adapters import InstalledPorts
 from skiros_py.ports.cell import CellSpec
-from skiros_py.ports.composite import CompositeDriver
-from skiros_py.ports.connection import Connection
-from skiros_py.ports.driver import CellDriver
+from skiros_py.ports.driver import CellDriver, CompositeDriver, Connection
 from skiros_py.system import check_system_libraries, require_extra
 from skiros_py.world.world import World
 

@@ -15,9 +15,8 @@ from typing import TYPE_CHECKING, Any, Self
 from skiros_py.catalogue import Catalogue, fitting, load_catalogue
 from skiros_py.config import find_scene
 from skiros_py.errors import FileError, UnknownName, UsageError, WrongState
-from skiros_py.execution.digest import RunDigest
 from skiros_py.execution.running import RunningModule
-from skiros_py.execution.runtime import Runtime, RuntimeOptions
+from skiros_py.execution.runtime import RunDigest, Runtime, RuntimeOptions
 from skiros_py.execution.skill_manager import SkillManager
 from skiros_py.listeners import Listeners
 from skiros_py.planning.problem.stock import believed
@@ -25,19 +24,17 @@ from skiros_py.planning.service import Planned
 from skiros_py.plugins import PluginFault
 from skiros_py.ports.adapters import Ports
 from skiros_py.ports.cell import CellSpec
-from skiros_py.ports.composite import CompositeDriver
+from skiros_py.ports.driver import CompositeDriver
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.outcome import Outcome
-from skiros_py.skills.respawn import respawn
+from skiros_py.skills.surroundings import respawn
 from skiros_py.station.adapters import start_cell, start_planning, start_ports
 from skiros_py.station.worlds import load_world, open_directory, warn
 from skiros_py.tasks.goals import parse_goal
-from skiros_py.tasks.handle import TaskHandle
-from skiros_py.tasks.learning import learn_durations
-from skiros_py.tasks.policy import Policy
+from skiros_py.tasks.handle import Policy, TaskHandle
 from skiros_py.tasks.report import ConditionReport, GoalReport
-from skiros_py.tasks.task_manager import TaskManager
+from skiros_py.tasks.task_manager import TaskManager, learn_durations
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import ROBOT
 from skiros_py.world.world import World

@@ -11,46 +11,39 @@ from typing import Literal, Self
 
 from platformdirs import user_cache_path
 
-from skiros_py.station.alarms.alarms import Alarms
-from skiros_py.station.alarms.service import AlarmService
+from skiros_py.station.alarms.alarms import Alarms, AlarmService
 from skiros_py.station.alarms.sources import AlarmSources
 from skiros_py.station.control import ControlThread, OpenSession
-from skiros_py.station.document_service import DocumentService
-from skiros_py.station.documents import TOLD, Document, DocumentStore
-from skiros_py.station.events.event import Kind
+from skiros_py.station.documents import TOLD, Document, DocumentService, DocumentStore
 from skiros_py.station.events.live import LiveState
-from skiros_py.station.events.log import EventLog
+from skiros_py.station.events.log import EventLog, Kind
 from skiros_py.station.events.sources import EventSources
-from skiros_py.station.halt_mark import HaltMark
 from skiros_py.station.jobs.goals import GoalService, TemplateService
 from skiros_py.station.jobs.jobs import JobService
 from skiros_py.station.jobs.templates import TemplateStore
 from skiros_py.station.jobs.waiting import JobWaiter
-from skiros_py.station.modules.modules import ModuleService
+from skiros_py.station.modules.modules import ModuleService, PluginService
 from skiros_py.station.modules.runs import ModuleRuns
-from skiros_py.station.plugins import PluginService
-from skiros_py.station.queries import Queries
-from skiros_py.station.recordings.jobs import JobRecordings
-from skiros_py.station.recordings.service import RecordingService
+from skiros_py.station.recordings.replay import RecordingService
+from skiros_py.station.recordings.runs import JobRecordings
+from skiros_py.station.robots.devices import SignalService
 from skiros_py.station.robots.looks import Looks
 from skiros_py.station.robots.models import RobotModels
 from skiros_py.station.robots.motions import Motions
 from skiros_py.station.robots.service import DeviceService, RobotService
+from skiros_py.station.scenes.loading import SceneStage
 from skiros_py.station.scenes.scenes import SceneStore
 from skiros_py.station.scenes.service import SceneService
-from skiros_py.station.scenes.stage import SceneStage
 from skiros_py.station.session import Session
-from skiros_py.station.signals import SignalService
-from skiros_py.station.simulation.bodies import Bodies
-from skiros_py.station.simulation.simulation import Simulation
-from skiros_py.station.stops import Stops
+from skiros_py.station.simulation.simulation import Bodies, Simulation
+from skiros_py.station.stops import HaltMark, Stops
 from skiros_py.station.tasks.book import TaskBook
 from skiros_py.station.tasks.planning import PreviewService
 from skiros_py.station.tasks.previews import Previews
 from skiros_py.station.tasks.sequences import SequenceService
 from skiros_py.station.tasks.tasks import TaskService
 from skiros_py.station.world.elements import ElementService
-from skiros_py.station.world.service import OntologyService
+from skiros_py.station.world.service import OntologyService, Queries
 from skiros_py.station.world.world import WorldService
 from skiros_py.world.journal.data_directory import make_folder
 

@@ -1,7 +1,9 @@
-"""The environment of tasks: every part of the station they use."""
+"""The environment of tasks: the parts of the station that they use; and control requests to a running task."""
 
 from __future__ import annotations
 
+import enum
+import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -14,13 +16,60 @@ from skiros_py.planning.problem.task import Capability
 from skiros_py.planning.requests import Answer, Asked, PlanningHost
 from skiros_py.planning.service import USUAL, Planned, PlanningOptions
 from skiros_py.skills.conditions import Condition
+from skiros_py.skills.context import Questions
 from skiros_py.skills.primitive import Execution
-from skiros_py.skills.questions import Questions
 from skiros_py.skills.skill import SkillDescription
-from skiros_py.tasks.control import Control
 from skiros_py.tasks.reservations import Reservations
 from skiros_py.world.vocabulary import HAS_SKILL
 from skiros_py.world.world import World
+
+
+class Mode(enum.Enum):
+    """How a task proceeds."""
+
+    RUN = "run"
+    """Without pauses."""
+    PAUSE = "pause"
+    """Paused: running steps come to a standstill."""
+    SINGLE = "single"
+    """Until the running steps have ended; if none runs, the next ready steps start first."""
+
+
+class Control:
+    """The control requests for one task, from any thread. The last mode requested counts, but the first stop.
+
+    Attributes:
+        mode: The requested mode.
+        stop: Why it was asked to stop; None if it was not.
+    """
+
+    def __init__(self) -> None:
+        self.mode = Mode.RUN
+        self.stop: str | None = None
+        self._guard = threading.Lock()
+
+    def wish(self, mode: Mode) -> None:
+        """Requests another mode."""
+        with self._guard:
+            self.mode = mode
+
+    def end_single(self) -> Mode:
+        """Pauses after a single step, unless another mode was requested meanwhile; returns the resulting mode."""
+        with self._guard:
+            if self.mode is Mode.SINGLE:
+                self.mode = Mode.PAUSE
+            return self.mode
+
+    def end(self, reason: str) -> None:
+        """Requests a stop; the first reason counts."""
+        with self._guard:
+            if self.stop is None:
+                self.stop = reason
+
+
+class StopWanted(Exception):
+    """The task was asked to stop; the text gives the reason."""
+
 
 T = TypeVar("T")
 

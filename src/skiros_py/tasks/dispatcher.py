@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -15,16 +15,154 @@ from skiros_py.planning.problem.stock import tokens_of
 from skiros_py.skills.outcome import BROKEN_OFF, Failure, Outcome
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.skill import SkillDescription
-from skiros_py.tasks.agenda import Agenda
-from skiros_py.tasks.context import TaskContext
-from skiros_py.tasks.control import Mode
+from skiros_py.tasks.context import Mode, TaskContext
 from skiros_py.tasks.handle import StepRun, TaskHandle
 from skiros_py.tasks.history import History
-from skiros_py.tasks.reservations import robot_of
-from skiros_py.tasks.share import Share
+from skiros_py.tasks.reservations import in_hands, robot_of, used_by
 from skiros_py.tasks.trace import TraceEventKind, step_id
 from skiros_py.tasks.trace_writer import TraceWriter
 from skiros_py.world.stock import take
+
+
+class Agenda:
+    """The steps of one plan and their progress. Steps are identified by index.
+
+    Args:
+        steps: The steps, in a feasible order.
+        after: For each step the indices of the steps that must have ended before it starts.
+    """
+
+    def __init__(self, steps: Sequence[Step], after: Sequence[Collection[int]]) -> None:
+        self.steps = list(steps)
+        self._after = [set(before) for before in after]
+        self._waiting = dict.fromkeys(range(len(self.steps)))
+        self._running: dict[int, None] = {}
+
+    @property
+    def waiting(self) -> tuple[int, ...]:
+        """The steps that have not started, in order."""
+        return tuple(self._waiting)
+
+    @property
+    def running(self) -> tuple[int, ...]:
+        """The running steps."""
+        return tuple(self._running)
+
+    @property
+    def done(self) -> bool:
+        """True when every step has ended."""
+        return not self._waiting and not self._running
+
+    @property
+    def ready(self) -> tuple[int, ...]:
+        """The steps that no unfinished step precedes, in order."""
+        open_ = self._waiting.keys() | self._running.keys()
+        return tuple(index for index in self._waiting if open_.isdisjoint(self._after[index]))
+
+    def start(self, index: int) -> None:
+        """Marks a step as running."""
+        del self._waiting[index]
+        self._running[index] = None
+
+    def end(self, index: int) -> None:
+        """Marks a step as successfully ended."""
+        del self._running[index]
+
+    def again(self, index: int) -> None:
+        """Marks a step as ended and to be repeated."""
+        del self._running[index]
+        self._waiting = dict.fromkeys(sorted((*self._waiting, index)))
+
+    def rename(self, names: Mapping[str, str]) -> None:
+        """Renames elements in the steps' arguments."""
+        self.steps = [step.renamed(names) for step in self.steps]
+
+    def leads_to(self, earlier: int, later: int) -> bool:
+        """Returns True if the later step has to wait for the earlier one, directly or transitively."""
+        open_, seen = [later], set[int]()
+        while open_:
+            before = self._after[open_.pop()] - seen
+            if earlier in before:
+                return True
+            seen |= before
+            open_ += before
+        return False
+
+    def with_running(self, running: Sequence[Step], shared: Collection[tuple[int, int]]) -> Agenda:
+        """Returns the agenda preceded by steps of another plan that are already running.
+
+        Args:
+            running: These steps; they get the first indices and are marked as running.
+            shared: Pairs of a running step and the step of this agenda, by its index here, that has to wait for it.
+        """
+        more = len(running)
+        after = [{one + more for one in before} for before in self._after]
+        for earlier, later in shared:
+            after[later].add(earlier)
+        joined = Agenda((*running, *self.steps), (*(set[int]() for _ in running), *after))
+        for index in range(more):
+            joined.start(index)
+        return joined
+
+
+class Share:
+    """The robots and things of one task.
+
+    Args:
+        who: Name of the task.
+        context: World and reservations.
+        skills: The available skills by name; extended as managers appear.
+
+    Attributes:
+        lent: True while the task waits for the user, which may take long: other tasks may use what is at rest, except
+            robots that hold a thing of this task, so that it is not put down elsewhere.
+    """
+
+    def __init__(self, who: str, context: TaskContext, skills: Mapping[str, SkillDescription]) -> None:
+        self.lent = False
+        self._who = who
+        self._context = context
+        self._reservations = context.reservations
+        self._skills = skills
+
+    def ask(self, steps: Sequence[Step]) -> None:
+        """Requests what running and remaining steps use; anything else becomes free for others."""
+        self._reservations.request(self._who, self._used(steps))
+
+    def granted(self, running: Collection[Step], *, going_on: bool) -> bool:
+        """Returns whether no other task holds, or requested earlier, what this task requested; takes it if free now.
+
+        Args:
+            running: The running steps; what they use is always kept.
+            going_on: False while no step may start: then it takes nothing and does not block others. It has to request
+                again afterwards.
+        """
+        reservations, who = self._reservations, self._who
+        if self.lent:
+            own = in_hands(self._context.world, reservations.of(who))
+            reservations.withdraw(who, self._used(running) | own)
+        elif reservations.waits(who) and not going_on:
+            reservations.withdraw(who, self._used(running))
+        elif reservations.waits(who):
+            return reservations.granted(who, self._used(running))
+        return going_on and not self.lent
+
+    @property
+    def waits_for(self) -> tuple[str, ...]:
+        """What its request is waiting for: "robot_1 (kit 7)"."""
+        return self._reservations.waits_for(self._who)
+
+    def release(self, moving: Iterable[str], stands: Callable[[], bool]) -> None:
+        """Releases everything.
+
+        Args:
+            moving: Those elements that become free only once they are at rest.
+            stands: Returns whether they are at rest.
+        """
+        self._reservations.release(self._who, moving, stands)
+
+    def _used(self, steps: Iterable[Step]) -> frozenset[str]:
+        return used_by(tuple(steps), self._skills, self._context.world)
 
 
 class Dispatcher:

@@ -7,15 +7,14 @@ from contextlib import suppress
 from typing import TypeVar
 
 from skiros_py.errors import SkirosError
-from skiros_py.execution.contained import words
+from skiros_py.execution.pulse import words
 from skiros_py.planning.plan import NoPlan, Plan
 from skiros_py.planning.problem.stock import believed
 from skiros_py.planning.service import Planned
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.skill import SkillDescription
-from skiros_py.tasks.context import TaskContext
-from skiros_py.tasks.control import Mode, StopWanted
+from skiros_py.tasks.context import Mode, StopWanted, TaskContext
 from skiros_py.tasks.dispatcher import Dispatcher
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.history import History

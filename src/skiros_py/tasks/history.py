@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter, deque
 from collections.abc import Mapping
 
-from skiros_py.planning.domain.needs import with_defaults
+from skiros_py.planning.domain.actions import with_defaults
 from skiros_py.planning.plan import Step
 from skiros_py.planning.sequence import Round
 from skiros_py.skills.conditions import Condition

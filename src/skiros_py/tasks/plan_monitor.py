@@ -10,13 +10,11 @@ from skiros_py.planning.plan import Plan, Step
 from skiros_py.planning.plan_validation import Flaw
 from skiros_py.planning.requests import Asked, Check, Checked
 from skiros_py.skills.conditions import Condition, Verdict
-from skiros_py.skills.conditions.reads import Key, touched_by
+from skiros_py.skills.conditions.watch import Key, touched_by
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.skill import SkillDescription
-from skiros_py.tasks.agenda import Agenda
-from skiros_py.tasks.context import TaskContext
-from skiros_py.tasks.control import Control
-from skiros_py.tasks.dispatcher import Active, Dispatcher
+from skiros_py.tasks.context import Control, TaskContext
+from skiros_py.tasks.dispatcher import Active, Agenda, Dispatcher
 from skiros_py.tasks.history import History
 from skiros_py.world.change import Change
 from skiros_py.world.world import World

@@ -10,8 +10,7 @@ from skiros_py.planning.requests import PlanRequest
 from skiros_py.planning.service import Planned
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.primitive import Execution
-from skiros_py.tasks.context import TaskContext
-from skiros_py.tasks.control import Control
+from skiros_py.tasks.context import Control, TaskContext
 from skiros_py.tasks.history import History
 
 _AGAIN = 4

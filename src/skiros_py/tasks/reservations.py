@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from skiros_py.planning.domain.needs import with_defaults
+from skiros_py.planning.domain.actions import with_defaults
 from skiros_py.planning.plan import Step
 from skiros_py.skills.conditions import Assign, Condition, Effect, Relate, Unrelate, effects_of
 from skiros_py.skills.inference import applying

@@ -7,15 +7,13 @@ from itertools import count, islice
 from typing import TypeVar
 
 from skiros_py.errors import SkirosError
-from skiros_py.execution.contained import words
+from skiros_py.execution.pulse import words
 from skiros_py.planning.plan import Plan, Step
 from skiros_py.skills.outcome import Failure
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.skill import SkillDescription
-from skiros_py.tasks.agenda import Agenda
-from skiros_py.tasks.context import TaskContext
-from skiros_py.tasks.control import StopWanted
-from skiros_py.tasks.dispatcher import Dispatcher
+from skiros_py.tasks.context import StopWanted, TaskContext
+from skiros_py.tasks.dispatcher import Agenda, Dispatcher
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.history import History
 from skiros_py.tasks.report import GoalReport

@@ -8,11 +8,11 @@ from types import MappingProxyType
 from typing import Any
 
 from skiros_py.errors import SkirosError, UnknownName, UsageError
-from skiros_py.execution.contained import contained
-from skiros_py.planning.domain.needs import needs_of, with_defaults
+from skiros_py.execution.pulse import contained
+from skiros_py.planning.domain.actions import needs_of, with_defaults
 from skiros_py.planning.plan import Plan, Step
 from skiros_py.planning.plan_validation import apply_effects
-from skiros_py.planning.planners.choosing import Planners
+from skiros_py.planning.planners.planner import Planners
 from skiros_py.planning.problem.stock import tokens_of, with_stock
 from skiros_py.skills.conditions import judge
 from skiros_py.skills.inference import Inferred, Missing, applying, infer

@@ -1,4 +1,4 @@
-"""The task manager: starts tasks and keeps them from conflicting; several can run concurrently (paper §3.4)."""
+"""The task manager: starts tasks and keeps them from conflicting; several can run concurrently."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from skiros_py.execution.cycle import ControlCycle
 from skiros_py.execution.monitor import Monitor
 from skiros_py.execution.runtime import Runtime
 from skiros_py.execution.skill_manager import Transport
+from skiros_py.planning.durations import observe
 from skiros_py.planning.problem.task import Capability
 from skiros_py.planning.requests import PlanningHost, PlanRequest
 from skiros_py.planning.service import USUAL, Planned, PlanningOptions
 from skiros_py.skills.conditions import Condition
+from skiros_py.skills.context import Questions
+from skiros_py.skills.outcome import Failure, Outcome
 from skiros_py.skills.primitive import Execution
-from skiros_py.skills.questions import Questions
-from skiros_py.tasks.context import TaskContext
-from skiros_py.tasks.control import Control
+from skiros_py.tasks.context import Control, TaskContext
 from skiros_py.tasks.goal_executor import GoalExecutor
-from skiros_py.tasks.handle import TaskHandle
+from skiros_py.tasks.handle import Policy, StepRun, TaskHandle
 from skiros_py.tasks.history import History
-from skiros_py.tasks.policy import Policy
 from skiros_py.tasks.replanner import Replanner
 from skiros_py.tasks.report import GoalReport, StepReport
 from skiros_py.tasks.report_builder import end_before_beginning
@@ -256,3 +256,17 @@ class TaskManager:
             raise UsageError(f"a task named '{name}' is under way already")
         taken = self._active
         return name or next(free for n in self._names if (free := f"task {n}") not in taken)
+
+
+def learn_durations(tasks: TaskManager, runtime: Runtime) -> None:
+    """Learns skill durations from every successful step; for real and simulated cells, not for fake devices."""
+
+    def learn(run: StepRun, outcome: Outcome) -> None:
+        if not isinstance(outcome, Failure):
+            now = runtime.context.board.now
+            observe(runtime.world, StepReport(run.step.skill, {}, run.start, now, agent=run.agent))
+
+    def follow(task: TaskHandle) -> None:
+        task.after_step(learn)
+
+    tasks.on_begin(follow)

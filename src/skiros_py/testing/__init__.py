@@ -13,18 +13,33 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from skiros_py.testing.answering import Answers, answers
     from skiros_py.testing.bench import Bench
-    from skiros_py.testing.cell_faults import Blind, CellFault, Deaf, Dies, Frozen, Late, Noisy, Says
-    from skiros_py.testing.faulty_cell import FaultyCell
-    from skiros_py.testing.module_faults import Breaks, Fails, ModuleFault, Slow, spoiled
-    from skiros_py.testing.planners import GivenPlanner
-    from skiros_py.testing.tiny import TINY_ONTOLOGY, tiny_ontology, tiny_scene, tiny_world
-    from skiros_py.testing.tiny_skills import CONDITIONS, SKILLS
-    from skiros_py.testing.tiny_tasks import tiny_pddl, tiny_task
-    from skiros_py.testing.trial import SkillTrial
-    from skiros_py.testing.trying import run_primitive, run_skill
-    from skiros_py.testing.worlds import robot_turtle, world_of
+    from skiros_py.testing.faulty_cell import Blind, CellFault, Deaf, Dies, FaultyCell, Frozen, Late, Noisy, Says
+    from skiros_py.testing.tiny import (
+        CONDITIONS,
+        SKILLS,
+        TINY_ONTOLOGY,
+        robot_turtle,
+        tiny_ontology,
+        tiny_pddl,
+        tiny_scene,
+        tiny_task,
+        tiny_world,
+        world_of,
+    )
+    from skiros_py.testing.trying import (
+        Answers,
+        Breaks,
+        Fails,
+        GivenPlanner,
+        ModuleFault,
+        SkillTrial,
+        Slow,
+        answers,
+        run_primitive,
+        run_skill,
+        spoiled,
+    )
 
 __all__ = [
     "CONDITIONS",
@@ -61,19 +76,17 @@ __all__ = [
 ]
 
 _HOMES = {
-    "answering": ("Answers", "answers"),
     "bench": ("Bench",),
-    "cell_faults": ("Blind", "CellFault", "Deaf", "Dies", "Frozen", "Late", "Noisy", "Says"),
-    "faulty_cell": ("FaultyCell",),
-    "module_faults": ("Breaks", "Fails", "ModuleFault", "Slow", "spoiled"),
-    "planners": ("GivenPlanner",),
-    "tiny": ("TINY_ONTOLOGY", "tiny_ontology", "tiny_scene", "tiny_world"),
-    "tiny_skills": ("CONDITIONS", "SKILLS"),
-    "tiny_tasks": ("tiny_pddl", "tiny_task"),
-    "trial": ("SkillTrial",),
-    "trying": ("run_primitive", "run_skill"),
-    "worlds": ("robot_turtle", "world_of"),
-}
+    "faulty_cell": ("Blind", "CellFault", "Deaf", "Dies", "FaultyCell", "Frozen", "Late", "Noisy", "Says"),
+    "tiny": (
+        "CONDITIONS", "SKILLS", "TINY_ONTOLOGY", "robot_turtle", "tiny_ontology", "tiny_pddl", "tiny_scene",
+        "tiny_task", "tiny_world", "world_of",
+    ),
+    "trying": (
+        "Answers", "Breaks", "Fails", "GivenPlanner", "ModuleFault", "SkillTrial", "Slow", "answers", "run_primitive",
+        "run_skill", "spoiled",
+    ),
+}  # fmt: skip
 _MODULES = {name: module for module, names in _HOMES.items() for name in names}
 
 

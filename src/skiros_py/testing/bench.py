@@ -9,12 +9,11 @@ from typing import Any, Self
 from skiros_py.execution.monitor import ModuleEvent
 from skiros_py.execution.running import RunningModule
 from skiros_py.execution.runtime import Runtime, RuntimeOptions
-from skiros_py.planning.planners.choosing import Planners
 from skiros_py.planning.planners.fast_downward import FastDownward
-from skiros_py.planning.planners.planner import Planner
+from skiros_py.planning.planners.planner import Planner, Planners
+from skiros_py.planning.process import ThreadHost
 from skiros_py.planning.requests import PlanningHost
 from skiros_py.planning.service import Planned
-from skiros_py.planning.thread_host import ThreadHost
 from skiros_py.ports.adapters import NO_PORTS, Ports
 from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.driver import CellDriver
@@ -28,7 +27,7 @@ from skiros_py.skills.skill import Skill
 from skiros_py.tasks.goals import parse_goal
 from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.task_manager import TaskManager
-from skiros_py.testing.tiny_skills import CONDITIONS, SKILLS
+from skiros_py.testing.tiny import CONDITIONS, SKILLS
 from skiros_py.world.vocabulary import ROBOT
 from skiros_py.world.world import World
 

@@ -1,19 +1,212 @@
-"""A world in two lines: one robot, two boxes with balls, two slots."""
+"""A world in two lines: one robot, two boxes with balls, two slots; with pretended skills and planning tasks."""
 
 from __future__ import annotations
 
+import re
 import tempfile
+from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
+from types import MappingProxyType
 
-from skiros_py.config import ontology_paths
-from skiros_py.testing.worlds import robot_turtle
-from skiros_py.world.ontology import Ontology
-from skiros_py.world.reasoners.registry import Reasoners
+from skiros_py.behaviours import AssertEffects, Behaviour
+from skiros_py.config import find_scene, ontology_paths
+from skiros_py.planning.domain.pddl import PddlTexts, write_pddl
+from skiros_py.planning.problem.task import Capability, PlanningTask, build_task
+from skiros_py.skills.conditions import Computed, Condition, ConditionType, Has, Nothing, Related, Role, Verdict
+from skiros_py.skills.parameters import Kind, Param
+from skiros_py.skills.skill import Skill, SkillDescription
+from skiros_py.world.ontology import Ontology, load_installed
+from skiros_py.world.reasoners.registry import Reasoners, load_reasoners
 from skiros_py.world.reasoners.sizes import SizeReasoner
 from skiros_py.world.reasoners.spatial import SpatialReasoner
 from skiros_py.world.scene import load_scene
+from skiros_py.world.view import WorldView
+from skiros_py.world.vocabulary import AT, DRIVING_POSE, HAS_A, HELD_BY, IN
 from skiros_py.world.world import World
+
+_CORE = "https://w3id.org/skiros-py/core"
+_IRI = "https://w3id.org/skiros-py/scenes/in_memory"
+_ROOTS = {
+    "sk:Scene": 'scene:this a sk:Scene ; rdfs:label "test" .',
+    "sk:Floor": 'scene:floor a sk:Floor ; rdfs:label "floor" .',
+    "sk:UnknownLocation": 'scene:unknown_location a sk:UnknownLocation ; rdfs:label "unknown location" .',
+}
+"""Elements of every scene; added if the text does not define them."""
+
+_ROBOT = """
+scene:robot_{n} a sk:Robot ; rdfs:label "robot {n}" ; sk:model "tiny" ; sk:at scene:unknown_location ;
+    sk:hasA scene:base_{n} , scene:arm_{n} .
+scene:base_{n} a sk:Base ; rdfs:label "base {n}" ; sk:pose "0 0 0 0 0 0"^^sk:poseLiteral ;
+    sk:maxLinear 1.0 ; sk:maxAngular 1.0 ; sk:maxLinearAcceleration 1.0 ; sk:maxAngularAcceleration 1.0 ;
+    sk:footprint "-0.3 -0.3 0.3 -0.3 0.3 0.3 -0.3 0.3"^^sk:vectorLiteral .
+scene:arm_{n} a sk:Arm ; rdfs:label "arm {n}" ; sk:joints "shoulder elbow" ; sk:tip "tip" ;
+    sk:home "0 0"^^sk:vectorLiteral ; sk:hasA scene:gripper_{n} .
+scene:gripper_{n} a sk:Gripper ; rdfs:label "gripper {n}" ; sk:joints "finger" ; sk:maxGap 0.1 ; sk:maxForce 10.0 .
+"""
+
+
+def world_of(
+    scene: str | Path, *, ontologies: Sequence[Path] = (), imports: Sequence[str] = (), robots: int = 1
+) -> World:
+    """Creates a live world, with the installed ontologies and reasoners; nothing is stored on disk.
+
+    >>> world = world_of("scene:box_1 a sk:Container ; sk:on scene:floor .")
+    >>> world.objects("box_1", "sk:on")
+    ('floor',)
+
+    Args:
+        scene: Turtle statements, or the name or path of a scene. Turtle needs no prefixes of the ontologies at hand, no
+            floor, no unknown_location and no robot.
+        ontologies: Files or folders of further ontologies.
+        imports: IRIs of files whose individuals become part of a world given as Turtle, such as
+            ``https://w3id.org/skiros-py/robots/mobile_panda``; then omit ``robots``.
+        robots: How many small robots a world given as Turtle gets: robot_1 with base_1, arm_1, gripper_1, and so on
+            (:func:`robot_turtle`).
+
+    Raises:
+        UnknownName: There is no scene of that name.
+        FileError: A file or the text cannot be understood, or says what the ontology does not allow; lines of a text
+            are counted from its own first line.
+    """
+    paths = (*ontology_paths(), *ontologies)
+    ontology, _ = load_installed(paths)
+    reasoners, _ = load_reasoners(ontology)
+    if isinstance(scene, Path) or not _is_turtle(scene):
+        return load_scene(ontology, find_scene(str(scene)), paths, reasoners=reasoners)
+    text = _completed(scene, ontology, imports, 0 if imports else robots)
+    with tempfile.TemporaryDirectory(prefix="skiros-world-") as folder:
+        file = Path(folder) / "scene.ttl"
+        file.write_text(text, encoding="utf-8")
+        return load_scene(ontology, file, paths, reasoners=reasoners)
+
+
+def robot_turtle(number: int = 1) -> str:
+    """Returns a small robot as Turtle: robot_N at unknown_location, with base_N, arm_N (two joints) and gripper_N."""
+    return _ROBOT.format(n=number)
+
+
+def _is_turtle(scene: str) -> bool:
+    return any(character.isspace() for character in scene.strip()) or not scene.strip()
+
+
+def _completed(text: str, ontology: Ontology, imports: Sequence[str], robots: int) -> str:
+    """Returns a whole scene file; its first lines all are one, so that the lines of the text keep their numbers."""
+    own = set(re.findall(r"@prefix\s+([\w-]*):", text))
+    prefixes = [f"@prefix {p}: <{iri}> ." for p, iri in ontology.names.prefixes.items() if p not in own]
+    imported = " , ".join(f"<{iri}>" for iri in (_CORE, *imports))
+    roots = [statement for class_, statement in _ROOTS.items() if not re.search(rf"\ba\s+{class_}\b", text)]
+    head = [*prefixes, f"<{_IRI}> a owl:Ontology ; owl:imports {imported} ."]
+    tail = [*roots, *(robot_turtle(n) for n in range(1, robots + 1))]
+    return " ".join(head) + " " + "\n".join([text, *tail]) + "\n"
+
+
+def _fits(view: WorldView, ball: str, slot: str) -> Verdict:
+    giant = view.ontology.is_a(view.element(ball).type, "tiny:Giant")
+    return Verdict(not giant, f"{ball} {'does not fit' if giant else 'fits'} into {slot}")
+
+
+HAS_PART = ConditionType(
+    "HasPart", (Role("whole", "sk:SpatialThing"), Role("part", "sk:SpatialThing")), Related(HAS_A, "whole", "part"), "-"
+)
+AT_LOCATION = ConditionType(
+    "At",
+    (Role("robot", "sk:Robot"), Role("location", "sk:Location")),
+    Related(AT, "robot", "location"),
+    "Stands there.",
+)
+REACHABLE = ConditionType("Reachable", (Role("location", "sk:Location"),), Has(DRIVING_POSE, "location"), "Known way.")
+IN_CONTAINER = ConditionType(
+    "In", (Role("ball", "tiny:Ball"), Role("place", "sk:Container")), Related(IN, "ball", "place"), "Lies in.", True
+)
+HOLDING = ConditionType(
+    "Holding",
+    (Role("gripper", "sk:Gripper"), Role("ball", "tiny:Ball")),
+    Related(HELD_BY, "ball", "gripper"),
+    "Has it.",
+)
+EMPTY_HANDED = ConditionType("EmptyHanded", (Role("gripper", "sk:Gripper"),), Nothing(HELD_BY, "gripper"), "Holds nil.")
+FREE = ConditionType("Free", (Role("slot", "tiny:Slot"),), Nothing(IN, "slot"), "Nothing lies in the slot.")
+FITS = ConditionType(
+    "Fits", (Role("ball", "tiny:Ball"), Role("slot", "tiny:Slot")), Computed("tiny:fitsIn", "ball", "slot", _fits), "-"
+)
+CARRIES = ConditionType(
+    "Carries",
+    (Role("robot", "sk:Robot"), Role("ball", "tiny:Ball")),
+    Related("tiny:carries", "robot", "ball"),
+    "Rides.",
+)
+
+CONDITIONS: Mapping[str, ConditionType] = MappingProxyType(
+    {
+        type_.name: type_
+        for type_ in (HAS_PART, AT_LOCATION, REACHABLE, IN_CONTAINER, HOLDING, EMPTY_HANDED, FREE, FITS, CARRIES)
+    }
+)
+"""The words of the tiny domain."""
+
+_ARM = (
+    Param("Arm", "sk:Arm", "The arm that does it.", Kind.HARDWARE),
+    Param("Gripper", "sk:Gripper", "The gripper on the arm.", Kind.HARDWARE),
+    Param("Robot", "sk:Robot", "The robot that has the arm.", Kind.PLANNING),
+)
+
+DRIVE = SkillDescription(
+    name="drive",
+    help="Drives to a location.",
+    agent="Base",
+    target="Location",
+    params=(
+        Param("Base", "sk:Base", "The base that drives.", Kind.HARDWARE),
+        Param("Robot", "sk:Robot", "The robot it carries.", Kind.PLANNING),
+        Param("Location", "sk:Location", "Where to go."),
+    ),
+    pre=(HAS_PART("Robot", "Base"), REACHABLE("Location")),
+    post=(AT_LOCATION("Robot", "Location"),),
+)
+PICK = SkillDescription(
+    name="pick",
+    help="Takes a ball out of a box.",
+    agent="Arm",
+    target="Ball",
+    params=(*_ARM, Param("Box", "tiny:Box", "Where it lies."), Param("Ball", "tiny:Ball", "The ball.")),
+    pre=(
+        HAS_PART("Robot", "Arm"),
+        HAS_PART("Arm", "Gripper"),
+        AT_LOCATION("Robot", "Box"),
+        IN_CONTAINER("Ball", "Box"),
+        EMPTY_HANDED("Gripper"),
+    ),
+    post=(HOLDING("Gripper", "Ball"), ~EMPTY_HANDED("Gripper")),
+)
+PLACE = SkillDescription(
+    name="place",
+    help="Puts a ball into a free slot.",
+    agent="Arm",
+    target="Slot",
+    params=(*_ARM, Param("Ball", "tiny:Ball", "The ball."), Param("Slot", "tiny:Slot", "Where it goes.")),
+    pre=(
+        HAS_PART("Robot", "Arm"),
+        HAS_PART("Arm", "Gripper"),
+        HOLDING("Gripper", "Ball"),
+        FREE("Slot"),
+        FITS("Ball", "Slot"),
+    ),
+    post=(IN_CONTAINER("Ball", "Slot"), EMPTY_HANDED("Gripper")),
+)
+
+
+_PRETENDING = AssertEffects(seconds=0.02)
+
+
+def pretend(description: SkillDescription, body: Behaviour = _PRETENDING) -> Skill:
+    """Returns an implementation for the fake driver: by default one that only pretends."""
+    return Skill(description, body, driver="fake")
+
+
+SKILLS: tuple[Skill, ...] = (pretend(DRIVE), pretend(PICK), pretend(PLACE))
+"""Pretended drive, pick and place."""
+
 
 TINY_ONTOLOGY = Path(__file__).parent / "tiny.ttl"
 """The file of the tiny domain; add it to ``SKIROS_ONTOLOGIES`` to run tiny scenes from the command line."""
@@ -67,3 +260,31 @@ def tiny_world(*facts: str, robots: int = 1) -> World:
     reasoners = Reasoners((SizeReasoner(), SpatialReasoner()))
     with tempfile.TemporaryDirectory(prefix="skiros-tiny-") as folder:
         return load_scene(tiny_ontology(), tiny_scene(Path(folder), *facts, robots=robots), reasoners=reasoners)
+
+
+def tiny_task(
+    view: WorldView,
+    *goal: Condition,
+    skills: Sequence[SkillDescription] = (DRIVE, PICK, PLACE),
+    agents: Sequence[str] | None = None,
+) -> PlanningTask:
+    """Returns the planning task for a goal, with everything in it, needed or not.
+
+    Args:
+        view: The world.
+        *goal: Conditions that must hold.
+        skills: The available skills.
+        agents: The subsystems that can execute them, if they fit the skill's class; None for all that fit it.
+    """
+    able = [
+        Capability(s, tuple(a for a in view.instances(s.agent_class) if agents is None or a in agents)) for s in skills
+    ]
+    return build_task(view, able, goal, whole=True)
+
+
+def tiny_pddl(
+    view: WorldView, *goal: Condition, skills: Sequence[SkillDescription] = (DRIVE, PICK, PLACE)
+) -> PddlTexts:
+    """Returns the task of :func:`tiny_task` as PDDL."""
+    task = tiny_task(view, *goal, skills=skills)
+    return write_pddl(task.domain, task.problem, name="tiny")

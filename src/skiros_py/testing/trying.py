@@ -1,28 +1,264 @@
-"""Runs a single skill or primitive in one call."""
+"""Runs a single skill or primitive in one call, with faults, answers and given plans where a test needs them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
-from typing import Any
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Self
 
 from skiros_py.catalogue import load_catalogue
+from skiros_py.errors import UnknownName
+from skiros_py.execution.monitor import ModuleEvent, Status
+from skiros_py.planning.planners.planner import Answer, Solved, Unsolvable
 from skiros_py.ports.adapters import NO_PORTS, Ports
 from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.driver import CellDriver
 from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.conditions import Condition, Verdict
-from skiros_py.skills.primitive import Primitive
+from skiros_py.skills.context import Question, Questions
+from skiros_py.skills.outcome import Failure, Outcome, Success
+from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.skill import Skill
-from skiros_py.testing.answering import Answers
 from skiros_py.testing.bench import Bench
-from skiros_py.testing.cell_faults import CellFault
-from skiros_py.testing.faulty_cell import FaultyCell
-from skiros_py.testing.module_faults import ModuleFault, spoiled
-from skiros_py.testing.planners import GivenPlanner
-from skiros_py.testing.trial import SkillTrial
+from skiros_py.testing.faulty_cell import CellFault, FaultyCell
 from skiros_py.world.change import Change
+from skiros_py.world.scene import describe
 from skiros_py.world.world import World
+
+
+class Answers:
+    """The questions of a run, and those without an answer.
+
+    Attributes:
+        asked: Every question so far.
+        unanswered: Questions that match no given answer; they stay open.
+    """
+
+    def __init__(self, questions: Questions, given: Mapping[str, str]) -> None:
+        self.asked: list[Question] = []
+        self.unanswered: list[Question] = []
+        self._questions = questions
+        self._given = given
+        questions.subscribe(self._hear)
+
+    def _hear(self, question: Question) -> None:
+        self.asked.append(question)
+        fitting = [answer for words, answer in self._given.items() if words in question.text]
+        if fitting:
+            self._questions.answer(question.id, fitting[0], by="test")
+        else:
+            self.unanswered.append(question)
+
+
+def answers(questions: Questions, given: Mapping[str, str]) -> Answers:
+    """Answers the questions of a run to a person, from now on.
+
+    >>> asked = answers(bench.questions, {"refill": "done", "Is the door open": "yes"})
+
+    Args:
+        questions: Of a bench or a session.
+        given: Answer by words contained in the question; the first match is used.
+
+    Returns:
+        The questions so far.
+    """
+    return Answers(questions, given)
+
+
+@dataclass(frozen=True, slots=True)
+class _Given:
+    """An answer that is available immediately."""
+
+    answer: Answer
+    latency: float = 0.0
+
+    def done(self) -> bool:
+        return True
+
+    def result(self) -> Answer:
+        return self.answer
+
+
+class GivenPlanner:
+    """A :class:`~skiros_py.planning.planners.planner.Planner` that does not read its task.
+
+    Args:
+        *steps: PDDL action with its objects, as one text each ("drive base_1 robot_1 box_a unknown_location"); none
+            at all for the answer that there is no plan.
+    """
+
+    name = "given"
+    supports = frozenset({":strips", ":typing", ":negative-preconditions", ":existential-preconditions"})
+
+    def __init__(self, *steps: str) -> None:
+        self._answer: Answer = Solved(tuple(tuple(step.split()) for step in steps)) if steps else Unsolvable()
+
+    def solve(self, domain: str, problem: str) -> _Given:  # noqa: ARG002 - the port's signature
+        """Answers."""
+        return _Given(self._answer)
+
+    def close(self) -> None:
+        """Does nothing; there is nothing to kill."""
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class SkillTrial:
+    """The result of running a module; true if it succeeded.
+
+    Attributes:
+        module: Its name.
+        outcome: How it ended.
+        events: Module events during the run.
+        changes: Changes of the world during the run.
+        seconds: Duration, in time of the run [s].
+        verdicts: Whether its postconditions hold afterwards, with reasons, by their keys' order; none of a primitive.
+        questions: The questions to a person.
+    """
+
+    module: str
+    outcome: Outcome
+    events: tuple[ModuleEvent, ...]
+    changes: tuple[Change, ...]
+    seconds: float
+    verdicts: tuple[Verdict, ...] = ()
+    questions: tuple[Question, ...] = ()
+
+    @property
+    def succeeded(self) -> bool:
+        """True when it succeeded."""
+        return isinstance(self.outcome, Success)
+
+    @property
+    def reason(self) -> str:
+        """Why it failed, or its message upon success."""
+        return self.outcome.message if isinstance(self.outcome, Success) else self.outcome.reason
+
+    def check(self) -> Self:
+        """Returns itself if it succeeded.
+
+        Raises:
+            AssertionError: It failed; with the reasons, the events and the changes.
+        """
+        if not self.succeeded:
+            raise AssertionError(str(self))
+        return self
+
+    def lines(self) -> list[str]:
+        """Returns all of it as lines."""
+        return [
+            f"{self.module} {'succeeded' if self.succeeded else 'failed'} after {self.seconds:.2f} s: {self.reason}",
+            *_section("postconditions", [line for verdict in self.verdicts for line in verdict.lines()]),
+            *_section("events", [_event(event) for event in self.events]),
+            *_section("changes", [line for change in self.changes for line in _change(change)]),
+            *_section("questions", [question.text for question in self.questions]),
+        ]
+
+    def __bool__(self) -> bool:
+        return self.succeeded
+
+    def __str__(self) -> str:
+        return "\n".join(self.lines())
+
+    def __repr__(self) -> str:
+        return f"<{self.module} {'succeeded' if self.succeeded else 'failed'}: {self.reason}>"
+
+
+def _section(title: str, lines: list[str]) -> list[str]:
+    return [f"  {title}:", *(f"    {line}" for line in lines)] if lines else []
+
+
+def _event(event: ModuleEvent) -> str:
+    code = f" ({event.code})" if event.status in (Status.RUNNING, Status.ERROR) else ""
+    return f"{event.time:7.3f} s  {event.kind} {event.module}: {event.status.value}{code} {event.text}".rstrip()
+
+
+def _change(change: Change) -> list[str]:
+    head = f"{change.time:7.3f} s  {change.author}: {change.reason}"
+    return [head, *(f"           {line}" for line in describe(None, change.edits))]
+
+
+@dataclass(frozen=True, slots=True)
+class Fails:
+    """A primitive fails immediately, for a number of calls (None for all); then it works."""
+
+    primitive: str
+    reason: str = "a fault of the test"
+    times: int | None = 1
+    code: int = -1
+
+
+@dataclass(frozen=True, slots=True)
+class Breaks:
+    """A primitive raises an exception, for a number of calls (None for all); then it works."""
+
+    primitive: str
+    exception: BaseException
+    times: int | None = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Slow:
+    """A primitive starts with a delay [s], for a number of calls (None for all)."""
+
+    primitive: str
+    seconds: float
+    times: int | None = None
+
+
+ModuleFault = Fails | Breaks | Slow
+
+
+def spoiled(
+    primitives: Sequence[type[Primitive[Any]]], faults: Sequence[ModuleFault]
+) -> tuple[type[Primitive[Any]], ...]:
+    """Returns the primitives, with those that have a fault replaced by faulty ones of the same name.
+
+    Raises:
+        UnknownName: A fault is for a primitive that is not among them.
+    """
+    known = {primitive.name: primitive for primitive in primitives}
+    for fault in faults:
+        if fault.primitive not in known:
+            raise UnknownName("primitive", fault.primitive, known, where=f"in {fault}")
+        known[fault.primitive] = _with_fault(known[fault.primitive], fault)
+    return tuple(known.values())
+
+
+def _with_fault(primitive: type[Primitive[Any]], fault: ModuleFault) -> type[Primitive[Any]]:
+    calls = _calls(fault.times)
+
+    class Spoiled(primitive):  # type: ignore[valid-type,misc]  # a class made at run time
+        __doc__ = primitive.__doc__
+
+        def execute(self) -> Execution[Outcome]:
+            if next(calls):
+                match fault:
+                    case Fails():
+                        return Failure(fault.reason, fault.code)
+                    case Breaks():
+                        raise fault.exception
+                    case Slow():
+                        yield from _idle(self, fault.seconds)
+            outcome: Outcome = yield from super().execute()
+            return outcome
+
+    Spoiled.__name__, Spoiled.__qualname__ = primitive.__name__, primitive.__qualname__
+    return Spoiled
+
+
+def _calls(times: int | None) -> Iterator[bool]:
+    """Yields for each call whether it has the fault."""
+    left = times
+    while True:
+        yield left is None or left > 0
+        left = None if left is None else left - 1
+
+
+def _idle(primitive: Primitive[Any], seconds: float) -> Execution[None]:
+    end = primitive.context.now + seconds
+    while primitive.context.now < end:
+        yield
+
 
 _LIMIT = 600.0
 _ANY = "any"

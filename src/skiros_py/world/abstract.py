@@ -15,7 +15,7 @@ from skiros_py.world.index import Index, with_value
 from skiros_py.world.literals import parse_value
 from skiros_py.world.names import local_name
 from skiros_py.world.ontology import Ontology
-from skiros_py.world.ontology.statements import Node, Statements, english
+from skiros_py.world.ontology.declarations import Node, Statements, english
 from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners
 from skiros_py.world.vocabulary import ELEMENT, LABEL
 

@@ -13,11 +13,10 @@ from skiros_py.geometry import Solid
 from skiros_py.world.element import Value, is_abstract, is_learned
 from skiros_py.world.ids import is_valid_id
 from skiros_py.world.index import Index
-from skiros_py.world.literals import CLASS_NAME, DATATYPES, shown
+from skiros_py.world.literals import CLASS_NAME, DATATYPES, LONGEST_TEXT, check_string, shown
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.terms import Cardinality, Family
 from skiros_py.world.vocabulary import ELEMENT, LABEL, POSE_FRAME, ROOT, SOLID, SPATIAL_THING
-from skiros_py.world.xsd import LONGEST_TEXT, check_string
 
 
 def number_problems(view: Index, element_id: str) -> Iterator[str]:

@@ -19,8 +19,7 @@ from skiros_py.world.index import Index
 from skiros_py.world.locks import Locks
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.past import ChangeLog, Past
-from skiros_py.world.reasoners.reasoner import Proposal
-from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners
+from skiros_py.world.reasoners.registry import NO_REASONERS, Proposal, Reasoners
 from skiros_py.world.transaction import Transaction
 from skiros_py.world.view import NO_SENSORS, ForwardingView, Sensors
 from skiros_py.world.vocabulary import STRUCTURE

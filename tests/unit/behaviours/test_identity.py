@@ -29,7 +29,7 @@ from skiros_py.skills.parameters import param
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.testing import Bench, tiny_world
-from skiros_py.testing.tiny_skills import AT_LOCATION, DRIVE, pretend
+from skiros_py.testing.tiny import AT_LOCATION, DRIVE, pretend
 
 TO_A = {"Base": "base_1", "Robot": "robot_1", "Location": "box_a"}
 NOTED: list[Any] = []

@@ -39,7 +39,7 @@ from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.skill import Skill
 from skiros_py.testing import Bench, tiny_world
-from skiros_py.testing.tiny_skills import AT_LOCATION, DRIVE
+from skiros_py.testing.tiny import AT_LOCATION, DRIVE
 
 LOG: list[tuple[str, int]] = []
 AFTER = replace(DRIVE, pre=(), post=(AT_LOCATION("Robot", "Location"),))

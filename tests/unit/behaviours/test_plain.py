@@ -44,7 +44,7 @@ from skiros_py.skills.conditions import (
     exists,
 )
 from skiros_py.skills.plain import Reader
-from skiros_py.testing.tiny_skills import AT_LOCATION, CONDITIONS, FREE, SKILLS
+from skiros_py.testing.tiny import AT_LOCATION, CONDITIONS, FREE, SKILLS
 
 KINDS = load_catalogue().behaviours
 READER = Reader(KINDS, CONDITIONS)

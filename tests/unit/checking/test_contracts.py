@@ -18,7 +18,7 @@ from skiros_py.skills.skill import Skill
 from skiros_py.testing import SKILLS, tiny_world
 from skiros_py.testing.contract import check_contract as assert_contract
 from skiros_py.testing.contract import contract_cases
-from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend
+from skiros_py.testing.tiny import DRIVE, PICK, PLACE, pretend
 
 TINY = [Ground("tiny", tiny_world)]
 

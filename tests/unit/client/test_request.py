@@ -6,8 +6,7 @@ import httpx2
 import pytest
 
 from skiros_py.client import ProblemError, Unreachable
-from skiros_py.client.call import Call, plain
-from skiros_py.client.request import arguments_of, result_of, settings_for
+from skiros_py.client.request import Call, arguments_of, plain, result_of, settings_for
 from skiros_py.errors import SkirosError, UsageError
 
 GET = Call("GET", "/jobs/a", plain)

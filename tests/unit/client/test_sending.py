@@ -11,7 +11,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 import pytest
 
 from skiros_py.client import AsyncClient, Client, ProblemError, Unreachable
-from skiros_py.client.call import Call, plain
+from skiros_py.client.request import Call, plain
 
 READ = Call("GET", "/jobs", plain)
 ORDER = Call("POST", "/jobs", plain, json={"goal": "x"})

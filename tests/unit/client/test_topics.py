@@ -9,7 +9,7 @@ from types import ModuleType
 import pytest
 
 from skiros_py.client import calls, topics
-from skiros_py.client.call import Call, Method
+from skiros_py.client.request import Call, Method
 
 MODULES = [importlib.import_module(f"{calls.__name__}.{found.name}") for found in pkgutil.iter_modules(calls.__path__)]
 

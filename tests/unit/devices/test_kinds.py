@@ -12,8 +12,7 @@ from skiros_py.devices.base import BaseSpec, BaseTwist
 from skiros_py.devices.camera import CameraSpec
 from skiros_py.devices.gripper import GripperSpec, GripperTarget
 from skiros_py.errors import DeviceError
-from skiros_py.ports.device import Contribution, DeviceSpec
-from skiros_py.ports.kinds import load_device_kinds
+from skiros_py.ports.device import Contribution, DeviceSpec, load_device_kinds
 from skiros_py.testing.conformance import DeviceKindContract, small_cell
 
 SPECS = small_cell().devices

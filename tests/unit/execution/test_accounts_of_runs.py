@@ -13,7 +13,7 @@ from skiros_py.skills.parameters import param
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.testing import SKILLS, Bench, tiny_world
-from skiros_py.testing.tiny_skills import DRIVE, HAS_PART, REACHABLE
+from skiros_py.testing.tiny import DRIVE, HAS_PART, REACHABLE
 from skiros_py.world.change import Writer
 
 

@@ -15,13 +15,12 @@ from skiros_py.devices.gripper import Gripper, GripperTarget
 from skiros_py.errors import DescriptionError
 from skiros_py.execution.monitor import Status
 from skiros_py.skills.context import RunContext
-from skiros_py.skills.execution import tick
-from skiros_py.skills.outcome import Failure, Outcome, Success
+from skiros_py.skills.outcome import Failure, Outcome, Success, tick
 from skiros_py.skills.parameters import Kind, Param, param
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.skill import Skill
 from skiros_py.testing import Bench, tiny_world
-from skiros_py.testing.tiny_skills import AT_LOCATION, DRIVE, PICK, pretend
+from skiros_py.testing.tiny import AT_LOCATION, DRIVE, PICK, pretend
 
 BASE = Param("Base", "sk:Base", "The base that comes along.", Kind.HARDWARE)
 FETCH = replace(PICK, name="fetch", params=(*PICK.params, BASE), pre=())

@@ -20,13 +20,12 @@ from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.execution.running import RunningModule
 from skiros_py.ports.values import Commands, Snapshot
 from skiros_py.simulation.fake.cell import FakeCell
-from skiros_py.skills.execution import tick
-from skiros_py.skills.outcome import Failure, Outcome, Success
+from skiros_py.skills.outcome import Failure, Outcome, Success, tick
 from skiros_py.skills.parameters import Kind, Param, param
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.skill import Skill
 from skiros_py.testing import Bench, tiny_world
-from skiros_py.testing.tiny_skills import AT_LOCATION, DRIVE
+from skiros_py.testing.tiny import AT_LOCATION, DRIVE
 
 SPEED = 0.5
 BRAKING = 0.1

@@ -10,7 +10,7 @@ import pytest
 from skiros_py.behaviours import DocumentFault
 from skiros_py.behaviours.document import Tree
 from skiros_py.catalogue import load_catalogue
-from skiros_py.execution.behaviour_run import RunnableDocument
+from skiros_py.execution.running import RunnableDocument
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import param
 from skiros_py.skills.plain import Reader

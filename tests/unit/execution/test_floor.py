@@ -21,7 +21,7 @@ from skiros_py.ports.device import MobileSpec
 from skiros_py.ports.motion import BaseLeg, BasePath
 from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.cell_reader import read_cell
-from skiros_py.testing.worlds import world_of
+from skiros_py.testing.tiny import world_of
 
 OUTLINE = ((-0.3, -0.3), (0.3, -0.3), (0.3, 0.3), (-0.3, 0.3))
 

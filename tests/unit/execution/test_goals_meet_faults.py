@@ -27,7 +27,7 @@ from skiros_py.station.session import Options, Session
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.report import GoalReport
 from skiros_py.testing import CONDITIONS, TINY_ONTOLOGY, Bench, tiny_scene, tiny_world
-from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend
+from skiros_py.testing.tiny import DRIVE, PICK, PLACE, pretend
 
 GOAL = "In(ball_1, slot_1)"
 

@@ -11,7 +11,7 @@ from skiros_py.skills.outcome import Failure, Success
 from skiros_py.skills.parameters import Kind, Param
 from skiros_py.skills.skill import Skill
 from skiros_py.testing import Bench, tiny_world
-from skiros_py.testing.tiny_skills import DRIVE, IN_CONTAINER
+from skiros_py.testing.tiny import DRIVE, IN_CONTAINER
 
 WITH_BALL = replace(
     DRIVE,

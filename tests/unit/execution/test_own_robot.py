@@ -11,7 +11,7 @@ from skiros_py.skills.outcome import Failure, Success
 from skiros_py.skills.parameters import Kind, Param
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.testing import Bench, tiny_world
-from skiros_py.testing.tiny_skills import HAS_PART, HOLDING, IN_CONTAINER, PICK, PLACE, pretend
+from skiros_py.testing.tiny import HAS_PART, HOLDING, IN_CONTAINER, PICK, PLACE, pretend
 
 _GRIPPER = Param("Gripper", "sk:Gripper", "The hand.", Kind.HARDWARE)
 SQUEEZE = SkillDescription(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 
-from skiros_py.execution.digest import RunDigest
+from skiros_py.execution.runtime import RunDigest
 from skiros_py.testing import tiny_world
 
 

@@ -15,8 +15,8 @@ from skiros_py.execution.cycle import ControlCycle
 from skiros_py.execution.signals import SignalLost, Signals
 from skiros_py.execution.watchdog import Watchdog
 from skiros_py.ports.board import DeviceBoard
-from skiros_py.ports.pending import Done
 from skiros_py.ports.signals import Input, Latest, Request, Signal, SignalProvider, Value
+from skiros_py.ports.values import Done
 from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.testing import robot_turtle, world_of

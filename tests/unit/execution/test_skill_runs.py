@@ -13,7 +13,7 @@ from skiros_py.skills.parameters import Kind, Param, param
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.testing import Bench, tiny_world
-from skiros_py.testing.tiny_skills import AT_LOCATION, DRIVE, EMPTY_HANDED, REACHABLE
+from skiros_py.testing.tiny import AT_LOCATION, DRIVE, EMPTY_HANDED, REACHABLE
 from skiros_py.world.world import World
 
 TO_A = {"Base": "base_1", "Robot": "robot_1", "Location": "box_a"}

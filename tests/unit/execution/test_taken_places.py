@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from skiros_py.execution.claims import devices_of
 from skiros_py.skills.parameters import Kind, Param
-from skiros_py.testing.worlds import world_of
+from skiros_py.testing.tiny import world_of
 
 PARAMS = (
     Param("Arm", "sk:Arm", "The arm.", Kind.HARDWARE),

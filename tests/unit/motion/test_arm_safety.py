@@ -17,7 +17,7 @@ from skiros_py.motion.pinocchio.arm_model import ArmModel
 from skiros_py.motion.pinocchio.arm_motion import ArmMotion
 from skiros_py.motion.pinocchio.collision import CollisionScene, self_collision_pairs
 from skiros_py.ports.cell import RobotSpec
-from skiros_py.ports.models import write_robot_urdf
+from skiros_py.ports.kinematics import write_robot_urdf
 from skiros_py.ports.motion import Held, MotionPlan, MotionRequest, Obstacle
 
 

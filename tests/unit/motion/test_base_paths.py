@@ -14,8 +14,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from skiros_py.geometry import Pose, Primitive, Solid, wrap_angle
-from skiros_py.motion.base_paths import BasePaths, ShapelyBasePlanner
-from skiros_py.motion.footprints import floor_outline
+from skiros_py.motion.base_paths import BasePaths, ShapelyBasePlanner, floor_outline
 from skiros_py.ports.motion import BasePath, BasePathRequest, BasePlanner, NoMotion, Obstacle
 
 FOOTPRINT = ((-0.50, -0.28), (0.32, -0.28), (0.32, 0.28), (-0.50, 0.28))

@@ -12,9 +12,9 @@ from skiros_py.devices.arm import ArmSpec
 from skiros_py.devices.gripper import GripperSpec
 from skiros_py.geometry import Array
 from skiros_py.motion.pinocchio.arm_model import ArmModel
-from skiros_py.motion.pinocchio.ik import IkSolver, solutions
+from skiros_py.motion.pinocchio.kinematics import IkSolver, solutions
 from skiros_py.ports.cell import RobotSpec
-from skiros_py.ports.models import write_robot_urdf
+from skiros_py.ports.kinematics import write_robot_urdf
 
 
 @pytest.fixture(scope="module")

@@ -6,10 +6,9 @@ from itertools import count
 import pytest
 
 from skiros_py.errors import PlanningError
-from skiros_py.planning.domain.actions import actions_of
+from skiros_py.planning.domain.actions import actions_of, moved_and_place
 from skiros_py.planning.domain.literals import Conjunction, expand
 from skiros_py.planning.domain.model import Action, Atom, NoneSuch, Variable
-from skiros_py.planning.domain.placing import moved_and_place
 from skiros_py.skills.conditions import (
     AllOf,
     AnyOf,
@@ -28,7 +27,7 @@ from skiros_py.skills.conditions import (
 from skiros_py.skills.parameters import Param
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.testing import tiny_ontology
-from skiros_py.testing.tiny_skills import (
+from skiros_py.testing.tiny import (
     AT_LOCATION,
     CARRIES,
     DRIVE,

@@ -6,22 +6,20 @@ from dataclasses import replace
 import pytest
 from unified_planning.io import PDDLReader
 
+from skiros_py.planning.domain.actions import passed_keys
 from skiros_py.planning.domain.model import Atom
-from skiros_py.planning.domain.needs import passed_keys
 from skiros_py.planning.domain.pddl import write_pddl
 from skiros_py.planning.plan import Plan, Step, read_plan
-from skiros_py.planning.plan_validation import replay
+from skiros_py.planning.plan_validation import pddl_plan, replay
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.planner import Solved
 from skiros_py.planning.problem.task import PlanningTask
-from skiros_py.planning.regrounding import pddl_plan
-from skiros_py.planning.robots.allocation import ASSIGNED, deal, shares, teams
-from skiros_py.planning.robots.effort import efforts
+from skiros_py.planning.robots.allocation import ASSIGNED, deal, efforts, shares, teams
 from skiros_py.planning.robots.ordering import makespan, order, schedule
 from skiros_py.skills.conditions import AllOf, Condition, ConditionType, Exists, Related, Role
 from skiros_py.skills.parameters import Kind, Param
 from skiros_py.testing import tiny_task, tiny_world
-from skiros_py.testing.tiny_skills import AT_LOCATION, DRIVE, FITS, IN_CONTAINER, PICK, PLACE
+from skiros_py.testing.tiny import AT_LOCATION, DRIVE, FITS, IN_CONTAINER, PICK, PLACE
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.view import WorldView
 from skiros_py.world.world import World

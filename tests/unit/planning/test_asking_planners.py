@@ -10,20 +10,17 @@ from itertools import count
 import pytest
 
 from skiros_py.errors import PlanningError
-from skiros_py.planning.attempts import Wanted, attempts
 from skiros_py.planning.explanation import Trial
 from skiros_py.planning.plan import NoPlan, Plan
-from skiros_py.planning.planners.choosing import Planners
-from skiros_py.planning.planners.planner import Answer, Planner
+from skiros_py.planning.planners.planner import Answer, Planner, Planners
 from skiros_py.planning.problem.task import Capability
+from skiros_py.planning.process import ThreadHost
 from skiros_py.planning.requests import PlanRequest
-from skiros_py.planning.service import Planned, plan
-from skiros_py.planning.solver_loop import SolverLoop
-from skiros_py.planning.thread_host import ThreadHost
-from skiros_py.ports.pending import Pending
+from skiros_py.planning.service import Planned, SolverLoop, Wanted, attempts, plan
+from skiros_py.ports.values import Pending
 from skiros_py.skills.conditions import Condition
 from skiros_py.testing import SKILLS, GivenPlanner, tiny_world
-from skiros_py.testing.tiny_skills import AT_LOCATION, IN_CONTAINER
+from skiros_py.testing.tiny import AT_LOCATION, IN_CONTAINER
 from skiros_py.world.world import World
 
 MUCH = [f"scene:ball_{n} a tiny:Ball ; sk:in scene:box_a ." for n in range(2, 80)]

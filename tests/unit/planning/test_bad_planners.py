@@ -13,17 +13,16 @@ import pytest
 
 from skiros_py.errors import PlanningError, UsageError
 from skiros_py.planning.plan import NoPlan, Plan
-from skiros_py.planning.planners.choosing import Planners
-from skiros_py.planning.planners.command import EVERYTHING, CommandPlanner
 from skiros_py.planning.planners.kairos import Kairos
-from skiros_py.planning.planners.planner import Planner, Unsolvable
+from skiros_py.planning.planners.planner import Planner, Planners, Unsolvable
+from skiros_py.planning.planners.program_planner import EVERYTHING, CommandPlanner
 from skiros_py.planning.planners.programs import Limits
 from skiros_py.planning.problem.task import Capability
+from skiros_py.planning.process import ThreadHost
 from skiros_py.planning.requests import PlanRequest
 from skiros_py.planning.service import Planned
-from skiros_py.planning.thread_host import ThreadHost
 from skiros_py.testing import SKILLS, Bench, tiny_pddl, tiny_world
-from skiros_py.testing.tiny_skills import IN_CONTAINER
+from skiros_py.testing.tiny import IN_CONTAINER
 
 GOAL = "In(ball_1, slot_1)"
 LIMITS = Limits(time=30.0)

@@ -5,8 +5,7 @@ from __future__ import annotations
 import pytest
 
 from skiros_py.errors import PlanningError, UsageError
-from skiros_py.planning.planners.choosing import Planners, lacking
-from skiros_py.planning.planners.planner import Planner
+from skiros_py.planning.planners.planner import Planner, Planners, lacking
 from skiros_py.testing import GivenPlanner
 
 CLASSICAL = frozenset({":strips", ":typing"})

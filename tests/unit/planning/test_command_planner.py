@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 from skiros_py.errors import UsageError
-from skiros_py.planning.planners.command import CommandPlanner
 from skiros_py.planning.planners.planner import Answer, Solved, Unsolvable
+from skiros_py.planning.planners.program_planner import CommandPlanner
 from skiros_py.testing import tiny_pddl, tiny_world
-from skiros_py.testing.tiny_skills import IN_CONTAINER
+from skiros_py.testing.tiny import IN_CONTAINER
 
 DOMAIN = "(define (domain doves) (:predicates (in)) (:action enter :effect (in)))"
 PROBLEM = "(define (problem one) (:domain doves) (:init) (:goal (in)))"

@@ -6,7 +6,7 @@ from skiros_py.planning.domain.model import Atom
 from skiros_py.planning.plan import NoPlan
 from skiros_py.skills.conditions import Computed, ConditionType, Role
 from skiros_py.testing import Bench, tiny_task, tiny_world
-from skiros_py.testing.tiny_skills import DRIVE, IN_CONTAINER, PICK, PLACE, pretend
+from skiros_py.testing.tiny import DRIVE, IN_CONTAINER, PICK, PLACE, pretend
 
 NEAR = ConditionType(
     "Near", (Role("ball", "tiny:Ball"), Role("slot", "tiny:Slot")), Computed("sk:near", "ball", "slot"), "Close by."

@@ -11,11 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from skiros_py.errors import PlanningError
-from skiros_py.planning.domain.actions import actions_of
+from skiros_py.planning.domain.actions import actions_of, possible_variants
 from skiros_py.planning.domain.complements import with_complements
 from skiros_py.planning.domain.literals import negated
 from skiros_py.planning.domain.model import Action, Atom
-from skiros_py.planning.domain.variants import possible_variants
 from skiros_py.planning.plan import Plan, Step
 from skiros_py.planning.plan_validation import replay
 from skiros_py.planning.planners.fast_downward import FastDownward
@@ -26,7 +25,7 @@ from skiros_py.skills.parameters import Param
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.goals import parse_goal
 from skiros_py.testing import tiny_ontology, tiny_task, tiny_world
-from skiros_py.testing.tiny_skills import AT_LOCATION, CONDITIONS, DRIVE, IN_CONTAINER, PICK, PLACE, SKILLS
+from skiros_py.testing.tiny import AT_LOCATION, CONDITIONS, DRIVE, IN_CONTAINER, PICK, PLACE, SKILLS
 from skiros_py.world.world import World
 
 _ROBOT, _WHERE = Param("Robot", "sk:Robot", "Who."), Param("Location", "sk:Location", "Where.")

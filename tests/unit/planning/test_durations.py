@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from skiros_py.errors import DescriptionError
 from skiros_py.planning.durations import KEPT, duration_of, observe, timed
 from skiros_py.testing import tiny_task, tiny_world
-from skiros_py.testing.tiny_skills import AT_LOCATION, DRIVE
+from skiros_py.testing.tiny import AT_LOCATION, DRIVE
 from skiros_py.world.vocabulary import LEARNED_DURATION
 
 DECLARED = replace(DRIVE, duration=20.0)

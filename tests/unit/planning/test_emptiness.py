@@ -3,13 +3,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 from skiros_py.planning.domain.actions import actions_of
-from skiros_py.planning.domain.emptiness import emptiness_classes, maintain_emptiness
+from skiros_py.planning.domain.goals import emptiness_classes, maintain_emptiness
 from skiros_py.planning.domain.model import Action, Atom, NoneSuch, Variable
 from skiros_py.skills.conditions import ConditionType, Nothing, Role
 from skiros_py.skills.parameters import Param
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.testing import tiny_ontology
-from skiros_py.testing.tiny_skills import EMPTY_HANDED, FREE, IN_CONTAINER, PICK, PLACE
+from skiros_py.testing.tiny import EMPTY_HANDED, FREE, IN_CONTAINER, PICK, PLACE
 
 TAKE = replace(
     PICK,

@@ -12,7 +12,7 @@ from skiros_py.planning.domain.pddl import PddlTexts
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.planner import Solved, Unsolvable
 from skiros_py.testing import tiny_pddl, tiny_world
-from skiros_py.testing.tiny_skills import IN_CONTAINER
+from skiros_py.testing.tiny import IN_CONTAINER
 
 PARTS = "".join(f"scene:ball_{n} a tiny:Ball ; sk:in scene:box_a . " for n in range(2, 5))
 

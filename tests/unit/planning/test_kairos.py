@@ -8,7 +8,7 @@ from skiros_py.errors import PlanningError
 from skiros_py.planning.planners.kairos import Kairos, program_path
 from skiros_py.planning.planners.planner import Answer, Solved, Unsolvable
 from skiros_py.testing import tiny_pddl, tiny_world
-from skiros_py.testing.tiny_skills import IN_CONTAINER
+from skiros_py.testing.tiny import IN_CONTAINER
 
 DOMAIN = """
 (define (domain doves) (:requirements :typing :durative-actions :numeric-fluents)

@@ -31,7 +31,7 @@ from skiros_py.skills.conditions import (
 )
 from skiros_py.skills.parameters import Param
 from skiros_py.testing import tiny_ontology, tiny_task, tiny_world
-from skiros_py.testing.tiny_skills import PICK
+from skiros_py.testing.tiny import PICK
 
 _IN = Related("sk:in", "ball", "box")
 EXAMPLES: dict[type, Pattern] = {

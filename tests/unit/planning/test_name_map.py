@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from skiros_py.planning.domain.names import NameMap
+from skiros_py.planning.domain.pddl import NameMap
 
 KEYWORDS = ["and", "or", "not", "object", "define", "domain", "either", "when", "forall", "exists", "imply"]
 names = st.one_of(

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from skiros_py.planning.domain.goals import REACHED
 from skiros_py.planning.domain.model import Action, Atom
 from skiros_py.planning.plan import NoPlan, Plan
+from skiros_py.planning.plan_validation import are_none, bindings
 from skiros_py.planning.problem.task import PlanningTask
-from skiros_py.planning.regrounding import are_none, bindings
 from skiros_py.skills.conditions import (
     AllOf,
     AnyOf,
@@ -29,7 +29,7 @@ from skiros_py.skills.conditions import (
     Role,
 )
 from skiros_py.testing import Bench, tiny_task, tiny_world
-from skiros_py.testing.tiny_skills import CONDITIONS
+from skiros_py.testing.tiny import CONDITIONS
 
 FACTS = (
     "scene:ball_2 a tiny:Ball ; tiny:scanned true ; sk:in scene:slot_2 .",

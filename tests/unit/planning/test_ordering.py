@@ -10,17 +10,15 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from skiros_py.planning.domain.model import Action, Atom, NoneSuch, Variable
-from skiros_py.planning.domain.names import NameMap
-from skiros_py.planning.domain.pddl import PddlTexts, write_pddl
+from skiros_py.planning.domain.pddl import NameMap, PddlTexts, write_pddl
 from skiros_py.planning.durations import timed
 from skiros_py.planning.plan import Plan, Step
-from skiros_py.planning.plan_validation import replay
+from skiros_py.planning.plan_validation import pddl_plan, replay
 from skiros_py.planning.problem.task import PlanningTask
-from skiros_py.planning.regrounding import pddl_plan
 from skiros_py.planning.robots.ordering import contrary, makespan, order, partial_order, schedule
 from skiros_py.skills.conditions import Condition
 from skiros_py.testing import tiny_task, tiny_world
-from skiros_py.testing.tiny_skills import AT_LOCATION, DRIVE, IN_CONTAINER, PICK, PLACE
+from skiros_py.testing.tiny import AT_LOCATION, DRIVE, IN_CONTAINER, PICK, PLACE
 
 SKILLS = {skill.name: skill for skill in (DRIVE, PICK, PLACE)}
 WORLD = tiny_world(

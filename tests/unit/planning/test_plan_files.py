@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from skiros_py.errors import PlanningError
-from skiros_py.planning.planners.plan_files import last_plan_file, read_plan_file, read_plan_text, steps_among
 from skiros_py.planning.planners.planner import Solved
+from skiros_py.planning.planners.program_planner import last_plan_file, read_plan_file, read_plan_text, steps_among
 
 WORD = st.from_regex(r"[a-z][a-z0-9_-]{0,8}", fullmatch=True)
 STEPS = st.lists(st.lists(WORD, min_size=1, max_size=4).map(tuple), max_size=6).map(tuple)

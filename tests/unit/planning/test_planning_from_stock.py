@@ -14,7 +14,7 @@ from skiros_py.skills.parameters import Kind, Param
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.goals import parse_goal
 from skiros_py.testing import CONDITIONS, Bench, tiny_world
-from skiros_py.testing.tiny_skills import pretend
+from skiros_py.testing.tiny import pretend
 from skiros_py.world.stock import Stocked
 from skiros_py.world.view import WorldView
 from skiros_py.world.world import World

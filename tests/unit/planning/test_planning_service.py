@@ -10,16 +10,16 @@ import pytest
 
 from skiros_py.errors import PlanningError
 from skiros_py.planning.plan import NoPlan, Plan, Step, read_plan
-from skiros_py.planning.planners.choosing import Planners
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.kairos import Kairos
+from skiros_py.planning.planners.planner import Planners
 from skiros_py.planning.problem.task import Capability
 from skiros_py.planning.service import PlanningOptions, plan
 from skiros_py.skills.conditions import AllOf, ConditionType, Exists, Nothing, Related, Role
 from skiros_py.skills.parameters import Param
 from skiros_py.skills.skill import Skill
 from skiros_py.testing import CONDITIONS, SKILLS, Bench, GivenPlanner, tiny_pddl, tiny_task, tiny_world
-from skiros_py.testing.tiny_skills import AT_LOCATION, DRIVE, EMPTY_HANDED, IN_CONTAINER, PICK, pretend
+from skiros_py.testing.tiny import AT_LOCATION, DRIVE, EMPTY_HANDED, IN_CONTAINER, PICK, pretend
 from skiros_py.world.world import World
 
 RIGHT = (

@@ -40,7 +40,7 @@ from skiros_py.skills.conditions import (
 from skiros_py.skills.parameters import Param
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.testing import tiny_ontology, tiny_task, tiny_world
-from skiros_py.testing.tiny_skills import DRIVE, FITS, PICK
+from skiros_py.testing.tiny import DRIVE, FITS, PICK
 from skiros_py.world.view import WorldView
 
 ROBOT, DOOR = Role("robot", "sk:Robot"), Role("door", "tiny:Door")

@@ -15,7 +15,7 @@ from skiros_py.skills.conditions import Condition, ConditionType, Related, Role
 from skiros_py.skills.parameters import Param
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.testing import tiny_world
-from skiros_py.testing.tiny_skills import (
+from skiros_py.testing.tiny import (
     AT_LOCATION,
     DRIVE,
     EMPTY_HANDED,

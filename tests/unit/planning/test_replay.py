@@ -11,7 +11,7 @@ from skiros_py.planning.plan_validation import apply_effects, replay
 from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.skills.parameters import Param
 from skiros_py.testing import tiny_task, tiny_world
-from skiros_py.testing.tiny_skills import AT_LOCATION, CARRIES, DRIVE, EMPTY_HANDED, IN_CONTAINER, PICK, PLACE
+from skiros_py.testing.tiny import AT_LOCATION, CARRIES, DRIVE, EMPTY_HANDED, IN_CONTAINER, PICK, PLACE
 from skiros_py.world.overlay import Overlay
 
 SKILLS = {skill.name: skill for skill in (DRIVE, PICK, PLACE)}

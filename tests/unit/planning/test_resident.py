@@ -11,8 +11,8 @@ from pathlib import Path
 import psutil
 import pytest
 
+from skiros_py.planning.planners.fast_downward import Resident, ResidentRun, Run
 from skiros_py.planning.planners.programs import Ended, Limits, run_program
-from skiros_py.planning.planners.resident import Resident, ResidentRun, Run
 
 SAYS = """
 import os, sys

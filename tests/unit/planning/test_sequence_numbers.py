@@ -16,10 +16,9 @@ from skiros_py.planning.domain.sequencing import in_sequence, with_costs
 from skiros_py.planning.domain.temporal import write_temporal
 from skiros_py.planning.plan import NoPlan, Plan, Step
 from skiros_py.planning.plan_validation import Flaw, out_of_sequence, replay, validate
-from skiros_py.planning.planners.choosing import Planners
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.kairos import Kairos
-from skiros_py.planning.planners.planner import Answer, Planner, Solved, Unsolvable
+from skiros_py.planning.planners.planner import Answer, Planner, Planners, Solved, Unsolvable
 from skiros_py.planning.planners.programs import Ended
 from skiros_py.planning.problem.task import Capability, PlanningTask
 from skiros_py.planning.requests import Check
@@ -30,7 +29,7 @@ from skiros_py.planning.service import plan as plan_for
 from skiros_py.skills.conditions import AllOf, Condition, ConditionType, Exists, Related, Role
 from skiros_py.tasks.goals import parse_goal
 from skiros_py.testing import CONDITIONS, GivenPlanner, tiny_task, tiny_world
-from skiros_py.testing.tiny_skills import AT_LOCATION, DRIVE, IN_CONTAINER, PICK, PLACE
+from skiros_py.testing.tiny import AT_LOCATION, DRIVE, IN_CONTAINER, PICK, PLACE
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.view import WorldView
 from skiros_py.world.world import World

@@ -18,7 +18,7 @@ from skiros_py.planning.robots.allocation import deal
 from skiros_py.planning.robots.ordering import makespan, order
 from skiros_py.skills.conditions import Condition
 from skiros_py.testing import tiny_task, tiny_world
-from skiros_py.testing.tiny_skills import DRIVE, HOLDING, IN_CONTAINER, PICK, PLACE
+from skiros_py.testing.tiny import DRIVE, HOLDING, IN_CONTAINER, PICK, PLACE
 from skiros_py.world.world import World
 
 SECONDS = {"drive": 5.0, "pick": 3.0, "place": 2.0}

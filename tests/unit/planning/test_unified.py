@@ -8,7 +8,7 @@ from skiros_py.errors import PlanningError
 from skiros_py.planning.planners.planner import Solved
 from skiros_py.planning.planners.unified import UnifiedPlanning
 from skiros_py.testing import tiny_pddl, tiny_world
-from skiros_py.testing.tiny_skills import IN_CONTAINER
+from skiros_py.testing.tiny import IN_CONTAINER
 
 
 def test_several_tasks_at_once_each_get_their_own_plan() -> None:

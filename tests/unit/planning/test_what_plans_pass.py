@@ -12,7 +12,7 @@ from skiros_py.skills.conditions import Condition, Related
 from skiros_py.skills.parameters import IT, Kind, Param
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.testing import Bench, tiny_task, tiny_world
-from skiros_py.testing.tiny_skills import (
+from skiros_py.testing.tiny import (
     AT_LOCATION,
     DRIVE,
     FREE,

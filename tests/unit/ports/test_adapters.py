@@ -75,7 +75,7 @@ def test_a_foreign_adapter_takes_precedence_for_the_devices_that_it_serves(insta
     ports = InstalledPorts(ROBOTS)
     try:
         assert isinstance(ports.port(ArmPlanner, "left"), module.Made)
-        assert type(ports.port(ArmPlanner, "right")).__module__ == "skiros_py.motion.arm_planner"
+        assert type(ports.port(ArmPlanner, "right")).__module__ == "skiros_py.motion.adapters"
     finally:
         ports.close()
 

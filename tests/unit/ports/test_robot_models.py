@@ -5,11 +5,11 @@ from typing import Any
 import pytest
 
 from skiros_py.errors import UnknownName, UsageError
-from skiros_py.ports.models import write_robot_urdf
+from skiros_py.ports.kinematics import write_robot_urdf
 
 CODE = """
 from pathlib import Path
-from skiros_py.ports.models import RobotModel
+from skiros_py.ports.kinematics import RobotModel
 WRITTEN = RobotModel("written", lambda: "<robot name='written'/>")
 FILE = RobotModel("file", Path(__file__).parent / "own.urdf")
 FOLDER = Path(__file__).parent

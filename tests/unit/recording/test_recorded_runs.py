@@ -12,7 +12,7 @@ import pytest
 
 from skiros_py.devices.arm import ArmState
 from skiros_py.errors import FileError
-from skiros_py.ports.pending import Done
+from skiros_py.ports.values import Done
 from skiros_py.recording import Recorder, Recording, RecordingWriter
 from skiros_py.recording.pictures import record_pictures
 from skiros_py.testing import Bench, tiny_world

@@ -15,7 +15,7 @@ from mcap.exceptions import McapError
 from mcap.reader import make_reader
 
 from skiros_py.errors import FileError, UsageError
-from skiros_py.ports.pending import Done
+from skiros_py.ports.values import Done
 from skiros_py.recording import Recording, RecordingWriter, Schema, Topic, find_recording
 from skiros_py.recording.writer import export
 

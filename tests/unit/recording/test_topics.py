@@ -17,7 +17,7 @@ from mcap.reader import make_reader
 
 from skiros_py.behaviours import Wait
 from skiros_py.devices.gripper import GripperSpec, GripperState
-from skiros_py.execution.behaviour_run import RunnableDocument
+from skiros_py.execution.running import RunnableDocument
 from skiros_py.geometry import Pose
 from skiros_py.ports.signals import Input, Signal
 from skiros_py.ports.values import Snapshot

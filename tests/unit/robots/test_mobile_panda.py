@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from skiros_py.ports.models import write_robot_urdf
+from skiros_py.ports.kinematics import write_robot_urdf
 
 
 @pytest.fixture

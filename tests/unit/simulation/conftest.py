@@ -16,7 +16,7 @@ from skiros_py.devices.camera import CameraSpec
 from skiros_py.devices.gripper import GripperSpec
 from skiros_py.geometry import Array, Pose, Primitive, Solid
 from skiros_py.ports.cell import BodySpec, CellSpec, RobotSpec
-from skiros_py.ports.models import write_robot_urdf
+from skiros_py.ports.kinematics import write_robot_urdf
 from skiros_py.simulation.cell import SimulatedCell
 
 EDGE = 0.48  # where the table begins ahead of a docked robot's base frame [m]

@@ -17,7 +17,6 @@ import pinocchio as pin
 
 from skiros_py.errors import DeviceError, UnknownName, UsageError
 from skiros_py.geometry import Array, Pose, Solid
-from skiros_py.ports.pending import Done
 from skiros_py.ports.simulation import (
     FLOOR,
     Colour,
@@ -32,7 +31,7 @@ from skiros_py.ports.simulation import (
     View,
     Wrench,
 )
-from skiros_py.ports.values import CameraIntrinsics
+from skiros_py.ports.values import CameraIntrinsics, Done
 
 T = TypeVar("T")
 

@@ -89,7 +89,7 @@ class SimulatedTurntable:
 
 @pytest.fixture
 def make(site: Any) -> Iterator[Callable[..., SimulatedCell]]:
-    code = "from pathlib import Path\nfrom skiros_py.ports.models import RobotModel\n"
+    code = "from pathlib import Path\nfrom skiros_py.ports.kinematics import RobotModel\n"
     code += 'TABLE = RobotModel("turntable", Path(__file__).parent / "turntable.urdf")\n'
     files = {"sk_turn/__init__.py": code, "sk_turn/turntable.urdf": URDF}
     site.install("sk-turn", {"robots": {"turntable": "sk_turn:TABLE"}}, files)

@@ -29,7 +29,7 @@ from skiros_py.behaviours import (
 from skiros_py.errors import DescriptionError, UnknownName
 from skiros_py.skills.conditions import AllOf, Not, Nothing, Related
 from skiros_py.skills.skill import Skill
-from skiros_py.testing.tiny_skills import AT_LOCATION, DRIVE
+from skiros_py.testing.tiny import AT_LOCATION, DRIVE
 
 STEP = Do.of("step")
 THERE = AT_LOCATION("Robot", "Location")

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from skiros_py.errors import DescriptionError
 from skiros_py.geometry import Pose
 from skiros_py.skills.conditions import AllOf, AnyOf, Compare, Exists, Not, Pattern, Verdict
-from skiros_py.skills.conditions.compare import Comparison
+from skiros_py.skills.conditions.condition import Comparison
 from skiros_py.testing import tiny_world
 from skiros_py.world.overlay import Overlay
 

@@ -20,7 +20,7 @@ from skiros_py.skills.conditions import (
     for_all,
 )
 from skiros_py.testing import tiny_world
-from skiros_py.testing.tiny_skills import AT_LOCATION, CARRIES, FITS, FREE, HOLDING, IN_CONTAINER
+from skiros_py.testing.tiny import AT_LOCATION, CARRIES, FITS, FREE, HOLDING, IN_CONTAINER
 
 WORLD = tiny_world("scene:ball_2 a tiny:Ball ; sk:in scene:slot_1 .")
 ONTOLOGY = WORLD.ontology

@@ -26,7 +26,7 @@ from skiros_py.skills.conditions import (
     write_effects,
 )
 from skiros_py.testing import tiny_world
-from skiros_py.testing.tiny_skills import AT_LOCATION, CARRIES, EMPTY_HANDED, FITS, HOLDING, IN_CONTAINER
+from skiros_py.testing.tiny import AT_LOCATION, CARRIES, EMPTY_HANDED, FITS, HOLDING, IN_CONTAINER
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.world import World
 

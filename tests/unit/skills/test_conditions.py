@@ -17,7 +17,7 @@ from skiros_py.skills.conditions import (
     any_of,
 )
 from skiros_py.testing import tiny_world
-from skiros_py.testing.tiny_skills import (
+from skiros_py.testing.tiny import (
     AT_LOCATION,
     CARRIES,
     EMPTY_HANDED,

@@ -27,7 +27,7 @@ from skiros_py.skills.parameters import Kind, Param, param
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.skill import Skill
 from skiros_py.testing import SKILLS, tiny_ontology
-from skiros_py.testing.tiny_skills import DRIVE, pretend
+from skiros_py.testing.tiny import DRIVE, pretend
 from skiros_py.world.reasoners.registry import Reasoners
 from skiros_py.world.reasoners.spatial import SpatialReasoner
 

@@ -7,7 +7,7 @@ import pytest
 from skiros_py.behaviours import AssertEffects, Do, Fallback, P, Retry, Sequence, lines
 from skiros_py.errors import DescriptionError, UnknownName
 from skiros_py.skills.parameters import Kind, Param, param, params_of
-from skiros_py.testing.tiny_skills import AT_LOCATION, DRIVE, FREE, PICK
+from skiros_py.testing.tiny import AT_LOCATION, DRIVE, FREE, PICK
 
 
 @dataclass(frozen=True)

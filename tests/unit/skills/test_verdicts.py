@@ -6,7 +6,7 @@ import pytest
 
 from skiros_py.skills.conditions import AllOf, AnyOf, Exists, Not, Related, Verdict, all_of, any_of
 from skiros_py.testing import tiny_world
-from skiros_py.testing.tiny_skills import AT_LOCATION, FREE, HOLDING, IN_CONTAINER
+from skiros_py.testing.tiny import AT_LOCATION, FREE, HOLDING, IN_CONTAINER
 
 WORLD = tiny_world()
 ELSEWHERE = "ball_1 is not in box_b: it is in box_a"

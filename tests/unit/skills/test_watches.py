@@ -29,7 +29,7 @@ from skiros_py.skills.conditions import (
     any_of,
 )
 from skiros_py.testing import tiny_world
-from skiros_py.testing.tiny_skills import AT_LOCATION, EMPTY_HANDED, FREE, HOLDING, IN_CONTAINER, REACHABLE
+from skiros_py.testing.tiny import AT_LOCATION, EMPTY_HANDED, FREE, HOLDING, IN_CONTAINER, REACHABLE
 from skiros_py.world.view import NoSensors
 from skiros_py.world.world import World
 

@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from skiros_py.api.alarms import AlarmKind
-from skiros_py.api.elements import ElementPatch, NewElement
 from skiros_py.api.goals import GoalOrder
 from skiros_py.api.jobs import JobOrder
+from skiros_py.api.world import ElementPatch, NewElement
 from skiros_py.errors import NotFound, Refused, StaleVersion, UnknownName, UsageError, WrongState
 from skiros_py.station.documents import DocumentStore
 from skiros_py.station.requests import Seen
@@ -105,7 +105,7 @@ def test_a_world_without_a_robot_is_edited_and_looked_at(opened: Opened, tmp_pat
 
 
 def _without_robot(session: Session) -> str:
-    from skiros_py.station.scenes.content import scene_only
+    from skiros_py.station.scenes.scenes import scene_only
     from skiros_py.world.scene.writer import scene_turtle
 
     with session.world.transaction("test", "no robot") as tx:

@@ -5,12 +5,11 @@ from __future__ import annotations
 import pytest
 
 from skiros_py.behaviours import Wait
-from skiros_py.tasks.handle import TaskHandle
-from skiros_py.tasks.policy import Policy
+from skiros_py.tasks.handle import Policy, TaskHandle
 from skiros_py.tasks.report import GoalReport, Outcome
 from skiros_py.tasks.trace import TraceEventKind
 from skiros_py.testing import Bench, answers, tiny_world
-from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend
+from skiros_py.testing.tiny import DRIVE, PICK, PLACE, pretend
 from skiros_py.world.world import World
 
 GOAL = "In(ball_1, slot_1)"

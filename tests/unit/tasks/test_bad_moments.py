@@ -10,13 +10,13 @@ from skiros_py.behaviours import AssertEffects, Sequence, Wait
 from skiros_py.errors import PlanningError, UsageError
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.planner import Answer
-from skiros_py.ports.pending import Pending
+from skiros_py.ports.values import Pending
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.report import Outcome
 from skiros_py.tasks.sequences import StepSequence
 from skiros_py.tasks.trace import TraceEventKind
 from skiros_py.testing import Bench, tiny_world
-from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend
+from skiros_py.testing.tiny import DRIVE, PICK, PLACE, pretend
 
 GOAL = "In(ball_1, slot_1)"
 LONG = tuple(pretend(skill, Sequence.of(Wait(30.0), AssertEffects(0.0))) for skill in (DRIVE, PICK, PLACE))

@@ -8,7 +8,7 @@ from skiros_py.errors import GoalSyntaxError, UnknownName, UsageError
 from skiros_py.skills.conditions import Condition, all_of, any_of, exists, for_all
 from skiros_py.tasks.goals import parse_goal
 from skiros_py.testing import CONDITIONS, tiny_world
-from skiros_py.testing.tiny_skills import AT_LOCATION, CARRIES, FREE, HOLDING, IN_CONTAINER
+from skiros_py.testing.tiny import AT_LOCATION, CARRIES, FREE, HOLDING, IN_CONTAINER
 
 WORLD = tiny_world()
 

@@ -4,11 +4,11 @@ from collections.abc import Sequence
 
 from skiros_py.planning.plan import Step
 from skiros_py.planning.plan_validation import Flaw
-from skiros_py.planning.planners.choosing import Planners
+from skiros_py.planning.planners.planner import Planners
 from skiros_py.planning.requests import Check, supposing
 from skiros_py.tasks.plan_monitor import Staleness
 from skiros_py.testing import GivenPlanner, tiny_world
-from skiros_py.testing.tiny_skills import DRIVE, IN_CONTAINER, PICK, PLACE
+from skiros_py.testing.tiny import DRIVE, IN_CONTAINER, PICK, PLACE
 from skiros_py.world.world import World
 
 SKILLS = {skill.name: skill for skill in (DRIVE, PICK, PLACE)}

@@ -8,14 +8,14 @@ from collections.abc import Callable
 from skiros_py.behaviours import AssertEffects, Sequence, Wait
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.planner import Answer
-from skiros_py.planning.thread_host import ThreadHost
-from skiros_py.ports.pending import Pending
+from skiros_py.planning.process import ThreadHost
+from skiros_py.ports.values import Pending
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.report import Outcome
 from skiros_py.tasks.task_manager import TaskManager
 from skiros_py.tasks.trace import TraceEventKind
 from skiros_py.testing import Bench, tiny_world
-from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend
+from skiros_py.testing.tiny import DRIVE, PICK, PLACE, pretend
 
 SLOW = tuple(pretend(skill, Sequence.of(Wait(1.0), AssertEffects(0.0))) for skill in (DRIVE, PICK, PLACE))
 

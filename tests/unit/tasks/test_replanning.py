@@ -13,13 +13,12 @@ from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import param
 from skiros_py.skills.primitive import Execution, Primitive
-from skiros_py.tasks.handle import TaskHandle
-from skiros_py.tasks.policy import Policy
+from skiros_py.tasks.handle import Policy, TaskHandle
 from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.report import Outcome as TaskOutcome
 from skiros_py.tasks.trace import TraceEventKind
 from skiros_py.testing import Bench, tiny_world
-from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend
+from skiros_py.testing.tiny import DRIVE, PICK, PLACE, pretend
 
 GOAL = "In(ball_1, slot_1)"
 BALLS = "".join(f'scene:ball_{n} a tiny:Ball ; rdfs:label "ball {n}" ; sk:in scene:box_b .\n' for n in (2, 3))

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from skiros_py.planning.plan import Step
 from skiros_py.tasks.reservations import Reservations, in_hands, robot_of, used_by
 from skiros_py.testing import tiny_world
-from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE
+from skiros_py.testing.tiny import DRIVE, PICK, PLACE
 
 SKILLS = {skill.name: skill for skill in (DRIVE, PICK, PLACE)}
 

@@ -8,7 +8,7 @@ import pytest
 from skiros_py.behaviours import AssertEffects, Sequence, Wait
 from skiros_py.errors import UnknownName, UsageError
 from skiros_py.planning.plan import Plan, Step
-from skiros_py.planning.thread_host import ThreadHost
+from skiros_py.planning.process import ThreadHost
 from skiros_py.skills.conditions import Computed, ConditionType, Role, Verdict
 from skiros_py.skills.outcome import Success
 from skiros_py.tasks.history import History
@@ -16,7 +16,7 @@ from skiros_py.tasks.report import Outcome
 from skiros_py.tasks.sequences import StepSequence
 from skiros_py.tasks.task_manager import TaskManager
 from skiros_py.testing import Bench, GivenPlanner, tiny_world
-from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend
+from skiros_py.testing.tiny import DRIVE, PICK, PLACE, pretend
 from skiros_py.world.view import WorldView
 from skiros_py.world.world import World
 

@@ -9,7 +9,7 @@ from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.report import Outcome, StepReport
 from skiros_py.tasks.trace import TraceEventKind
 from skiros_py.testing import Bench, tiny_world
-from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend
+from skiros_py.testing.tiny import DRIVE, PICK, PLACE, pretend
 from skiros_py.world.change import Change
 from skiros_py.world.world import World
 

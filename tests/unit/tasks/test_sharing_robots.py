@@ -13,16 +13,15 @@ from skiros_py.errors import UsageError
 from skiros_py.execution.cycle import Task
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.planner import Answer
-from skiros_py.ports.pending import Pending
+from skiros_py.ports.values import Pending
 from skiros_py.skills.outcome import Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive
-from skiros_py.tasks.handle import StepRun, TaskHandle
-from skiros_py.tasks.policy import Policy
+from skiros_py.tasks.handle import Policy, StepRun, TaskHandle
 from skiros_py.tasks.report import Outcome as TaskOutcome
 from skiros_py.tasks.trace import TraceEntry, TraceEventKind
 from skiros_py.testing import Bench, tiny_world
-from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend
+from skiros_py.testing.tiny import DRIVE, PICK, PLACE, pretend
 
 SLOW = tuple(pretend(skill, Sequence.of(Wait(1.0), AssertEffects(0.0))) for skill in (DRIVE, PICK, PLACE))
 GIANT = "scene:giant_1 a tiny:Giant ; sk:in scene:box_a ."

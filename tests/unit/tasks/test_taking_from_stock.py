@@ -14,7 +14,7 @@ from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.tasks.handle import StepRun
 from skiros_py.tasks.sequences import StepSequence
 from skiros_py.testing import Bench, tiny_world
-from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend
+from skiros_py.testing.tiny import DRIVE, PICK, PLACE, pretend
 from skiros_py.world.world import World
 
 GIANTS = 'scene:box_a sk:hasA scene:giants . scene:giants a sk:Stock ; sk:stockOf "tiny:Giant" ; sk:stockCount 3 .'

@@ -12,14 +12,13 @@ from skiros_py.behaviours import AssertEffects, Sequence, Wait
 from skiros_py.errors import FileError, UsageError
 from skiros_py.planning.planners.planner import Solved
 from skiros_py.skills.outcome import Failure, Outcome
-from skiros_py.tasks.control import Mode
-from skiros_py.tasks.handle import StepRun, TaskHandle
-from skiros_py.tasks.policy import Policy
+from skiros_py.tasks.context import Mode
+from skiros_py.tasks.handle import Policy, StepRun, TaskHandle
 from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.report import Outcome as TaskOutcome
 from skiros_py.tasks.trace import TraceEventKind
 from skiros_py.testing import Bench, tiny_world
-from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend
+from skiros_py.testing.tiny import DRIVE, PICK, PLACE, pretend
 
 GOAL = "In(ball_1, slot_1)"
 SLOW = tuple(pretend(skill, Sequence.of(Wait(1.0), AssertEffects(0.0))) for skill in (DRIVE, PICK, PLACE))

@@ -12,7 +12,7 @@ from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import param
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.testing import Bench, GivenPlanner, tiny_world
-from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend
+from skiros_py.testing.tiny import DRIVE, PICK, PLACE, pretend
 from skiros_py.world.world import World
 
 BALLS = 'scene:ball_2 a tiny:Ball ; rdfs:label "ball two" ; sk:in scene:box_a .'

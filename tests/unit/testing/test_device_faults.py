@@ -14,8 +14,7 @@ from skiros_py.devices.gripper import GripperState, GripperTarget
 from skiros_py.errors import DeviceError, UnknownName
 from skiros_py.geometry import Pose
 from skiros_py.ports.driver import CellDriver
-from skiros_py.ports.pending import Done, Pending
-from skiros_py.ports.values import DepthImage
+from skiros_py.ports.values import DepthImage, Done, Pending
 from skiros_py.simulation.fake import FakeCell
 from skiros_py.testing import Blind, CellFault, Deaf, Dies, FaultyCell, Frozen, Late, Noisy, Says
 from skiros_py.testing.conformance import small_cell

@@ -14,7 +14,7 @@ pytest_plugins = "pytester"
 
 SKILL = """
 import pytest
-from skiros_py.testing.tiny_skills import DRIVE, PICK, pretend
+from skiros_py.testing.tiny import DRIVE, PICK, pretend
 
 TURTLE = "scene:box_a a tiny:Box ; sk:on scene:floor . scene:ball_1 a tiny:Ball ; sk:in scene:box_a ."
 """

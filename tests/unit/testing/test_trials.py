@@ -11,10 +11,10 @@ from skiros_py.behaviours import Do, P, Retry, Sequence
 from skiros_py.devices.base import Base, BaseTwist
 from skiros_py.errors import DeviceError, UnknownName
 from skiros_py.execution.monitor import Status
+from skiros_py.skills.context import QuestionKind
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive
-from skiros_py.skills.questions import QuestionKind
 from skiros_py.skills.skill import Skill
 from skiros_py.testing import (
     Bench,
@@ -29,7 +29,7 @@ from skiros_py.testing import (
     run_skill,
     tiny_world,
 )
-from skiros_py.testing.tiny_skills import AT_LOCATION, DRIVE, PICK, pretend
+from skiros_py.testing.tiny import AT_LOCATION, DRIVE, PICK, pretend
 
 
 class Roll(Primitive["Roll.Params"]):

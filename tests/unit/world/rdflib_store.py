@@ -14,9 +14,21 @@ from rdflib.plugins.sparql.operators import register_custom_function, unregister
 from rdflib.plugins.sparql.sparql import SPARQLError
 
 from skiros_py.errors import UsageError
-from skiros_py.world.queries.patterns import RDFLIB_SPARQL
-from skiros_py.world.store.rdflib_terms import Node, for_rdflib, from_rdflib, to_rdflib, triple_of
-from skiros_py.world.store.store import NO_FUNCTIONS, UNLIMITED, Answer, AnswerLimits, Functions, Rows, Term
+from skiros_py.world.queries.computed import RDFLIB_SPARQL
+from skiros_py.world.store.store import (
+    NO_FUNCTIONS,
+    UNLIMITED,
+    Answer,
+    AnswerLimits,
+    Functions,
+    Node,
+    Rows,
+    Term,
+    for_rdflib,
+    from_rdflib,
+    to_rdflib,
+    triple_of,
+)
 
 
 class RdflibStore:

@@ -10,7 +10,7 @@ from skiros_py.errors import UnknownName, UsageError
 from skiros_py.world.element import Placement
 from skiros_py.world.lookup import resolve, the
 from skiros_py.world.ontology import Ontology
-from skiros_py.world.reasoners.plugins import load_reasoners
+from skiros_py.world.reasoners.registry import load_reasoners
 from skiros_py.world.scene import load_scene
 from skiros_py.world.world import World
 

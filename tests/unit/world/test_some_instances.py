@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from skiros_py.errors import UnknownName
 from skiros_py.skills.conditions import Exists, Related
-from skiros_py.skills.conditions.reads import ReadingView
+from skiros_py.skills.conditions.watch import ReadingView
 from skiros_py.testing import tiny_world
 from skiros_py.world.overlay import FilteredView, Overlay
 from skiros_py.world.view import NO_SENSORS, WorldView

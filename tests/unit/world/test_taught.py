@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 from skiros_py.geometry import Pose
 from skiros_py.skills.conditions.watch import Watches
 from skiros_py.testing import tiny_world
-from skiros_py.testing.tiny import tiny_ontology
-from skiros_py.testing.tiny_skills import REACHABLE
+from skiros_py.testing.tiny import REACHABLE, tiny_ontology
 from skiros_py.world.journal import DataDirectory
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.taught import lesson_about

@@ -11,8 +11,7 @@ from skiros_py.errors import StaleVersion, UnknownName, UsageError, WorldError
 from skiros_py.world.change import PropertyEdit, Writer
 from skiros_py.world.element import Placement, Stamp
 from skiros_py.world.ontology import Ontology
-from skiros_py.world.reasoners.reasoner import Proposal, Reasoner
-from skiros_py.world.reasoners.registry import Reasoners
+from skiros_py.world.reasoners.registry import Proposal, Reasoner, Reasoners
 from skiros_py.world.scene import load_scene
 from skiros_py.world.world import World
 

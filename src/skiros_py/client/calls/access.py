@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from skiros_py.api.access import ApiKey, AuditPage, KeyOrder, Login, Me, NewKey
-from skiros_py.client.call import Call, nothing, path_of
+from skiros_py.api.server import ApiKey, AuditPage, KeyOrder, Login, Me, NewKey
+from skiros_py.client.request import Call, nothing, path_of
 
 
 def list_audit(limit: int = 100, cursor: str | None = None) -> Call[AuditPage]:

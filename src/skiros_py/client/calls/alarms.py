@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from skiros_py.api.alarms import AlarmAnswer, AlarmInfo, AlarmPage
-from skiros_py.client.call import Call, path_of
+from skiros_py.client.request import Call, path_of
 
 
 def list_alarms(*, active: bool | None = None, limit: int = 100, cursor: str | None = None) -> Call[AlarmPage]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from skiros_py.api.documents import DocumentInfo, DocumentKinds, Documents
-from skiros_py.client.call import Call, if_match, nothing, path_of
+from skiros_py.api.modules import DocumentInfo, DocumentKinds, Documents
+from skiros_py.client.request import Call, if_match, nothing, path_of
 
 
 def list_document_kinds() -> Call[DocumentKinds]:

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from skiros_py.api.elements import ElementDetails, ElementPage, ElementPatch, NewElement, RelationPage
-from skiros_py.api.world import ChangePage, Written
-from skiros_py.client.call import Call, if_match, path_of
+from skiros_py.api.world import ChangePage, ElementDetails, ElementPage, ElementPatch, NewElement, RelationPage, Written
+from skiros_py.client.request import Call, if_match, path_of
 
 
 def list_elements(

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from httpx2 import ServerSentEvent
 
 from skiros_py.api.events import EventInfo, EventKind, EventPage, ResetInfo
-from skiros_py.api.state import StationState
-from skiros_py.client.call import Call, path_of
+from skiros_py.api.view import StationState
+from skiros_py.client.request import Call, path_of
 from skiros_py.client.streams import Stream
 
 

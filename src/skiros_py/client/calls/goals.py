@@ -4,10 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from skiros_py.api.goals import CheckedGoal, ConditionWords, GoalData, GoalOrder, GoalTexts, SceneGoals
-from skiros_py.api.previews import AppliedRepair, Preview, PreviewPage
-from skiros_py.api.templates import GoalTemplate, GoalTemplateContent, GoalTemplates
-from skiros_py.client.call import Call, if_match, nothing, path_of
+from skiros_py.api.goals import (
+    CheckedGoal,
+    ConditionWords,
+    GoalData,
+    GoalOrder,
+    GoalTemplate,
+    GoalTemplateContent,
+    GoalTemplates,
+    GoalTexts,
+    SceneGoals,
+)
+from skiros_py.api.jobs import AppliedRepair, Preview, PreviewPage
+from skiros_py.client.request import Call, if_match, nothing, path_of
 
 
 def check_goal(order: GoalOrder) -> Call[CheckedGoal]:

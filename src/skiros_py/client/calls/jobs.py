@@ -26,8 +26,8 @@ from skiros_py.api.jobs import (
     JobTransitions,
     StateName,
 )
-from skiros_py.api.replays import Replay
-from skiros_py.client.call import Call, if_match, path_of
+from skiros_py.api.view import Replay
+from skiros_py.client.request import Call, if_match, path_of
 from skiros_py.errors import UsageError
 
 M = TypeVar("M", bound=BaseModel)

@@ -16,7 +16,7 @@ from skiros_py.api.modules import (
     Plugins,
     SkillInfo,
 )
-from skiros_py.client.call import Call, nothing, path_of
+from skiros_py.client.request import Call, nothing, path_of
 
 
 def list_managers() -> Call[list[ManagerInfo]]:

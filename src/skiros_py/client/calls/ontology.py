@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from skiros_py.api.ontology import ClassDetails, ClassNode, PlacementOptions, PropertyPage, RelationPage
-from skiros_py.client.call import Call, path_of
+from skiros_py.client.request import Call, path_of
 
 
 def read_classes(root: str | None = None, *, depth: int | None = None) -> Call[ClassNode]:

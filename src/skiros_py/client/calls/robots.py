@@ -2,12 +2,22 @@
 
 from __future__ import annotations
 
-from skiros_py.api.devices import CellSignal, DeviceInfo, DeviceReading, SignalReadings, SignalValue
-from skiros_py.api.looks import Look, RobotMotion
+from skiros_py.api.alarms import StopInfo
 from skiros_py.api.modules import ModuleRunInfo
-from skiros_py.api.robots import Jog, RobotInfo, RobotReading, Teach
-from skiros_py.api.stop import StopInfo
-from skiros_py.client.call import Call, nothing, path_of
+from skiros_py.api.robots import (
+    CellSignal,
+    DeviceInfo,
+    DeviceReading,
+    Jog,
+    Look,
+    RobotInfo,
+    RobotMotion,
+    RobotReading,
+    SignalReadings,
+    SignalValue,
+    Teach,
+)
+from skiros_py.client.request import Call, nothing, path_of
 
 
 def list_robots() -> Call[list[RobotInfo]]:

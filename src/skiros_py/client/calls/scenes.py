@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from skiros_py.api.scenes import PresentScene, Scene, SceneDifference, SceneEntry, Scenes
-from skiros_py.client.call import Call, if_match, nothing, path_of
+from skiros_py.client.request import Call, if_match, nothing, path_of
 
 
 def list_scenes(*, limit: int = 100, cursor: str | None = None) -> Call[Scenes]:

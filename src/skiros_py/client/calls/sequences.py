@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from skiros_py.api.sequences import InsertStep, NewSequence, RunSequence, SequenceInfo, Sequences
-from skiros_py.api.tasks import TaskInfo, WantedStep
-from skiros_py.client.call import Call, if_match, nothing, path_of
+from skiros_py.api.tasks import InsertStep, NewSequence, RunSequence, SequenceInfo, Sequences, TaskInfo, WantedStep
+from skiros_py.client.request import Call, if_match, nothing, path_of
 
 
 def list_sequences() -> Call[Sequences]:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from skiros_py.api.simulation import Bodies, Pace, SimulationState
-from skiros_py.client.call import Call, nothing, path_of
+from skiros_py.api.scenes import Bodies, Pace, SimulationState
+from skiros_py.client.request import Call, nothing, path_of
 
 _UPRIGHT = (0.0, 0.0, 0.0, 1.0)
 

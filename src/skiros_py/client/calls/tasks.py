@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from skiros_py.api.tasks import NewTask, TaskInfo, Tasks, TaskTrace
-from skiros_py.client.call import Call, path_of
+from skiros_py.client.request import Call, path_of
 
 
 def list_tasks(*, active: bool | None = None, limit: int | None = None) -> Call[Tasks]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from skiros_py.api.webhooks import Deliveries, DeliveryState, Webhook, WebhookChange, WebhookOrder, WebhookSecret
-from skiros_py.client.call import Call, nothing, path_of
+from skiros_py.client.request import Call, nothing, path_of
 
 
 def list_webhooks() -> Call[list[Webhook]]:

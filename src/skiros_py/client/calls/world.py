@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from httpx2 import Response
 from pydantic import TypeAdapter
 
-from skiros_py.api.elements import TreeNode
 from skiros_py.api.queries import AskAnswer, ConstructAnswer, Query, QueryAnswer, SelectAnswer
 from skiros_py.api.view import WorldView
 from skiros_py.api.world import (
@@ -17,11 +16,12 @@ from skiros_py.api.world import (
     LockList,
     LockOrder,
     TransactionOrder,
+    TreeNode,
     UndoOrder,
     WorldInfo,
     Written,
 )
-from skiros_py.client.call import Call, if_match, path_of
+from skiros_py.client.request import Call, if_match, path_of
 
 
 def read_world() -> Call[WorldInfo]:

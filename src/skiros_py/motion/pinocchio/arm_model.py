@@ -16,7 +16,7 @@ from skiros_py.devices.gripper import GripperSpec
 from skiros_py.errors import UnknownName
 from skiros_py.geometry import Array, Pose
 from skiros_py.ports.cell import RobotSpec
-from skiros_py.ports.models import write_robot_urdf
+from skiros_py.ports.kinematics import write_robot_urdf
 
 _ACCELERATION = 5.0  # [rad/s²] a URDF has no such limit; gentle for what is held by friction
 

@@ -1,21 +1,64 @@
-"""Plans whole arm motions: of all routes and arm postures the feasible one with the least joint motion."""
+"""Plans whole arm motions: of all routes and arm postures the feasible one with the least joint movement."""
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
+import shapely
 
 from skiros_py.devices.arm import ArmSpec
 from skiros_py.errors import UnknownName
-from skiros_py.geometry import Array
+from skiros_py.geometry import Array, Pose
 from skiros_py.motion.pinocchio.arm_model import ArmModel, arm_model
 from skiros_py.motion.pinocchio.collision import CollisionScene, self_collision_pairs
-from skiros_py.motion.pinocchio.coverage import covered
 from skiros_py.motion.pinocchio.route_search import Chain, FreeLeg, Refusal, RouteSearch
 from skiros_py.motion.timing import JointLimits, time_path
 from skiros_py.ports.adapters import InstalledPorts
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.kinematics import InverseKinematics
-from skiros_py.ports.motion import MotionPlan, MotionRequest, NoMotion, Trajectory
+from skiros_py.ports.motion import Held, MotionPlan, MotionRequest, NoMotion, Trajectory
+
+_THICK = 0.12
+"""How far links, hand and camera stick out around the joints and the tip [m]."""
+_STEP = 10
+"""Every so many samples of a trajectory are looked at; between two, nothing moves by more than 0.1 m."""
+
+_TURNS = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False)
+_RIM = _THICK / np.cos(np.pi / 8.0) * np.column_stack([np.cos(_TURNS), np.sin(_TURNS)])
+"""Corners of an octagon around a circle."""
+
+Corners = tuple[tuple[float, float], ...]
+
+
+def covered(arm: ArmModel, postures: Array, held: Held | None) -> Corners:
+    """Returns the corners of a convex outline, in the frame of the base [m], above which the arm is all the time.
+
+    Args:
+        arm: The arm.
+        postures: Joint angles in close succession [rad], shape (samples, joints).
+        held: What it holds, which sticks out further.
+    """
+    body = _body(held)
+    points = np.vstack([_points(arm, posture, body) for posture in (*postures[::_STEP], postures[-1])])
+    around = (points[:, None, :2] + _RIM).reshape(-1, 2)
+    corners = shapely.get_coordinates(shapely.MultiPoint(around).convex_hull)[:-1]
+    return tuple((float(x), float(y)) for x, y in corners)
+
+
+def _points(arm: ArmModel, posture: Array, body: Array) -> Array:
+    """Returns the joints, the tip and the corners of what it holds [m]."""
+    return np.vstack([arm.joint_places(posture), Pose.from_matrix(arm.tip_pose(posture).homogeneous).apply(body)])
+
+
+def _body(held: Held | None) -> Array:
+    """Returns the tip, and the corners of the box around what it holds, in the tip's frame [m]."""
+    tip = np.zeros((1, 3))
+    if held is None:
+        return tip
+    corners = np.array(list(product(*np.transpose(held.solid.bounds()))))
+    return np.vstack([tip, held.pose.apply(corners)])
+
 
 _START_SLACK = 0.05  # [rad] a sensed start may lie this far outside the limits
 

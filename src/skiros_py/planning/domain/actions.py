@@ -1,8 +1,13 @@
-"""Skills as actions (paper §6.2): ``can_<skill>``, a variant for each way in which the preconditions can hold."""
+"""Skills as actions (paper §6.2): ``can_<skill>``, a variant for each way in which the preconditions can hold.
+
+The same applies to functional relations that get another object. Works for relations in general: the ontology defines
+which of them move something, and which end moves.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import count, product
 
@@ -15,16 +20,225 @@ from skiros_py.planning.domain.literals import (
     asked_literals,
     expand,
     property_of,
+    storable,
 )
 from skiros_py.planning.domain.model import Action, Atom, NoneSuch, Variable
-from skiros_py.planning.domain.needs import needs_of, required_elements, sensed_holds_of, with_defaults
-from skiros_py.planning.domain.placing import shown, with_implicit_deletes
-from skiros_py.planning.domain.variants import numbered
-from skiros_py.skills.conditions import Assign, Condition, Effect, Not, Relate, Unrelate, effects_of
+from skiros_py.skills.conditions import Assign, Condition, Effect, Not, Relate, Unrelate, effects_of, is_sensed
 from skiros_py.skills.inference import applying
+from skiros_py.skills.parameters import Param
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.ontology import Ontology
-from skiros_py.world.vocabulary import PLACEMENT
+from skiros_py.world.terms import End
+from skiros_py.world.view import WorldView
+from skiros_py.world.vocabulary import ELEMENT, PLACEMENT
+
+
+def needs_of(skill: SkillDescription) -> tuple[Condition, ...]:
+    """Returns the conditions a plan must ensure: preconditions, and hold conditions except sensed ones."""
+    return (*skill.needs, *(c for c in skill.hold if not is_sensed(c.pattern)))
+
+
+def sensed_holds_of(skill: SkillDescription) -> tuple[Condition, ...]:
+    """Returns the hold conditions on sensors: they are monitored at run time and ignored by planning."""
+    return tuple(c for c in skill.hold if is_sensed(c.pattern))
+
+
+def required_elements(skill: SkillDescription) -> tuple[Param, ...]:
+    """Returns the element parameters that a plan must bind; the others have a default or stay open.
+
+    Agent and target are always included.
+    """
+    ends = (skill.agent, skill.target)
+    return tuple(p for p in skill.params if p.is_element and (p.kind.is_required or p.key in ends))
+
+
+def passed_keys(skill: SkillDescription) -> tuple[str, ...]:
+    """Returns the keys that a plan passes: agent, target, and those in the author's conditions.
+
+    The others are inferred when the skill starts, by the author's preferences.
+    """
+    said = (*skill.described, *skill.pre, *skill.hold, *skill.post)
+    spoken = {skill.agent, skill.target, *(key for condition in said for key in condition.arguments)}
+    return tuple(param.key for param in required_elements(skill) if param.key in spoken)
+
+
+def with_defaults(skill: SkillDescription, arguments: Mapping[str, str]) -> dict[str, str]:
+    """Returns the arguments of a call, completed with the skill's default elements."""
+    elements = (param for param in skill.params if param.is_element and param.default is not None)
+    return {param.key: param.default for param in elements} | dict(arguments)
+
+
+def moved_and_place(atom: Atom, ontology: Ontology) -> tuple[str, str]:
+    """Returns the argument that moves and the one that is its place, of an atom of the placement family."""
+    subject, object_ = atom.arguments
+    at_object = ontology.relations[atom.predicate].place_end == "object"
+    return (subject, object_) if at_object else (object_, subject)
+
+
+def is_placement(atom: Atom, ontology: Ontology) -> bool:
+    """Returns whether an atom says where something is."""
+    return atom.predicate in ontology.relations and ontology.is_placement(atom.predicate)
+
+
+def with_implicit_deletes(action: Action, ontology: Ontology) -> tuple[Action, ...]:
+    """Makes moved things leave their old place: named by a precondition, else by an additional parameter.
+
+    Returns:
+        The action; if no precondition gives the relation to the old place, a variant for each possible relation, the
+        one to the new place first.
+    """
+    variants: tuple[Action, ...] = (action,)
+    for added in action.add:
+        if is_placement(added, ontology):
+            variants = tuple(v for variant in variants for v in _leaving(variant, added, ontology))
+        elif added.predicate in ontology.relations and ontology.relations[added.predicate].functional:
+            variants = tuple(v for variant in variants for v in _replacing(variant, added, ontology))
+    return variants
+
+
+def _replacing(action: Action, added: Atom, ontology: Ontology) -> tuple[Action, ...]:
+    """Creates the variant in which the relation had another object before, and the one in which it had none."""
+    subject, new = added.arguments
+    old = tuple(a for a in action.pre if a.predicate == added.predicate and a.arguments[0] == subject)
+    if old:
+        return (_without(action, old, f"{subject} has one such thing only"),)
+    variable = Variable(_unused(f"{new}_before", action), ontology.relations[added.predicate].range or "")
+    fact = Atom(added.predicate, (subject, variable.name))
+    note = f"parameter {variable.name}, precondition {shown(fact)}: what {subject} has had until then"
+    had = replace(action, parameters=(*action.parameters, variable), pre=(*action.pre, fact))
+    none = NoneSuch((replace(variable, type=variable.type or ELEMENT),), (fact,))
+    note_none = f"precondition no {shown(fact)}: the other variant is for when there is one"
+    return (
+        _without(replace(had, notes=(*action.notes, note)), (fact,), f"{subject} has one such thing only"),
+        replace(action, none=(*action.none, none), notes=(*action.notes, note_none)),
+    )
+
+
+def _leaving(action: Action, added: Atom, ontology: Ontology) -> tuple[Action, ...]:
+    moved, _ = moved_and_place(added, ontology)
+    old = tuple(a for a in action.pre if is_placement(a, ontology) and moved_and_place(a, ontology)[0] == moved)
+    if old:
+        return (_without(action, old, f"{moved} has one place only"),)
+    relations = _possible(action.types[moved], added.predicate, ontology)
+    variants = (_with_old_place(action, relation, moved, ontology) for relation in relations)
+    return tuple(_without(variant, variant.pre[-1:], f"{moved} has one place only") for variant in variants)
+
+
+def _without(action: Action, old: tuple[Atom, ...], why: str) -> Action:
+    missing = tuple(atom for atom in old if atom not in action.delete)
+    if not missing:
+        return action
+    note = f"effect not {', not '.join(map(shown, missing))}: {why}"
+    return replace(action, delete=action.delete + missing, notes=(*action.notes, note))
+
+
+def _possible(class_: str, first: str, ontology: Ontology) -> tuple[str, ...]:
+    """Returns the placement relations that something of a class can have, a given one first."""
+    relations = (r for r in storable(PLACEMENT, ontology) if r != first and _can_be_moved(class_, r, ontology))
+    return (first, *relations)
+
+
+def _can_be_moved(class_: str, relation: str, ontology: Ontology) -> bool:
+    words = ontology.relations[relation]
+    end = words.domains if words.place_end == "object" else words.ranges
+    return class_ not in ontology.classes or _may_fit(class_, end, ontology)
+
+
+def _may_fit(class_: str, end: End, ontology: Ontology) -> bool:
+    return any(not ontology.missed_end(below, end) for below in ontology.subclasses(class_))
+
+
+def _with_old_place(action: Action, relation: str, moved: str, ontology: Ontology) -> Action:
+    words = ontology.relations[relation]
+    at_object = words.place_end == "object"
+    variable = Variable(_unused(f"{moved}_from", action), (words.range if at_object else words.domain) or "")
+    fact = Atom(relation, (moved, variable.name) if at_object else (variable.name, moved))
+    note = f"parameter {variable.name}, precondition {shown(fact)}: the place that {moved} leaves"
+    parameters = (*action.parameters, variable)
+    return replace(action, parameters=parameters, pre=(*action.pre, fact), notes=(*action.notes, note))
+
+
+def _unused(name: str, action: Action) -> str:
+    """Returns a name that no parameter has, as close to the given one as possible."""
+    while name in action.types:
+        name += "'"
+    return name
+
+
+def shown(atom: Atom) -> str:
+    """Returns an atom in readable form: "in(Ball, Box)"."""
+    words = atom.predicate.split(" ")
+    named = " ".join(word.partition(":")[2] or word for word in words)
+    return f"{named}({', '.join(argument.lstrip('?') for argument in atom.arguments)})"
+
+
+def numbered(actions: Iterable[Action]) -> tuple[Action, ...]:
+    """Names each action after its skill, with a number where there are several of one; bookkeeping keeps its names."""
+    drafts = tuple(actions)
+    count = Counter(action.skill for action in drafts)
+    reached: Counter[str | None] = Counter()
+    result = []
+    for action in drafts:
+        reached[action.skill] += 1
+        name = action.skill if count[action.skill] == 1 else f"{action.skill}/{reached[action.skill]}"
+        result.append(action if action.skill is None or name is None else replace(action, name=name))
+    return tuple(result)
+
+
+def possible_variants(actions: Iterable[Action], view: WorldView) -> tuple[Action, ...]:
+    """Removes variants with a placement that nothing of the class has or can ever get.
+
+    If no variant is possible, a skill's first one is kept, so that explanations can name what it lacks.
+    """
+    drafts = tuple(actions)
+    placing = _Placing(drafts, view)
+    possible = [a for a in drafts if placing.allows(a)]
+    there = {action.skill for action in possible}
+    kept: list[Action] = []
+    for action in drafts:
+        if action in possible or action.skill not in there:
+            kept.append(action)
+            there.add(action.skill)
+    return numbered(kept)
+
+
+class _Placing:
+    """How things of some class are or could be placed."""
+
+    def __init__(self, actions: Sequence[Action], view: WorldView) -> None:
+        self._view = view
+        self._found: dict[tuple[str, str], bool] = {}
+        self._brought: dict[str, set[str]] = {}
+        for action in actions:
+            for moved, atom in _moved(action, action.add, view.ontology):
+                self._brought.setdefault(atom.predicate, set()).add(moved)
+
+    def allows(self, action: Action) -> bool:
+        return all(self._may_be(m, a.predicate) for m, a in _moved(action, action.pre, self._view.ontology))
+
+    def _may_be(self, class_: str, relation: str) -> bool:
+        key = class_, relation
+        if key not in self._found:
+            self._found[key] = self._is_brought(class_, relation) or self._is_there(class_, relation)
+        return self._found[key]
+
+    def _is_brought(self, class_: str, relation: str) -> bool:
+        below = set(self._view.ontology.subclasses(class_))
+        return any(not below.isdisjoint(self._view.ontology.subclasses(c)) for c in self._brought.get(relation, ()))
+
+    def _is_there(self, class_: str, relation: str) -> bool:
+        placements = (self._view.placement(thing) for thing in self._view.instances(class_))
+        return any(placement is not None and placement.relation == relation for placement in placements)
+
+
+def _moved(action: Action, atoms: Iterable[Atom], ontology: Ontology) -> Iterator[tuple[str, Atom]]:
+    """Yields the placements among atoms, with the class of what is placed."""
+    types = action.types
+    for atom in atoms:
+        if is_placement(atom, ontology):
+            class_ = types[moved_and_place(atom, ontology)[0]]
+            if class_ in ontology.classes:
+                yield class_, atom
 
 
 def actions_of(

@@ -6,11 +6,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from skiros_py.errors import PlanningError
-from skiros_py.planning.domain.literals import NOT, negated
+from skiros_py.planning.domain.actions import is_placement, numbered, shown
+from skiros_py.planning.domain.literals import NOT, is_stored, negated
 from skiros_py.planning.domain.model import Action, Atom
-from skiros_py.planning.domain.normal import is_stored
-from skiros_py.planning.domain.placing import is_placement, shown
-from skiros_py.planning.domain.variants import numbered
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.view import WorldView
 

@@ -1,17 +1,15 @@
-"""Patterns as conjunctions of literals, with the variables that quantifiers bring along."""
+"""Patterns as conjunctions of literals, in one form for planning; classes as PDDL types."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import cast
 
 from skiros_py.errors import PlanningError
-from skiros_py.planning.domain.classes import IS
-from skiros_py.planning.domain.model import Atom, NoneSuch, Variable
-from skiros_py.planning.domain.normal import is_stored, normal
+from skiros_py.planning.domain.model import Action, Atom, NoneSuch, Variable
 from skiros_py.skills.conditions import (
     AllOf,
     AnyOf,
@@ -19,6 +17,7 @@ from skiros_py.skills.conditions import (
     Compare,
     Computed,
     Exists,
+    Expression,
     Has,
     IsA,
     Not,
@@ -26,10 +25,175 @@ from skiros_py.skills.conditions import (
     Pattern,
     Related,
 )
-from skiros_py.skills.conditions.compare import Comparison, Operator
+from skiros_py.skills.conditions.condition import Comparison, Operator
 from skiros_py.world.element import Value
 from skiros_py.world.names import local_name
 from skiros_py.world.ontology import Ontology
+from skiros_py.world.terms import Family
+from skiros_py.world.vocabulary import ELEMENT, PLACEMENT
+
+IS = "is "
+"""Prefix of the predicate stating that an object is of a class."""
+
+
+def primary_line(ontology: Ontology, class_: str) -> tuple[str, ...]:
+    """Returns the ancestors of a class along primary parents only, nearest first."""
+    parent = ontology.classes[class_].primary_parent
+    return (parent, *primary_line(ontology, parent)) if parent is not None and parent in ontology.classes else ()
+
+
+def common_class(one: str, other: str, ontology: Ontology) -> str:
+    """Returns the nearest class on both primary lines, or "object"; an empty class counts as any."""
+    if not one or not other:
+        return one or other
+    if "object" in (one, other):
+        return "object"
+    others = (other, *primary_line(ontology, other))
+    return next((c for c in (one, *primary_line(ontology, one)) if c in others), "object")
+
+
+def with_class_predicates(
+    actions: Sequence[Action], objects: Mapping[str, str], ontology: Ontology
+) -> tuple[Action, ...]:
+    """Widens parameters whose class some object has through a secondary parent, and adds a class predicate."""
+    asked = {v.type for action in actions for v in action.variables if v.type}
+    wide = {class_: _widened(class_, set(objects.values()), ontology) for class_ in asked}
+    return tuple(_widen(action, wide) for action in actions)
+
+
+def _widened(class_: str, present: set[str], ontology: Ontology) -> str:
+    result = class_
+    for type_ in sorted(present):
+        if ontology.is_a(type_, class_) and class_ not in (type_, *primary_line(ontology, type_)):
+            result = common_class(result, type_, ontology)
+    return result
+
+
+def _widen(action: Action, wide: Mapping[str, str]) -> Action:
+    changed = [v for v in action.variables if v.type and wide[v.type] != v.type]
+    if not changed:
+        return action
+    parameters, asks = _widened_variables(action.parameters, wide)
+    none = ((_widened_variables(such.variables, wide), such.atoms) for such in action.none)
+    notes = tuple(
+        f"{v.name.lstrip('?')}: class {v.type} is asked for by a predicate, some have it by a second parent"
+        for v in changed
+    )
+    return replace(
+        action,
+        parameters=parameters,
+        pre=(*asks, *action.pre),
+        none=tuple(NoneSuch(variables, (*own, *atoms)) for (variables, own), atoms in none),
+        notes=(*action.notes, *notes),
+    )
+
+
+def _widened_variables(
+    variables: Sequence[Variable], wide: Mapping[str, str]
+) -> tuple[tuple[Variable, ...], tuple[Atom, ...]]:
+    """Returns variables of wider classes, and the predicates for the narrower ones."""
+    asks = tuple(Atom(IS + v.type, (v.name,)) for v in variables if v.type and wide[v.type] != v.type)
+    return tuple(Variable(v.name, wide.get(v.type, v.type)) for v in variables), asks
+
+
+def normal(pattern: Pattern, where: str, ontology: Ontology) -> Pattern:
+    """Returns an equivalent pattern of AllOf, AnyOf, Exists, Not(Exists), literals and negated literals.
+
+    A literal is about one relation, property or class; the body of a quantifier has the same form.
+
+    Args:
+        pattern: Any pattern.
+        where: For the message of a refusal ("precondition X of skill 'y'").
+        ontology: The ontology, with the hierarchy of relations.
+
+    Raises:
+        PlanningError: A part of it cannot be expressed in planning; the message names it.
+    """
+    match pattern:
+        case Not(inner):
+            return _denied(inner, where, ontology)
+        case AnyOf(()):
+            raise PlanningError(f"{where}: any of no conditions never holds; say what should hold")
+        case Related(relation, subject, object_) if _is_computed(relation, ontology):
+            return Computed(relation, subject, object_)
+        case Related(relation, subject, object_):
+            return _any_of(Related(r, subject, object_) for r in storable(relation, ontology))
+        case Nothing(relation, object_):
+            return _all_of(Nothing(r, object_) for r in storable(relation, ontology))
+        case AllOf(patterns):
+            return _all_of(normal(p, where, ontology) for p in patterns)
+        case AnyOf(patterns):
+            return _any_of(normal(p, where, ontology) for p in patterns)
+        case Exists(variable, class_, inner):
+            return Exists(variable, class_, normal(inner, where, ontology))
+        case Has() | Compare() | IsA() | ClassRelated() | Computed():
+            return pattern
+        case _:
+            raise _refused(pattern, where)
+
+
+def _denied(pattern: Pattern, where: str, ontology: Ontology) -> Pattern:
+    """Returns the normal form of a pattern's negation."""
+    match pattern:
+        case Not(inner):
+            return normal(inner, where, ontology)
+        case Related(relation, subject, object_) if _is_computed(relation, ontology):
+            return Not(Computed(relation, subject, object_))
+        case Related(relation, subject, object_):
+            return _all_of(Not(Related(r, subject, object_)) for r in storable(relation, ontology))
+        case Nothing(relation, object_):
+            return _any_of(_something(r, object_, ontology) for r in storable(relation, ontology))
+        case AllOf(patterns):
+            return normal(AnyOf(tuple(Not(p) for p in patterns)), where, ontology)
+        case AnyOf(patterns):
+            return normal(AllOf(tuple(Not(p) for p in patterns)), where, ontology)
+        case Exists(variable, class_, inner):
+            return Not(Exists(variable, class_, normal(inner, where, ontology)))
+        case Has() | Compare() | IsA() | ClassRelated() | Computed():
+            return Not(pattern)
+        case _:
+            raise _refused(pattern, where)
+
+
+def _refused(pattern: Pattern, where: str) -> PlanningError:
+    if isinstance(pattern, Expression):
+        advice = "a hold condition or a guard may ask for it, a plan cannot"
+        return PlanningError(f"{where}: '{pattern.text}' can only be sensed; {advice}")
+    kind = type(pattern).__name__
+    return PlanningError(f"{where}: a pattern of kind {kind} cannot be planned with; use the kinds that there are")
+
+
+def is_stored(relation: str, ontology: Ontology) -> bool:
+    """Returns whether a predicate is a stored relation, not a computed one."""
+    return relation in ontology.relations and not _is_computed(relation, ontology)
+
+
+def _is_computed(relation: str, ontology: Ontology) -> bool:
+    return ontology.family(relation) is Family.COMPUTED
+
+
+def storable(relation: str, ontology: Ontology) -> tuple[str, ...]:
+    """Returns those of a relation and its sub-relations that can be stored.
+
+    The root of the placement family only groups its sub-relations: nothing is placed by it.
+    """
+    return tuple(r for r in ontology.sub_relations(relation) if r != PLACEMENT) or (relation,)
+
+
+def _something(relation: str, object_: str, ontology: Ontology) -> Pattern:
+    holder = f"{object_} holder"
+    return Exists(holder, ontology.relations[relation].domain or ELEMENT, Related(relation, holder, object_))
+
+
+def _all_of(patterns: Iterable[Pattern]) -> Pattern:
+    parts = [p for pattern in patterns for p in (pattern.patterns if isinstance(pattern, AllOf) else (pattern,))]
+    return parts[0] if len(parts) == 1 else AllOf(tuple(dict.fromkeys(parts)))
+
+
+def _any_of(patterns: Iterable[Pattern]) -> Pattern:
+    parts = [p for pattern in patterns for p in (pattern.patterns if isinstance(pattern, AnyOf) else (pattern,))]
+    return parts[0] if len(parts) == 1 else AnyOf(tuple(dict.fromkeys(parts)))
+
 
 CAN = "can_"
 HAS = "has "

@@ -15,7 +15,7 @@ from skiros_py.planning.domain.goals import FINISHED
 from skiros_py.planning.domain.model import Action, Atom, Variable
 from skiros_py.planning.domain.pddl import PddlTexts
 from skiros_py.planning.problem.task import PlanningTask
-from skiros_py.planning.robots.handling import columns, moved_by
+from skiros_py.planning.robots.allocation import columns, moved_by
 from skiros_py.planning.sequence import counts, sequence_number, turn_of, turns_of_goal
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import LOCATION, ROBOT

@@ -24,7 +24,7 @@ from skiros_py.planning.domain.bracketed import (
 from skiros_py.planning.domain.model import Action
 from skiros_py.planning.domain.pddl import PddlTexts, write_pddl
 from skiros_py.planning.problem.task import PlanningTask
-from skiros_py.planning.robots.effort import USUAL
+from skiros_py.planning.robots.allocation import USUAL
 
 Rates = Mapping[str, Mapping[str, float]]
 """Durations of skills [s], by skill and agent."""

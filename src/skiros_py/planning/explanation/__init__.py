@@ -5,8 +5,7 @@ undone; goal conditions that exclude each other; a minimal part of the goal for 
 """
 
 from skiros_py.planning.explanation.causes import certain_causes, find_causes
-from skiros_py.planning.explanation.explaining import Explanation, explain
-from skiros_py.planning.explanation.repairs import Solve
+from skiros_py.planning.explanation.explaining import Explanation, Solve, explain
 from skiros_py.planning.explanation.trial import Trial
 
 __all__ = ["Explanation", "Solve", "Trial", "certain_causes", "explain", "find_causes"]

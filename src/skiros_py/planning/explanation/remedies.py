@@ -1,4 +1,4 @@
-"""Possible remedies for a cause: single changes, not yet tested."""
+"""Possible remedies for a cause: single changes, not yet tested, and other places for unreachable placements."""
 
 from __future__ import annotations
 
@@ -6,20 +6,134 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations, islice, product
 
+from skiros_py.planning.domain.actions import actions_of
 from skiros_py.planning.domain.literals import CAN, HAS, NOT, NOTHING, VALUE, compared
+from skiros_py.planning.domain.model import Action
 from skiros_py.planning.explanation.edits import Add, Assign, Move, Relate, Remove, SceneEdit
-from skiros_py.planning.explanation.elsewhere import exchanges
 from skiros_py.planning.explanation.facts import is_variable
-from skiros_py.planning.explanation.found import Found, Obstacle, Shortage
-from skiros_py.planning.explanation.room import Room
-from skiros_py.planning.explanation.wording import listed, some
-from skiros_py.planning.reasons import Cause, CauseKind, Exchange
+from skiros_py.planning.explanation.wording import Found, Obstacle, Shortage, listed, some
+from skiros_py.planning.plan import Cause, CauseKind, Exchange
+from skiros_py.planning.problem.task import Capability
 from skiros_py.skills.conditions import Condition
-from skiros_py.skills.conditions.compare import Comparison, Constant
+from skiros_py.skills.conditions.condition import Comparison, Constant
+from skiros_py.world.element import Placement
 from skiros_py.world.names import local_name
+from skiros_py.world.ontology import Ontology
 from skiros_py.world.terms import Family
 from skiros_py.world.view import WorldView
-from skiros_py.world.vocabulary import FLOOR, HAS_A, ON
+from skiros_py.world.vocabulary import FLOOR, HAS_A, LOCATION, ON, UNKNOWN_LOCATION
+
+
+class Room:
+    """Determines which places skills reserve for a single thing: those they require to be empty.
+
+    Args:
+        capabilities: The available skills.
+        ontology: Their classes.
+    """
+
+    def __init__(self, capabilities: Sequence[Capability], ontology: Ontology) -> None:
+        self._ontology = ontology
+        actions = (action for c in capabilities for action in actions_of(c.skill, ontology))
+        self._kept = frozenset(kept for action in actions for kept in _kept_empty(action))
+
+    def homes(self, class_: str, view: WorldView, besides: Sequence[str] = ()) -> list[Placement]:
+        """Returns where things of a class are stored, or else of the nearest superclass with stored things.
+
+        Single-thing places are returned only if there is no other storage, and only free ones.
+
+        Args:
+            class_: CURIE of the class.
+            view: The world.
+            besides: Places to exclude.
+        """
+        free: dict[Placement, None] = {}
+        for above in view.ontology.ancestors(class_):
+            placed = (view.placement(thing) for thing in view.instances(above))
+            homes = [p for p in dict.fromkeys(placed) if p is not None and self._is_home(p, view, besides)]
+            stored = [home for home in homes if not self.keeps_one(home, view)]
+            if stored:
+                return stored
+            free |= dict.fromkeys(home for home in homes if self.has_room(home, view))
+        return list(free)
+
+    def has_room(self, placement: Placement, view: WorldView) -> bool:
+        """Returns whether one more thing can be put somewhere."""
+        return not (self.keeps_one(placement, view) and view.subjects(placement.relation, placement.place))
+
+    def is_free(self, place: str, view: WorldView) -> bool:
+        """Returns whether a place is a single-thing place and empty."""
+        relations = {r for r, c in self._kept if self._ontology.is_a(view.element(place).type, c)}
+        return bool(relations) and not any(view.subjects(relation, place) for relation in relations)
+
+    def keeps_one(self, placement: Placement, view: WorldView) -> bool:
+        """Returns whether skills reserve a place for a single thing."""
+        type_ = view.element(placement.place).type
+        return any(placement.relation == r and self._ontology.is_a(type_, c) for r, c in self._kept)
+
+    def _is_home(self, placement: Placement, view: WorldView, besides: Sequence[str]) -> bool:
+        type_ = view.element(placement.place).type
+        nowhere = any(self._ontology.is_a(type_, class_) for class_ in (FLOOR, UNKNOWN_LOCATION))
+        return placement.place not in besides and self._ontology.is_a(type_, LOCATION) and not nowhere
+
+
+def _kept_empty(action: Action) -> Iterator[tuple[str, str]]:
+    """Yields relation and class of the places that an action requires to be empty."""
+    types = action.types
+    for atom in action.pre:
+        if atom.predicate.startswith(NOTHING):
+            yield atom.predicate.removeprefix(NOTHING), types[atom.arguments[0]]
+
+
+_ELSEWHERE_CHOICES = 4
+"""How many alternative places are considered per condition."""
+_CONDITIONS = 3
+"""For how many conditions alternatives are considered."""
+
+
+def exchanges(found: Found, goal: Sequence[Condition], view: WorldView, room: Room) -> Iterator[Exchange]:
+    """Yields conditions with another place instead; whether they are reachable has not been tested yet.
+
+    Args:
+        found: Why there is no plan.
+        goal: The whole goal; places that it names are not used.
+        view: The world.
+        room: Tells which places are free.
+    """
+    named = {name for condition in goal for name in condition.names}
+    for condition in found.cause.conditions[:_CONDITIONS]:
+        if type(condition) is not Condition or condition.negated:
+            continue  # conditions on several things, or on none, do not name one place
+        for place in condition.arguments:
+            others = (other for other in _instead_of(place, found, view, room) if other not in named)
+            for other in list(others)[:_ELSEWHERE_CHOICES]:
+                yield Exchange(condition, condition.bind({place: other}))
+
+
+def _instead_of(place: str, found: Found, view: WorldView, room: Room) -> list[str]:
+    """Returns free places that could replace one that is the problem; none if it is not."""
+    if not view.has(place):
+        return []
+    obstacle = found.obstacle
+    if obstacle is None:
+        is_short = found.shortage is not None and place in found.shortage.there
+        return _like(place, view.element(place).type, view, room) if is_short else []
+    if obstacle.skill is None or place not in obstacle.elements:
+        return []
+    if obstacle.kind is CauseKind.NO_SKILL:
+        classes = [name for name in obstacle.elements if name in view.ontology.classes]
+        return _like(place, classes[0], view, room) if classes else []
+    if obstacle.kind in (CauseKind.FULL, CauseKind.DOES_NOT_FIT):
+        return _like(place, view.element(place).type, view, room)
+    return []
+
+
+def _like(place: str, class_: str, view: WorldView, room: Room) -> list[str]:
+    """Returns the free single-thing places of a class, those of the same whole first."""
+    wholes = set(view.subjects(HAS_A, place))
+    free = [other for other in view.instances(class_) if other != place and room.is_free(other, view)]
+    return sorted(free, key=lambda other: wholes.isdisjoint(view.subjects(HAS_A, other)))
+
 
 _CHOICES = 3
 """How many things or places are offered as individual choices."""

@@ -9,8 +9,7 @@ from skiros_py.errors import PlanningError
 from skiros_py.planning.domain.pddl import write_pddl
 from skiros_py.planning.plan import Plan
 from skiros_py.planning.plan_validation import validate
-from skiros_py.planning.planners.choosing import Planners
-from skiros_py.planning.planners.planner import Answer, Planner, Solved, abandon
+from skiros_py.planning.planners.planner import Answer, Planner, Planners, Solved, abandon
 from skiros_py.planning.problem.task import Capability, build_task
 from skiros_py.skills.conditions import Condition
 from skiros_py.world.view import WorldView

@@ -1,13 +1,14 @@
-"""Atoms and obstacles in the operator's words."""
+"""Causes with the findings behind them, in the operator's words."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 
-from skiros_py.planning.domain.classes import IS
-from skiros_py.planning.domain.literals import BY_CLASS, CAN, HAS, NOT, NOTHING, VALUE, compared
+from skiros_py.planning.domain.literals import BY_CLASS, CAN, HAS, IS, NOT, NOTHING, VALUE, compared
 from skiros_py.planning.domain.model import Atom
 from skiros_py.planning.explanation.facts import is_variable
+from skiros_py.planning.plan import Cause, CauseKind
 from skiros_py.world.names import local_name
 from skiros_py.world.ontology import Ontology
 
@@ -76,3 +77,63 @@ def listed(names: Iterable[str], word: str = "and") -> str:
     all_ = list(names)
     shown = all_ if len(all_) <= _SHOWN else [*all_[:_SHOWN], f"{len(all_) - _SHOWN} more"]
     return " ".join(filter(None, [", ".join(shown[:-1]), word if len(shown) > 1 else "", *shown[-1:]]))
+
+
+@dataclass(frozen=True, slots=True)
+class Shortage:
+    """More is required than there is.
+
+    Attributes:
+        wanted: How many different ones are required.
+        there: The existing things or places.
+        things: The things that need the places and could be removed; empty if things are short.
+    """
+
+    wanted: int
+    there: tuple[str, ...]
+    things: tuple[str, ...] = ()
+
+    @property
+    def excess(self) -> int:
+        """How many more are required than there are."""
+        return self.wanted - len(self.there)
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """A cause with the findings behind it.
+
+    Attributes:
+        cause: The cause.
+        obstacle: What never holds; None for conditions that exclude each other.
+        shortage: What is short; None if the cause is not a shortage.
+    """
+
+    cause: Cause
+    obstacle: Obstacle | None = None
+    shortage: Shortage | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Obstacle:
+    """The reason why a fact never becomes true.
+
+    Attributes:
+        kind: The kind of cause.
+        text: The chain of reasons in words.
+        core: The last link alone: the actual state that prevents the required one.
+        skill: The skill that would provide the missing fact; None if there is none.
+        precondition: The unreachable precondition of that skill, in words.
+        elements: The elements and classes involved.
+        missing: The fact that never holds, perhaps with variables left; None if it is not one fact.
+        types: Classes of the variables of that fact.
+    """
+
+    kind: CauseKind
+    text: str
+    skill: str | None = None
+    precondition: str = ""
+    elements: tuple[str, ...] = ()
+    missing: Atom | None = None
+    types: Mapping[str, str] = field(default_factory=dict)
+    core: str = ""

@@ -1,11 +1,14 @@
-"""The port to planners: any program or library that takes PDDL texts."""
+"""The port to planners, and their selection: the first that supports a task's requirements."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import dataclass
-from typing import Protocol
+from threading import Lock
+from typing import Protocol, Self
 
-from skiros_py.ports.pending import Pending
+from skiros_py.errors import PlanningError, SkirosError
+from skiros_py.ports.values import Pending
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,3 +73,96 @@ def abandon(pending: Pending[Answer]) -> None:
     cancel = getattr(pending, "cancel", None)
     if cancel is not None:
         cancel()
+
+
+PREFERRED = ("fast-downward", "kairos")
+"""Tried before others, in this order: the first for classical tasks, the second for what the first does not support."""
+
+_ADL = {
+    ":typing", ":negative-preconditions", ":disjunctive-preconditions", ":equality", ":existential-preconditions",
+    ":universal-preconditions", ":conditional-effects",
+}  # fmt: skip
+_MEANS: dict[str, set[str]] = {
+    ":adl": _ADL,
+    ":quantified-preconditions": {":existential-preconditions", ":universal-preconditions"},
+    ":fluents": {":numeric-fluents"},
+}
+"""Requirements that stand for several others."""
+
+
+def lacking(requirements: Iterable[str], supports: Iterable[str]) -> tuple[str, ...]:
+    """Returns the requirements of a task that a planner does not support."""
+    return tuple(sorted(_meant(requirements) - _meant(supports) - {":strips"}))
+
+
+class Planners:
+    """The available planners; each is created when first needed.
+
+    Args:
+        names: Their names.
+        make: Creates one; if it raises, the error is recorded and the planner is unavailable.
+        wanted: The only planner to use, if the user chose one.
+    """
+
+    def __init__(self, names: Iterable[str], make: Callable[[str], Planner], wanted: str | None = None) -> None:
+        known = sorted(names)
+        preferred = [name for name in PREFERRED if name in known]
+        self._names = (wanted,) if wanted else (*preferred, *(name for name in known if name not in preferred))
+        self._make = make
+        self._made: dict[str, Planner] = {}
+        self._broken: dict[str, str] = {}
+        self._making = Lock()
+        self.closed = False
+
+    @classmethod
+    def only(cls, planner: Planner) -> Self:
+        """Returns a choice with a single planner."""
+        return cls((planner.name,), lambda _name: planner, planner.name)
+
+    def fitting(self, requirements: Collection[str]) -> Iterator[Planner]:
+        """Yields the planners that support a task, in order of preference."""
+        for name in self._names:
+            planner = self._planner(name)
+            if planner is not None and not lacking(requirements, planner.supports):
+                yield planner
+
+    def warm_up(self) -> None:
+        """Creates the preferred planner, so that the first task need not wait for it."""
+        for name in self._names[:1]:
+            warm_up = getattr(self._planner(name), "warm_up", None)
+            if warm_up is not None:
+                warm_up()
+
+    def why_none(self, requirements: Collection[str]) -> str:
+        """Explains for each planner why it does not fit a task."""
+        each = "; ".join(f"{name} {self._why_not(name, requirements)}" for name in self._names)
+        return f"no planner takes {' '.join(requirements)}: {each or 'none is installed'}"
+
+    def close(self) -> None:
+        """Kills running calls and waits for them; may be called twice."""
+        self.closed = True
+        for planner in self._made.values():
+            planner.close()
+
+    def _planner(self, name: str) -> Planner | None:
+        if self.closed:
+            raise PlanningError("planning was stopped")
+        with self._making:
+            if name not in self._made and name not in self._broken:
+                try:
+                    self._made[name] = self._make(name)
+                except SkirosError as error:
+                    self._broken[name] = str(error)
+        return self._made.get(name)
+
+    def _why_not(self, name: str, requirements: Collection[str]) -> str:
+        planner = self._planner(name)
+        if planner is None:
+            return f"is not there ({self._broken[name]})"
+        return f"does not take {' '.join(lacking(requirements, planner.supports))}"
+
+
+def _meant(requirements: Iterable[str]) -> set[str]:
+    """Expands requirements that stand for several others."""
+    given = set(requirements)
+    return given.difference(_MEANS).union(*(_MEANS[word] for word in given if word in _MEANS))

@@ -13,8 +13,7 @@ from dataclasses import dataclass
 
 from skiros_py.planning.domain.literals import CAN, NOTHING, Asked
 from skiros_py.planning.domain.model import Action, Atom, NoneSuch
-from skiros_py.planning.problem.candidates import Candidates
-from skiros_py.planning.problem.lifted import Lifted, Slot, other, partners
+from skiros_py.planning.problem.lifted import Candidates, Lifted, Slot, other, partners
 from skiros_py.skills.conditions import Not
 from skiros_py.world.view import WorldView
 

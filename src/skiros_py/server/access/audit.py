@@ -75,7 +75,7 @@ class AuditLog:
     """Writes entries in a thread of its own, so that no request waits for the disk. Start it, and close it.
 
     Args:
-        database: From :func:`~skiros_py.server.access.file.open_access`, its own connection; closed at the end.
+        database: From :func:`~skiros_py.server.access.keys.open_access`, its own connection; closed at the end.
         besides: Writes other data from time to time; receives the database.
     """
 

@@ -1,4 +1,4 @@
-"""API keys: created and shown once, stored hashed; a revocation takes effect immediately."""
+"""API keys: created and shown once, stored hashed in ``access.db``; a revocation takes effect immediately."""
 
 from __future__ import annotations
 
@@ -9,16 +9,46 @@ import secrets
 import threading
 import time
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from skiros_py.api.access import ApiKey
+from skiros_py.api.server import ApiKey
 from skiros_py.api.wire import moment
-from skiros_py.database import Database
+from skiros_py.database import Database, Schema
 from skiros_py.errors import Busy, UnknownName, UsageError, WrongState
-from skiros_py.server.access.file import open_access
 from skiros_py.server.access.roles import LOCAL, Role
+
+FILE = "access.db"
+"""Name of the file in a data directory."""
+
+_TABLES = """
+CREATE TABLE keys (
+    id TEXT PRIMARY KEY, name TEXT NOT NULL, role TEXT NOT NULL, digest BLOB NOT NULL, ending TEXT NOT NULL,
+    created REAL NOT NULL, expires REAL, revoked REAL, used REAL
+) WITHOUT ROWID;
+CREATE TABLE audit (number INTEGER PRIMARY KEY AUTOINCREMENT, data TEXT NOT NULL);
+"""
+
+_SCHEMA = Schema("list of keys", "the keys of a server", 0x736B6163, (_TABLES,))
+"""Application id of such a file: "skac"."""
+
+
+def open_access(data: Path) -> Database:
+    """Opens the file in a data directory; created if missing, readable by its owner only.
+
+    Other processes may use it at the same time: keys are created and revoked from the shell while the server runs.
+
+    Raises:
+        FileError: It cannot be opened or created, or is damaged.
+    """
+    path = data / FILE
+    database = Database(path, _SCHEMA, durable=True, shared=True)
+    with suppress(OSError):  # some file systems have no permissions; keys are stored hashed in any case
+        path.chmod(0o600)
+    return database
+
 
 _LONGEST_NAME = 100
 _MOST = 10_000

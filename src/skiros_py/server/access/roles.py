@@ -1,16 +1,48 @@
-"""Roles, and the role that a route requires."""
+"""Roles, the role that a route requires, and the query parameters it knows."""
 
 from __future__ import annotations
 
 import enum
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Annotated, Any
+from weakref import WeakKeyDictionary
 
 from fastapi import Depends, Request
+from fastapi.dependencies.models import Dependant
+from fastapi.routing import APIRoute
 
-from skiros_py.server.access.parameters import check_query
+from skiros_py.errors import UnknownName
 from skiros_py.server.problems import Problem
 from skiros_py.station.requests import Author
+
+
+def check_query(request: Request) -> None:
+    """Checks that the route has all query parameters of a request.
+
+    Raises:
+        Problem: A parameter is unknown (422); the text names the most similar known one.
+    """
+    if not request.query_params:
+        return
+    route: APIRoute = request.scope["route"]
+    known = _KNOWN.get(route.endpoint)
+    if known is None:
+        known = _KNOWN.setdefault(route.endpoint, frozenset(_names(route.dependant)))
+    for name in request.query_params:
+        if name not in known:
+            raise Problem(422, "InvalidRequest", str(UnknownName("query parameter", name, known)))
+
+
+_KNOWN: WeakKeyDictionary[Callable[..., Any], frozenset[str]] = WeakKeyDictionary()
+"""The parameters of a route's function; determined at its first request."""
+
+
+def _names(dependant: Dependant) -> Iterator[str]:
+    yield from (field.alias for field in dependant.query_params)
+    for dependency in dependant.dependencies:
+        yield from _names(dependency)
+
 
 LOCAL = "local"
 """Used instead of a key by programs that can read the data directory; they name their user themselves."""

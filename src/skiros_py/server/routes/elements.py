@@ -7,18 +7,20 @@ from urllib.parse import quote
 
 from fastapi import APIRouter, Query, Response
 
-from skiros_py.api.elements import (
+from skiros_py.api.world import (
+    EVERYTHING,
+    ChangePage,
     ElementDetails,
     ElementPage,
     ElementPatch,
+    Name,
     NewElement,
     RelationPage,
+    Written,
 )
-from skiros_py.api.values import EVERYTHING, Name
-from skiros_py.api.world import ChangePage, Written
 from skiros_py.server.access.roles import CallerDep, Role, needs
-from skiros_py.server.etags import NEEDS_VERSION, SeenDep, etag, tagged, with_etag
-from skiros_py.server.routes.parameters import (
+from skiros_py.server.problems import NEEDS_VERSION, SeenDep, etag, tagged, with_etag
+from skiros_py.server.routes.world import (
     ChangeLimit,
     Cursor,
     ElementPath,

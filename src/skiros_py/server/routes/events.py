@@ -9,13 +9,12 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Header, Path, Query
 
 from skiros_py.api.events import EventInfo, EventPage, ResetInfo
-from skiros_py.api.state import StationState
+from skiros_py.api.view import StationState
 from skiros_py.server.access.roles import Caller, CallerDep, Role, needs
-from skiros_py.server.events.positions import EVERYTHING, Choice, Reset, find_position, missed, position_text
-from skiros_py.server.events.sse import EventStream
 from skiros_py.server.problems import Problem
 from skiros_py.server.services import Services, ServicesDep
-from skiros_py.station.events.event import Event, Kind
+from skiros_py.server.streams import EVERYTHING, Choice, EventStream, Reset, find_position, missed, position_text
+from skiros_py.station.events.log import Event, Kind
 
 router = APIRouter(tags=["events"])
 

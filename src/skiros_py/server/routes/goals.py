@@ -1,14 +1,25 @@
-"""Routes: goals. They are read and checked; what orders them is a job."""
+"""Routes: goals, previews of their plans, and goal templates (ISA-95: work masters)."""
 
 from __future__ import annotations
 
 from typing import Annotated
+from urllib.parse import quote
 
-from fastapi import APIRouter, Query, Response
+from fastapi import APIRouter, Path, Query, Response
 
-from skiros_py.api.goals import CheckedGoal, ConditionWords, GoalOrder, GoalTexts, SceneGoals
+from skiros_py.api.goals import (
+    CheckedGoal,
+    ConditionWords,
+    GoalOrder,
+    GoalTemplate,
+    GoalTemplateContent,
+    GoalTemplates,
+    GoalTexts,
+    SceneGoals,
+)
+from skiros_py.api.jobs import AppliedRepair, Preview, PreviewPage
 from skiros_py.server.access.roles import CallerDep, Role, needs
-from skiros_py.server.etags import NEEDS_VERSION, SeenDep, etag, tagged
+from skiros_py.server.problems import NEEDS_VERSION, SeenDep, etag, tagged, with_etag
 from skiros_py.server.services import StationDep
 from skiros_py.station.jobs.goals import goals_version
 
@@ -53,3 +64,107 @@ def list_goal_conditions(
 def _tagged(goals: SceneGoals, response: Response) -> SceneGoals:
     response.headers["ETag"] = etag(goals_version(goals.goals))
     return goals
+
+
+previews_router = APIRouter(tags=["previews"])
+
+_NEEDS = [needs(Role.OPERATOR, mes=True)]
+PreviewId = Annotated[str, Path(min_length=1, max_length=20, description="Id of the preview.", examples=["1"])]
+
+
+@previews_router.post("/previews", summary="Plan without doing", status_code=202, dependencies=_NEEDS)
+def ask_preview(order: GoalOrder, station: StationDep, response: Response) -> Preview:
+    """Begins to plan for a goal from what is believed now; nothing is done. At most two are planned at a time."""
+    preview = station.previews.ask(order)
+    response.headers["Location"] = f"/api/v1/previews/{quote(preview.id, safe='')}"
+    response.headers["Retry-After"] = "1"
+    return preview
+
+
+@previews_router.get("/previews", summary="List previews", dependencies=_NEEDS)
+def list_previews(station: StationDep) -> PreviewPage:
+    """Lists the previews that are kept, the latest first: a hundred, and none over a restart or another scene."""
+    return station.previews.all()
+
+
+@previews_router.get("/previews/{id}", summary="Look at a preview", dependencies=_NEEDS)
+def get_preview(
+    id: PreviewId,  # noqa: A002 - the name in the address
+    station: StationDep,
+    wait: Annotated[float, Query(ge=0.0, le=30.0, description="How long to wait for the answer [s].")] = 0.0,
+) -> Preview:
+    """Shows the plan with order and planned starts; or why there is none, and what would help."""
+    return station.previews.get(id, wait)
+
+
+@previews_router.post(
+    "/previews/{id}/repairs/{number}/apply", summary="Make a repair", dependencies=[needs(Role.OPERATOR)]
+)
+def apply_repair(
+    id: PreviewId,  # noqa: A002 - the name in the address
+    number: Annotated[int, Path(ge=0, le=1000, description="Number of the repair.", examples=[0])],
+    station: StationDep,
+    caller: CallerDep,
+) -> AppliedRepair:
+    """Makes what a repair changes in the world, as one transaction by the caller; the goal is left to them."""
+    return station.previews.apply_repair(id, number, caller.author)
+
+
+templates_router = APIRouter(tags=["goal templates"])
+
+TemplateName = Annotated[
+    str, Path(min_length=1, max_length=200, description="Name of the template.", examples=["fill kit"])
+]
+
+
+@templates_router.get("/goal-templates", summary="List goal templates", dependencies=[needs(Role.VIEWER, mes=True)])
+def list_goal_templates(station: StationDep) -> GoalTemplates:
+    """Lists the goal templates, by name."""
+    return station.templates.all()
+
+
+@templates_router.get(
+    "/goal-templates/{name}",
+    summary="Look at a goal template",
+    dependencies=[needs(Role.VIEWER, mes=True)],
+    responses=tagged(),
+)
+def get_goal_template(name: TemplateName, station: StationDep, response: Response) -> GoalTemplate:
+    """Shows a goal template."""
+    return with_etag(station.templates.get(name), response)
+
+
+@templates_router.put(
+    "/goal-templates/{name}",
+    summary="Write a goal template",
+    dependencies=[needs(Role.OPERATOR)],
+    responses=NEEDS_VERSION
+    | tagged()
+    | {201: {"model": GoalTemplate, "description": "It is new.", **tagged(201)[201]}},
+)
+def put_goal_template(
+    name: TemplateName,
+    content: GoalTemplateContent,
+    station: StationDep,
+    seen: SeenDep,
+    response: Response,
+) -> GoalTemplate:
+    """Writes a goal template; for one that is there already, `If-Match` names the version that was seen.
+
+    Jobs that were ordered with it stay as they are.
+    """
+    template, new = station.templates.put(name, content, seen)
+    response.status_code = 201 if new else 200
+    return with_etag(template, response)
+
+
+@templates_router.delete(
+    "/goal-templates/{name}",
+    summary="Remove a goal template",
+    status_code=204,
+    dependencies=[needs(Role.OPERATOR)],
+    responses=NEEDS_VERSION,
+)
+def remove_goal_template(name: TemplateName, station: StationDep, seen: SeenDep) -> None:
+    """Removes a goal template; `If-Match` names the version that was seen. Jobs that were ordered with it stay."""
+    station.templates.remove(name, seen)

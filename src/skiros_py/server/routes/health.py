@@ -7,7 +7,7 @@ import shutil
 from fastapi import APIRouter, Response
 from prometheus_client import CONTENT_TYPE_LATEST, generate_latest
 
-from skiros_py.api.health import Health, Readiness
+from skiros_py.api.server import Health, Readiness
 from skiros_py.server.access.roles import Role, needs
 from skiros_py.server.problems import PROBLEMS
 from skiros_py.server.services import ServicesDep, StationDep

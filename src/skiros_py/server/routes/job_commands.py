@@ -3,16 +3,44 @@
 from __future__ import annotations
 
 from typing import Annotated, TypedDict
+from urllib.parse import quote
 
-from fastapi import APIRouter, Body, Depends, Query, Request, Response
+from fastapi import APIRouter, Body, Depends, Path, Query, Request, Response
 
-from skiros_py.api.jobs import AcceptedJob, JobAnswer, JobComment
+from skiros_py.api.jobs import AcceptedJob, Job, JobAnswer, JobComment
 from skiros_py.server.access.audit import note
 from skiros_py.server.access.roles import CallerDep, Role, needs
-from skiros_py.server.etags import tagged
-from skiros_py.server.routes.job_access import ExpectedDep, JobId, accepted
+from skiros_py.server.problems import SeenDep, tagged, with_etag
 from skiros_py.server.services import StationDep
 from skiros_py.station.requests import Author
+
+JobId = Annotated[str, Path(min_length=1, max_length=200, description="Id of the job.", examples=["line-1-kit-4711"])]
+CursorQuery = Annotated[str | None, Query(pattern=r"^\d{1,15}$", description="The `next` of the page before.")]
+NewestFirstQuery = Annotated[bool, Query(description="Go back from the job that was ordered last.")]
+
+
+async def _expected(seen: SeenDep) -> int | None:  # asynchronous to spare each request a turn in the thread pool
+    return None if seen is None else seen.version
+
+
+ExpectedDep = Annotated[int | None, Depends(_expected)]
+"""For routes: the version that the caller has seen; None for any."""
+
+
+def job_location(id_: str) -> str:
+    """Returns the address of a job."""
+    return f"/api/v1/jobs/{quote(id_, safe='')}"
+
+
+def accepted(job: Job, response: Response) -> AcceptedJob:
+    """Returns a job in answer to an order or a command, with its version in the head of the answer."""
+    return AcceptedJob.model_construct(**dict(shown(job, response)))
+
+
+def shown(job: Job, response: Response) -> Job:
+    """Returns a job, with its version in the head of the answer."""
+    return with_etag(job, response)
+
 
 router = APIRouter(responses=tagged())
 

@@ -22,10 +22,10 @@ from skiros_py.api.jobs import (
     JobTransitions,
     StateName,
 )
-from skiros_py.api.replays import Replay
+from skiros_py.api.view import Replay
 from skiros_py.api.wire import WantedMoment
 from skiros_py.server.access.roles import Role, needs
-from skiros_py.server.routes.job_access import CursorQuery, JobId, NewestFirstQuery
+from skiros_py.server.routes.job_commands import CursorQuery, JobId, NewestFirstQuery
 from skiros_py.server.services import StationDep
 
 router = APIRouter()

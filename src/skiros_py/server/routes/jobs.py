@@ -8,14 +8,12 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Header, Query, Request, Response
 
 from skiros_py.api.jobs import AcceptedJob, Job, JobOrder, JobPage, StateName
-from skiros_py.api.problem import ProblemDetails
-from skiros_py.api.wire import WantedMoment
+from skiros_py.api.wire import ProblemDetails, WantedMoment
 from skiros_py.server.access.audit import note
 from skiros_py.server.access.roles import CallerDep, Role, needs
-from skiros_py.server.etags import tagged
-from skiros_py.server.problems import Problem
+from skiros_py.server.problems import Problem, tagged
 from skiros_py.server.routes import job_commands, job_results
-from skiros_py.server.routes.job_access import (
+from skiros_py.server.routes.job_commands import (
     CursorQuery,
     ExpectedDep,
     JobId,

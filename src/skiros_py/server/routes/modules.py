@@ -1,4 +1,4 @@
-"""Routes: skill managers, what they can run, and running it by itself."""
+"""Routes: skill managers, modules and their runs, plug-ins, and documents that robots run."""
 
 from __future__ import annotations
 
@@ -7,6 +7,10 @@ from typing import Annotated, Literal
 from fastapi import APIRouter, Path, Query, Response
 
 from skiros_py.api.modules import (
+    DocumentContent,
+    DocumentInfo,
+    DocumentKinds,
+    Documents,
     ManagerInfo,
     ModuleDetails,
     ModuleRunInfo,
@@ -14,11 +18,14 @@ from skiros_py.api.modules import (
     ModuleSummary,
     PanelInfo,
     PanelRequest,
+    PluginFaultInfo,
+    Plugins,
     RunModule,
     SetBreakpoints,
     SkillInfo,
 )
 from skiros_py.server.access.roles import CallerDep, Role, needs
+from skiros_py.server.problems import NEEDS_VERSION, SeenDep, etag, tagged
 from skiros_py.server.services import StationDep
 
 router = APIRouter(tags=["modules"])
@@ -148,3 +155,94 @@ def list_skills(station: StationDep) -> list[SkillInfo]:
 def get_skill(name: Id, station: StationDep) -> SkillInfo:
     """One skill, apart from how it is done."""
     return station.modules.skill(name)
+
+
+plugins_router = APIRouter(tags=["plugins"])
+
+
+@plugins_router.get("/plugins", summary="List the plug-ins", dependencies=[needs(Role.ENGINEER)])
+def list_plugins(station: StationDep) -> Plugins:
+    """Every entry point that is installed, from which distribution, and whether it works; as the server started."""
+    return station.plugins.all()
+
+
+@plugins_router.get("/plugins/faults", summary="List broken plug-ins", dependencies=[needs(Role.ENGINEER)])
+def list_plugin_faults(station: StationDep) -> list[PluginFaultInfo]:
+    """What does not load or fit into the present scene, with the traceback for its author; all else works."""
+    return station.plugins.faults()
+
+
+documents_router = APIRouter(tags=["documents"])
+
+KindName = Annotated[str, Path(min_length=1, max_length=100, description="Kind of the document.", examples=["tree"])]
+DocumentsId = Annotated[
+    str, Path(min_length=1, max_length=200, description="Id of the document.", examples=["tidy up"])
+]
+
+
+@documents_router.get("/documents", summary="List the kinds of documents", dependencies=[needs(Role.VIEWER)])
+def list_document_kinds(station: StationDep) -> DocumentKinds:
+    """Lists the kinds of documents that plug-ins bring, each with the nodes that an editor offers."""
+    return station.behaviours.kinds()
+
+
+@documents_router.get("/documents/{kind}", summary="List documents", dependencies=[needs(Role.VIEWER)])
+def list_documents(kind: KindName, station: StationDep) -> Documents:
+    """Lists the documents of a kind, by id."""
+    return station.behaviours.all(kind)
+
+
+@documents_router.get(
+    "/documents/{kind}/{id}", summary="Look at a document", dependencies=[needs(Role.VIEWER)], responses=tagged()
+)
+def get_document(kind: KindName, id: DocumentsId, station: StationDep, response: Response) -> DocumentInfo:  # noqa: A002
+    """Shows a document as it is now; it runs as the module `{kind}:{id}`."""
+    return _tagged(station.behaviours.get(kind, id), response)
+
+
+@documents_router.get("/documents/{kind}/{id}/revisions", summary="List revisions", dependencies=[needs(Role.VIEWER)])
+def list_document_revisions(kind: KindName, id: DocumentsId, station: StationDep) -> Documents:  # noqa: A002
+    """Lists all revisions of a document, the oldest first; also of one that was removed."""
+    return station.behaviours.revisions(kind, id)
+
+
+@documents_router.put(
+    "/documents/{kind}/{id}",
+    summary="Write a document",
+    dependencies=[needs(Role.OPERATOR)],
+    responses=NEEDS_VERSION
+    | tagged()
+    | {201: {"model": DocumentInfo, "description": "It is new.", **tagged(201)[201]}},
+)
+def put_document(
+    kind: KindName,
+    id: DocumentsId,  # noqa: A002
+    content: DocumentContent,
+    station: StationDep,
+    seen: SeenDep,
+    response: Response,
+) -> DocumentInfo:
+    """Writes a document; for one that is there already, `If-Match` names the revision that was seen.
+
+    It is checked first: a fault is answered with its place. Its next run is of this revision; what runs goes on.
+    """
+    document, new = station.behaviours.put(kind, id, content.data, seen)
+    response.status_code = 201 if new else 200
+    return _tagged(document, response)
+
+
+@documents_router.delete(
+    "/documents/{kind}/{id}",
+    summary="Remove a document",
+    status_code=204,
+    dependencies=[needs(Role.OPERATOR)],
+    responses=NEEDS_VERSION,
+)
+def remove_document(kind: KindName, id: DocumentsId, station: StationDep, seen: SeenDep) -> None:  # noqa: A002
+    """Removes a document; `If-Match` names the revision that was seen. What runs of it goes on."""
+    station.behaviours.remove(kind, id, seen)
+
+
+def _tagged(document: DocumentInfo, response: Response) -> DocumentInfo:
+    response.headers["ETag"] = etag(document.revision)
+    return document

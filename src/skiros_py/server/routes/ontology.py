@@ -13,9 +13,9 @@ from skiros_py.api.ontology import (
     PropertyPage,
     RelationPage,
 )
-from skiros_py.api.values import EVERYTHING
+from skiros_py.api.world import EVERYTHING
 from skiros_py.server.access.roles import Role, needs
-from skiros_py.server.routes.parameters import Cursor, Limit, NamePath
+from skiros_py.server.routes.world import Cursor, Limit, NamePath
 from skiros_py.server.services import StationDep
 
 router = APIRouter(prefix="/ontology", tags=["ontology"])

@@ -8,9 +8,9 @@ from fastapi.responses import JSONResponse
 from skiros_py.api.queries import Query, QueryAnswer
 from skiros_py.server.access.roles import Role, needs
 from skiros_py.server.problems import Problem
-from skiros_py.server.routes.parameters import also_refused
+from skiros_py.server.routes.world import also_refused
 from skiros_py.server.services import StationDep
-from skiros_py.station.world.answers import Answer
+from skiros_py.station.world.service import Answer
 
 router = APIRouter(tags=["queries"])
 

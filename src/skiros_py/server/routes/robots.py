@@ -1,15 +1,27 @@
-"""Routes: robots, moving and teaching them by hand, and their models as they are drawn."""
+"""Routes: robots with their models, jogging and teaching; devices and signals."""
 
 from __future__ import annotations
 
 import math
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Body, Path, Response
+from fastapi import APIRouter, Body, Path, Query, Response
 
-from skiros_py.api.looks import Look, RobotMotion
 from skiros_py.api.modules import ModuleRunInfo
-from skiros_py.api.robots import HomeRobot, Jog, RobotInfo, RobotReading, Teach
+from skiros_py.api.robots import (
+    CellSignal,
+    DeviceInfo,
+    DeviceReading,
+    HomeRobot,
+    Jog,
+    Look,
+    RobotInfo,
+    RobotMotion,
+    RobotReading,
+    SetSignal,
+    SignalReadings,
+    Teach,
+)
 from skiros_py.errors import Busy
 from skiros_py.server.access.roles import CallerDep, Role, needs
 from skiros_py.server.routes.modules import location_of
@@ -132,3 +144,57 @@ def get_robot_model(id: Id, station: StationDep) -> Response:  # noqa: A002 - as
 def get_robot_mesh(id: Id, name: _MeshName, station: StationDep) -> Response:  # noqa: A002
     """Gives one of the meshes that the model names, as binary STL [m]; nothing else."""
     return Response(station.robots.mesh(id, name), media_type="model/stl", headers=_FOREVER)
+
+
+@router.get("/devices", summary="List the devices", dependencies=[needs(Role.VIEWER)])
+def list_devices(station: StationDep) -> list[DeviceInfo]:
+    """All devices of the cell, of robots and by themselves, with the values that each offers."""
+    return station.devices.all()
+
+
+@router.get("/devices/{id}", summary="Describe a device", dependencies=[needs(Role.VIEWER)])
+def get_device(id: Id, station: StationDep) -> DeviceInfo:  # noqa: A002 - as the address says it
+    """One device."""
+    return station.devices.get(id)
+
+
+@router.get("/devices/{id}/state", summary="Read a device", dependencies=[needs(Role.VIEWER)])
+def get_device_state(id: Id, station: StationDep) -> DeviceReading:  # noqa: A002
+    """What a device says now, and the values that it offers."""
+    return station.devices.reading(id)
+
+
+@router.post("/devices/{id}/open", summary="Open a device", dependencies=[needs(Role.ENGINEER)])
+def open_device(id: Id, station: StationDep) -> DeviceInfo:  # noqa: A002
+    """Connects the driver of a device, so that modules may use it again."""
+    return station.devices.open(id)
+
+
+@router.post("/devices/{id}/close", summary="Close a device", dependencies=[needs(Role.ENGINEER)])
+def close_device(id: Id, station: StationDep) -> DeviceInfo:  # noqa: A002
+    """Keeps modules from using a device; refused (409) while one does, or while it moves.
+
+    With its last open device a driver is disconnected. A simulated device stays where it is.
+    """
+    return station.devices.close(id)
+
+
+@router.get("/signals", summary="List the signals", dependencies=[needs(Role.VIEWER)])
+def list_signals(station: StationDep) -> list[CellSignal]:
+    """All signals of the cell: those of devices, computed ones, and inputs that can be set."""
+    return station.signals.all()
+
+
+@router.get("/signals/values", summary="Read signals", dependencies=[needs(Role.VIEWER)])
+def read_signals(
+    station: StationDep,
+    name: Annotated[list[str], Query(min_length=1, max_length=200, description="Names of the signals.")],
+) -> SignalReadings:
+    """The values of some signals in one control cycle; where one has no value, why."""
+    return station.signals.read(name)
+
+
+@router.put("/signals/{name}/value", status_code=204, summary="Set a signal", dependencies=[needs(Role.OPERATOR)])
+def set_signal(name: Id, request: SetSignal, station: StationDep) -> None:
+    """Sets an input of the cell; the value counts from the next control cycle on."""
+    station.signals.set(name, request.value)

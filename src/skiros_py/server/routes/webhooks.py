@@ -24,8 +24,8 @@ from skiros_py.errors import UsageError
 from skiros_py.server.access.roles import Role, needs
 from skiros_py.server.problems import Problem
 from skiros_py.server.services import Services, ServicesDep
+from skiros_py.server.webhooks.sender import resolve, target_of
 from skiros_py.server.webhooks.store import Post, Subscription, new_secret
-from skiros_py.server.webhooks.target import resolve, target_of
 from skiros_py.station.requests import addressed
 
 router = APIRouter(prefix="/webhooks", tags=["webhooks"], dependencies=[needs(Role.ADMIN)])

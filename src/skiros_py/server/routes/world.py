@@ -1,17 +1,66 @@
-"""Routes: world."""
+"""Routes: the world as a whole, taught data, locks, and the visible world."""
 
 from __future__ import annotations
 
-from typing import Annotated
+import re
+from typing import Annotated, Any
 
-from fastapi import APIRouter, Path, Query, Response
+from fastapi import APIRouter, Header, Path, Query, Response
 
-from skiros_py.api.elements import TreeNode
-from skiros_py.api.world import Change, ChangePage, TransactionOrder, UndoOrder, WorldInfo, Written
+from skiros_py.api.view import WorldView
+from skiros_py.api.wire import ProblemDetails
+from skiros_py.api.world import (
+    Change,
+    ChangePage,
+    ElementId,
+    LearnedPage,
+    LockList,
+    LockOrder,
+    TransactionOrder,
+    TreeNode,
+    UndoOrder,
+    WorldInfo,
+    Written,
+)
+from skiros_py.errors import UsageError
 from skiros_py.server.access.roles import CallerDep, Role, needs
-from skiros_py.server.etags import NEEDS_VERSION, SeenDep, etag, tagged
-from skiros_py.server.routes.parameters import ChangeLimit, Cursor, Limit, also_refused, number_cursor
+from skiros_py.server.problems import NEEDS_VERSION, Problem, SeenDep, etag, tagged
 from skiros_py.server.services import StationDep
+
+Limit = Annotated[int, Query(ge=1, le=1000, description="How many at most.")]
+ChangeLimit = Annotated[int, Query(ge=1, le=200, description="How many at most.")]
+Cursor = Annotated[str | None, Query(max_length=300, description="Where to read on: `next` of the page before.")]
+ElementPath = Annotated[
+    str, Path(max_length=300, description="Id of the element.", examples=["starter_1", "learned:taught_grasp_1"])
+]
+NamePath = Annotated[str, Path(max_length=300, description="A name of the ontology.", examples=["kitting:Starter"])]
+WhyQuery = Annotated[str, Query(max_length=1000, description="Why, for people.", examples=["delivered this morning"])]
+
+
+def also_refused(status: int, why: str) -> dict[int | str, dict[str, Any]]:
+    """Documents a refusal that only some routes know; for ``responses=``."""
+    return {status: {"model": ProblemDetails, "description": why, "content": {"application/problem+json": {}}}}
+
+
+_NUMBER = re.compile(r"\d{1,18}", re.ASCII)
+
+
+def number_cursor(cursor: str | None, first: int = 0) -> int:
+    """Reads a cursor that is a number.
+
+    Args:
+        cursor: The cursor.
+        first: What it is for the first page.
+
+    Raises:
+        UsageError: It is none of ours.
+    """
+    if cursor is None:
+        return first
+    if not _NUMBER.fullmatch(cursor):
+        raise UsageError(f"'{cursor[:50]}' is no cursor of this list: give 'next' of the page before, as it is")
+    return int(cursor)
+
 
 router = APIRouter(tags=["world"])
 
@@ -107,3 +156,117 @@ def undo_edit(station: StationDep, caller: CallerDep, order: UndoOrder | None = 
     What skills sensed is never undone; 409 where something was built on the edit since.
     """
     return station.world.undo(order, caller.author)
+
+
+learned_router = APIRouter(tags=["learned"])
+
+
+@learned_router.get("/learned", summary="List what robots were taught", dependencies=[needs(Role.VIEWER)])
+def list_learned(station: StationDep, limit: Limit = 100, cursor: Cursor = None) -> LearnedPage:
+    """Lists what robots were taught and keep beyond this scene, in the order of ids."""
+    return station.world.learned(limit, cursor or "")
+
+
+@learned_router.delete(
+    "/learned/{element}", summary="Forget something", dependencies=[needs(Role.ENGINEER)], responses=NEEDS_VERSION
+)
+def forget_learned(
+    element: ElementPath, station: StationDep, caller: CallerDep, seen: SeenDep, reason: WhyQuery = ""
+) -> Written:
+    """Forgets something with its pieces; an undo brings it back."""
+    return station.world.forget(element, seen, caller.author, reason)
+
+
+@learned_router.get(
+    "/learned.ttl",
+    summary="Read what robots were taught as Turtle",
+    dependencies=[needs(Role.VIEWER)],
+    response_class=Response,
+    responses={200: {"content": {"text/turtle": {"schema": {"type": "string"}}}}},
+)
+def export_learned(station: StationDep) -> Response:
+    """Writes everything that was learned as the text of a file.
+
+    Another robot knows it from the start when the file lies in its new data directory as learned.ttl.
+    """
+    return Response(station.world.learned_turtle(), media_type="text/turtle; charset=utf-8")
+
+
+locks_router = APIRouter(tags=["locks"])
+
+
+@locks_router.get("/locks", summary="List locks", dependencies=[needs(Role.VIEWER)])
+def list_locks(station: StationDep) -> LockList:
+    """Returns who alone may edit which elements, and until when."""
+    return station.world.locks()
+
+
+@locks_router.post("/locks", summary="Lock elements", status_code=201, dependencies=[needs(Role.OPERATOR)])
+def lock_elements(order: LockOrder, station: StationDep, caller: CallerDep) -> LockList:
+    """Keeps other people and jobs from editing elements, all of them or none; locking again makes it last longer.
+
+    Skills are not kept from saying what they sensed. Locks end with the server, and when another scene is loaded.
+    """
+    return station.world.lock(order, caller.author)
+
+
+@locks_router.delete("/locks", summary="End locks", dependencies=[needs(Role.OPERATOR)])
+def end_locks(
+    station: StationDep,
+    caller: CallerDep,
+    elements: Annotated[
+        list[ElementId] | None, Query(max_length=100, description="Which; all of the owner where left out.")
+    ] = None,
+    owner: Annotated[
+        str | None, Query(max_length=300, description="Whose locks; those of others only an admin ends.")
+    ] = None,
+) -> LockList:
+    """Ends one's own locks, and answers with those that are left; what is not locked stays as it is."""
+    if owner not in (None, caller.name) and caller.role is not Role.ADMIN:
+        raise Problem(403, "RoleTooLow", f"locks of {owner} are ended by {owner} or by an admin")
+    return station.world.unlock(elements, caller.author, owner)
+
+
+_TAG = {"description": "Version of the view, for If-None-Match.", "schema": {"type": "string"}}
+_ANSWERS: dict[int | str, dict[str, Any]] = {
+    200: {"headers": {"ETag": _TAG}},
+    304: {"description": "Nothing changed since the view of If-None-Match.", "headers": {"ETag": _TAG}},
+}
+_Id = Annotated[str, Query(max_length=300)]
+
+
+@router.get(
+    "/view",
+    summary="Read what there is to be seen",
+    dependencies=[needs(Role.VIEWER)],
+    response_model=WorldView,
+    responses=_ANSWERS,
+)
+def read_view(
+    station: StationDep,
+    element: Annotated[
+        list[_Id] | None,
+        Query(
+            max_length=100,
+            description="Only these elements, with what moves or is gone with them; everything where left out.",
+            examples=[["kit_1"]],
+        ),
+    ] = None,
+    if_none_match: Annotated[str | None, Header(max_length=1000, description="ETag of the view that is known.")] = None,
+) -> Response:
+    """Tells where everything is believed to be, and what it looks like: boxes and cylinders.
+
+    Read everything once; then follow the events of the world, and read anew the elements that they name. What is on a
+    robot's base is told in the frame of that base, and what a gripper holds in that of the tool: where these are is
+    told by `/state` and its stream from moment to moment.
+    """
+    tag = f'"{station.world.view_tag()}"'
+    if _knows(if_none_match, tag):
+        return Response(status_code=304, headers={"ETag": tag})
+    # Made into text at once: what was checked when it was made is not checked again.
+    text = station.world.view(element).model_dump_json(by_alias=True)
+    return Response(text, media_type="application/json", headers={"ETag": tag})
+
+
+def _knows(given: str | None, tag: str) -> bool:
+    return given is not None and tag in {one.strip().removeprefix("W/") for one in given.split(",")}

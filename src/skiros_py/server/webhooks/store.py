@@ -1,4 +1,4 @@
-"""The store of subscriptions and their deliveries, which survives restarts."""
+"""The store of subscriptions and of signed deliveries (CloudEvents 1.0, Standard Webhooks); it survives restarts."""
 
 from __future__ import annotations
 
@@ -6,16 +6,69 @@ import json
 import secrets
 import sqlite3
 from base64 import b64encode
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
+
+from cloudevents.core.formats.json import JSONFormat
+from cloudevents.core.v1.event import CloudEvent
+from standardwebhooks import Webhook as Signer
 
 from skiros_py.api.webhooks import DeliveryState
 from skiros_py.database import Database, Schema
 from skiros_py.errors import Busy, UnknownName
-from skiros_py.server.webhooks.payload import JOB_STATE, PING, payload
 from skiros_py.station.jobs.views import Announcement, state_name
+
+JOB_STATE = "io.skiros.job.state.v1"
+PING = "io.skiros.ping.v1"
+MEDIA_TYPE = "application/cloudevents+json"
+
+
+def payload(event: str, type_: str, source: str, *, subject: str, sequence: int, wall: float, data: Any) -> str:
+    """Returns the text of a message.
+
+    Args:
+        event: Its id, the same in every attempt.
+        type_: Type of the message.
+        source: The sender.
+        subject: Id of the job.
+        sequence: Number of the message among those of its webhook.
+        wall: Time of the event [s since 1970].
+        data: The event, as plain data.
+    """
+    attributes = {
+        "id": event,
+        "source": source,
+        "type": type_,
+        "specversion": "1.0",
+        "time": datetime.fromtimestamp(wall, UTC),
+        "datacontenttype": "application/json",
+        "sequence": f"{sequence:020}",  # compared as text
+        **({"subject": subject} if subject else {}),
+    }
+    written: bytes = JSONFormat().write(CloudEvent(attributes=attributes, data=data))
+    return written.decode()
+
+
+def signed(secret: str, event: str, body: str, now: float) -> Mapping[str, str]:
+    """Returns the headers that prove the sender and the time of a message.
+
+    Args:
+        secret: The key shared by sender and receiver.
+        event: Id of the message.
+        body: The message.
+        now: Time of this attempt [s since 1970].
+    """
+    signature = Signer(secret).sign(event, datetime.fromtimestamp(now, UTC), body)
+    return {
+        "Content-Type": MEDIA_TYPE,
+        "webhook-id": event,
+        "webhook-timestamp": str(int(now)),
+        "webhook-signature": signature,
+    }
+
 
 _TABLES = """
 CREATE TABLE subscriptions (id TEXT PRIMARY KEY, data TEXT NOT NULL, seen INTEGER NOT NULL, last INTEGER NOT NULL)

@@ -7,8 +7,7 @@ from functools import partial
 from skiros_py.errors import DeviceError
 from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.driver import command_models, model_of, require_known, states_of
-from skiros_py.ports.pending import Pending
-from skiros_py.ports.values import Commands, DepthImage, Snapshot
+from skiros_py.ports.values import Commands, DepthImage, Pending, Snapshot
 
 _PERIOD = 1.0 / 200.0
 

@@ -15,8 +15,7 @@ from skiros_py.errors import DeviceError, UnknownName, UsageError
 from skiros_py.geometry import Array, Pose, Solid
 from skiros_py.ports.simulation import FLOOR, Colour, Contact, RayHit, Rendering, Surface, Twist, Vector, View, Wrench
 from skiros_py.ports.values import CameraIntrinsics
-from skiros_py.simulation.pybullet.bodies import Body, Poses, build_solid, centre_of_mass
-from skiros_py.simulation.pybullet.client import Client
+from skiros_py.simulation.pybullet.client import Body, Client, Poses, build_solid, centre_of_mass
 from skiros_py.simulation.pybullet.renderer import BodyLook, Moment, Renderer, RobotLook, intrinsics_of
 from skiros_py.simulation.pybullet.robot import PyBulletRobot, surface_options
 from skiros_py.workers import Call, Worker

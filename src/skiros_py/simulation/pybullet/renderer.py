@@ -16,8 +16,7 @@ import numpy as np
 from skiros_py.geometry import Array, Pose, Solid
 from skiros_py.ports.simulation import Colour, Rendering, View
 from skiros_py.ports.values import CameraIntrinsics
-from skiros_py.simulation.pybullet.bodies import build_solid
-from skiros_py.simulation.pybullet.client import Client
+from skiros_py.simulation.pybullet.client import Client, build_solid
 from skiros_py.simulation.pybullet.robot import RobotModel
 
 T = TypeVar("T")

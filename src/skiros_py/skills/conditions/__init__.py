@@ -1,8 +1,7 @@
 """Conditions: patterns over the world, in the words of the domain, with reasons; their effects; watching them."""
 
-from skiros_py.skills.conditions.compare import Compare
 from skiros_py.skills.conditions.compound import Junction, Quantified, all_of, any_of, exists, for_all
-from skiros_py.skills.conditions.condition import Condition, ConditionType, Role, judge
+from skiros_py.skills.conditions.condition import Compare, Condition, ConditionType, Role, judge
 from skiros_py.skills.conditions.effects import (
     Assign,
     Effect,
@@ -26,8 +25,8 @@ from skiros_py.skills.conditions.pattern import (
     Nothing,
     Pattern,
     Related,
+    Verdict,
 )
-from skiros_py.skills.conditions.verdict import Verdict
 from skiros_py.skills.conditions.watch import Watch, Watches
 
 __all__ = [

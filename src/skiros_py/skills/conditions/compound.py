@@ -9,8 +9,7 @@ from typing import Literal
 
 from skiros_py.errors import DescriptionError
 from skiros_py.skills.conditions.condition import Condition, ConditionType, Role
-from skiros_py.skills.conditions.pattern import AllOf, AnyOf, Binding, Exists, Not, Pattern
-from skiros_py.skills.conditions.verdict import Verdict
+from skiros_py.skills.conditions.pattern import AllOf, AnyOf, Binding, Exists, Not, Pattern, Verdict
 from skiros_py.world.names import local_name
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.view import WorldView

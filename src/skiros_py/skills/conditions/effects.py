@@ -9,8 +9,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from skiros_py.errors import DescriptionError
-from skiros_py.skills.conditions.compare import Compare
-from skiros_py.skills.conditions.condition import Condition
+from skiros_py.skills.conditions.condition import Compare, Condition
 from skiros_py.skills.conditions.pattern import AllOf, Has, Not, Nothing, Pattern, Related
 from skiros_py.world.element import Value
 from skiros_py.world.ontology import Ontology

@@ -20,8 +20,7 @@ from lark.exceptions import UnexpectedCharacters, UnexpectedInput, UnexpectedTok
 
 from skiros_py.errors import DescriptionError, UnknownName
 from skiros_py.skills.conditions.condition import Condition, ConditionType
-from skiros_py.skills.conditions.pattern import AllOf, AnyOf, Binding, Exists, Not, Pattern
-from skiros_py.skills.conditions.verdict import Verdict
+from skiros_py.skills.conditions.pattern import AllOf, AnyOf, Binding, Exists, Not, Pattern, Verdict
 from skiros_py.world.literals import shown
 from skiros_py.world.view import NO_SENSORS, WorldView
 

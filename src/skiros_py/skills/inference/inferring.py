@@ -1,4 +1,4 @@
-"""Finds elements for the parameters of a skill that were left out."""
+"""Finds elements for the parameters of a skill that were left out; the result is values with reasons."""
 
 from __future__ import annotations
 
@@ -8,15 +8,56 @@ from itertools import islice
 from typing import Any
 
 from skiros_py.skills.conditions import Condition, Verdict
-from skiros_py.skills.inference.choice import Solution, choose
-from skiros_py.skills.inference.narrowing import conjuncts
-from skiros_py.skills.inference.result import Inferred, Missing
-from skiros_py.skills.inference.search import Search
+from skiros_py.skills.inference.search import Search, Solution, choose, conjuncts
 from skiros_py.skills.parameters import IT, Param, missing
 from skiros_py.skills.references import variables
-from skiros_py.skills.skill import SkillDescription
-from skiros_py.skills.structure import nearest_first
+from skiros_py.skills.skill import SkillDescription, nearest_first
 from skiros_py.world.view import WorldView
+
+
+@dataclass(frozen=True, slots=True)
+class Inferred:
+    """Every required parameter is specified.
+
+    Attributes:
+        values: Value by key of every parameter; None for optional ones that stay unspecified.
+        reasons: Why this one, by key, of what was inferred ("of 3 that fit, the first by id").
+    """
+
+    values: Mapping[str, Any]
+    reasons: Mapping[str, str]
+
+    def lines(self) -> list[str]:
+        """Returns what was inferred, one parameter a line ("Box = box_a: of 3 that fit, the first by id")."""
+        return [f"{key} = {self.values[key]}: {reason}" for key, reason in self.reasons.items()]
+
+
+@dataclass(frozen=True, slots=True)
+class Missing:
+    """Required parameters stay open: the module does not run.
+
+    Attributes:
+        verdicts: Why nothing was found, by key of each parameter that is missing.
+        values: What is specified or was found of the others, by key.
+    """
+
+    verdicts: Mapping[str, Verdict]
+    values: Mapping[str, Any]
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """The parameters that are missing, in the order in which they are described."""
+        return tuple(self.verdicts)
+
+    def __str__(self) -> str:
+        which = f"parameter{'s' if len(self.keys) > 1 else ''} {', '.join(self.keys)}"
+        reasons = "; ".join(line.strip() for line in self.lines())
+        return f"{which} not specified: {reasons}"
+
+    def lines(self) -> list[str]:
+        """Returns the reasons as indented lines."""
+        return [line for verdict in self.verdicts.values() for line in verdict.lines()]
+
 
 _ENOUGH = 100_000
 """So many combinations are compared; more only arise where nothing connects one parameter with the others."""
@@ -28,7 +69,7 @@ def infer(
     """Specifies the required element parameters that are not given, by what the skill needs. Nothing is remembered.
 
     Elements are looked for that fulfil all needs together (:attr:`SkillDescription.needs`); of several solutions
-    :func:`~skiros_py.skills.inference.choice.choose` takes one. Where no elements fulfil all needs, those needs are
+    :func:`~skiros_py.skills.inference.search.choose` takes one. Where no elements fulfil all needs, those needs are
     put aside, from the first one on, that do not go with the others: a parameter that they speak of is still set where
     only one element is left for it, so that the check of the preconditions can say of this one what does not hold.
     Otherwise it is missing, with the reason. Needs that speak of given parameters only are not looked at here.

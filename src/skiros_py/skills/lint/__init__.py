@@ -10,8 +10,19 @@ from skiros_py.skills.lint.checking import (
     problems_of,
     rule,
 )
-from skiros_py.skills.lint.rule import Check, Finding, Problem, Rule, Severity, Spot
-from skiros_py.skills.lint.subject import Known, PrimitiveClass, Source, Subject, title
+from skiros_py.skills.lint.rule import (
+    Check,
+    Finding,
+    Known,
+    PrimitiveClass,
+    Problem,
+    Rule,
+    Severity,
+    Source,
+    Spot,
+    Subject,
+    title,
+)
 
 __all__ = [
     "DOES_NOT_LOAD",

@@ -7,19 +7,24 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from types import MappingProxyType
 
 from skiros_py.errors import UnknownName
-from skiros_py.skills.lint.rule import Finding, Problem, Rule, Severity, Spot
-from skiros_py.skills.lint.rules.calls import MISSING_ARGUMENT, MISSING_PARAMETER, UNKNOWN_MODULE
-from skiros_py.skills.lint.rules.code import BLOCKING_CALL, MOTION_IN_FINALLY, YIELD_NEVER
+from skiros_py.skills.lint.rule import (
+    Finding,
+    Known,
+    PrimitiveClass,
+    Problem,
+    Rule,
+    Severity,
+    Source,
+    Spot,
+    Subject,
+    title,
+)
+from skiros_py.skills.lint.rules.calls import MISSING_ARGUMENT, MISSING_PARAMETER, RECURSIVE_SKILL, UNKNOWN_MODULE
+from skiros_py.skills.lint.rules.code import BLOCKING_CALL, MOTION_IN_FINALLY, PRETENDS, PRIVATE_IMPORT, YIELD_NEVER
 from skiros_py.skills.lint.rules.devices import NO_MIX_RULE, SAME_DEVICE
-from skiros_py.skills.lint.rules.documented import MISSING_HELP, MISSING_UNIT
-from skiros_py.skills.lint.rules.imports import PRIVATE_IMPORT
-from skiros_py.skills.lint.rules.places import MOVES_BY_STRUCTURE, UNPLACED
-from skiros_py.skills.lint.rules.pretending import PRETENDS
 from skiros_py.skills.lint.rules.ranges import WRONG_RANGE
-from skiros_py.skills.lint.rules.reach import IMPOSSIBLE_EFFECT, UNREACHABLE_PRECONDITION
-from skiros_py.skills.lint.rules.recursion import RECURSIVE_SKILL
-from skiros_py.skills.lint.rules.words import NOT_COMPUTED, UNKNOWN_WORD
-from skiros_py.skills.lint.subject import Known, PrimitiveClass, Source, Subject, title
+from skiros_py.skills.lint.rules.reach import IMPOSSIBLE_EFFECT, MOVES_BY_STRUCTURE, UNPLACED, UNREACHABLE_PRECONDITION
+from skiros_py.skills.lint.rules.words import MISSING_HELP, MISSING_UNIT, NOT_COMPUTED, UNKNOWN_WORD
 from skiros_py.skills.skill import Skill
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners

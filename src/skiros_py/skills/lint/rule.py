@@ -1,14 +1,125 @@
-"""Rules for plug-ins, and what they find."""
+"""Rules for plug-ins, what they look at, and what they find."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import ast
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import cached_property
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
-from skiros_py.skills.lint.subject import Known, Subject
+from skiros_py.errors import SkirosError
+from skiros_py.skills.behaviour import Behaviour
+from skiros_py.skills.conditions import AllOf, AnyOf, Condition, ConditionType, Exists, Not, Pattern
+from skiros_py.skills.parameters import IT, Param, params_of
+from skiros_py.skills.primitive import Primitive
+from skiros_py.skills.skill import Skill, SkillDescription
+from skiros_py.world.ontology import Ontology
+from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners
+
+PrimitiveClass = type[Primitive[Any]]
+
+
+class Source:
+    """A Python file of a plug-in.
+
+    Attributes:
+        file: The file.
+        text: What is in it.
+        tree: The same, parsed.
+        names: What its names stand for, by name, where its module was imported.
+        has_primitives: Whether primitives are written in it.
+    """
+
+    def __init__(
+        self, file: Path, text: str, names: Mapping[str, Any] | None = None, has_primitives: bool = False
+    ) -> None:
+        self.file = file
+        self.text = text
+        self.tree = ast.parse(text, str(file))
+        self.names = names or {}
+        self.has_primitives = has_primitives
+
+    @cached_property
+    def imported(self) -> Mapping[str, str]:
+        """What its imports are called there: dotted name by own name ("sleep" -> "time.sleep")."""
+        found: dict[str, str] = {}
+        for node in ast.walk(self.tree):
+            if isinstance(node, ast.Import):
+                for alias in node.names:
+                    own = alias.asname or alias.name.partition(".")[0]
+                    found[own] = alias.name if alias.asname else own
+            elif isinstance(node, ast.ImportFrom) and node.level == 0:
+                found |= {alias.asname or alias.name: f"{node.module}.{alias.name}" for alias in node.names}
+        return found
+
+    def dotted(self, node: ast.expr) -> str:
+        """Returns the full name of what an expression names ("time.sleep"), or nothing."""
+        if isinstance(node, ast.Name):
+            return self.imported.get(node.id, node.id)
+        if isinstance(node, ast.Attribute):
+            owner = self.dotted(node.value)
+            return f"{owner}.{node.attr}" if owner else ""
+        return ""
+
+
+Subject = SkillDescription | Skill | PrimitiveClass | ConditionType | Source
+"""One thing of a plug-in."""
+
+
+def title(subject: Subject) -> str:
+    """Returns how a thing is called in messages."""
+    match subject:
+        case SkillDescription(name=name):
+            return f"skill {name}"
+        case Skill(description=description, driver=driver, label=label):
+            kind = " ".join(filter(None, (label, f"({driver})" if driver else "")))
+            return f"skill {description.name}{' ' + kind if kind else ''}"
+        case ConditionType(name=name):
+            return f"condition {name}"
+        case Source(file=file):
+            return file.name
+        case _:
+            return f"primitive {getattr(subject, 'name', subject.__name__)}"
+
+
+@dataclass(frozen=True, slots=True)
+class Known:
+    """What is there beside the thing that is looked at.
+
+    Attributes:
+        ontology: The words.
+        primitives: All primitives, by name.
+        skills: All skills.
+        reasoners: What computes relations.
+    """
+
+    ontology: Ontology
+    primitives: Mapping[str, PrimitiveClass]
+    skills: Sequence[Skill] = ()
+    reasoners: Reasoners = NO_REASONERS
+
+    def implementations(self, skill: str) -> tuple[Skill, ...]:
+        """Returns the implementations of a skill."""
+        return tuple(s for s in self.skills if s.description.name == skill)
+
+    def params(self, module: str) -> tuple[Param, ...] | None:
+        """Returns the parameters of a primitive or a skill; None where there is none, or its own are broken."""
+        if module in self.primitives:
+            try:
+                return params_of(self.primitives[module].Params)
+            except SkirosError:
+                return None
+        return next((s.description.params for s in self.implementations(module)), None)
+
+    def takes(self, module: str) -> tuple[str, ...]:
+        """Returns the keys of those parameters of a module whose element it takes with all its devices."""
+        if module in self.primitives:
+            return self.primitives[module].takes
+        return tuple(key for s in self.implementations(module) for key in s.takes)
 
 
 class Severity(StrEnum):
@@ -111,3 +222,90 @@ class Rule:
     def page(self) -> str:
         """What there is to say about it, as Markdown, with an example that breaks it and one that does not."""
         return (_PAGES / f"{self.name}.md").read_text(encoding="utf-8")
+
+
+Classes = Mapping[str, str]
+"""Class of the element that a variable stands for, by variable."""
+
+_NONE: Classes = MappingProxyType({})
+
+
+@dataclass(frozen=True, slots=True)
+class Use:
+    """A pattern at a place where it is used.
+
+    Attributes:
+        where: The place, for messages ("condition InKit(Object, Kit)").
+        pattern: The pattern.
+        classes: What its free variables stand for.
+        condition: The condition that it is the pattern of, or None.
+    """
+
+    where: str
+    pattern: Pattern
+    classes: Classes
+    condition: Condition | None = None
+
+
+def classes_of(description: SkillDescription) -> Classes:
+    """Returns the classes of a skill's element parameters."""
+    return {p.key: p.type for p in description.params if isinstance(p.type, str) and p.is_element}
+
+
+def uses_of(subject: Subject) -> Iterator[Use]:
+    """Yields every pattern that a thing uses."""
+    match subject:
+        case SkillDescription():
+            yield from _of_description(subject)
+        case Skill():
+            classes = classes_of(subject.description)
+            yield from _of_conditions(subject.when, classes)
+            for node in subject.nodes:
+                yield from _of_body(node, classes)
+        case ConditionType():
+            yield Use("its pattern", subject.pattern, {role.name: role.class_ for role in subject.roles})
+        case _:
+            pass
+
+
+def _of_description(description: SkillDescription) -> Iterator[Use]:
+    classes = classes_of(description)
+    yield from _of_conditions((*description.pre, *description.hold, *description.post), classes)
+    for param in description.params:
+        for pattern in (*param.described, *param.preferred):
+            yield Use(f"parameter {param.key}", pattern, {**classes, IT: str(param.type)})
+
+
+def _of_conditions(conditions: tuple[Condition, ...], classes: Classes) -> Iterator[Use]:
+    yield from (Use(f"condition {c}", c.pattern, classes, c) for c in conditions)
+
+
+def _of_body(node: Behaviour, classes: Classes) -> Iterator[Use]:
+    for below, scope in walk_scoped(node, classes):
+        uses = below.uses()
+        yield from _of_conditions(uses.conditions, scope)
+        for where, pattern in uses.patterns:
+            yield Use(where, pattern, {**scope, **uses.binds})
+
+
+def walk_scoped(node: Behaviour, classes: Classes = _NONE) -> Iterator[tuple[Behaviour, Classes]]:
+    """Yields a node and all below it, each with the classes of the elements that it can refer to."""
+    yield node, classes
+    inner = {**classes, **node.uses().binds}
+    for child in node.named_children().values():
+        yield from walk_scoped(child, inner)
+
+
+def leaves(pattern: Pattern, classes: Classes = _NONE) -> Iterator[tuple[Pattern, Classes]]:
+    """Yields what a pattern is made of, also the quantifiers, each with the classes of its variables."""
+    match pattern:
+        case Not(inner):
+            yield from leaves(inner, classes)
+        case AllOf(patterns) | AnyOf(patterns):
+            for part in patterns:
+                yield from leaves(part, classes)
+        case Exists(variable, class_, inner):
+            yield pattern, classes
+            yield from leaves(inner, {**classes, variable: class_})
+        case _:
+            yield pattern, classes

@@ -1,7 +1,6 @@
 """Parameters of skills and primitives: typed, with a help text, and of one of the paper's kinds (§5.2)."""
 
-from skiros_py.skills.parameters.checks import check_params
-from skiros_py.skills.parameters.fields import param, params_of
+from skiros_py.skills.parameters.fields import check_params, param, params_of
 from skiros_py.skills.parameters.param import IT, Access, Cost, Kind, Param
 from skiros_py.skills.parameters.values import (
     Arguments,

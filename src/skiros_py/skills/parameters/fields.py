@@ -1,13 +1,124 @@
-"""Parameters of primitives: fields of their ``Params`` dataclass."""
+"""Parameters of primitives: fields of their ``Params`` dataclass, checked when they are described."""
 
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable, Collection, Iterator, Sequence
 from typing import Any
 
-from skiros_py.errors import DescriptionError
-from skiros_py.skills.parameters.checks import check_params
-from skiros_py.skills.parameters.param import Access, Kind, Param, ValueClass
+from skiros_py.errors import DescriptionError, UnknownName
+from skiros_py.skills.parameters.param import IT, Access, Kind, Param, ValueClass
+from skiros_py.skills.parameters.values import VALUE_TYPES
+from skiros_py.skills.references import variables
+
+
+def check_params(params: Sequence[Param], where: str) -> None:
+    """Checks parameters that belong together.
+
+    Args:
+        params: The parameters.
+        where: Whose they are, for messages ("of skill 'pick'").
+
+    Raises:
+        DescriptionError: One is described wrongly, or two have the same key.
+        UnknownName: One has a type that there is not, or a pattern over a parameter that there is not.
+    """
+    keys = [param.key for param in params]
+    for number, param in enumerate(params):
+        if param.key in keys[:number]:
+            raise DescriptionError(f"two parameters {where} are called '{param.key}'")
+        if isinstance(param.type, str) and not param.is_element and param.type not in VALUE_TYPES:
+            known = [*VALUE_TYPES, "a class such as sk:Arm"]
+            raise UnknownName("type", param.type, known, where=f"of parameter {param.key} {where}")
+        for fault in _faults(param):
+            raise DescriptionError(f"parameter {param.key or '(without a name)'} {where}: {fault}")
+        _check_variables(param, {p.key for p in params if p.is_element}, where)
+
+
+def _faults(param: Param) -> Iterator[str]:
+    if not param.key or param.key == IT or "=" in param.key or param.key.strip() != param.key:
+        yield f"its key must be a name, without '=' and blanks, and not '{IT}'"
+    if param.access is not Access.EXCLUSIVE and param.kind is not Kind.HARDWARE:
+        yield f"access is about devices, and it is {param.kind.name}"
+    yield from _element_faults(param) if param.is_element else _value_faults(param)
+    yield from _default_faults(param)
+
+
+def _element_faults(param: Param) -> Iterator[str]:
+    if param.length != 1:
+        yield f"it is one element, so its length cannot be {param.length}"
+    if param.unit:
+        yield f"an element has no unit, so not '{param.unit}'"
+
+
+def _value_faults(param: Param) -> Iterator[str]:
+    if param.described or param.preferred or param.cost is not None or param.unique:
+        yield f"where, prefer, cost and unique are about elements, and it is {param.type_name}"
+    if param.kind in (Kind.HARDWARE, Kind.PLANNING):
+        yield f"only an element can be {param.kind.name}, and it is {param.type_name}"
+    if param.length < 0:
+        yield f"its length cannot be {param.length}: 0 stands for any number of values"
+    if param.length != 1 and param.type == "vector":
+        yield f"a vector has any number of numbers: say type 'number' with length {param.length}"
+    if param.unit and param.type in _WITHOUT_UNIT:
+        yield f"{param.type_name} has no unit, so not '{param.unit}'"
+
+
+_WITHOUT_UNIT = ("text", "boolean", "class", "pose")
+
+
+def _default_faults(param: Param) -> Iterator[str]:
+    if param.kind.has_default and param.default is None:
+        yield f"it is {param.kind.name} and needs a default"
+    elif not param.kind.has_default and param.default is not None:
+        yield f"it is {param.kind.name} and cannot have a default: make it OFFLINE or CONFIG"
+    elif param.default is not None:
+        values = _values(param)
+        if values is None:
+            yield f"its default must be a tuple of {param.length or 'any number of'} values, not {param.default!r:.100}"
+        elif not all(_is_of(param, value) for value in values):
+            yield f"its default must be {_says(param)}, not {param.default!r:.100}"
+
+
+def _values(param: Param) -> tuple[Any, ...] | None:
+    """The values that the default is made of, or None where there are not as many as there should be."""
+    if param.length == 1:
+        return (param.default,)
+    if not isinstance(param.default, tuple) or param.length not in (0, len(param.default)):
+        return None
+    return param.default
+
+
+def _is_of(param: Param, value: Any) -> bool:
+    if not isinstance(param.type, str):
+        return isinstance(value, param.type)
+    if param.is_element:
+        return isinstance(value, str) and bool(value)
+    return _accepts(VALUE_TYPES[param.type].check, value)
+
+
+def _accepts(check: Callable[[Any], Any], value: Any) -> bool:
+    try:
+        return bool(check(value) == value)
+    except ValueError:
+        return False
+
+
+def _says(param: Param) -> str:
+    if not isinstance(param.type, str):
+        return f"a {param.type_name}"
+    return "the id of an element" if param.is_element else VALUE_TYPES[param.type].says
+
+
+def _check_variables(param: Param, keys: Collection[str], where: str) -> None:
+    for pattern in (*param.described, *param.preferred):
+        names = variables(pattern)
+        for name in names:
+            if name != IT and name not in keys:
+                place = f"in a pattern of parameter {param.key} {where}"
+                raise UnknownName("element parameter", name, {*keys, IT}, where=place)
+        if IT not in names:
+            raise DescriptionError(f"parameter {param.key} {where}: its pattern {pattern} says nothing about '{IT}'")
 
 
 def param(

@@ -8,7 +8,7 @@ from skiros_py.devices.arm import ArmState
 from skiros_py.devices.base import BaseState
 from skiros_py.devices.gripper import GripperState
 from skiros_py.geometry import Pose
-from skiros_py.station.events.event import as_text
+from skiros_py.station.events.log import as_text
 from skiros_py.station.robots.looks import Looks
 from skiros_py.station.robots.motions import Motions
 from skiros_py.station.session import Session

@@ -1,16 +1,156 @@
-"""The recent events, in order: written by any thread, and read by streams, each of which is a position in the log."""
+"""The recent events, in order: written by any thread, and read by streams at their own speed."""
 
 from __future__ import annotations
 
+import enum
+import json
+import math
 import secrets
 import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from datetime import UTC, datetime
 from typing import Any
 
 from skiros_py.listeners import Listeners
-from skiros_py.station.events.event import Event, Kind, written
+
+_ID = b"\nid: "
+"""Terminator of the text in a server-sent event; text in one line cannot contain it."""
+_LONGEST = 64_000
+"""Maximum number of characters of one event's data; longer data is omitted, and the event says so."""
+
+
+class Kind(enum.StrEnum):
+    """The subject of an event."""
+
+    WORLD = "world"
+    """A change of the believed world."""
+    MODULE = "module"
+    """A skill or primitive started, made progress, was paused, or ended."""
+    TASK = "task"
+    """Something happened in a task: a plan, a step, a question."""
+    JOB = "job"
+    """A job has a new version."""
+    ALARM = "alarm"
+    """An alarm was raised, answered, acknowledged, or cleared."""
+    DOCUMENT = "document"
+    """A goal template or a sequence was written, or removed."""
+    SYSTEM = "system"
+    """The station itself: reopened, halted, reset."""
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """One event. It is serialised immediately, so that all listeners receive the same bytes.
+
+    Attributes:
+        number: Its number, without gaps, from 1 for each start of the server.
+        wall: Its time [s since 1970].
+        time: Its time, in run time [s].
+        kind: Its kind.
+        type: Its type, one word of its kind ("changed", "started", "aborted").
+        subject: The subject: id of a job, name of a task or module; empty for a change of the world.
+        job: Id of the job to which it belongs; empty if there is none.
+        elements: Ids of the world elements that it concerns; None if they are too many to list.
+        frame: The event as a server-sent event.
+    """
+
+    number: int
+    wall: float
+    time: float
+    kind: Kind
+    type: str
+    subject: str
+    job: str
+    elements: frozenset[str] | None
+    frame: bytes
+
+    @property
+    def text(self) -> str:
+        """The event as JSON, in one line."""
+        return self.frame[len(_head(self.kind)) : self.frame.rindex(_ID)].decode()
+
+    @property
+    def data(self) -> Mapping[str, Any]:
+        """The details, as plain data."""
+        data: Mapping[str, Any] = json.loads(self.text)["data"]
+        return data
+
+    def touches(self, element: str) -> bool:
+        """Returns whether it concerns, or may concern, a world element."""
+        return self.elements is None or element in self.elements
+
+
+def written(
+    epoch: str,
+    number: int,
+    moment: tuple[float, float],
+    kind: Kind,
+    type_: str,
+    subject: str,
+    job: str,
+    elements: frozenset[str] | None,
+    data: Mapping[str, Any],
+) -> Event:
+    """Returns a serialised event.
+
+    Args:
+        epoch: Identifies the start of the server.
+        number: Its number.
+        moment: Its time [s since 1970], and in run time [s].
+        kind: Its kind.
+        type_: Its type.
+        subject: Its subject.
+        job: Id of the job to which it belongs.
+        elements: Ids of the elements that it concerns; None for too many.
+        data: The details, as plain data.
+    """
+    wall, time = moment
+    head: dict[str, Any] = {
+        "id": f"{epoch}-{number}",
+        "number": number,
+        "at": datetime.fromtimestamp(wall, UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z"),
+        "time": time,
+        "kind": kind.value,
+        "type": type_,
+        "subject": subject,
+        "job": job,
+    }
+    said = as_text(data)
+    if len(said) > _LONGEST:
+        said = as_text({"left_out": f"{len(said)} characters are too many for an event: read it where it is kept"})
+    text = f'{as_text(head)[:-1]},"data":{said}}}'
+    frame = f"event: {kind.value}\ndata: {text}\nid: {head['id']}\n\n".encode()
+    return Event(number, wall, time, kind, type_, subject, job, elements, frame)
+
+
+def _head(kind: Kind) -> bytes:
+    """Returns the prefix of the text in a server-sent event."""
+    return f"event: {kind.value}\ndata: ".encode()
+
+
+def as_text(data: object) -> str:
+    """Returns data as JSON in one line; values that JSON cannot represent become text or null."""
+    try:
+        return json.dumps(data, separators=(",", ":"), allow_nan=False, default=str)
+    except (ValueError, TypeError, RecursionError):  # NaN, or a key that is not a string
+        return json.dumps(_plain(data, 20), separators=(",", ":"), default=str)
+
+
+def _plain(value: object, depth: int) -> object:
+    """Returns the value with parts that JSON cannot represent as text or None, down to a maximum depth."""
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if depth == 0:
+        return str(value)[:100]
+    if isinstance(value, Mapping):
+        return {str(key): _plain(one, depth - 1) for key, one in value.items()}
+    if isinstance(value, list | tuple | set | frozenset):
+        return [_plain(one, depth - 1) for one in value]
+    return value
+
 
 _MOST_ELEMENTS = 1000
 """Maximum number of elements listed in an event; one with more is treated as concerning any element."""

@@ -6,9 +6,8 @@ from collections.abc import Callable
 from typing import Any
 
 from skiros_py.execution.monitor import ModuleEvent
-from skiros_py.skills.questions import Question
-from skiros_py.station.events.event import Kind
-from skiros_py.station.events.log import EventLog
+from skiros_py.skills.context import Question
+from skiros_py.station.events.log import EventLog, Kind
 from skiros_py.station.jobs.views import state_name
 from skiros_py.station.modules.runs import ModuleRun, ModuleRuns, Turn
 from skiros_py.station.session import Session

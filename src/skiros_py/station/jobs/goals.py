@@ -3,17 +3,167 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import fields, is_dataclass
+from functools import partial
+from typing import Any
 
-from skiros_py.api.goals import CheckedGoal, ConditionWords, GoalOrder, GoalTexts, SceneGoals
-from skiros_py.api.templates import GoalTemplate, GoalTemplateContent, GoalTemplates
-from skiros_py.errors import StaleVersion, UsageError
-from skiros_py.skills.conditions.reads import ReadingView
-from skiros_py.station.jobs.goal_checks import checked_goal, condition_words
+from skiros_py.api.goals import (
+    CheckedCondition,
+    CheckedGoal,
+    ConditionWord,
+    ConditionWords,
+    GoalOrder,
+    GoalTemplate,
+    GoalTemplateContent,
+    GoalTemplates,
+    GoalTexts,
+    Role,
+    SceneGoals,
+)
+from skiros_py.errors import SkirosError, StaleVersion, UsageError
+from skiros_py.planning.problem.stock import believed
+from skiros_py.planning.problem.task import Capability
+from skiros_py.skills.conditions import Condition, ConditionType, Nothing
+from skiros_py.skills.conditions.effects import Assign, Relate, effects_of
+from skiros_py.skills.conditions.watch import ReadingView
+from skiros_py.skills.skill import SkillDescription
 from skiros_py.station.jobs.orders import texts_of
-from skiros_py.station.jobs.templates import TemplateStore, check_template
-from skiros_py.station.jobs.texts import goal_texts
+from skiros_py.station.jobs.templates import TemplateStore, check_template, goal_texts
 from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, Service, addressed, require_seen
+from skiros_py.tasks.goals import goal_as_data, goal_as_text, parse_goal
 from skiros_py.world.change import Writer
+from skiros_py.world.ontology import Ontology
+from skiros_py.world.view import WorldView
+
+
+def checked_goal(
+    texts: Sequence[str], view: WorldView, version: int, conditions: Mapping[str, ConditionType]
+) -> CheckedGoal:
+    """Returns a goal as parsed, and whether it holds.
+
+    Args:
+        texts: Goal texts.
+        view: One state of the world.
+        version: Its number.
+        conditions: The available condition words.
+
+    Raises:
+        UsageError: It cannot be parsed.
+    """
+    goal = parse_goal(texts, view, conditions)
+    each = tuple(_checked(condition, view) for condition in goal)
+    return CheckedGoal(text=goal_as_text(goal), conditions=each, holds=all(one.holds for one in each), world=version)
+
+
+def _checked(condition: Condition, view: WorldView) -> CheckedCondition:
+    verdict = believed(condition, view)
+    (data,) = goal_as_data((condition,))
+    return CheckedCondition(
+        text=goal_as_text((condition,)),
+        data=data,
+        holds=verdict.holds,
+        why=verdict.why,
+        lines=tuple(verdict.lines()),
+    )
+
+
+# ------------------------------------------------------------------ words
+
+_Change = tuple[str, str]
+"""An effect of a skill: a relation or property, and the class of the element that it moves or changes."""
+
+
+def condition_words(
+    conditions: Mapping[str, ConditionType], capabilities: Sequence[Capability], ontology: Ontology
+) -> Iterator[ConditionWord]:
+    """Yields the words of the goal language, with the skills that can make them hold.
+
+    A skill counts if it changes a relation or property on which the condition depends; whether it does so for the
+    elements of a goal is found by planning.
+    """
+    brought = {c.skill.name: frozenset(_brought(c.skill, ontology)) for c in capabilities}
+    for name, type_ in sorted(conditions.items()):
+        wanted = tuple(_wanted(type_.pattern, ontology))
+        skills = [skill for skill, changes in brought.items() if any(one(c) for one in wanted for c in changes)]
+        yield ConditionWord(
+            name=name,
+            help=type_.help,
+            roles=tuple(_roles(type_, [c.skill for c in capabilities if c.skill.name in skills], ontology)),
+            abstract=type_.abstract,
+            skills=tuple(sorted(skills)),
+        )
+
+
+def _roles(type_: ConditionType, skills: Sequence[SkillDescription], ontology: Ontology) -> Iterator[Role]:
+    """Yields the arguments of a condition, each with the class for which those skills make it hold."""
+    made = [
+        [skill.param(argument).element_class for argument in post.arguments]
+        for skill in skills
+        for post in skill.post
+        if post.type.name == type_.name and not post.negated
+    ]
+    for number, role in enumerate(type_.roles):
+        reached = _widest([classes[number] for classes in made], ontology)
+        narrower = reached is not None and ontology.is_a(reached, role.class_)
+        yield Role.model_validate(
+            {"name": role.name, "class": role.class_, "reached": reached if narrower else role.class_}
+        )
+
+
+def _widest(classes: Sequence[str], ontology: Ontology) -> str | None:
+    """Returns the one of these classes that includes all others; None if there is none."""
+    return next((wide for wide in classes if all(ontology.is_a(one, wide) for one in classes)), None)
+
+
+def _brought(skill: SkillDescription, ontology: Ontology) -> Iterator[_Change]:
+    """Yields the effects of a skill."""
+    for condition in skill.post:
+        for effect in _effects(condition):
+            if isinstance(effect, Assign):
+                yield effect.property, skill.param(effect.subject).element_class
+            elif isinstance(effect, Relate):
+                ends = (effect.subject, effect.relation, effect.object)
+                moved = ontology.placed(*ends)[0] if ontology.is_placement(effect.relation) else effect.subject
+                yield effect.relation, skill.param(moved).element_class
+
+
+def _effects(condition: Condition) -> Sequence[object]:
+    try:
+        return effects_of(condition)
+    except SkirosError:  # a derived condition: it needs no action of its own
+        return ()
+
+
+def _wanted(pattern: Any, ontology: Ontology) -> Iterator[Callable[[_Change], bool]]:
+    """Yields, for each part of a pattern, a predicate that returns whether a change may make it hold."""
+    match pattern:
+        case Nothing(relation=emptied):
+            yield partial(_takes_away, emptied, ontology)
+        case _ if isinstance(relation := getattr(pattern, "relation", None), str):
+            yield partial(_is_among, frozenset(ontology.sub_relations(relation)))
+        case _ if isinstance(property_ := getattr(pattern, "property", None), str):
+            yield partial(_is_among, frozenset({property_}))
+    if is_dataclass(pattern):
+        for one in fields(pattern):
+            inner = getattr(pattern, one.name)
+            for part in inner if isinstance(inner, tuple) else (inner,):
+                if is_dataclass(part):
+                    yield from _wanted(part, ontology)
+
+
+def _is_among(names: frozenset[str], change: _Change) -> bool:
+    return change[0] in names
+
+
+def _takes_away(relation: str, ontology: Ontology, change: _Change) -> bool:
+    """Returns whether a change moves the element that may have the relation, which then no longer holds."""
+    other, class_ = change
+    if not (other in ontology.relations and ontology.is_placement(other) and ontology.is_placement(relation)):
+        return False
+    known = ontology.relation(relation)
+    thing = known.domain if known.place_end == "object" else known.range
+    return thing is None or ontology.is_a(class_, thing) or ontology.is_a(thing, class_)
 
 
 class GoalService(Service):

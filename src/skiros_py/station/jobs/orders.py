@@ -7,15 +7,14 @@ import secrets
 
 from pydantic import ValidationError
 
-from skiros_py.api.faults import fault_words
 from skiros_py.api.goals import GoalOrder
 from skiros_py.api.jobs import JobOrder as Ordered
+from skiros_py.api.wire import fault_words
 from skiros_py.errors import UsageError
-from skiros_py.station.jobs.templates import TemplateStore
-from skiros_py.station.jobs.texts import goal_texts
+from skiros_py.station.jobs.templates import TemplateStore, goal_texts
+from skiros_py.tasks.handle import Policy
 from skiros_py.tasks.jobs import JobOrder
-from skiros_py.tasks.jobs.order import Material
-from skiros_py.tasks.policy import Policy
+from skiros_py.tasks.jobs.job import Material
 
 LONGEST = 64 << 10
 """Maximum size of an order, with its goal and all other fields [bytes]."""

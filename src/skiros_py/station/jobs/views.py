@@ -19,7 +19,7 @@ from skiros_py.api.jobs import (
 from skiros_py.tasks.jobs import Intent, Transition
 from skiros_py.tasks.jobs import Job as Known
 from skiros_py.tasks.jobs import JobState as State
-from skiros_py.tasks.jobs.announcements import Announcement as Announcement  # also for the server
+from skiros_py.tasks.jobs.store import Announcement as Announcement  # also for the server
 
 STATES: dict[StateName, State] = {StateName(s.name.title().replace("_", "")): s for s in State}
 """The states of jobs by their names in the standard."""

@@ -1,8 +1,9 @@
-"""Use cases: skill managers, their modules, and running single modules."""
+"""Use cases: skill managers, their modules, running single modules, and plug-ins."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cache
 from typing import Any, Literal
 
 from skiros_py.api.modules import (
@@ -12,11 +13,16 @@ from skiros_py.api.modules import (
     ModuleRuns,
     ModuleSummary,
     PanelInfo,
+    PluginFaultInfo,
+    PluginInfo,
+    Plugins,
     SkillInfo,
 )
+from skiros_py.catalogue import Surveyed, survey
 from skiros_py.errors import UnknownName, UsageError, WrongState
-from skiros_py.execution.managers import agents_of
+from skiros_py.execution.runtime import agents_of
 from skiros_py.execution.skill_manager import SkillManager
+from skiros_py.plugins import PluginFault
 from skiros_py.station.modules import views
 from skiros_py.station.modules.runs import ModuleRun, Wish
 from skiros_py.station.requests import LIBRARY, Author, Service, addressed
@@ -221,3 +227,38 @@ def _manager(session: Session, agent: str, module: str = "") -> SkillManager:
         with addressed("UnknownModule"):
             manager.info(module)
     return manager
+
+
+class PluginService(Service):
+    """Lists plug-ins."""
+
+    def all(self) -> Plugins:
+        """Lists every installed entry point, and whether it works."""
+        return _surveyed()
+
+    def faults(self) -> list[PluginFaultInfo]:
+        """Lists the plug-ins that do not load or do not fit the present scene."""
+        return [_fault(fault) for fault in self._station.session.catalogue.faults]
+
+
+@cache
+def _surveyed() -> Plugins:
+    """Loads all entry points, once: the installation does not change while a program runs."""
+    found, others = survey()
+    return Plugins(items=[_plugin(one) for one in found], others=[_fault(fault) for fault in others])
+
+
+def _plugin(one: Surveyed) -> PluginInfo:
+    entry = one.entry
+    return PluginInfo.view_of(
+        entry,
+        distribution=entry.distribution.name,
+        version=entry.distribution.version,
+        object=entry.value,
+        works=one.works,
+        faults=[_fault(fault) for fault in one.faults],
+    )
+
+
+def _fault(fault: PluginFault) -> PluginFaultInfo:
+    return PluginFaultInfo.model_validate(fault, from_attributes=True)

@@ -23,8 +23,8 @@ from skiros_py.api.modules import (
     SkillCondition,
     SkillInfo,
 )
-from skiros_py.execution.behaviour_run import RunnableDocument
 from skiros_py.execution.monitor import ModuleEvent
+from skiros_py.execution.running import RunnableDocument
 from skiros_py.execution.skill_manager import SkillManager
 from skiros_py.planning.problem.task import Capability
 from skiros_py.skills.behaviour import Behaviour, Node, nodes_of

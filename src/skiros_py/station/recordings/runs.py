@@ -1,7 +1,8 @@
-"""The recording of a run: one file in the data directory."""
+"""Recordings of runs and of every running job, one file each; the oldest files are deleted."""
 
 from __future__ import annotations
 
+import logging
 import platform
 import re
 import time
@@ -12,14 +13,18 @@ from itertools import count
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
+from uuid import uuid4
 
 from skiros_py.errors import FileError
-from skiros_py.ports.models import write_robot_urdf
-from skiros_py.recording import RUNS, SUFFIX, Recorder, RecordingWriter
+from skiros_py.ports.kinematics import write_robot_urdf
+from skiros_py.recording import RUNS, SUFFIX, Recorder, Recording, RecordingWriter
 from skiros_py.recording.pictures import record_pictures
 from skiros_py.station.recordings.sources import camera_of, frames_of, record_looks, record_view
 from skiros_py.station.session import Session
+from skiros_py.tasks.handle import TaskHandle
+from skiros_py.tasks.jobs import Job
 from skiros_py.tasks.task_manager import TaskManager
+from skiros_py.tasks.trace import TraceEntry, TraceEventKind
 from skiros_py.world.scene.writer import scene_turtle
 
 _PACKAGES = ("skiros-py", "pybullet", "numpy", "up-fast-downward", "kairos-planner")
@@ -107,3 +112,124 @@ def _versions() -> dict[str, str]:
         except PackageNotFoundError:  # not every installation has all of them
             continue
     return found
+
+
+_log = logging.getLogger(__name__)
+
+_MOST = 200
+"""Number of recordings kept."""
+_ROOM = 200 * 1024 * 1024
+"""Maximum total size of the recordings [bytes]."""
+_LIMIT = 20 * 1024 * 1024
+"""Maximum size of one recording [bytes]."""
+
+
+class JobRecordings:
+    """The recordings of jobs, by the numbers of the jobs, which are never reused.
+
+    The recording of a job that was held, or interrupted by the end of the server, is continued in the same file.
+
+    Args:
+        folder: Folder of the recordings; created with the first one.
+        most: Number of recordings kept.
+        room: Maximum total size of the recordings [bytes].
+    """
+
+    def __init__(self, folder: Path, most: int = _MOST, room: int = _ROOM) -> None:
+        self._folder = folder
+        self._most = most
+        self._room = room
+        self._session: Session | None = None
+        self._run = ""
+        self._running: dict[int, Recorder] = {}
+        self._writers: dict[int, RecordingWriter] = {}
+        self._leave: list[Callable[[], object]] = []
+
+    def path(self, number: int) -> Path:
+        """Returns the path of the recording of a job, whether it exists or not."""
+        return self._folder / f"{number:09d}{SUFFIX}"
+
+    def read(self, number: int) -> Recording:
+        """Opens the recording of a job; close it.
+
+        Raises:
+            FileError: There is none, or it cannot be read.
+        """
+        return Recording(self.path(number))
+
+    # ------------------------------------------------------------------ sessions
+
+    def open(self, session: Session) -> None:
+        """Follows the jobs of a session."""
+        self._session, self._run = session, uuid4().hex
+        self._leave = [session.tasks.on_begin(self._begin), session.jobs.on_remove(self._remove)]
+
+    def close_session(self, _session: Session) -> None:
+        """Stops following them; jobs still running were interrupted."""
+        for leave in self._leave:
+            leave()
+        for recorder in self._running.values():
+            recorder.end(cut_off=True)
+        self._leave, self._running, self._session = [], {}, None
+
+    def close(self) -> None:
+        """Waits until everything is written."""
+        for writer in tuple(self._writers.values()):
+            writer.close()
+
+    # ------------------------------------------------------------------ jobs
+
+    def _begin(self, task: TaskHandle) -> None:
+        session = self._session
+        job = session.jobs.open.get(task.name) if session is not None else None
+        if session is None or job is None:
+            return
+        number, before = job.number, self._writers.get(job.number)
+        part = {"run": self._run, "start": session.cycle.board.now}
+
+        def prepare() -> None:
+            if before is not None:
+                before.close()
+            self._make_room()
+
+        writer = RecordingWriter(self.path(number), limit=_LIMIT, part=part, prepare=prepare)
+        self._writers = {key: one for key, one in self._writers.items() if one.alive} | {number: writer}
+        recorder = recorder_of(session, writer, job=job.id)
+        self._running[number] = recorder
+        recorder.start()
+        recorder.follow(task)
+
+        def on_entry(entry: TraceEntry) -> None:
+            if entry.what is TraceEventKind.FINISHED and self._running.get(number) is recorder:
+                del self._running[number]
+                recorder.end()
+
+        task.trace.subscribe(on_entry)
+
+    def _remove(self, job: Job) -> None:
+        recorder = self._running.pop(job.number, None)
+        if recorder is not None:
+            recorder.end(cut_off=True)
+        writer = self._writers.get(job.number)
+        if writer is not None:
+            writer.end(discard=True)
+        self._delete(self.path(job.number))
+
+    def _make_room(self) -> None:
+        """Deletes the oldest recordings until number and size are within limits; those being written are kept."""
+        self._folder.mkdir(parents=True, exist_ok=True)
+        files = sorted(file for file in self._folder.glob(f"*{SUFFIX}") if file.stem.isdecimal())  # others are not ours
+        sizes = {file: file.stat().st_size for file in files}
+        writing = {writer.path for writer in tuple(self._writers.values()) if writer.alive}
+        for file in files:
+            if len(sizes) < self._most and sum(sizes.values()) <= self._room:
+                return
+            if file not in writing:
+                self._delete(file)
+                del sizes[file]
+
+    def _delete(self, file: Path) -> None:
+        try:
+            file.unlink(missing_ok=True)
+        except OSError as error:
+            _log.warning("a recording cannot be deleted: %s", error)

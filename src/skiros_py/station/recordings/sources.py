@@ -9,12 +9,11 @@ from typing import Any
 import numpy as np
 
 from skiros_py.api.view import ViewElement, WorldView
-from skiros_py.execution.library_monitor import LibraryCall
+from skiros_py.execution.runtime import LibraryCall
 from skiros_py.geometry import Pose
 from skiros_py.ports.frames import MAP, FrameTree
-from skiros_py.ports.pending import Pending
 from skiros_py.ports.perception import LookRequest, RegistrationRequest
-from skiros_py.ports.values import Snapshot
+from skiros_py.ports.values import Pending, Snapshot
 from skiros_py.recording.foxglove import (
     COMPRESSED_IMAGE,
     POINT_CLOUD,

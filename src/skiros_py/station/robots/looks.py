@@ -10,11 +10,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from skiros_py.api.looks import Look, Seen
-from skiros_py.api.state import PoseInfo
+from skiros_py.api.robots import Look, Seen
+from skiros_py.api.view import PoseInfo
 from skiros_py.devices.camera import CameraSpec
 from skiros_py.errors import SkirosError, UnknownName
-from skiros_py.execution.library_monitor import LibraryCall
+from skiros_py.execution.runtime import LibraryCall
 from skiros_py.geometry import Array, Pose
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.perception import LookRequest, LookResult, RegistrationRequest, RegistrationResult

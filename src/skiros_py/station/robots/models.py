@@ -19,7 +19,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 from skiros_py.errors import Busy, DeviceError
-from skiros_py.ports.models import write_robot_urdf
+from skiros_py.ports.kinematics import write_robot_urdf
 from skiros_py.workers import Worker
 
 if TYPE_CHECKING:

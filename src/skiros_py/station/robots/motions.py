@@ -10,11 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skiros_py.api.looks import ArmWay, RobotMotion, Waypoint
+from skiros_py.api.robots import ArmWay, RobotMotion, Waypoint
 from skiros_py.devices.arm import ArmSpec, ArmState
 from skiros_py.devices.base import BaseState
 from skiros_py.errors import SkirosError
-from skiros_py.execution.library_monitor import LibraryCall
+from skiros_py.execution.runtime import LibraryCall
 from skiros_py.execution.task import Task
 from skiros_py.geometry import wrap_angle
 from skiros_py.ports.board import Commander

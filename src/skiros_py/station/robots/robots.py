@@ -17,7 +17,7 @@ from skiros_py.api.robots import (
     RobotInfo,
     RobotReading,
 )
-from skiros_py.api.state import BaseInfo, GripperInfo, PoseInfo
+from skiros_py.api.view import BaseInfo, GripperInfo, PoseInfo
 from skiros_py.devices.arm import ArmSpec, ArmState
 from skiros_py.devices.base import BaseSpec, BaseState
 from skiros_py.devices.camera import CameraSpec
@@ -26,8 +26,7 @@ from skiros_py.errors import UnknownName, UsageError, WrongState
 from skiros_py.geometry import Pose
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.frames import FrameTree
-from skiros_py.ports.kinematics import JointRange, Kinematics
-from skiros_py.ports.models import BASE_JOINTS
+from skiros_py.ports.kinematics import BASE_JOINTS, JointRange, Kinematics
 from skiros_py.ports.values import Snapshot
 from skiros_py.skills.surroundings import owner
 from skiros_py.station.modules.runs import ModuleRun, ModuleRuns, Wish

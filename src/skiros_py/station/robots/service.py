@@ -5,16 +5,24 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from skiros_py.api.devices import DeviceInfo, DeviceReading
-from skiros_py.api.looks import Look, RobotMotion
 from skiros_py.api.modules import ModuleRunInfo
-from skiros_py.api.robots import HomeRobot, Jog, RobotInfo, RobotReading, Teach
+from skiros_py.api.robots import (
+    DeviceInfo,
+    DeviceReading,
+    HomeRobot,
+    Jog,
+    Look,
+    RobotInfo,
+    RobotMotion,
+    RobotReading,
+    Teach,
+)
 from skiros_py.errors import Busy, Refused, SkirosError, UnknownName
 from skiros_py.ports.cell import RobotSpec
-from skiros_py.station.connections import close_device, open_device
 from skiros_py.station.modules.views import run_info
 from skiros_py.station.requests import LIBRARY, Author, addressed
 from skiros_py.station.robots import devices, robots
+from skiros_py.station.robots.devices import close_device, open_device
 from skiros_py.station.robots.models import DrawnModel
 
 if TYPE_CHECKING:

@@ -13,10 +13,42 @@ from pathlib import Path
 from skiros_py.api.scenes import SCENE_NAME
 from skiros_py.config import named_scene, scene_names
 from skiros_py.errors import FileError, StaleVersion, UnknownName, UsageError
-from skiros_py.station.scenes.content import scene_only
+from skiros_py.world.change import Edit, ElementEdit
 from skiros_py.world.index import Index
-from skiros_py.world.scene.atomic import write_atomically
+from skiros_py.world.scene import diff
+from skiros_py.world.scene.files import write_atomically
 from skiros_py.world.scene.writer import scene_turtle
+from skiros_py.world.vocabulary import HAS_PRIMITIVE, HAS_SKILL, PRIMITIVE, SKILL
+from skiros_py.world.workspace import Workspace
+
+_KINDS = ((SKILL, HAS_SKILL), (PRIMITIVE, HAS_PRIMITIVE))
+
+
+def scene_only(world: Index) -> Index:
+    """Returns a state without the modules of skill managers."""
+    work = Workspace(world)
+    for module, _ in _modules(world):
+        work.erase(module)
+    return work.view
+
+
+def changes_to(scene: Index, world: Index) -> tuple[Edit, ...]:
+    """Returns the edits that turn a world's present scene into another one.
+
+    The modules of skill managers are kept together with their subsystems, so that the managers find them when they
+    start again.
+    """
+    gone = [module for module, agent in _modules(world) if agent is None or not scene.has(agent)]
+    leaving = tuple(ElementEdit(module, world.element(module), None) for module in gone)
+    return *leaving, *diff(scene_only(world), scene_only(scene))
+
+
+def _modules(world: Index) -> Iterator[tuple[str, str | None]]:
+    """Yields the modules, each with the subsystem that offers it."""
+    for class_, relation in _KINDS:
+        for module in world.instances(class_):
+            yield module, next(iter(world.subjects(relation, module)), None)
+
 
 _NAME = re.compile(SCENE_NAME)
 _SUFFIX = ".ttl"

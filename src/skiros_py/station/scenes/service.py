@@ -9,10 +9,8 @@ from typing import Any
 from skiros_py.api.scenes import PresentScene, Scene, SceneDifference, SceneEntry, SceneRobot, Scenes
 from skiros_py.errors import FileError, Refused, UsageError
 from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, Service, addressed, require_seen
-from skiros_py.station.scenes.content import scene_only
-from skiros_py.station.scenes.loading import load, require_rest, scene_of
-from skiros_py.station.scenes.scenes import SceneFile
-from skiros_py.station.scenes.stage import shown
+from skiros_py.station.scenes.loading import load, require_rest, scene_of, shown
+from skiros_py.station.scenes.scenes import SceneFile, scene_only
 from skiros_py.world.element import is_learned
 from skiros_py.world.index import Index
 from skiros_py.world.scene import describe

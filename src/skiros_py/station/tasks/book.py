@@ -10,7 +10,7 @@ from typing import Any
 
 from skiros_py.errors import UnknownName, WrongState
 from skiros_py.planning.plan import Plan
-from skiros_py.skills.questions import Question
+from skiros_py.skills.context import Question
 from skiros_py.station.session import Session
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.report import GoalReport

@@ -9,9 +9,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from skiros_py.errors import Busy, SkirosError, UnknownName
-from skiros_py.planning.plan import NoPlan, Plan
+from skiros_py.planning.plan import NoPlan, Plan, Repair
 from skiros_py.planning.problem.task import Capability
-from skiros_py.planning.reasons import Repair
 from skiros_py.planning.requests import Asked, PlanRequest
 from skiros_py.planning.service import Planned, PlanningOptions
 from skiros_py.skills.conditions import Condition

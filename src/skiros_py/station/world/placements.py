@@ -11,7 +11,7 @@ from skiros_py.world.change import Writer
 from skiros_py.world.element import Placement
 from skiros_py.world.ids import Ids
 from skiros_py.world.index import Index
-from skiros_py.world.reasoners.reasoner import Proposal
+from skiros_py.world.reasoners.registry import Proposal
 from skiros_py.world.terms import End, Relation
 from skiros_py.world.transaction import Transaction
 from skiros_py.world.vocabulary import ELEMENT, PLACEMENT

@@ -2,21 +2,130 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import csv
+import io
+import threading
+from collections.abc import Iterable, Mapping
 from decimal import Decimal
 from itertools import islice
+from typing import Any
 
 from skiros_py.api.ontology import ClassDetails, ClassNode, PlacementOptions, PropertyPage, RelationPage
 from skiros_py.api.queries import Bound, DecimalLiteral, Query, TextLiteral
-from skiros_py.errors import UsageError
+from skiros_py.errors import Busy, DeviceError, UsageError
+from skiros_py.station.control import ControlThread
 from skiros_py.station.requests import Service, addressed
-from skiros_py.station.world.answers import Answer
+from skiros_py.station.session import Session
 from skiros_py.station.world.ontology import class_details, class_tree, property_info, relation_info
 from skiros_py.station.world.placements import placement_options
-from skiros_py.station.world.values import given
+from skiros_py.station.world.values import given, plain
+from skiros_py.world.element import Value
 from skiros_py.world.index import Index
-from skiros_py.world.queries import Binding, Text
+from skiros_py.world.literals import ANY_LITERAL, format_value
+from skiros_py.world.queries import Binding, Constructed, Result, Table, Text
+from skiros_py.world.queries.outside import Limits, OutsideQueries
 from skiros_py.world.vocabulary import ELEMENT
+
+
+class Answer:
+    """The answer to a query.
+
+    Args:
+        result: The result from the world model.
+    """
+
+    def __init__(self, result: Result) -> None:
+        self.result = result
+
+    def data(self) -> dict[str, Any]:
+        """Returns the answer as plain data."""
+        result = self.result
+        if isinstance(result, bool):
+            return {"form": "ASK", "answer": result}
+        if isinstance(result, Table):
+            rows = [{name: plain(value) for name, value in row.items()} for row in result.rows]
+            return {"form": "SELECT", "variables": list(result.variables), "rows": rows}
+        statements = [[subject, predicate, plain(value)] for subject, predicate, value in result.statements]
+        return {"form": "CONSTRUCT", "statements": statements, "turtle": result.turtle}
+
+    def csv(self, line_end: str = "\r\n") -> str | None:
+        """Returns the rows as CSV; None if the query is not SELECT, which alone has rows."""
+        if not isinstance(self.result, Table):
+            return None
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator=line_end)
+        writer.writerow(self.result.variables)
+        writer.writerows([shown_value(row[name]) for name in self.result.variables] for row in self.result.rows)
+        return text.getvalue()
+
+    def turtle(self) -> str | None:
+        """Returns the triples as Turtle; None if the query is not CONSTRUCT, which alone has triples."""
+        return self.result.turtle if isinstance(self.result, Constructed) else None
+
+
+def shown_value(value: Value | None) -> str:
+    """Returns a value as text; empty for None."""
+    if value is None:
+        return ""
+    return value if isinstance(value, str) else format_value(value, ANY_LITERAL)
+
+
+_LIMITS = Limits()
+
+
+class Queries:
+    """Answers queries about the world of the present session.
+
+    Args:
+        control: Notifies of the begin and end of sessions.
+        limits: Resource limits of one query.
+    """
+
+    def __init__(self, control: ControlThread, limits: Limits = _LIMITS) -> None:
+        self._limits = limits
+        self._turns = threading.BoundedSemaphore(limits.at_once)
+        self._outside: OutsideQueries | None = None
+        control.on_open(self._open)
+        control.on_close(self._close)
+
+    def answer(self, sparql: str, bindings: Mapping[str, Binding], *, entailed: bool, time_limit: float) -> Result:
+        """Answers a query.
+
+        Args:
+            sparql: The query.
+            bindings: Values of its parameters.
+            entailed: True to include triples entailed by OWL.
+            time_limit: Maximum duration [s].
+
+        Raises:
+            UsageError: It cannot be answered, or not within its limits; the text gives the reason.
+            Busy: Too many queries are being answered already, or the station is being opened.
+        """
+        if not self._turns.acquire(blocking=False):
+            raise Busy(f"{self._limits.at_once} questions are being answered already: ask again later")
+        try:
+            return self._answer(sparql, bindings, entailed=entailed, time_limit=time_limit)
+        finally:
+            self._turns.release()
+
+    def _answer(self, sparql: str, bindings: Mapping[str, Binding], *, entailed: bool, time_limit: float) -> Result:
+        outside = self._outside
+        if outside is None:
+            raise Busy("the station is not running: ask again later")
+        try:
+            return outside.query(sparql, bindings, entailed=entailed, time_limit=time_limit)
+        except DeviceError:
+            if self._outside is outside:
+                raise
+            raise Busy("the station was closed meanwhile: ask again later") from None
+
+    def _open(self, session: Session) -> None:
+        self._outside = OutsideQueries(session.world, self._limits)
+
+    def _close(self, _session: Session) -> None:
+        outside, self._outside = self._outside, None
+        if outside is not None:
+            outside.close()
 
 
 class OntologyService(Service):

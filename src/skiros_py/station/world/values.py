@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from skiros_py.api.values import GivenPose, GivenValue
+from skiros_py.api.world import GivenPose, GivenValue
 from skiros_py.errors import UsageError
 from skiros_py.geometry import Pose
 from skiros_py.world.element import Value

@@ -2,30 +2,164 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+import hashlib
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Literal
 
-from skiros_py.api.state import PoseInfo
-from skiros_py.api.view import ViewElement, WorldView
-from skiros_py.geometry import Pose
-from skiros_py.station.world.frames import Frames
-from skiros_py.station.world.shapes import Shapes
-from skiros_py.world.element import is_abstract
+from skiros_py.api.view import Block, PoseInfo, ViewElement, WorldView
+from skiros_py.geometry import Pose, Primitive, Solid
+from skiros_py.world.element import Element, Value, is_abstract
 from skiros_py.world.index import Index
 from skiros_py.world.vocabulary import (
     BASE,
     DEVICE,
     FLOOR,
     HELD_BY,
+    HOLLOW,
     LOCATION,
     MANIPULATABLE,
     POSE,
     POSE_FRAME,
     ROBOT,
+    SIZE,
+    SOLID,
     STRUCTURE,
 )
+
+_Place = tuple[str | None, Pose]
+"""A base (None for the map), and the pose in its frame."""
+
+
+class Frames:
+    """Computes poses through chains of frames, each frame only once.
+
+    The world model does not track bases while they drive, so poses of elements on a base are in the frame of the base.
+
+    Args:
+        view: The state.
+        is_base: Returns whether an element is a robot base.
+    """
+
+    def __init__(self, view: Index, is_base: Callable[[str], bool]) -> None:
+        self._view = view
+        self._is_base = is_base
+        self._known: dict[str, _Place | None] = {}
+
+    def of(self, name: str) -> _Place | None:
+        """Returns the pose of an element; None if it or that of a frame in its chain is unknown.
+
+        Raises:
+            UnknownName: There is no such element.
+        """
+        way: list[str] = []
+        current: str | None = name
+        while current is not None and current not in self._known:
+            self._known[current] = None  # terminates cycles of frames
+            way.append(current)
+            current = self._above(current)
+        for one in reversed(way):  # from the top down, without recursion
+            self._known[one] = self._below(one)
+        return self._known[name]
+
+    def _frame(self, name: str) -> str | None:
+        return next(iter(self._view.objects(name, POSE_FRAME)), None)
+
+    def _above(self, name: str) -> str | None:
+        frame = self._frame(name)
+        return None if frame is None or self._is_base(frame) else frame
+
+    def _below(self, name: str) -> _Place | None:
+        pose, frame = self._view.value(name, POSE), self._frame(name)
+        if not isinstance(pose, Pose):
+            return None
+        if frame is None or self._is_base(frame):
+            return frame, pose
+        above = self._known[frame]
+        return None if above is None else (above[0], above[1] @ pose)
+
+
+_SHEET = 0.01
+"""Drawn thickness, below the frame, of elements with only length and width [m]: floors, decks."""
+_DIMENSIONS = (2, 3)
+
+
+class Shapes:
+    """Finds the shapes of elements: ``sk:solid``, otherwise a box of ``sk:size``; own values before those of the class.
+
+    Args:
+        view: The state.
+
+    Attributes:
+        used: The requested shapes, by key.
+    """
+
+    def __init__(self, view: Index) -> None:
+        self.used: dict[str, tuple[Block, ...]] = {}
+        self._ontology = view.ontology
+        self._of_class: dict[str, dict[str, Value | None]] = {}
+        self._keys: dict[tuple[Value | None, Value | None, str], str | None] = {}
+
+    def of(self, element: Element) -> str | None:
+        """Returns the key of an element's shape; None if it has none, or one that cannot be parsed."""
+        own, given = element.properties, self._given(element.type)
+        key = f"{element.type}#" if SOLID in own or SIZE in own else element.type
+        what = own.get(SOLID, given[SOLID]), own.get(SIZE, given[SIZE]), key
+        if what not in self._keys:
+            self._keys[what] = self._take(*what)
+        return self._keys[what]
+
+    def hollow(self, element: Element) -> bool:
+        """Returns whether an element's shape is empty space, not solid."""
+        return element.properties.get(HOLLOW, self._given(element.type)[HOLLOW]) is True
+
+    def _given(self, class_: str) -> dict[str, Value | None]:
+        given = self._of_class.get(class_)
+        if given is None:
+            read = self._ontology.class_value
+            given = self._of_class[class_] = {name: read(class_, name) for name in (SOLID, SIZE, HOLLOW)}
+        return given
+
+    def _take(self, solid: Value | None, size: Value | None, key: str) -> str | None:
+        blocks = _blocks(solid, size)
+        if blocks is None:
+            return None
+        if key.endswith("#"):
+            key += hashlib.sha256(f"{solid}|{size}".encode("utf-8", "surrogatepass")).hexdigest()[:16]
+        self.used[key] = blocks
+        return key
+
+
+def _blocks(solid: Value | None, size: Value | None) -> tuple[Block, ...] | None:
+    if isinstance(solid, str):
+        try:
+            return _shapes_told(Solid.from_json(solid).primitives)
+        except ValueError:
+            return None  # a class may have a shape that cannot be parsed
+    return _shapes_told((_box(size),)) if isinstance(size, tuple) and _is_size(size) else None
+
+
+def _is_size(size: tuple[float, ...]) -> bool:
+    return len(size) in _DIMENSIONS and all(length > 0.0 for length in size)
+
+
+def _box(size: tuple[float, ...]) -> Primitive:
+    if len(size) == len(("x", "y", "z")):
+        return Primitive("box", size)
+    return Primitive("box", (*size, _SHEET), Pose((0.0, 0.0, -_SHEET / 2.0)))
+
+
+def _shapes_told(primitives: Iterable[Primitive]) -> tuple[Block, ...]:
+    return tuple(
+        Block(
+            kind=block.kind,
+            size=block.size,
+            pose=PoseInfo(position=block.pose.position, orientation=block.pose.orientation),
+        )
+        for block in primitives
+    )
+
 
 Kind = Literal["part", "place", "furniture", "floor", "robot", "device", "other"]
 

@@ -1,14 +1,287 @@
-"""Goals as text: reading, and writing such that reading gives the same goal."""
+"""Goals as text: reading, looking up words, and writing such that reading gives the same goal."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cached_property
+from math import prod
 
-from skiros_py.skills.conditions import Condition, ConditionType, Junction
-from skiros_py.tasks.goals.forms import read
-from skiros_py.tasks.goals.meaning import goal_of
+from skiros_py.errors import DescriptionError, UnknownName, UsageError
+from skiros_py.planning.domain.pddl import NameMap
+from skiros_py.skills.conditions import Condition, ConditionType, Junction, Quantified, all_of, any_of, exists, for_all
+from skiros_py.tasks.goals.forms import Joined, Name, Negation, Quantification, Said, Word, read
+from skiros_py.world.element import is_abstract
+from skiros_py.world.names import local_name
 from skiros_py.world.view import WorldView
+from skiros_py.world.vocabulary import ELEMENT, SPATIAL_THING
+
+DEEPEST = 50
+"""Conditions nested deeper than this are refused: the explanations would be unreadable."""
+
+MOST_LOOKED_AT = 2_000
+"""Maximum number of condition evaluations per goal, since the control cycle waits for them."""
+
+_OF_A_CLASS = 10
+"""How many elements of a class argument ("any of them") are evaluated per unit of work."""
+
+_Scope = Mapping[str, str]
+"""Class by variable."""
+
+
+def goal_of(said: Iterable[Said], view: WorldView, conditions: Mapping[str, ConditionType]) -> tuple[Condition, ...]:
+    """Returns the conditions that must hold together, each once; what "and" joins becomes several.
+
+    Args:
+        said: The parsed goals.
+        view: The world, for elements and classes.
+        conditions: The known condition words.
+
+    Raises:
+        UnknownName: A word is unknown; the message gives the nearest that exists.
+        UsageError: An argument is of the wrong class, abstract where that is not allowed, or a variable out of place.
+    """
+    meaning = Meaning(view, conditions)
+    found = (condition for one in said for condition in _split(meaning.of(one, {})))
+    goal = tuple(dict.fromkeys(found))
+    _check_work(sum(_work(condition, view) for condition in goal))
+    return goal
+
+
+def _split(condition: Condition) -> tuple[Condition, ...]:
+    together = isinstance(condition, Junction) and condition.word == "and" and not condition.negated
+    return condition.parts if isinstance(condition, Junction) and together else (condition,)
+
+
+def _check_work(number: int) -> None:
+    """Refuses goals that take too long to evaluate."""
+    if number > MOST_LOOKED_AT:
+        raise UsageError(
+            f"the goal has to be looked at in {number} places to tell whether it holds, and {MOST_LOOKED_AT} are"
+            " allowed: each element that a quantifier stands for counts, in nested ones each combination of them;"
+            " choose narrower classes, or say it in several goals"
+        )
+
+
+def _work(condition: Condition, view: WorldView) -> int:
+    """Returns how many evaluations it takes to tell whether a condition holds."""
+    match condition:
+        case Junction(parts=parts):
+            return sum(_work(part, view) for part in parts)
+        case Quantified(class_=class_, part=part):
+            return max(1, len(view.instances(class_))) * _work(part, view)
+        case _:
+            classes = (name for name in condition.arguments if name in view.ontology.classes)
+            return 1 + prod(len(view.instances(class_)) for class_ in classes) // _OF_A_CLASS
+
+
+class Meaning:
+    """Turns parsed goals into conditions.
+
+    Args:
+        view: The world, for elements and classes.
+        conditions: The condition words there are.
+    """
+
+    def __init__(self, view: WorldView, conditions: Mapping[str, ConditionType]) -> None:
+        self._view = view
+        self._lexicon = Lexicon(view, conditions)
+
+    def of(self, said: Said, scope: _Scope, depth: int = 0) -> Condition:
+        """Returns the condition.
+
+        Args:
+            said: The parsed goal.
+            scope: Class by variable bound in the enclosing goal.
+            depth: Its nesting depth.
+
+        Raises:
+            UnknownName: A word is unknown.
+            UsageError: It makes no sense.
+        """
+        if depth > DEEPEST:
+            raise UsageError(f"the goal is nested deeper than {DEEPEST} levels: say it in several conditions")
+        match said:
+            case Word():
+                return self._word(said, scope)
+            case Negation(part):
+                return ~self.of(part, scope, depth + 1)
+            case Joined(word, parts):
+                if not parts:
+                    raise UsageError(f"'{word}' joins nothing: give at least one condition")
+                conditions = [self.of(part, scope, depth + 1) for part in parts]
+                return all_of(*conditions) if word == "and" else any_of(*conditions)
+            case Quantification():
+                return self._quantified(said, scope, depth)
+
+    def _quantified(self, said: Quantification, scope: _Scope, depth: int) -> Condition:
+        where = f"in '{said.quantifier} {said.variable}'"
+        class_ = self._lexicon.class_(said.class_, ELEMENT)
+        if class_ is None:
+            raise UnknownName(
+                "class", said.class_, map(local_name, self._view.ontology.subclasses(ELEMENT)), where=where
+            )
+        if said.variable in scope:
+            raise UsageError(f"{where}: {said.variable} is bound already around it; call one of the two otherwise")
+        if self._lexicon.is_taken(said.variable):
+            raise UsageError(f"{where}: something else is called {said.variable}; call the variable otherwise")
+        inner = {**scope, said.variable: class_}
+        part = self.of(said.part, inner, depth + 1)
+        make = for_all if said.quantifier == "for all" else exists
+        try:
+            return make(said.variable, class_, part)
+        except DescriptionError as error:
+            raise UsageError(f"goal: {error}") from error
+
+    def _word(self, said: Word, scope: _Scope) -> Condition:
+        type_ = self._lexicon.word(said.word)
+        if len(said.arguments) != len(type_.roles):
+            roles = ", ".join(f"{role.name}: {local_name(role.class_)}" for role in type_.roles)
+            raise UsageError(f"{type_.name} takes {len(type_.roles)} arguments ({roles}), got {len(said.arguments)}")
+        return type_(*(self._argument(name, index, type_, scope) for index, name in enumerate(said.arguments)))
+
+    def _argument(self, name: Name, index: int, type_: ConditionType, scope: _Scope) -> str:
+        role = type_.roles[index]
+        where = f"{type_.name}, argument {index + 1} ({role.name})"
+        if name.variable is not False and name.text in scope:
+            return self._variable(name.text, scope[name.text], role.class_, where)
+        if name.variable:
+            bound = ", ".join(f"?{variable}" for variable in scope) or "none is"
+            raise UsageError(f"{where}: no quantifier around it binds ?{name.text} (bound: {bound})")
+        element = self._lexicon.element(name.text, role.class_)
+        if element is None:
+            return self._class(name.text, index, type_, where, scope)
+        self._check_element(element, name.text, type_, role.class_, where)
+        return element
+
+    def _variable(self, variable: str, class_: str, wanted: str, where: str) -> str:
+        if self._view.ontology.is_a(class_, wanted):
+            return variable
+        advice = f"say '{variable}: {local_name(wanted)}' where it is bound"
+        raise UsageError(f"{where}: {variable} is any {local_name(class_)}, not only a {local_name(wanted)}; {advice}")
+
+    def _check_element(self, element: str, name: str, type_: ConditionType, wanted: str, where: str) -> None:
+        ontology, class_ = self._view.ontology, self._view.element(element).type
+        there = _some(self._view, wanted)
+        if not ontology.is_a(class_, wanted):
+            raise UsageError(
+                f"{where}: {name} is a {local_name(class_)}, not a {local_name(wanted)}. There is {there}."
+            )
+        if is_abstract(element) and not type_.abstract and ontology.is_a(wanted, SPATIAL_THING):
+            raise UsageError(f"{where}: {name} is abstract; {type_.name} needs one element of the scene: {there}.")
+
+    def _class(self, name: str, index: int, type_: ConditionType, where: str, scope: _Scope) -> str:
+        wanted = type_.roles[index].class_
+        class_ = self._lexicon.class_(name, wanted)
+        if class_ is None:
+            classes = self._view.ontology.subclasses(wanted) if type_.abstract else ()
+            abstract = self._view.abstracts(wanted) if type_.abstract else ()
+            known = (*scope, *self._view.instances(wanted), *map(local_name, (*classes, *abstract)))
+            raise UnknownName("element", name, known, where=f"in {where}")
+        if not type_.abstract:
+            there = _some(self._view, wanted)
+            raise UsageError(f"{where}: {name} is a class; {type_.name} needs one element of the scene: {there}.")
+        return class_
+
+
+def _some(view: WorldView, class_: str) -> str:
+    """Names elements of a class; if there are very many, only the first."""
+    there = view.instances(class_)
+    return (", ".join(there[:_SHOWN]) + (", …" if len(there) > _SHOWN else "")) or "none"
+
+
+_SHOWN = 20
+
+
+class Lexicon:
+    """Looks words up, for one goal.
+
+    Args:
+        view: The world, for elements and classes.
+        conditions: The condition words there are.
+    """
+
+    def __init__(self, view: WorldView, conditions: Mapping[str, ConditionType]) -> None:
+        self._view = view
+        self._conditions = conditions
+        self._spelt_classes: dict[str, NameMap] = {}
+        self._spelt_elements: dict[str, NameMap] = {}
+
+    def word(self, word: str) -> ConditionType:
+        """Returns a condition's word, ignoring case.
+
+        Raises:
+            UnknownName: There is none.
+        """
+        if word.casefold() not in self._words:
+            raise UnknownName("condition", word, self._conditions, where="in the goal")
+        return self._words[word.casefold()]
+
+    @cached_property
+    def _words(self) -> dict[str, ConditionType]:
+        spelt = NameMap(sorted(self._conditions))
+        own = {name.casefold(): type_ for name, type_ in self._conditions.items()}
+        return {spelt.pddl(name): type_ for name, type_ in self._conditions.items()} | own
+
+    def class_(self, name: str, above: str) -> str | None:
+        """Returns the CURIE of a class, or None if no class at or below another one has that name.
+
+        Raises:
+            UsageError: Classes of several ontologies have that name.
+        """
+        below = self._view.ontology.subclasses(above)
+        if name in below:
+            return name
+        named = [curie for curie in below if local_name(curie) == name]
+        if len(named) > 1:
+            raise UsageError(f"{name} may be {' or '.join(named)}: write the one that is meant")
+        if above not in self._spelt_classes:
+            self._spelt_classes[above] = NameMap(below)
+        return named[0] if named else _back(self._spelt_classes[above], name)
+
+    def is_taken(self, variable: str) -> bool:
+        """Returns whether an element or a class has this very name: the variable would be mistaken for it."""
+        return self._view.has(variable) or variable in map(local_name, self._view.ontology.subclasses(ELEMENT))
+
+    def element(self, name: str, class_: str) -> str | None:
+        """Returns the id of the element with that name, or None.
+
+        An id comes first, then a class, for which None is returned (a part without a label of its own is called like
+        its class), then a label that no other element has, one of the scene before an abstract one, then the id of an
+        element of the wanted class in PDDL's spelling.
+
+        Raises:
+            UsageError: Classes of several ontologies are called so.
+        """
+        if self._view.has(name):
+            return name
+        if self.class_(name, class_) is not None:
+            return None
+        labelled = self._labels.get(name) or self._abstract_labels.get(name, [])
+        if len(labelled) == 1:
+            return labelled[0]
+        if class_ not in self._spelt_elements:
+            self._spelt_elements[class_] = NameMap((*self._view.instances(class_), *self._view.abstracts(class_)))
+        return _back(self._spelt_elements[class_], name)
+
+    @cached_property
+    def _labels(self) -> dict[str, list[str]]:
+        return self._by_label(self._view.instances(ELEMENT))
+
+    @cached_property
+    def _abstract_labels(self) -> dict[str, list[str]]:
+        return self._by_label(self._view.abstracts(ELEMENT))
+
+    def _by_label(self, elements: Iterable[str]) -> dict[str, list[str]]:
+        found: dict[str, list[str]] = {}
+        for element in elements:
+            found.setdefault(self._view.element(element).label, []).append(element)
+        return found
+
+
+def _back(spelt: NameMap, name: str) -> str | None:
+    return spelt.back(name) if spelt.gives(name.lower()) else None
+
 
 _PLAIN = re.compile(r"[^\W\d](?:[\w.-]|:(?=\w))*")
 

@@ -10,14 +10,9 @@ from typing import Any
 from skiros_py.errors import SkirosError
 from skiros_py.execution.runtime import Runtime
 from skiros_py.skills.conditions import Condition
-from skiros_py.tasks.jobs.book import JobBook
-from skiros_py.tasks.jobs.cut_off import BY_HAND, CUT_OFF, WAITS, done_by_hand, hold_what_was_halted
-from skiros_py.tasks.jobs.guard import Guard
-from skiros_py.tasks.jobs.job import Intent, Job, Outcome
-from skiros_py.tasks.jobs.moves import moved
-from skiros_py.tasks.jobs.queue import rank
-from skiros_py.tasks.jobs.run import JobRun
-from skiros_py.tasks.jobs.states import JobState, Trigger
+from skiros_py.tasks.jobs.book import Guard, JobBook, rank
+from skiros_py.tasks.jobs.job import Intent, Job, JobState, Outcome, Trigger
+from skiros_py.tasks.jobs.run import BY_HAND, CUT_OFF, WAITS, JobRun, done_by_hand, hold_what_was_halted, moved
 from skiros_py.tasks.jobs.store import JobStore
 from skiros_py.tasks.task_manager import TaskManager
 

@@ -1,14 +1,200 @@
-"""One job: its state and results. Plain data, stored as JSON."""
+"""One job: its order, its state (ISA-95 job control, OPC 10031-4) and its results. Plain data, stored as JSON."""
 
 from __future__ import annotations
 
 import enum
-from typing import Any
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import AwareDatetime, BaseModel, ConfigDict, Field, field_validator
 
-from skiros_py.tasks.jobs.order import JobOrder
-from skiros_py.tasks.jobs.states import JobState
+from skiros_py.errors import WrongState
+from skiros_py.tasks.handle import Policy
+
+
+class JobState(enum.Enum):
+    """Where a job is; the numbers are those of the standard."""
+
+    NOT_ALLOWED_TO_START = 1
+    """It is stored and waits for permission to start."""
+    ALLOWED_TO_START = 2
+    """It starts by itself when its turn comes."""
+    RUNNING = 3
+    """It is being planned or executed."""
+    INTERRUPTED = 4
+    """It was running and is paused: by a command, or because it needs the user."""
+    ENDED = 5
+    """It ended by itself or was stopped normally."""
+    ABORTED = 6
+    """It was given up: by a command, or because no part of it can be done."""
+
+    @property
+    def is_open(self) -> bool:
+        """True while the job is not over."""
+        return self not in (JobState.ENDED, JobState.ABORTED)
+
+    @property
+    def has_begun(self) -> bool:
+        """True while it is running or interrupted."""
+        return self in (JobState.RUNNING, JobState.INTERRUPTED)
+
+
+class Trigger(enum.Enum):
+    """What triggers a state change."""
+
+    STORE = "store"
+    """It is ordered, without permission to start."""
+    START = "start"
+    """Permission to start is given."""
+    REVOKE_START = "revoke start"
+    """The permission is revoked."""
+    UPDATE = "update"
+    """The order is replaced."""
+    DISPATCH = "dispatch"
+    """Its turn has come."""
+    PAUSE = "pause"
+    """It is paused."""
+    HOLD = "hold"
+    """It needs the user."""
+    RESUME = "resume"
+    """It goes on."""
+    STOP = "stop"
+    """It is stopped normally."""
+    ABORT = "abort"
+    """It is aborted."""
+    FINISH = "finish"
+    """It is finished."""
+    FAIL = "fail"
+    """No part of it can be done."""
+
+
+_S, _T = JobState, Trigger
+
+_TABLE: Mapping[JobState, Mapping[Trigger, JobState]] = MappingProxyType(
+    {
+        _S.NOT_ALLOWED_TO_START: {
+            _T.START: _S.ALLOWED_TO_START,
+            _T.UPDATE: _S.NOT_ALLOWED_TO_START,
+            _T.ABORT: _S.ABORTED,
+        },
+        _S.ALLOWED_TO_START: {
+            _T.REVOKE_START: _S.NOT_ALLOWED_TO_START,
+            _T.UPDATE: _S.ALLOWED_TO_START,
+            _T.DISPATCH: _S.RUNNING,
+            _T.ABORT: _S.ABORTED,
+            _T.FAIL: _S.ABORTED,
+        },
+        _S.RUNNING: {
+            _T.PAUSE: _S.INTERRUPTED,
+            _T.HOLD: _S.INTERRUPTED,
+            _T.STOP: _S.ENDED,
+            _T.ABORT: _S.ABORTED,
+            _T.FINISH: _S.ENDED,
+            _T.FAIL: _S.ABORTED,
+        },
+        _S.INTERRUPTED: {
+            _T.RESUME: _S.RUNNING,
+            _T.HOLD: _S.INTERRUPTED,
+            _T.STOP: _S.ENDED,
+            _T.ABORT: _S.ABORTED,
+            _T.FINISH: _S.ENDED,
+            _T.FAIL: _S.ABORTED,
+        },
+        _S.ENDED: {},
+        _S.ABORTED: {},
+    }
+)
+"""The standard's table; HOLD in, and the end of, an interrupted job are internal to the cell."""
+
+
+def allowed(state: JobState) -> tuple[Trigger, ...]:
+    """Returns the triggers allowed in a state."""
+    return tuple(_TABLE[state])
+
+
+def next_state(state: JobState, trigger: Trigger) -> JobState:
+    """Returns the state that follows.
+
+    Raises:
+        WrongState: The trigger is not allowed in this state; the message lists those that are.
+    """
+    if trigger not in _TABLE[state]:
+        able = ", ".join(t.value for t in allowed(state)) or "nothing: it is over"
+        raise WrongState(
+            f"a job that is {state.name.lower().replace('_', ' ')} takes no {trigger.value}; it takes {able}"
+        )
+    return _TABLE[state][trigger]
+
+
+_LONGEST_ID = 200
+_PRIORITIES = 2**15
+
+
+class Material(BaseModel):
+    """Parts that an order is about (ISA-95: material requirement), as stated by the client.
+
+    Attributes:
+        class_: Their class; "class" in JSON.
+        definition: The client's material number, if any.
+        lot: The required lot.
+        quantity: How many pieces; or an amount, a decimal number as text.
+        units: Unit of the amount; empty for pieces.
+        id: Id of a specific piece, if required.
+        location: Where it is to be used.
+        use: Its intended use.
+        properties: Further properties given by the client.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", validate_by_name=True, validate_by_alias=True)
+
+    class_: str = Field(alias="class")
+    definition: str = ""
+    lot: str = ""
+    quantity: Annotated[int, Field(ge=1)] | str = 1
+    units: str = ""
+    id: str = ""
+    location: str = ""
+    use: str = ""
+    properties: dict[str, str] = {}
+
+
+class JobOrder(BaseModel):
+    """A job order (ISA-95).
+
+    Attributes:
+        id: Chosen by the client; the same order again is the same job.
+        goal: Goal texts; all must hold together.
+        description: For people.
+        priority: Higher values come first.
+        not_before: The start gate: it does not start earlier. None for no gate.
+        deadline: When it should be done; of equal priority the earlier comes first. A late job is still done and
+            marked as late, unless ``expires``.
+        expires: True if it must not be started after its deadline.
+        policy: What to do when part of the goal is unreachable.
+        work_master: Name of the goal template the goal was made from; empty if it was stated directly.
+        parameters: The template's arguments by parameter name.
+        materials: Which parts were ordered with it.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    id: str = Field(min_length=1, max_length=_LONGEST_ID, pattern=r"^[^\s/\x00-\x1f]+$")
+    goal: tuple[str, ...] = Field(min_length=1)
+    description: str = ""
+    priority: int = Field(default=0, ge=-_PRIORITIES, lt=_PRIORITIES)
+    not_before: AwareDatetime | None = None
+    deadline: AwareDatetime | None = None
+    expires: bool = False
+    policy: Policy = Policy()
+    work_master: str = ""
+    parameters: dict[str, str] = {}
+    materials: tuple[Material, ...] = ()
+
+    @field_validator("goal", mode="before")
+    @classmethod
+    def _one_or_several(cls, value: object) -> object:
+        return (value,) if isinstance(value, str) else value
 
 
 class Outcome(enum.StrEnum):

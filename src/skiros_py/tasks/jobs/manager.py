@@ -11,16 +11,12 @@ from collections.abc import Callable
 
 from skiros_py.errors import Busy, Removed, WrongState
 from skiros_py.execution.runtime import Runtime
-from skiros_py.tasks.jobs.book import JobBook
+from skiros_py.tasks.jobs.book import Guard, JobBook
 from skiros_py.tasks.jobs.commands import JobCommands
 from skiros_py.tasks.jobs.conductor import Conductor, ReadGoal
-from skiros_py.tasks.jobs.cut_off import hold_what_was_cut_off
-from skiros_py.tasks.jobs.guard import Guard
-from skiros_py.tasks.jobs.job import Job
-from skiros_py.tasks.jobs.order import JobOrder
-from skiros_py.tasks.jobs.receipts import Receipt
-from skiros_py.tasks.jobs.states import Trigger
-from skiros_py.tasks.jobs.store import JobStore
+from skiros_py.tasks.jobs.job import Job, JobOrder, Trigger
+from skiros_py.tasks.jobs.run import hold_what_was_cut_off
+from skiros_py.tasks.jobs.store import JobStore, Receipt
 from skiros_py.tasks.task_manager import TaskManager
 
 _MOST_OPEN = 50_000

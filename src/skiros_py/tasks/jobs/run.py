@@ -1,25 +1,142 @@
-"""One running job: the task that pursues its goal, and its records."""
+"""One running job: the task that pursues its goal, and its records; and jobs cut off by the end of the program."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from concurrent.futures import Future
 
 from skiros_py.errors import UnknownName, WrongState
 from skiros_py.execution.runtime import Runtime
+from skiros_py.planning.domain.actions import with_defaults
 from skiros_py.planning.plan import Step
+from skiros_py.planning.problem.task import Capability
+from skiros_py.skills.inference import applying
 from skiros_py.skills.outcome import Failure
 from skiros_py.skills.outcome import Outcome as StepOutcome
 from skiros_py.tasks.handle import StepRun, TaskHandle
 from skiros_py.tasks.jobs.book import JobBook
-from skiros_py.tasks.jobs.cut_off import WAITS, hold_what_was_halted
-from skiros_py.tasks.jobs.job import Actual, Job, Outcome
-from skiros_py.tasks.jobs.moves import moved
-from skiros_py.tasks.jobs.states import Trigger
+from skiros_py.tasks.jobs.job import Actual, Intent, Job, MaterialActual, Outcome, Trigger
 from skiros_py.tasks.jobs.store import JobStore
+from skiros_py.tasks.person import write_by_hand
 from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.trace import TraceEntry
+from skiros_py.world.change import PlacementEdit
+from skiros_py.world.element import Placement
+from skiros_py.world.index import Index
+from skiros_py.world.vocabulary import MANIPULATABLE
+from skiros_py.world.world import World
+
+
+def moved(world: World, job: Job, intents: Iterable[Intent]) -> tuple[MaterialActual, ...]:
+    """Returns the parts a job has moved so far: those already recorded, and the changes since :attr:`Job.seen`.
+
+    Only parts that one of its own steps names count, since other jobs may run concurrently. Parts back at their
+    original place are left out.
+
+    Args:
+        world: The live world model.
+        job: The job.
+        intents: The steps that were started for it.
+    """
+    if job.seen is None:
+        return job.materials
+    now = world.snapshot()
+    named = {name for intent in intents for name in intent.arguments.values() if _may_be_part(now, name)}
+    said = {material.element: material for material in job.materials}
+    moves = {part: (material.origin, material.place) for part, material in said.items()}
+    for edit in _placements(world, named, job.seen):
+        origin = moves[edit.element][0] if edit.element in moves else _place(edit.old)
+        moves[edit.element] = origin, _place(edit.new)
+    away = {part: ends for part, ends in sorted(moves.items()) if ends[0] != ends[1]}
+    return tuple(_actual(now, part, ends, said.get(part)) for part, ends in away.items())
+
+
+def _placements(world: World, named: Collection[str], after: int) -> Iterator[PlacementEdit]:
+    for change in world.log.about(named, after):
+        for edit in change.edits:
+            if isinstance(edit, PlacementEdit) and edit.element in named:
+                yield edit
+
+
+def _may_be_part(now: Index, name: str) -> bool:
+    """Returns True for parts and for removed elements, which may have been parts."""
+    return not now.has(name) or now.ontology.is_a(now.element(name).type, MANIPULATABLE)
+
+
+def _place(placement: Placement | None) -> str:
+    return "" if placement is None else placement.place
+
+
+def _actual(now: Index, part: str, ends: tuple[str, str], said: MaterialActual | None) -> MaterialActual:
+    origin, place = ends
+    if now.has(part):
+        element = now.element(part)
+        return MaterialActual(element=part, class_=element.type, label=element.label, origin=origin, place=place)
+    class_, label = (said.class_, said.label) if said else ("", part)
+    return MaterialActual(element=part, class_=class_, label=label, origin=origin, place=place)
+
+
+RETRY, BY_HAND, ABORT = "retry", "done by hand", "abort"
+"""The user's options: continue from the current world model; the step was done by hand; give the job up."""
+
+CUT_OFF = "nobody knows: it was cut off, and planned anew"
+"""Recorded outcome of a cut-off step once the user has reviewed it and resumed the job."""
+
+WAITS = "waits for its turn"
+"""Detail text of a resumed job while others are running."""
+
+
+def hold_what_was_cut_off(book: JobBook, store: JobStore, world: World) -> None:
+    """Holds every job that was started but not finished when the program ended, until the user answers.
+
+    Jobs that already wait for the user are unchanged: nothing was running for them.
+    """
+    for job in book.open.values():
+        if job.state.has_begun:
+            intents = store.intents(job.id)
+            moving = [intent for intent in intents if intent.ended is None]
+            if job.id in book.unseen and (not moving or BY_HAND in job.choices):
+                continue
+            choices = (RETRY, BY_HAND, ABORT) if moving else (RETRY, ABORT)
+            asks = {"detail": _detail(moving), "choices": choices, "question": None}
+            materials = moved(world, job, intents)
+            book.move(job, Trigger.HOLD, "the program ended", materials=materials, seen=None, **asks)
+
+
+def hold_what_was_halted(book: JobBook, job: Job, why: str) -> Job:
+    """Holds a job until the user answers because the system was halted; everything it moved is at rest."""
+    detail = f"everything was halted ({why}): look, reset, then answer"
+    return book.move(job, Trigger.HOLD, why, detail=detail, choices=(RETRY, ABORT), question=None, seen=None)
+
+
+def _detail(moving: Sequence[Intent]) -> str:
+    steps = ", ".join(f"{intent.skill} ({', '.join(intent.arguments.values())})" for intent in moving)
+    when = f"while {steps} was under way" if steps else "between two steps"
+    return f"the program ended {when}: look, then answer"
+
+
+def done_by_hand(world: World, capabilities: Sequence[Capability], intent: Intent, by: str) -> None:
+    """Writes a step's effects into the world.
+
+    Args:
+        world: The live world model.
+        capabilities: The available skills.
+        intent: The step.
+        by: Who reports it as done.
+
+    Raises:
+        UnknownName: The skill is no longer available, so its effects are unknown.
+        WorldError: The world model rejects the effects.
+    """
+    skills = {capability.skill.name: capability.skill for capability in capabilities}
+    if intent.skill not in skills:
+        raise UnknownName("skill", intent.skill, skills)
+    skill = skills[intent.skill]
+    values = with_defaults(skill, intent.arguments)
+    done = (condition.bind(values) for condition in applying(skill.post, values))
+    write_by_hand(world, done, by, f"{intent.skill} was done by hand")
+
 
 _BETWEEN_WRITES = 1.0
 """Wall time between two writes of the trace, since each waits for the disk [s]."""

@@ -15,11 +15,99 @@ from typing import Any, TypeVar
 from pydantic import TypeAdapter, ValidationError
 
 from skiros_py.database import Database, Schema
-from skiros_py.errors import FileError, UnknownName
-from skiros_py.tasks.jobs.announcements import Announcement, keep_announcement
-from skiros_py.tasks.jobs.job import Intent, Job, Transition
-from skiros_py.tasks.jobs.receipts import Receipt, keep_receipt, leave_receipts
-from skiros_py.tasks.jobs.states import JobState, Trigger
+from skiros_py.errors import FileError, KeyReused, UnknownName
+from skiros_py.tasks.jobs.job import Intent, Job, JobState, Transition, Trigger
+
+CANCELLED, CLEARED = "cancelled", "cleared"
+"""Announced for a job that is removed: before its start, and after its end."""
+
+MOST_ANNOUNCEMENTS = 100_000
+"""Maximum number kept if they are not forwarded; the oldest are dropped first."""
+
+
+_LONGEST_GOAL = 2000
+"""Longer goals are truncated in announcements [characters]: the client that ordered has the full text."""
+
+
+@dataclass(frozen=True, slots=True)
+class Announcement:
+    """A job changed state or was removed.
+
+    Attributes:
+        number: Counts announcements without gaps, over restarts as well.
+        wall: When [s since 1970].
+        job: The job at that time; a large one without its plan and with a truncated goal.
+        trigger: What led to it: a value of :class:`~skiros_py.tasks.jobs.Trigger`, "cancelled" or "cleared".
+    """
+
+    number: int
+    wall: float
+    job: Job
+    trigger: str
+
+
+def keep_announcement(connection: sqlite3.Connection, job: Job, data: str, trigger: str) -> None:
+    """Stores an announcement.
+
+    Args:
+        connection: The file, in a transaction.
+        job: The job.
+        data: The job as JSON text.
+        trigger: What happened.
+    """
+    values = (job.changed, trigger, data if len(data) <= _LONGEST_GOAL else _brief(job).model_dump_json())
+    number = connection.execute("INSERT INTO announcements (wall, trigger, data) VALUES (?, ?, ?)", values).lastrowid
+    assert number is not None
+    connection.execute("DELETE FROM announcements WHERE number <= ?", (number - MOST_ANNOUNCEMENTS,))
+
+
+def _brief(job: Job) -> Job:
+    """Returns a job without its bulky fields: every state change is stored."""
+    goal = job.order.goal
+    if sum(map(len, goal)) > _LONGEST_GOAL:
+        goal = (f"{goal[0][:_LONGEST_GOAL]}…",)
+    return job.model_copy(update={"plan": (), "order": job.order.model_copy(update={"goal": goal})})
+
+
+KEPT = 24 * 3600.0
+"""How long a receipt is kept at least [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Receipt:
+    """Identifies a request, so that a repetition is recognized.
+
+    Attributes:
+        caller: The caller; keys of different callers are independent.
+        key: Chosen by the caller, unique per request.
+        digest: Digest of the request's content.
+    """
+
+    caller: str
+    key: str
+    digest: str
+
+    def check(self, digest: str) -> None:
+        """Checks that this is the request stored under the key.
+
+        Raises:
+            KeyReused: It is another one.
+        """
+        if digest != self.digest:
+            raise KeyReused(f"the key '{self.key}' was used for another order: take a new key for each new order")
+
+
+def keep_receipt(connection: sqlite3.Connection, receipt: Receipt, job: str, wall: float) -> None:
+    """Stores that a request led to a job and deletes old receipts."""
+    connection.execute("DELETE FROM receipts WHERE wall < ?", (wall - KEPT,))
+    values = (receipt.caller, receipt.key, receipt.digest, job, wall)
+    connection.execute("INSERT INTO receipts (caller, key, digest, job, wall) VALUES (?, ?, ?, ?, ?)", values)
+
+
+def leave_receipts(connection: sqlite3.Connection, job: str, data: str) -> None:
+    """Stores the last version of a removed job with the receipts that led to it."""
+    connection.execute("UPDATE receipts SET last = ? WHERE job = ? AND last IS NULL", (data, job))
+
 
 _log = logging.getLogger(__name__)
 

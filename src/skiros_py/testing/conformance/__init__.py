@@ -10,25 +10,18 @@
 import pytest
 
 # Before they are imported, so that a failing claim shows the values that did not fit.
-for _name in (
-    "arm_planner",
-    "base_planner",
-    "cell_driver",
-    "device_kind",
-    "engine",
-    "kinematics",
-    "pending",
-    "planner",
-):
+for _name in ("cell_driver", "device_kind", "engine", "motion", "pending", "planner"):
     pytest.register_assert_rewrite(f"{__name__}.{_name}")
 
-from skiros_py.testing.conformance.arm_planner import ArmPlannerContract  # noqa: E402
-from skiros_py.testing.conformance.base_planner import BasePlannerContract  # noqa: E402
 from skiros_py.testing.conformance.cell_driver import CellDriverContract  # noqa: E402
 from skiros_py.testing.conformance.cells import small_cell  # noqa: E402
 from skiros_py.testing.conformance.device_kind import DeviceKindContract  # noqa: E402
 from skiros_py.testing.conformance.engine import EngineContract  # noqa: E402
-from skiros_py.testing.conformance.kinematics import KinematicsContract  # noqa: E402
+from skiros_py.testing.conformance.motion import (  # noqa: E402
+    ArmPlannerContract,
+    BasePlannerContract,
+    KinematicsContract,
+)
 from skiros_py.testing.conformance.pending import PendingContract  # noqa: E402
 from skiros_py.testing.conformance.planner import PlannerContract  # noqa: E402
 

@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 
 import pytest
 
-from skiros_py.ports.pending import Pending
+from skiros_py.ports.values import Pending
 
 T = TypeVar("T")
 
@@ -20,7 +20,7 @@ _PATIENCE = 60.0
 
 
 class PendingContract(ABC):
-    """Claims about a :class:`~skiros_py.ports.pending.Pending`, such as the answer of a device of one's own."""
+    """Claims about a :class:`~skiros_py.ports.values.Pending`, such as the answer of a device of one's own."""
 
     @abstractmethod
     def make(self) -> Pending[Any]:

@@ -12,7 +12,7 @@ from xml.parsers import expat
 import pyoxigraph as ox
 
 from skiros_py.errors import FileError, MissingExtra
-from skiros_py.world.xsd import LONGEST_TEXT
+from skiros_py.world.literals import LONGEST_TEXT
 
 DEEPEST = 500
 """How deep elements, brackets and parentheses may be nested."""

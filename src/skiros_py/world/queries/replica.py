@@ -184,6 +184,6 @@ class QueryReplica(Replica):
 
 def _warm_up() -> None:
     """Does once what each query would do in its copy: imports, and what rdflib's parser makes when first used."""
-    from skiros_py.world.queries.patterns import query_groups
+    from skiros_py.world.queries.computed import query_groups
 
     query_groups("ASK { ?a ?b ?c }", lambda _: True)

@@ -1,18 +1,135 @@
-"""The reasoners of a world, found by what they compute."""
+"""The reasoners of a world: their base class, the built-in ones and those of plug-ins, found by what they compute."""
 
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterable, Sequence
-from typing import TYPE_CHECKING, TypeVar
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from types import MappingProxyType
+from typing import TYPE_CHECKING, ClassVar, TypeVar
 
 from skiros_py.errors import DescriptionError, SkirosError, UnknownName, UsageError
-from skiros_py.world.reasoners.reasoner import Answer, ComputedRelation, Proposal, Reasoner
-from skiros_py.world.vocabulary import ELEMENT
+from skiros_py.plugins import Plugin, PluginFault, attempt, load_plugins
+from skiros_py.world.element import Value
+from skiros_py.world.ontology import Ontology
+from skiros_py.world.terms import Family
+from skiros_py.world.vocabulary import COMPUTED, ELEMENT
 
 if TYPE_CHECKING:
+    from skiros_py.world.change import Edit, Writer
     from skiros_py.world.ontology import Ontology
+    from skiros_py.world.transaction import Transaction
     from skiros_py.world.view import WorldView
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """Whether a computed relation holds.
+
+    Attributes:
+        holds: Whether it does.
+        reason: Why or why not, in words for people.
+        value: What it was decided by (a distance [m], a room left [m]), or None if there is no such number.
+    """
+
+    holds: bool
+    reason: str
+    value: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ComputedRelation:
+    """A computed relation that holds between two elements; ``value`` as in :class:`Answer`."""
+
+    subject: str
+    relation: str
+    object: str
+    value: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Proposal:
+    """A change that is about to take effect.
+
+    Attributes:
+        before, after: The world without and with it.
+        edits: What it changes.
+        author: Who writes.
+        writer: What kind of author that is.
+    """
+
+    before: WorldView
+    after: WorldView
+    edits: Sequence[Edit]
+    author: str
+    writer: Writer
+
+
+class Reasoner:
+    """Knows about one kind of data. A plug-in of the group ``skiros.reasoners`` names a subclass.
+
+    A reasoner has no state of its own: everything it knows it reads from the view it is given, so the same reasoner
+    serves the live world, snapshots and suppositions.
+
+    Attributes:
+        name: What it is called in messages.
+        relations: CURIEs of the computed relations that it answers, each declared below ``sk:computed``.
+        functions: Functions for SPARQL by CURIE (``BIND(sk:distance(?a, ?b) AS ?d)``), called with the view and the
+            arguments: elements as ids, literals as values; None for no answer.
+        keys: Names of the data that :meth:`data` reads and :meth:`store` writes.
+    """
+
+    name: ClassVar[str]
+    relations: ClassVar[frozenset[str]] = frozenset()
+    functions: ClassVar[Mapping[str, Callable[..., Value | None]]] = MappingProxyType({})
+    keys: ClassVar[frozenset[str]] = frozenset()
+
+    def answer(self, view: WorldView, subject: str, relation: str, object_: str) -> Answer:
+        """Says whether one of its :attr:`relations` holds between two elements, and why."""
+        raise NotImplementedError(f"{self.name} declares relations and must answer them")
+
+    def pairs(
+        self, view: WorldView, relation: str, subjects: Iterable[str], objects: Sequence[str]
+    ) -> Iterator[tuple[str, str]]:
+        """Yields the pairs between which a relation holds; overridden where many are found faster together."""
+        for subject in subjects:
+            for object_ in objects:
+                if subject != object_ and self.answer(view, subject, relation, object_).holds:
+                    yield subject, object_
+
+    def between(self, view: WorldView, subject: str, object_: str) -> tuple[ComputedRelation, ...]:
+        """Returns every one of its relations that holds from one element to another, with values, sorted."""
+        answers = ((relation, self.answer(view, subject, relation, object_)) for relation in sorted(self.relations))
+        return tuple(ComputedRelation(subject, r, object_, a.value) for r, a in answers if a.holds)
+
+    def data(self, view: WorldView, element: str, key: str) -> Value | None:
+        """Reads data from an element in the form that the key names ("pose in the map"), or None if it has none.
+
+        Raises:
+            UsageError: It has no such key.
+        """
+        raise UsageError(f"{self.name} reads no '{key}'")
+
+    def store(self, tx: Transaction, element: str, key: str, value: Value) -> None:
+        """Writes data into an element in the form that the key names.
+
+        Raises:
+            UsageError: It has no such key.
+        """
+        raise UsageError(f"{self.name} stores no '{key}'")
+
+    def similarity(self, view: WorldView, a: str, b: str) -> float | None:
+        """Returns how alike two elements are, from 0 to 1, or None if it cannot tell."""
+        return None
+
+    def classify(self, view: WorldView, element: str, classes: Sequence[str]) -> tuple[tuple[str, float], ...]:
+        """Returns how likely an element is of each class, likeliest first; classes it cannot judge are left out."""
+        return ()
+
+    def veto(self, proposal: Proposal) -> str | None:
+        """Says why a change must not take effect, or None. Called for every change: be quick."""
+        return None
 
 
 def computed_objects(
@@ -205,3 +322,62 @@ def _may_hold(view: WorldView, found: ComputedRelation) -> bool:
 
 NO_REASONERS = Reasoners()
 """Of worlds in which nothing is computed."""
+
+
+GROUP = "skiros.reasoners"
+"""Entry points of this group name subclasses of :class:`~skiros_py.world.reasoners.registry.Reasoner`."""
+
+_OWN = "skiros-py "
+
+
+def load_reasoners(ontology: Ontology | None = None) -> tuple[Reasoners, tuple[PluginFault, ...]]:
+    """Loads all reasoners, in the order of their entry points' names, the built-in ones first.
+
+    Args:
+        ontology: What must declare the relations that they compute; None if that does not matter.
+
+    Returns:
+        Those that can be used together; and the faults of the others, which are left out: what did not load, is no
+        reasoner, has the name of an earlier one, computes what an earlier one computes or what the ontology does not
+        declare as computed.
+    """
+    plugins, broken = load_plugins(GROUP)
+    good: list[Reasoner] = []
+    faults = list(broken)
+    for plugin in sorted(plugins, key=lambda plugin: not plugin.distribution.startswith(_OWN)):
+        made = attempt(plugin, partial(_usable, plugin, good, ontology))
+        if isinstance(made, PluginFault):
+            faults.append(made)
+        else:
+            good.append(made)
+    return Reasoners(good), tuple(faults)
+
+
+def _usable(plugin: Plugin, others: Sequence[Reasoner], ontology: Ontology | None) -> Reasoner | PluginFault:
+    """Returns the reasoner of a plug-in, or why it cannot be used beside the others."""
+    class_ = plugin.value
+    if not isinstance(class_, type) or not issubclass(class_, Reasoner):
+        return plugin.fault(f"it is a {type(class_).__name__}, nothing for reasoners: name a subclass of Reasoner")
+    reasoner = class_()
+    problem = _problem(reasoner, others) or _undeclared(reasoner, ontology)
+    return reasoner if problem is None else plugin.fault(problem)
+
+
+def _problem(reasoner: Reasoner, others: Sequence[Reasoner]) -> str | None:
+    if not isinstance(getattr(reasoner, "name", None), str) or not reasoner.name:
+        return "it has no name"
+    if any(reasoner.name == other.name for other in others):
+        return f"there is a reasoner '{reasoner.name}' already"
+    try:
+        Reasoners([*others, reasoner])
+    except UsageError as error:
+        return str(error)
+    return None
+
+
+def _undeclared(reasoner: Reasoner, ontology: Ontology | None) -> str | None:
+    if ontology is None:
+        return None
+    computed = {name for name, relation in ontology.relations.items() if relation.family is Family.COMPUTED}
+    unknown = sorted(reasoner.relations - computed)
+    return f"no ontology declares {', '.join(unknown)} below {COMPUTED}" if unknown else None

@@ -13,7 +13,7 @@ from skiros_py.geometry import Array
 from skiros_py.world.change import PlacementEdit, Writer
 from skiros_py.world.element import Value
 from skiros_py.world.reasoners.boxes import extents
-from skiros_py.world.reasoners.reasoner import Answer, Proposal, Reasoner
+from skiros_py.world.reasoners.registry import Answer, Proposal, Reasoner
 from skiros_py.world.vocabulary import CONTAINER, FITS_IN, GRASP_WIDTH, GRASPABLE_BY, IN, MAX_GAP, SOLID
 
 if TYPE_CHECKING:

@@ -1,7 +1,6 @@
 """Scene files: reading, writing, comparing and replacing a world's scene; learned data has a similar file."""
 
-from skiros_py.world.scene.diff import describe, diff
-from skiros_py.world.scene.files import load_into, load_scene, save_scene
+from skiros_py.world.scene.files import describe, diff, load_into, load_scene, save_scene
 from skiros_py.world.scene.learned import learned_turtle, read_learned
 
 __all__ = [

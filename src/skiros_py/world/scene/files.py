@@ -1,22 +1,203 @@
-"""Scene files: reading, writing and replacing the scene of a world."""
+"""Scene files: reading, comparing, writing atomically, and replacing the scene of a world."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+import os
+import secrets
+import stat
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from pathlib import Path
 
 from skiros_py.errors import FileError, WorldError
-from skiros_py.world.change import Change, Writer
-from skiros_py.world.index import collection_paused
+from skiros_py.geometry import Pose
+from skiros_py.plugins import Entry, Plugin, PluginFault, fault_of, files_of, installation, load, unambiguous
+from skiros_py.ports.kinematics import GROUP, RobotModel
+from skiros_py.world.change import Change, Edit, ElementEdit, GoalsEdit, PlacementEdit, PropertyEdit, Writer
+from skiros_py.world.element import Element, Placement, Value, is_abstract
+from skiros_py.world.index import Index, collection_paused
+from skiros_py.world.literals import ANY_LITERAL, format_value, shown
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.ontology.documents import Document, rdf_files, read_document
 from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners
-from skiros_py.world.scene.atomic import write_atomically
-from skiros_py.world.scene.diff import diff
 from skiros_py.world.scene.reader import Reader, fault_of_all
-from skiros_py.world.scene.robots import robot_document
 from skiros_py.world.scene.writer import scene_turtle
+from skiros_py.world.workspace import Workspace
 from skiros_py.world.world import World
+
+
+def write_atomically(path: Path, text: str) -> None:
+    """Writes a text file such that after a crash or power loss either the new or the old one is complete.
+
+    The permissions of the old file are kept; a symbolic link still points to the written file.
+
+    Raises:
+        FileError: It cannot be written; the old file is unchanged.
+    """
+    try:
+        _replace(Path(os.path.realpath(path)), text.encode())
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise FileError(path, f"cannot be written ({reason}); nothing was changed") from error
+    try:
+        _flush_folder(Path(os.path.realpath(path)).parent)
+    except OSError as error:
+        raise FileError(path, f"is written, but may not survive a power cut ({error.strerror})") from error
+
+
+def _replace(path: Path, content: bytes) -> None:
+    new = path.with_name(f".{path.name[:40]}.{secrets.token_hex(4)}.tmp")
+    try:
+        _write(new, content)
+        if path.exists():
+            new.chmod(stat.S_IMODE(path.stat().st_mode))
+        new.replace(path)
+    except BaseException:
+        new.unlink(missing_ok=True)
+        raise
+
+
+def _write(path: Path, content: bytes) -> None:
+    with path.open("xb") as file:
+        file.write(content)
+        file.flush()
+        os.fsync(file.fileno())
+
+
+def _flush_folder(folder: Path) -> None:
+    """Makes the new directory entry durable, not only the contents."""
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+_Statement = tuple[str, str, str]
+
+
+def diff(old: Index, new: Index) -> tuple[Edit, ...]:
+    """Returns the edits that turn the scene of one state into that of another, in an applicable order.
+
+    Abstract elements (the ontology's individuals and learned data) are not part of a scene. An element with another
+    class in the new state counts as a different one: it is removed and added. Poses that are written identically count
+    as equal.
+    """
+    work = Workspace(old)
+    work.view = new
+    work.touched = {name for name in _scene(old) | _scene(new) if _known(old, name) != _known(new, name)}
+    work.pairs = _relations(old) ^ _relations(new)
+    return tuple(edit for edit in work.edits() if not _is_within_rounding(edit))
+
+
+def describe(ontology: Ontology | None, edits: Iterable[Edit]) -> Iterator[str]:
+    """Yields a line for each edit: what was added (``+``), removed (``-``) or changed (``~``).
+
+    Args:
+        ontology: Gives the type of each property; None if not available.
+        edits: The edits.
+    """
+    for edit in edits:
+        if isinstance(edit, ElementEdit):
+            yield _element(edit)
+        elif isinstance(edit, PlacementEdit):
+            yield _change(edit.element, _placed(edit.old), _placed(edit.new))
+        elif isinstance(edit, PropertyEdit):
+            texts = (_value(ontology, edit.property, value) for value in (edit.old, edit.new))
+            yield _change(f"{edit.element} {edit.property}", *texts)
+        elif isinstance(edit, GoalsEdit):
+            yield from (f"- goal {goal}" for goal in edit.old if goal not in edit.new)
+            yield from (f"+ goal {goal}" for goal in edit.new if goal not in edit.old)
+        else:
+            yield f"{'+' if edit.new else '-'} {edit.subject} {edit.relation} {edit.object}"
+
+
+def _scene(index: Index) -> set[str]:
+    return {name for name in index.ids() if not is_abstract(name)}
+
+
+def _known(index: Index, name: str) -> tuple[Element, Placement | None] | None:
+    return (index.element(name), index.placement(name)) if index.has(name) else None
+
+
+def _relations(index: Index) -> set[_Statement]:
+    ontology = index.ontology
+    return {said for said in index.statements() if not is_abstract(said[0]) and not ontology.is_placement(said[1])}
+
+
+def _is_within_rounding(edit: Edit) -> bool:
+    if not isinstance(edit, PropertyEdit) or not isinstance(edit.old, Pose) or not isinstance(edit.new, Pose):
+        return False
+    return format_value(edit.old, "sk:poseLiteral") == format_value(edit.new, "sk:poseLiteral")
+
+
+def _element(edit: ElementEdit) -> str:
+    element = edit.new or edit.old
+    assert element is not None
+    return f"{'-' if edit.new is None else '+'} {element.id} ({element.type}) {shown(element.label)}"
+
+
+def _placed(placement: Placement | None) -> str:
+    return "" if placement is None else f"{placement.relation} {placement.place}"
+
+
+def _value(ontology: Ontology | None, property_: str, value: Value | None) -> str:
+    if value is None:
+        return ""
+    declared = ontology.properties.get(property_) if ontology else None  # an old change's property may no longer exist
+    text = format_value(value, ANY_LITERAL if declared is None else declared.range)
+    return shown(text) if isinstance(value, str) else text
+
+
+def _change(what: str, old: str, new: str) -> str:
+    if not old or not new:
+        return f"{'+' if new else '-'} {what} {new or old}"
+    return f"~ {what} {old} -> {new}"
+
+
+def robot_document(iri: str) -> tuple[Document | None, tuple[PluginFault, ...]]:
+    """Looks among the plug-ins for the file that declares an IRI, and loads no more of them than needed.
+
+    Args:
+        iri: What a scene imports ("http://example.org/robots/crane"); the plug-in called like the last part of it is
+            asked first.
+
+    Returns:
+        The file, or None; and the faults of plug-ins that were asked.
+    """
+    entries, faults = unambiguous(installation().of(GROUP))
+    name = iri.rstrip("#/").rpartition("/")[2]
+    broken = list(faults)
+    for entry in sorted(entries, key=lambda entry: entry.name != name):
+        for found in documents_of(entry):
+            if isinstance(found, PluginFault):
+                broken.append(found)
+            elif found.iri == iri:
+                return found, tuple(broken)
+    return None, tuple(broken)
+
+
+def documents_of(entry: Entry) -> Iterator[Document | PluginFault]:
+    """Yields the files that an entry point brings, read; and what is wrong with it."""
+    paths = _files(entry)
+    if isinstance(paths, PluginFault):
+        yield paths
+        return
+    files = rdf_files(paths)
+    if paths and not files:
+        yield fault_of(entry, f"there is no Turtle file below {paths[0]}")
+    for file in files:
+        try:
+            yield read_document(file)
+        except FileError as error:
+            yield fault_of(entry, str(error))
+
+
+def _files(entry: Entry) -> tuple[Path, ...] | PluginFault:
+    plugin = load(entry) if entry.attribute else None
+    if isinstance(plugin, Plugin) and isinstance(plugin.value, RobotModel):
+        individuals = plugin.value.individuals
+        return () if individuals is None else (individuals,)
+    return files_of(entry)
 
 
 def load_scene(

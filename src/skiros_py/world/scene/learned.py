@@ -13,8 +13,7 @@ from skiros_py.world.index import Index
 from skiros_py.world.names import LEARNED, LEARNED_GRAPH
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.ontology.documents import read_document
-from skiros_py.world.scene.atomic import write_atomically
-from skiros_py.world.scene.files import fill
+from skiros_py.world.scene.files import fill, write_atomically
 from skiros_py.world.scene.reader import Reader
 from skiros_py.world.scene.writer import TurtleWriter
 from skiros_py.world.vocabulary import ELEMENT

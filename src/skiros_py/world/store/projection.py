@@ -199,7 +199,7 @@ def _entailed(quads: Iterable[ox.Quad]) -> Iterator[ox.Quad]:
         from reasonable import PyReasoner  # with rdflib, which most queries do without
     except ModuleNotFoundError:
         raise MissingExtra("ontology", "entailment") from None
-    from skiros_py.world.store.rdflib_terms import to_rdflib, triple_of
+    from skiros_py.world.store.store import to_rdflib, triple_of
 
     stated = {(to_rdflib(q.subject), to_rdflib(q.predicate), to_rdflib(q.object)) for q in quads}
     reasoner = PyReasoner()

@@ -10,15 +10,15 @@ import pytest
 from mutations import IN_TRAY
 
 from skiros_py.planning.explanation import Trial, certain_causes
-from skiros_py.planning.planners.choosing import Planners
+from skiros_py.planning.plan import Cause, CauseKind
 from skiros_py.planning.planners.kairos import Kairos
+from skiros_py.planning.planners.planner import Planners
 from skiros_py.planning.problem.task import Capability
-from skiros_py.planning.reasons import Cause, CauseKind
 from skiros_py.skills.conditions import ConditionType, Nothing, Role
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.goals import parse_goal
 from skiros_py.testing import CONDITIONS, tiny_task, tiny_world
-from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE
+from skiros_py.testing.tiny import DRIVE, PICK, PLACE
 from skiros_py.world.vocabulary import AT
 from skiros_py.world.world import World
 

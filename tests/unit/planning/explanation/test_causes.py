@@ -5,11 +5,11 @@ from dataclasses import replace
 import pytest
 
 from skiros_py.planning.explanation import explain, find_causes
-from skiros_py.planning.reasons import CauseKind
+from skiros_py.planning.plan import CauseKind
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.parameters import Param
 from skiros_py.testing import tiny_task, tiny_world
-from skiros_py.testing.tiny_skills import AT_LOCATION, DRIVE, FREE, HOLDING, IN_CONTAINER, REACHABLE
+from skiros_py.testing.tiny import AT_LOCATION, DRIVE, FREE, HOLDING, IN_CONTAINER, REACHABLE
 from skiros_py.world.world import World
 
 GIANT = "scene:giant_1 a tiny:Giant ; sk:in scene:box_a ."

@@ -8,8 +8,8 @@ import pytest
 from mutations import Mutation, mutations
 
 from skiros_py.planning.explanation import Trial, explain
-from skiros_py.planning.planners.choosing import Planners
 from skiros_py.planning.planners.kairos import Kairos
+from skiros_py.planning.planners.planner import Planners
 from skiros_py.planning.problem.task import build_task
 
 SPOILT = list(mutations(seed=7, rounds=1))

@@ -9,13 +9,13 @@ from mutations import IN_TRAY
 
 from skiros_py.planning.explanation import Explanation, Trial, explain, find_causes
 from skiros_py.planning.explanation.edits import Move
-from skiros_py.planning.explanation.repairs import find_repairs
-from skiros_py.planning.planners.choosing import Planners
+from skiros_py.planning.explanation.explaining import find_repairs
 from skiros_py.planning.planners.kairos import Kairos
+from skiros_py.planning.planners.planner import Planners
 from skiros_py.planning.problem.task import Capability
 from skiros_py.tasks.goals import parse_goal
 from skiros_py.testing import CONDITIONS, tiny_task, tiny_world
-from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE
+from skiros_py.testing.tiny import DRIVE, PICK, PLACE
 from skiros_py.world.view import WorldView
 from skiros_py.world.world import World
 

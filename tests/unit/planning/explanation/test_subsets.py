@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from skiros_py.planning.explanation.explaining import conflict_of, smallest_unsolvable
 from skiros_py.skills.conditions import Condition
-from skiros_py.testing.tiny_skills import FREE
+from skiros_py.testing.tiny import FREE
 
 GOAL = tuple(FREE(f"slot_{n}") for n in range(8))
 

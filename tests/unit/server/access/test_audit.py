@@ -10,7 +10,7 @@ import pytest
 
 from skiros_py.server.access import audit as audit_module
 from skiros_py.server.access.audit import AuditEntry, AuditLog
-from skiros_py.server.access.file import open_access
+from skiros_py.server.access.keys import open_access
 
 
 def _entry(number: int) -> AuditEntry:

@@ -11,8 +11,7 @@ from pathlib import Path
 import pytest
 
 from skiros_py.errors import UnknownName, UsageError, WrongState
-from skiros_py.server.access.file import FILE, open_access
-from skiros_py.server.access.keys import KeyStore, shown, without_keys
+from skiros_py.server.access.keys import FILE, KeyStore, open_access, shown, without_keys
 from skiros_py.server.access.roles import Role
 
 

@@ -12,7 +12,7 @@ from skiros_py.skills.inference import Inferred, Missing, applying, infer
 from skiros_py.skills.parameters import Kind, Param
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.testing import tiny_world
-from skiros_py.testing.tiny_skills import (
+from skiros_py.testing.tiny import (
     AT_LOCATION,
     CARRIES,
     DRIVE,
@@ -316,7 +316,7 @@ def test_a_default_is_a_value_like_a_given_one() -> None:
 
 
 def test_learned_things_are_not_taken_for_things_that_are_there() -> None:
-    from skiros_py.world.drafts import learn
+    from skiros_py.world.branches import learn
 
     world = world_at("box_a")
     with world.transaction("test", "shown") as tx:

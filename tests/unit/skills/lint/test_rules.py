@@ -48,7 +48,7 @@ from skiros_py.skills.parameters import Access, Kind, Param, param
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.skill import Skill
 from skiros_py.testing import CONDITIONS, SKILLS, tiny_ontology, tiny_world
-from skiros_py.testing.tiny_skills import DRIVE, HOLDING, IN_CONTAINER, PICK, PLACE, pretend
+from skiros_py.testing.tiny import DRIVE, HOLDING, IN_CONTAINER, PICK, PLACE, pretend
 from skiros_py.world.checks import relation_problem
 from skiros_py.world.element import Placement
 from skiros_py.world.reasoners.registry import Reasoners

@@ -8,7 +8,7 @@ import pytest
 from skiros_py.errors import DescriptionError, UnknownName
 from skiros_py.skills.conditions import Nothing, Related
 from skiros_py.skills.parameters import Kind, Param, check_params, missing, param, params_of
-from skiros_py.testing.tiny_skills import DRIVE, HOLDING, PICK
+from skiros_py.testing.tiny import DRIVE, HOLDING, PICK
 from skiros_py.world.vocabulary import IN
 
 

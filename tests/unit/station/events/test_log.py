@@ -6,8 +6,7 @@ import threading
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from skiros_py.station.events.event import Kind
-from skiros_py.station.events.log import EventLog
+from skiros_py.station.events.log import EventLog, Kind
 
 LEAVES = st.none() | st.booleans() | st.integers() | st.floats() | st.text(st.characters(exclude_categories=()))
 ANYTHING = st.recursive(LEAVES, lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner), max_leaves=8)

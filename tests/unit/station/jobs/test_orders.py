@@ -2,8 +2,8 @@
 
 import pytest
 
+from skiros_py.api.goals import GoalTemplateContent
 from skiros_py.api.jobs import JobOrder
-from skiros_py.api.templates import GoalTemplateContent
 from skiros_py.errors import UsageError
 from skiros_py.station.documents import DocumentStore
 from skiros_py.station.jobs.orders import digest_of, is_same, job_order, texts_of

@@ -2,11 +2,10 @@
 
 import pytest
 
-from skiros_py.api.templates import GoalTemplateContent
+from skiros_py.api.goals import GoalTemplateContent
 from skiros_py.errors import UsageError
 from skiros_py.station.jobs.templates import check_template
-from skiros_py.testing.tiny import tiny_world
-from skiros_py.testing.tiny_skills import CONDITIONS
+from skiros_py.testing.tiny import CONDITIONS, tiny_world
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from skiros_py.api.replays import Replay
+from skiros_py.api.view import Replay
 from skiros_py.devices.arm import ArmState
 from skiros_py.devices.base import BaseState
 from skiros_py.devices.gripper import GripperState

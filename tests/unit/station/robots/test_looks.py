@@ -11,10 +11,9 @@ import numpy as np
 import pytest
 
 from skiros_py.errors import DeviceError
-from skiros_py.execution.library_monitor import LibraryMonitor
+from skiros_py.execution.runtime import LibraryMonitor
 from skiros_py.geometry import Pose, Solid
 from skiros_py.ports.adapters import GivenPorts
-from skiros_py.ports.pending import Done
 from skiros_py.ports.perception import (
     Detection,
     LookRequest,
@@ -25,7 +24,7 @@ from skiros_py.ports.perception import (
     RegistrationRequest,
 )
 from skiros_py.ports.perception import RegistrationResult as Registered
-from skiros_py.ports.values import CameraIntrinsics, DepthImage, Snapshot
+from skiros_py.ports.values import CameraIntrinsics, DepthImage, Done, Snapshot
 from skiros_py.station.robots.looks import MOST_POINTS, Looks
 from skiros_py.station.session import Options, Session
 

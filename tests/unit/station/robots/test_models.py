@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from skiros_py.errors import Busy, DeviceError, UnknownName
-from skiros_py.ports.models import BASE_JOINTS
+from skiros_py.ports.kinematics import BASE_JOINTS
 from skiros_py.station.robots.models import MESHES, DrawnModel, RobotModels
 
 

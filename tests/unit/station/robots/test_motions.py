@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import pytest
 
-from skiros_py.api.looks import RobotMotion
+from skiros_py.api.robots import RobotMotion
 from skiros_py.devices.arm import ArmState
 from skiros_py.devices.base import BaseState
 from skiros_py.execution.running import RunningModule

@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from skiros_py.tasks.jobs import Job, JobOrder, JobState, JobStore, Trigger, announcements
+from skiros_py.tasks.jobs import Job, JobOrder, JobState, JobStore, Trigger
+from skiros_py.tasks.jobs import store as stored
 
 
 @pytest.fixture
@@ -66,7 +67,7 @@ def test_numbers_go_on_without_gap_after_all_were_told_and_the_program_began_ane
 
 
 def test_where_nobody_reads_them_the_oldest_go(store, monkeypatch):
-    monkeypatch.setattr(announcements, "MOST_ANNOUNCEMENTS", 3)
+    monkeypatch.setattr(stored, "MOST_ANNOUNCEMENTS", 3)
     for number in range(10):
         store.add(job(f"j{number}"), Trigger.START)
     assert [number for number, *_ in told(store)] == [8, 9, 10]

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from skiros_py.errors import UsageError
+from skiros_py.tasks.handle import Policy
 from skiros_py.tasks.jobs import Job, JobManager, JobOrder, JobState, JobStore, Outcome
-from skiros_py.tasks.policy import Policy
 from skiros_py.testing import Bench, tiny_world
 
 GOAL = "In(ball_1, slot_1)"

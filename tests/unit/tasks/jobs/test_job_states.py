@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from skiros_py.errors import UsageError
-from skiros_py.tasks.jobs.states import JobState, Trigger, allowed, next_state
+from skiros_py.tasks.jobs.job import JobState, Trigger, allowed, next_state
 
 S, T = JobState, Trigger
 

@@ -8,11 +8,8 @@ import sys
 import pytest
 
 from skiros_py.errors import FileError, UnknownName
-from skiros_py.tasks.jobs.job import Job
-from skiros_py.tasks.jobs.order import JobOrder
-from skiros_py.tasks.jobs.receipts import Receipt
-from skiros_py.tasks.jobs.states import JobState, Trigger
-from skiros_py.tasks.jobs.store import JobStore
+from skiros_py.tasks.jobs.job import Job, JobOrder, JobState, Trigger
+from skiros_py.tasks.jobs.store import JobStore, Receipt
 
 
 @pytest.fixture

@@ -11,10 +11,10 @@ import pytest
 from skiros_py.behaviours import AssertEffects, Sequence, Wait
 from skiros_py.errors import WrongState
 from skiros_py.skills.skill import Skill
+from skiros_py.tasks.handle import Policy
 from skiros_py.tasks.jobs import JobManager, JobOrder, JobState, JobStore, Outcome
-from skiros_py.tasks.policy import Policy
 from skiros_py.testing import Bench, tiny_world
-from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend
+from skiros_py.testing.tiny import DRIVE, PICK, PLACE, pretend
 
 GIANT = "scene:giant_1 a tiny:Giant ; sk:in scene:box_a ."
 UNREACHABLE = "In(giant_1, slot_2)"

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from skiros_py.planning.planners.fast_downward import FastDownward
-from skiros_py.planning.thread_host import ThreadHost
+from skiros_py.planning.process import ThreadHost
 from skiros_py.tasks.jobs import JobManager, JobOrder, JobStore, Outcome
 from skiros_py.tasks.task_manager import TaskManager
 from skiros_py.testing import Bench, tiny_world

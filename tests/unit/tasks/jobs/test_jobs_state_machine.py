@@ -18,9 +18,9 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
 from skiros_py.errors import KeyReused, Removed, StaleVersion, UnknownName, WrongState
+from skiros_py.tasks.handle import Policy
 from skiros_py.tasks.jobs import Job, JobManager, JobOrder, JobState, JobStore, Receipt, Trigger
-from skiros_py.tasks.jobs.states import allowed, next_state
-from skiros_py.tasks.policy import Policy
+from skiros_py.tasks.jobs.job import allowed, next_state
 from skiros_py.testing import Bench, tiny_world
 
 S = JobState

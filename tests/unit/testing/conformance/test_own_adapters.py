@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import pytest
 
-from skiros_py.motion.arm_planner import WorkerArmPlanner
+from skiros_py.motion.adapters import WorkerArmPlanner
 from skiros_py.motion.base_paths import ShapelyBasePlanner
 from skiros_py.motion.pinocchio.kinematics import kinematics_of
-from skiros_py.planning.planners.command import CommandPlanner
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.kairos import Kairos
 from skiros_py.planning.planners.planner import Planner
+from skiros_py.planning.planners.program_planner import CommandPlanner
 from skiros_py.ports.cell import CellSpec, RobotSpec
 from skiros_py.ports.driver import CellDriver
 from skiros_py.ports.kinematics import Kinematics
 from skiros_py.ports.motion import ArmPlanner, BasePlanner
-from skiros_py.ports.pending import Done, Pending
+from skiros_py.ports.values import Done, Pending
 from skiros_py.simulation.cell import SimulatedCell
 from skiros_py.simulation.fake import FakeCell
 from skiros_py.testing import FaultyCell

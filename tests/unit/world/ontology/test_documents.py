@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from skiros_py.errors import FileError
+from skiros_py.world.literals import LONGEST_TEXT
 from skiros_py.world.ontology.documents import rdf_files, read_document
 from skiros_py.world.ontology.formats import DEEPEST, LONGEST_ENTITY
-from skiros_py.world.xsd import LONGEST_TEXT
 
 DATA = Path(__file__).parents[3] / "data" / "ontologies"
 HEAD = """<?xml version="1.0"?>

@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 
 from skiros_py.errors import WorldError
+from skiros_py.world.literals import LONGEST_TEXT
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.queries import ask, select
 from skiros_py.world.terms import Cardinality
 from skiros_py.world.world import World
-from skiros_py.world.xsd import LONGEST_TEXT
 
 ROOT = Path(__file__).parents[4]
 DATA = ROOT / "tests" / "data" / "ontologies"

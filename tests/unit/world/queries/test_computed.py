@@ -21,8 +21,7 @@ from skiros_py.world.element import Placement, Value
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.queries import Table, ask, construct, select
 from skiros_py.world.queries.answering import Question, mentioned_relations, typed
-from skiros_py.world.reasoners.reasoner import Answer, Reasoner
-from skiros_py.world.reasoners.registry import Reasoners
+from skiros_py.world.reasoners.registry import Answer, Reasoner, Reasoners
 from skiros_py.world.store import Projection, QuadStore
 from skiros_py.world.store.store import COMPUTED_GRAPH, Rows
 from skiros_py.world.view import WorldView

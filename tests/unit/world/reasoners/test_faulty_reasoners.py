@@ -10,8 +10,7 @@ import pytest
 from skiros_py.errors import DescriptionError
 from skiros_py.world.element import Placement
 from skiros_py.world.ontology import Ontology
-from skiros_py.world.reasoners.reasoner import Answer, Proposal, Reasoner
-from skiros_py.world.reasoners.registry import Reasoners
+from skiros_py.world.reasoners.registry import Answer, Proposal, Reasoner, Reasoners
 from skiros_py.world.reasoners.sizes import SizeReasoner
 from skiros_py.world.view import WorldView
 from skiros_py.world.world import World

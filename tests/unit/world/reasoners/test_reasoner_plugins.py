@@ -9,12 +9,12 @@ import pytest
 
 from skiros_py.plugins import PluginFault
 from skiros_py.world.ontology import Ontology
-from skiros_py.world.reasoners.plugins import load_reasoners
+from skiros_py.world.reasoners.registry import load_reasoners
 
 Install = Callable[..., None]
 
 COLOURS = """
-from skiros_py.world.reasoners.reasoner import Answer, Reasoner
+from skiros_py.world.reasoners.registry import Answer, Reasoner
 
 class Colours(Reasoner):
     name = "colours"

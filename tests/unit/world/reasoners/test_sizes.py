@@ -13,8 +13,7 @@ from skiros_py.errors import UsageError, WorldError
 from skiros_py.world.change import Writer
 from skiros_py.world.element import Placement
 from skiros_py.world.ontology import Ontology
-from skiros_py.world.reasoners.reasoner import Answer
-from skiros_py.world.reasoners.registry import Reasoners
+from skiros_py.world.reasoners.registry import Answer, Reasoners
 from skiros_py.world.reasoners.sizes import SizeReasoner
 from skiros_py.world.world import World
 

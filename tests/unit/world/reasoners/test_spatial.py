@@ -16,8 +16,7 @@ from skiros_py.world.element import Placement
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.poses import map_pose, write_pose
-from skiros_py.world.reasoners.reasoner import Answer
-from skiros_py.world.reasoners.registry import Reasoners
+from skiros_py.world.reasoners.registry import Answer, Reasoners
 from skiros_py.world.reasoners.sizes import SizeReasoner
 from skiros_py.world.reasoners.spatial import SpatialReasoner
 from skiros_py.world.world import World

@@ -10,13 +10,13 @@ from pathlib import Path
 import pytest
 
 from skiros_py.errors import FileError
-from skiros_py.world.scene.atomic import write_atomically
+from skiros_py.world.scene.files import write_atomically
 
 ON_A_SMALL_DISK = """
 import resource, signal, sys
 from pathlib import Path
 from skiros_py.errors import FileError
-from skiros_py.world.scene.atomic import write_atomically
+from skiros_py.world.scene.files import write_atomically
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
 try:

@@ -11,7 +11,7 @@ from skiros_py.devices.camera import CameraSpec
 from skiros_py.devices.gripper import GripperSpec
 from skiros_py.errors import FileError
 from skiros_py.skills.cell_reader import read_cell
-from skiros_py.testing.worlds import world_of
+from skiros_py.testing.tiny import world_of
 from skiros_py.world.element import Placement
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.scene import load_scene, save_scene

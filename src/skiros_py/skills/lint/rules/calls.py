@@ -1,15 +1,14 @@
-"""A body calls modules that are there, with parameters that they have, and by names that are there."""
+"""A body calls modules that are there, with parameters that they have; recursion must be able to end."""
 
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 
-from skiros_py.skills.behaviour import Call, calls_of, walk
+from skiros_py.skills.behaviour import Behaviour, Call, calls_of, walk
 from skiros_py.skills.conditions import ConditionType
-from skiros_py.skills.lint.rule import Problem, Rule, Severity
+from skiros_py.skills.lint.rule import Known, Problem, Rule, Severity, Source, Subject
 from skiros_py.skills.lint.rules.words import own_params
-from skiros_py.skills.lint.subject import Known, Source, Subject
 from skiros_py.skills.parameters import Kind, Param
 from skiros_py.skills.references import variables
 from skiros_py.skills.skill import Skill, SkillDescription
@@ -94,3 +93,47 @@ MISSING_ARGUMENT = Rule(
 MISSING_PARAMETER = Rule(
     "missing-parameter", Severity.ERROR, "Something refers to a parameter that is not there.", _strays, True
 )
+
+
+def _endless(subject: Subject, known: Known) -> Iterator[Problem]:
+    """Yields a problem for an implementation none of whose ways to succeed ever ends."""
+    if not isinstance(subject, Skill):
+        return
+    others = [s for s in known.skills if s.driver == subject.driver]
+    endless = {s.description.name for s in others} - _ending(others)
+    if _ends(subject, endless):
+        return
+    calls = sorted({call.module for call in calls_of(*subject.nodes) if call.module in endless})
+    yield Problem(f"whichever way it succeeds, it calls {' and '.join(calls)}, which in the end calls itself again")
+
+
+def _ending(skills: Collection[Skill]) -> set[str]:
+    """Returns the skills that can succeed without calling themselves, however indirectly."""
+    names = {skill.description.name for skill in skills}
+    ending: set[str] = set()
+    while True:
+        more = {s.description.name for s in skills if _ends(s, names - ending)}
+        if more <= ending:
+            return ending
+        ending |= more
+
+
+def _ends(skill: Skill, open_: Collection[str]) -> bool:
+    return all(_can_end(node, open_) for node in skill.nodes)
+
+
+def _can_end(node: Behaviour, open_: Collection[str]) -> bool:
+    uses = node.uses()
+    if any(call.module in open_ for call in uses.calls):
+        return False
+    children = (_can_end(child, open_) for child in node.named_children().values())
+    match uses.needs:
+        case "any":
+            return any(children)
+        case "all":
+            return all(children)
+        case "none":
+            return True
+
+
+RECURSIVE_SKILL = Rule("recursive-skill", Severity.ERROR, "A skill that calls itself without end.", _endless)

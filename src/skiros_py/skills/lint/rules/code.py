@@ -1,4 +1,4 @@
-"""The code of primitives is part of the control cycle: it yields, never blocks, and stops at once."""
+"""The code of primitives: it yields, never blocks, imports only the public API, and pretends only in fakes."""
 
 from __future__ import annotations
 
@@ -7,9 +7,10 @@ import inspect
 import textwrap
 from collections.abc import Iterable, Iterator
 
-from skiros_py.skills.lint.rule import Problem, Rule, Severity, Spot
-from skiros_py.skills.lint.subject import Known, Source, Subject
+from skiros_py.skills.behaviour import walk
+from skiros_py.skills.lint.rule import Known, Problem, Rule, Severity, Source, Spot, Subject
 from skiros_py.skills.primitive import Primitive
+from skiros_py.skills.skill import Skill
 
 
 def _motion(subject: Subject, known: Known) -> Iterator[Problem]:  # noqa: ARG001 - a check's signature
@@ -109,3 +110,67 @@ def _instead(name: str) -> str:
 MOTION_IN_FINALLY = Rule("motion-in-finally", Severity.ERROR, "Motion where a primitive must only let go.", _motion)
 YIELD_NEVER = Rule("yield-never", Severity.ERROR, "A primitive that is no generator.", _never)
 BLOCKING_CALL = Rule("blocking-call", Severity.ERROR, "A call that stops the control cycle.", _blocks)
+
+
+_PACKAGE = "skiros_py"
+_OPEN = frozenset(
+    {"behaviours", "devices", "errors", "geometry", "ports", "skills", "testing", "world", "workers", "__version__"}
+)
+"""What plug-ins may import; and, of the package itself, the few names it offers."""
+_PORTS = ("skiros_py.planning.planners.planner",)
+"""Ports that lie elsewhere."""
+_PACKAGES = ("skiros_py.recording",)
+"""Of these, plug-ins may import what the package itself lists, not its modules."""
+
+
+def _private(subject: Subject, known: Known) -> Iterator[Problem]:  # noqa: ARG001 - a check's signature
+    if not isinstance(subject, Source):
+        return
+    for node in ast.walk(subject.tree):
+        for name in _imported(node):
+            if not _is_open(name):
+                text = f"it imports {name}, which may change at any time; use {_DOORS}"
+                yield Problem(text, Spot(subject.file, getattr(node, "lineno", 1)))
+
+
+_DOORS = (
+    "skiros_py.skills, .behaviours, .devices, .ports, .world, .geometry, .recording, .errors (and .testing in tests)"
+)
+
+
+def _imported(node: ast.AST) -> Iterator[str]:
+    """Yields the modules of the platform that a statement imports."""
+    match node:
+        case ast.Import(names=names):
+            yield from (alias.name for alias in names if alias.name.startswith(f"{_PACKAGE}."))
+        case ast.ImportFrom(module="skiros_py", names=names, level=0):
+            yield from (f"{_PACKAGE}.{alias.name}" for alias in names if alias.name[:1].islower())
+        case ast.ImportFrom(module=str(module), level=0) if module.startswith(f"{_PACKAGE}."):
+            yield module
+        case _:
+            pass
+
+
+def _is_open(name: str) -> bool:
+    return name.split(".")[1] in _OPEN or name.startswith(_PORTS) or name in _PACKAGES
+
+
+PRIVATE_IMPORT = Rule(
+    "private-import", Severity.ERROR, "An import of the platform's inside, which may change at any time.", _private
+)
+
+
+def _pretended(subject: Subject, known: Known) -> Iterator[Problem]:  # noqa: ARG001 - a check's signature
+    if not isinstance(subject, Skill) or subject.driver == "fake":
+        return
+    if any(node.uses().pretends is not None for root in subject.nodes for node in walk(root)):
+        said = "every driver" if subject.driver is None else f"driver '{subject.driver}'"
+        yield Problem(
+            f"it is for {said} and asserts effects without sensing them: only skills for driver 'fake' may; let the "
+            "primitive that senses an effect call self.assert_effects(…)"
+        )
+
+
+PRETENDS = Rule(
+    "pretends", Severity.ERROR, "A skill for a real robot asserts effects without sensing them.", _pretended, True
+)

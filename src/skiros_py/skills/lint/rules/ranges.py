@@ -16,9 +16,19 @@ from skiros_py.skills.conditions import (
     Pattern,
     Related,
 )
-from skiros_py.skills.lint.patterns import Classes, Use, classes_of, leaves, uses_of, walk_scoped
-from skiros_py.skills.lint.rule import Problem, Rule, Severity
-from skiros_py.skills.lint.subject import Known, Subject
+from skiros_py.skills.lint.rule import (
+    Classes,
+    Known,
+    Problem,
+    Rule,
+    Severity,
+    Subject,
+    Use,
+    classes_of,
+    leaves,
+    uses_of,
+    walk_scoped,
+)
 from skiros_py.skills.skill import Skill
 from skiros_py.world.literals import CLASS_NAME, DATATYPES
 from skiros_py.world.ontology import Ontology

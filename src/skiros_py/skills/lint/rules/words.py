@@ -1,12 +1,13 @@
-"""Words must be declared, and computed relations must have a reasoner."""
+"""Words must be declared and documented; computed relations must have a reasoner."""
 
 from __future__ import annotations
 
 import difflib
+import inspect
 from collections.abc import Collection, Iterator
 
 from skiros_py.errors import SkirosError
-from skiros_py.ports.kinds import load_device_kinds
+from skiros_py.ports.device import load_device_kinds
 from skiros_py.skills.behaviour import walk
 from skiros_py.skills.conditions import (
     ClassRelated,
@@ -21,9 +22,7 @@ from skiros_py.skills.conditions import (
     Pattern,
     Related,
 )
-from skiros_py.skills.lint.patterns import Classes, leaves, uses_of
-from skiros_py.skills.lint.rule import Problem, Rule, Severity
-from skiros_py.skills.lint.subject import Known, Source, Subject
+from skiros_py.skills.lint.rule import Classes, Known, Problem, Rule, Severity, Source, Subject, leaves, uses_of
 from skiros_py.skills.parameters import Param, params_of
 from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.world.ontology import Ontology
@@ -108,3 +107,40 @@ UNKNOWN_WORD = Rule(
 NOT_COMPUTED = Rule(
     "not-computed", Severity.ERROR, "A computed relation that no reasoner works out.", _uncomputed, True
 )
+
+
+_SHORTEST = 3
+"""Shorter help texts are no help."""
+
+
+def _unexplained(subject: Subject, known: Known) -> Iterator[Problem]:  # noqa: ARG001 - a check's signature
+    match subject:
+        case Skill() | Source():
+            return
+        case SkillDescription(help=help_) | ConditionType(help=help_):
+            said = help_
+        case _:
+            said = _docstring(subject)
+    if len(said.strip()) < _SHORTEST:
+        yield Problem("say in one sentence what it is for")
+    for param in own_params(subject):
+        if len(param.help.strip()) < _SHORTEST:
+            yield Problem(f"say in one sentence what parameter {param.key} is for")
+
+
+def _docstring(class_: type) -> str:
+    """Returns a class's own docstring, without the one that a dataclass writes by itself."""
+    text = inspect.cleandoc(class_.__dict__.get("__doc__") or "")
+    return "" if text.startswith(f"{class_.__name__}(") else text
+
+
+def _without_unit(subject: Subject, known: Known) -> Iterator[Problem]:  # noqa: ARG001 - a check's signature
+    for param in own_params(subject):
+        if param.type in ("number", "vector") and not param.unit:
+            yield Problem(
+                f"say the unit of parameter {param.key}; a mere ratio has the unit '1', a count is an integer"
+            )
+
+
+MISSING_HELP = Rule("missing-help", Severity.ERROR, "Nothing says what it is for.", _unexplained)
+MISSING_UNIT = Rule("missing-unit", Severity.ERROR, "A number whose unit nothing says.", _without_unit)

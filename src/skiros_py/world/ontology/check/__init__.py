@@ -1,6 +1,6 @@
 """Checks ontology files: what is declared, and whether it can be true."""
 
 from skiros_py.world.ontology.check.checking import CheckReport, ReasonerChoice, check_ontology
-from skiros_py.world.ontology.check.findings import Finding, FindingKind, Severity
+from skiros_py.world.ontology.check.material import Finding, FindingKind, Severity
 
 __all__ = ["CheckReport", "Finding", "FindingKind", "ReasonerChoice", "Severity", "check_ontology"]

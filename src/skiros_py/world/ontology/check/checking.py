@@ -11,8 +11,15 @@ from typing import Literal
 from skiros_py.errors import FileError, MissingExtra, UsageError
 from skiros_py.system import has_extra, require_extra
 from skiros_py.world.abstract import abstract_individuals
-from skiros_py.world.ontology.check.findings import Finding, FindingKind, Severity, finding_of, in_order
-from skiros_py.world.ontology.check.material import Material, read_material
+from skiros_py.world.ontology.check.material import (
+    Finding,
+    FindingKind,
+    Material,
+    Severity,
+    finding_of,
+    in_order,
+    read_material,
+)
 from skiros_py.world.ontology.check.reasoner import HermiT, NoAnswer, NotStarted, OwlRlProcess, Reasoner, java
 from skiros_py.world.ontology.check.reasoning import logical_findings
 from skiros_py.world.ontology.check.structure import structural_findings

@@ -19,7 +19,7 @@ from reasonable import PyReasoner
 
 from skiros_py.world.ontology.check.material import is_standard, owl, rdf, rdfs
 from skiros_py.world.ontology.check.reasoner import NoAnswer, Verdict, one_of, some
-from skiros_py.world.store.rdflib_terms import Node, to_rdflib
+from skiros_py.world.store.store import Node, to_rdflib
 from skiros_py.world.terms import reached
 
 _ZERO = (owl("maxCardinality"), owl("cardinality"), owl("maxQualifiedCardinality"), owl("qualifiedCardinality"))

@@ -10,8 +10,7 @@ import pyoxigraph as ox
 
 from skiros_py.world.names import Names
 from skiros_py.world.ontology.check.axioms import Axiom, Axioms, axioms_of, in_words, line_of, triples_of
-from skiros_py.world.ontology.check.findings import Finding, FindingKind, Severity, finding_of
-from skiros_py.world.ontology.check.material import Material
+from skiros_py.world.ontology.check.material import Finding, FindingKind, Material, Severity, finding_of
 from skiros_py.world.ontology.check.reasoner import NoAnswer, Reasoner, Verdict, one_of, some
 from skiros_py.world.terms import closure
 

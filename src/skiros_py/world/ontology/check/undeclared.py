@@ -8,10 +8,13 @@ import pyoxigraph as ox
 
 from skiros_py.errors import UnknownName
 from skiros_py.world.names import split_iri
-from skiros_py.world.ontology.check.findings import Finding, FindingKind, Severity, finding_of
 from skiros_py.world.ontology.check.material import (
+    Finding,
+    FindingKind,
     Material,
+    Severity,
     Statement,
+    finding_of,
     iri_of,
     is_standard,
     is_standard_word,

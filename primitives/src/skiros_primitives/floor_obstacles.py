@@ -1,0 +1,133 @@
+"""What a robot must not touch on the floor: things seen from above, and other robots."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+import shapely
+from shapely.geometry.base import BaseGeometry
+
+from skiros_py.devices.arm import ArmSpec, ArmState
+from skiros_py.geometry import Array, Pose, Primitive, Solid
+from skiros_py.ports.cell import RobotSpec
+from skiros_py.ports.kinematics import Kinematics
+from skiros_py.ports.motion import Obstacle
+from skiros_py.skills.context import Outline, RunContext
+
+_TALLEST = 1.6
+"""Things above this height do not obstruct a base [m]."""
+
+
+def covered(obstacle: Obstacle) -> BaseGeometry:
+    """Returns the floor area covered by an obstacle [m, map frame]; for round blocks, the enclosing square."""
+    corners = [(obstacle.pose @ block.pose).apply(_corners(block)) for block in obstacle.solid.primitives]
+    outlines = [shapely.MultiPoint(block[:, :2]).convex_hull for block in corners if block[:, 2].min() < _TALLEST]
+    return shapely.union_all(outlines)
+
+
+def placed(outline: Sequence[tuple[float, float]], base: Pose) -> BaseGeometry:
+    """Returns the area covered by an outline in the frame of a base at a given pose [m, map frame]."""
+    points = base.apply(np.array([(x, y, 0.0) for x, y in outline]))
+    return shapely.MultiPoint(points[:, :2]).convex_hull
+
+
+def _corners(block: Primitive) -> Array:
+    if block.kind == "box":
+        half = np.array(block.size) / 2.0
+    else:
+        radius, length = block.size
+        half = np.array([radius, radius, length / 2.0])
+    corners: Array = half * np.array(list(product((-1.0, 1.0), repeat=3)))
+    return corners
+
+
+_HEIGHT = 1.2
+"""Assumed height of a base with its folded arm [m]."""
+_HAND = 0.12
+"""How far hand and camera stick out around the arm's tip [m]."""
+_CORNERS = 8
+
+
+def others(context: RunContext, robot: str) -> tuple[RobotSpec, ...]:
+    """Returns all robots of the cell except one."""
+    return tuple(other for other in context.cell.robots if other.id != robot)
+
+
+def bodies(context: RunContext, robot: str, *, margin: float = 0.0) -> tuple[Obstacle, ...]:
+    """Returns the other robots as obstacles: a block around each at its current pose.
+
+    Args:
+        context: The run.
+        robot: Id of the robot that is not to touch them.
+        margin: By how much each block is wider than the robot, on each side [m].
+    """
+    return tuple(_body(context, other, margin) for other in others(context, robot))
+
+
+def _body(context: RunContext, robot: RobotSpec, margin: float) -> Obstacle:
+    return _block(context, robot, robot.outline, margin)
+
+
+def _block(context: RunContext, robot: RobotSpec, outline: Outline, margin: float) -> Obstacle:
+    """The block around an outline in the frame of a robot's base."""
+    xs, ys = zip(*outline, strict=True)
+    middle = Pose(((min(xs) + max(xs)) / 2.0, (min(ys) + max(ys)) / 2.0, 0.0))
+    size = max(xs) - min(xs) + 2.0 * margin, max(ys) - min(ys) + 2.0 * margin
+    return Obstacle(robot.id, Solid.box(*size, _HEIGHT), robot.pose(context.board.snapshot) @ middle)
+
+
+def standing(context: RunContext, robot: str, *, margin: float) -> tuple[Obstacle, ...]:
+    """Returns the other robots that do not drive, with their arms as currently or soon extended.
+
+    Args:
+        context: The run.
+        robot: Id of the robot that is not to touch them.
+        margin: By how much each is enlarged on each side [m].
+    """
+    there = [other for other in others(context, robot) if not context.floor.is_driving(other.id)]
+    found = [_body(context, other, margin) for other in there]
+    for other in there:
+        taken = {arm.id: context.floor.stretched(arm.id) for arm in other.of(ArmSpec)}
+        found += [_block(context, other, outline, margin) for outline in taken.values() if outline]
+        resting = replace(other, devices=tuple(arm for arm in other.of(ArmSpec) if not taken[arm.id]))
+        found += [_arm(context, other, tip, margin) for tip in _tips(context, resting, now=True)]
+    return tuple(found)
+
+
+def _arm(context: RunContext, robot: RobotSpec, tip: Pose, margin: float) -> Obstacle:
+    """The block below an arm, from the centre of its base to its hand."""
+    x, y, _ = tip.position
+    along = Pose.of(x / 2.0, y / 2.0, 0.0, yaw=math.atan2(y, x))
+    length, width = math.hypot(x, y) + 2.0 * (_HAND + margin), 2.0 * (_HAND + margin)
+    base = robot.pose(context.board.snapshot)
+    return Obstacle(robot.id, Solid.box(length, width, _HEIGHT), base @ along)
+
+
+def outline(context: RunContext, robot: RobotSpec) -> Outline:
+    """Returns a robot's floor outline while it drives: its base, and its hands in their travelling posture."""
+    points = list(robot.outline)
+    for tip in _tips(context, robot, now=False):
+        turns = (2.0 * math.pi * corner / _CORNERS for corner in range(_CORNERS))
+        points += [(tip.position[0] + _HAND * math.cos(t), tip.position[1] + _HAND * math.sin(t)) for t in turns]
+    return points
+
+
+def reach(points: Outline) -> float:
+    """Returns how far an outline reaches from the centre of the base [m]."""
+    return max(math.hypot(x, y) for x, y in points)
+
+
+def _tips(context: RunContext, robot: RobotSpec, *, now: bool) -> list[Pose]:
+    """Returns the poses of the tips of a robot's arms in the frame of its base, now or at home, as far as known."""
+    states = context.board.snapshot.of(ArmState)
+    tips: list[Pose] = []
+    for arm in robot.of(ArmSpec):
+        kinematics = context.ports.find(Kinematics, arm.id)
+        if kinematics is not None:
+            positions = states[arm.id].positions if now else arm.home
+            tips.append(kinematics.pose(arm.tip, dict(zip(arm.joints, positions, strict=True))))
+    return tips

@@ -1,0 +1,121 @@
+"""Grippers: opens and closes them, and monitors whether they still hold a part."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from skiros_py.devices.gripper import Gripper, GripperSpec, GripperState, GripperTarget
+from skiros_py.skills.context import RunContext
+from skiros_py.skills.outcome import Outcome, Success
+from skiros_py.skills.parameters import Kind, param
+from skiros_py.skills.primitive import Execution, Primitive
+from skiros_py.skills.surroundings import set_pose
+from skiros_py.world.vocabulary import FLOOR, GRASP_WIDTH, GRIPPER, HELD_BY, ON
+
+_STILL_FOR = 0.1
+_PATIENCE = 2.0
+_FIRM = 0.5
+"""Fraction of a gripper's maximum force that parts are held with: enough for its payload, but gentle."""
+
+
+def firm_force(gripper: GripperSpec) -> float:
+    """Returns the force per finger that parts are held with [N]."""
+    return _FIRM * gripper.max_force
+
+
+def move_fingers(context: RunContext, gripper: Gripper, gap: float, force: float) -> Execution[GripperState]:
+    """Moves the fingers until they have been still for a moment, and returns the gripper state.
+
+    Args:
+        context: The run.
+        gripper: The gripper.
+        gap: Wanted gap between the pads [m]; 0 to close on whatever is between them.
+        force: Greatest force per finger [N].
+    """
+    gripper.command(GripperTarget(gap, force))
+    started, still_since = context.now, context.now
+    while context.now < started + _PATIENCE:
+        yield
+        if not gripper.state.still or context.now < started + _STILL_FOR:
+            still_since = context.now
+        if context.now - still_since >= _STILL_FOR:
+            break
+    return gripper.state
+
+
+class GripperControl(Primitive["GripperControl.Params"]):
+    """Moves the fingers to a gap and waits until they stand."""
+
+    name: ClassVar[str] = "gripper_control"
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        """Parameters."""
+
+        gripper: str = param(GRIPPER, "The gripper.", kind=Kind.HARDWARE)
+        gap: float | None = param(
+            "number", "Wanted gap between the pads; left out: wide open.", kind=Kind.OPTIONAL, default=None, unit="m"
+        )
+        force: float | None = param(
+            "number",
+            "Greatest force per finger; left out: as parts are held.",
+            kind=Kind.OPTIONAL,
+            default=None,
+            unit="N",
+        )
+
+    def execute(self) -> Execution[Outcome]:
+        """Moves the fingers."""
+        gripper = Gripper(self.context.board, self.params.gripper)
+        spec = gripper.spec
+        gap = spec.max_gap if self.params.gap is None else self.params.gap
+        force = firm_force(spec) if self.params.force is None else self.params.force
+        state = yield from move_fingers(self.context, gripper, gap, force)
+        return Success(f"gap {state.gap * 1e3:.0f} mm")
+
+
+_TOLERANCE = 0.008
+"""Fingers that close this much further than the part's width have lost it [m]."""
+_FOR = 0.1
+"""How long they must be that close [s]: a single reading is not sufficient."""
+
+
+class WatchGrasp(Primitive["WatchGrasp.Params"]):
+    """Never ends by itself: the arm's skill manager runs it whenever the gripper is available."""
+
+    name: ClassVar[str] = "watch_grasp"
+    watches: ClassVar[str | None] = GRIPPER
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        """Parameters."""
+
+        device: str = param(GRIPPER, "The gripper to watch; it is not taken from those who move it.")
+
+    def execute(self) -> Execution[Outcome]:
+        """Reads the gap in every cycle; a lost part is assumed to be on the floor."""
+        gripper = Gripper(self.context.board, self.params.device)
+        lost_since: float | None = None
+        while True:
+            yield
+            held = self._held()
+            if held is None or gripper.state.gap > held[1] - _TOLERANCE:
+                lost_since = None
+                continue
+            lost_since = self.context.now if lost_since is None else lost_since
+            if self.context.now - lost_since >= _FOR:
+                self._write(held[0], gripper.state.gap)
+
+    def _held(self) -> tuple[str, float] | None:
+        for part in self.world.subjects(HELD_BY, self.params.device):
+            width = self.world.value(part, GRASP_WIDTH)
+            if isinstance(width, float):
+                return part, width
+        return None
+
+    def _write(self, part: str, gap: float) -> None:
+        reason = f"the fingers closed to {gap * 1e3:.0f} mm: {part} slipped out"
+        with self.world.transaction(author=self.name, reason=reason) as tx:
+            tx.place(part, ON, self.world.instances(FLOOR)[0])
+            set_pose(tx, self.world, part, None)

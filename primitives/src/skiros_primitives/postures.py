@@ -1,0 +1,122 @@
+"""Postures: arms move to their travelling posture, or home with open grippers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from skiros_primitives.arm_moves import ArmPrimitive
+from skiros_primitives.jogging import even
+from skiros_py.devices.arm import ArmSpec, ArmState
+from skiros_py.devices.gripper import GripperSpec, GripperState
+from skiros_py.ports.cell import RobotSpec
+from skiros_py.ports.motion import JointMove
+from skiros_py.skills.outcome import Failure, Outcome, Success
+from skiros_py.skills.parameters import Kind, param
+from skiros_py.skills.primitive import Execution, Primitive
+from skiros_py.world.vocabulary import ARM, HELD_BY, ROBOT
+
+_FELT = 2.0
+"""Finger force from which the gripper counts as holding something [N]."""
+
+
+class Home(Primitive["Home.Params"]):
+    """Moves one arm or all arms home and opens empty grippers; one that holds something stays closed."""
+
+    name: ClassVar[str] = "home"
+    takes: ClassVar[tuple[str, ...]] = ("robot",)
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        """Parameters."""
+
+        robot: str = param(ROBOT, "The robot.", kind=Kind.PLANNING)
+        arm: str | None = param(ARM, "The arm; left out: all arms.", kind=Kind.OPTIONAL, default=None)
+
+    def start(self) -> Failure | None:
+        """Checks that the arm belongs to the robot."""
+        if self.params.arm not in (None, *(arm.id for arm in self._robot.of(ArmSpec))):
+            return Failure(f"{self.params.arm} is no arm of {self.params.robot}")
+        return None
+
+    def execute(self) -> Execution[Outcome]:
+        """Moves the arms first: anything between the fingers must not fall where it cannot be seen."""
+        arm, robot = self.params.arm, self.params.robot
+        moved = yield from self.call("move_arm", arm=arm) if arm else self.call("stow_arms", robot=robot)
+        if isinstance(moved, Failure):
+            return moved
+        grippers = [gripper for gripper in self._robot.of(GripperSpec) if arm in (None, gripper.arm)]
+        holding = [gripper.id for gripper in grippers if self._holds(gripper)]
+        for gripper in grippers:
+            if gripper.id not in holding:
+                opened = yield from self.call("gripper_control", gripper=gripper.id)
+                if isinstance(opened, Failure):
+                    return opened
+        return Success(f"home; {', '.join(holding)} stays closed" if holding else "home")
+
+    @property
+    def _robot(self) -> RobotSpec:
+        return next(r for r in self.context.cell.robots if r.id == self.params.robot)
+
+    def _holds(self, gripper: GripperSpec) -> bool:
+        """Returns whether it holds a part, believed or sensed: an unknown part must not be dropped, either."""
+        felt = self.context.board.snapshot.state(gripper.id, GripperState).force >= _FELT
+        return felt or bool(self.world.subjects(HELD_BY, gripper.id))
+
+
+class MoveArm(ArmPrimitive):
+    """Moves around obstacles, with whatever is held."""
+
+    name: ClassVar[str] = "move_arm"
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        """Parameters."""
+
+        arm: str = param(ARM, "The arm that moves.", kind=Kind.HARDWARE)
+
+    def execute(self) -> Execution[Outcome]:
+        """Plans and moves."""
+        home = self.arm_spec.home
+        if not self.is_planned:
+            refusal = yield from self.follow(even(self.arm.state.positions, home, self.context.board.period))
+        else:
+            refusal = yield from self.go([(JointMove(home),)])
+        if refusal is not None:
+            return Failure(f"the arm cannot go home: {refusal.reason}")
+        return Success("home")
+
+
+_STOWED = 0.05
+"""Maximum joint error of an arm in its posture [rad]."""
+
+
+class StowArms(Primitive["StowArms.Params"]):
+    """Moves all arms to their travelling posture: a base must not drive with an extended arm.
+
+    The base's paths are planned for its outline alone.
+    """
+
+    name: ClassVar[str] = "stow_arms"
+    takes: ClassVar[tuple[str, ...]] = ("robot",)
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        """Parameters."""
+
+        robot: str = param(ROBOT, "The robot.", kind=Kind.PLANNING)
+
+    def execute(self) -> Execution[Outcome]:
+        """Moves the arms one after the other."""
+        robot = next(r for r in self.context.cell.robots if r.id == self.params.robot)
+        for arm in robot.of(ArmSpec):
+            if self._is_stowed(arm):
+                continue
+            outcome = yield from self.call("move_arm", arm=arm.id)
+            if isinstance(outcome, Failure):
+                return outcome
+        return Success("stowed")
+
+    def _is_stowed(self, arm: ArmSpec) -> bool:
+        now = self.context.board.snapshot.state(arm.id, ArmState).positions
+        return max(abs(is_ - home) for is_, home in zip(now, arm.home, strict=True)) <= _STOWED

@@ -1,0 +1,138 @@
+"""Routes: keys, the caller's own session, and the audit log."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Annotated, Literal, TypedDict
+
+from fastapi import APIRouter, Path, Query, Request, Response
+
+from skiros_py.api.server import ApiKey, AuditPage, AuditRecord, KeyOrder, Login, Me, NewKey
+from skiros_py.api.wire import moment
+from skiros_py.server.access.audit import AuditEntry
+from skiros_py.server.access.authenticator import LIFETIME, cookie_name
+from skiros_py.server.access.keys import shown
+from skiros_py.server.access.openapi import operations
+from skiros_py.server.access.roles import Caller, CallerDep, Role, needs
+from skiros_py.server.services import Services, ServicesDep
+from skiros_py.server.settings import is_loopback
+from skiros_py.station.requests import addressed
+
+router = APIRouter(prefix="/audit", tags=["access"])
+
+Limit = Annotated[int, Query(ge=1, le=1000, description="At most so many.")]
+Cursor = Annotated[str | None, Query(pattern="^[0-9]{1,18}$", description="From the page before.")]
+
+
+@router.get("", summary="Who did what", dependencies=[needs(Role.ADMIN)])
+def list_audit(services: ServicesDep, limit: Limit = 100, cursor: Cursor = None) -> AuditPage:
+    """Lists requests that changed something or were refused, the youngest first. The last 100,000 are kept.
+
+    Keys and bodies are never in it. Of one address, 30 refusals in a minute are written down.
+    """
+    entries = services.audit.page(int(cursor) if cursor is not None else None, limit)
+    next_ = str(entries[-1][0]) if len(entries) == limit else None
+    return AuditPage(items=[_record(number, entry) for number, entry in entries], next=next_)
+
+
+def _record(number: int, entry: AuditEntry) -> AuditRecord:
+    return AuditRecord.model_validate({"number": number, "at": moment(entry.wall), **asdict(entry)})
+
+
+keys_router = APIRouter(prefix="/keys", tags=["access"])
+
+KeyId = Annotated[str, Path(max_length=64, description="Id of the key.", examples=["1f0c55a2"])]
+
+
+@keys_router.get("", summary="All keys", dependencies=[needs(Role.ADMIN)])
+def list_keys(services: ServicesDep) -> list[ApiKey]:
+    """Lists the keys, revoked and expired ones too; what is secret about them is kept nowhere."""
+    return [shown(key) for key in services.keys.all()]
+
+
+@keys_router.post("", status_code=201, summary="Make a key", dependencies=[needs(Role.ADMIN)])
+def create_key(order: KeyOrder, services: ServicesDep, response: Response) -> NewKey:
+    """Makes a key. It is shown in this answer and never again; with the first one, everybody needs one."""
+    expires = order.expires.timestamp() if order.expires is not None else None
+    key, text = services.keys.create(order.name, Role(order.role), expires)
+    response.headers["Location"] = f"/api/v1/keys/{key.id}"
+    return NewKey(key=shown(key), secret=text)
+
+
+@keys_router.get("/{key_id}", summary="One key", dependencies=[needs(Role.ADMIN)])
+def get_key(key_id: KeyId, services: ServicesDep) -> ApiKey:
+    """Describes a key."""
+    with addressed("UnknownKey"):
+        return shown(services.keys.key(key_id))
+
+
+@keys_router.delete("/{key_id}", summary="Revoke a key", dependencies=[needs(Role.ADMIN)])
+def revoke_key(key_id: KeyId, services: ServicesDep) -> ApiKey:
+    """Takes a key out of use, at once and for good; its logins and streams end. Once more does no harm.
+
+    Where other machines reach the server, the last key of an administrator stays.
+    """
+    with addressed("UnknownKey"):
+        return shown(services.keys.revoke(key_id, open_to_others=not is_loopback(services.settings.host)))
+
+
+class _CookieOptions(TypedDict):
+    httponly: bool
+    samesite: Literal["strict"]
+    secure: bool
+
+
+session_router = APIRouter(prefix="/session", tags=["access"])
+
+
+@session_router.get("", summary="Who am I?", dependencies=[needs(Role.VIEWER, mes=True)])
+def get_session(request: Request, services: ServicesDep, caller: CallerDep) -> Me:
+    """Returns who the caller is and what they may do, so that a page offers nothing that would be refused.
+
+    Answered with 401 where a key is needed and none was shown.
+    """
+    return _me(request, services, caller)
+
+
+@session_router.post("", summary="Log in")
+async def login(login: Login, request: Request, services: ServicesDep, response: Response) -> Me:
+    """Takes a key, and gives a cookie for it, for pages in a browser; for 12 hours, or until the key is revoked."""
+    address = request.client.host if request.client is not None else ""
+    key, text = services.authenticator.login(login.key, address)
+    request.state.caller = Caller(key.name, key.role, key.id)
+    response.set_cookie(_cookie(request), text, max_age=LIFETIME, **_options(request))
+    return _me(request, services, request.state.caller)
+
+
+@session_router.delete("", status_code=204, summary="Log out", dependencies=[needs(Role.VIEWER, mes=True)])
+async def logout(request: Request, services: ServicesDep) -> Response:
+    """Ends the login that the cookie stands for. Once more does no harm."""
+    services.authenticator.logout(request.headers)
+    response = Response(status_code=204)
+    response.delete_cookie(_cookie(request), **_options(request))
+    return response
+
+
+def _cookie(request: Request) -> str:
+    return cookie_name(request.headers.get("host", ""))
+
+
+def _options(request: Request) -> _CookieOptions:
+    return {"httponly": True, "samesite": "strict", "secure": request.url.scheme == "https"}
+
+
+def _me(request: Request, services: Services, caller: Caller) -> Me:
+    allowed = [
+        operation
+        for operation, asked in operations(request.app).items()
+        if all(need.allows(caller.role) for need in asked)
+    ]
+    return Me.model_validate(
+        {
+            "name": caller.name,
+            "role": caller.role.value,
+            "key": caller.key,
+            "keys_needed": services.authenticator.keys_needed,
+            "operations": sorted(allowed),
+        }
+    )

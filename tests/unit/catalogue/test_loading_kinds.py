@@ -1,0 +1,136 @@
+"""What an entry point of each group must name; anything else is refused with what would be right."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from skiros_py.catalogue import KINDS
+from skiros_py.catalogue.catalogue import Catalogue
+from skiros_py.errors import DescriptionError
+from skiros_py.plugins import GROUPS, Plugin
+from skiros_py.ports.cell import CellSpec
+from skiros_py.ports.signals import Signal
+from skiros_py.skills.primitive import Primitive
+from skiros_py.testing import CONDITIONS, SKILLS
+from skiros_py.world.reasoners.registry import Reasoner
+from skiros_py.world.reasoners.sizes import SizeReasoner
+
+SKILL = SKILLS[0]
+CONDITION = next(iter(CONDITIONS.values()))
+
+
+class Wave(Primitive[Any]):
+    name = "it"
+
+    @dataclass(frozen=True)
+    class Params:
+        pass
+
+    def execute(self) -> Any:
+        yield
+
+
+class Unfinished(Primitive[Any]):
+    name = "it"
+    Params = Wave.Params
+
+
+class Bare(Wave):
+    Params = None  # type: ignore[assignment]
+
+
+class Called(Wave):
+    name = "that"
+
+
+class Nameless(Primitive[Any]):
+    def execute(self) -> Any:
+        yield
+
+
+def problem(kind: str, value: Any) -> str | None:
+    group = f"skiros.{kind}"
+    return KINDS[group].problem(Plugin(group, "it", "some 1.0", value))
+
+
+def test_there_is_a_row_for_every_group() -> None:
+    assert set(KINDS) == set(GROUPS)
+
+
+@pytest.mark.parametrize(
+    ("kind", "value"),
+    [
+        ("skills", SKILL),
+        ("skills", [SKILL, SKILL]),
+        ("skills", (SKILL,)),
+        ("primitives", Wave),
+        ("conditions", CONDITION),
+        ("reasoners", SizeReasoner),
+        ("planners", dict),
+        ("drivers", lambda spec, seed: None),
+        ("ontologies", Path()),
+        ("robots", Path()),
+        ("scenes", Path()),
+    ],
+)
+def test_what_is_right(kind: str, value: Any) -> None:
+    assert problem(kind, value) is None
+
+
+@pytest.mark.parametrize(
+    ("kind", "value", "says"),
+    [
+        (
+            "skills",
+            SKILL.description,
+            "it is a SkillDescription, nothing for skills: name a Skill, or a sequence of th",
+        ),
+        ("skills", (), "it is a tuple, nothing for skills"),
+        ("skills", [SKILL, 5], "it is a list, nothing for skills"),
+        ("skills", "drive", "it is a str, nothing for skills"),
+        ("skills", replace(SKILL, label=5), "its label is 5, not a text"),  # type: ignore[arg-type]
+        ("primitives", SKILL, "it is a Skill, nothing for primitives: name a subclass of Primitive"),
+        ("primitives", int, "it is a type, nothing for primitives"),
+        ("primitives", Called, "it calls itself 'that': compositions find it as 'it', so both must be the same"),
+        ("primitives", Nameless, "it has no name: compositions find it as 'it'"),
+        ("primitives", Unfinished, "it does not define execute"),
+        ("primitives", Bare, "it has no Params: a frozen dataclass, empty where it takes nothing"),
+        ("conditions", CONDITION("a", "b"), "it is a Condition, nothing for conditions: name a ConditionType"),
+        ("conditions", replace(CONDITION, name=["a"]), "its name is ['a'], not a word"),
+        ("reasoners", Reasoner.answer, "it is a function, nothing for reasoners: name a subclass of Reasoner"),
+        ("planners", "fast", "it is a str, nothing for planners: name what makes a Planner when it is called"),
+        ("drivers", 5, "it is a int, nothing for drivers: name what makes a CellDriver when it is called"),
+        ("scenes", "kitting.ttl", "it is a str, nothing for scenes: name a package with scene files, or a Path"),
+    ],
+)
+def test_what_is_wrong_is_told_with_what_would_be_right(kind: str, value: Any, says: str) -> None:
+    assert (problem(kind, value) or "nothing").startswith(says)
+
+
+class Half:
+    """A signal provider that lacks its computation."""
+
+    name = "half"
+    provides = (Signal("half"),)
+    requests = ()
+
+
+@pytest.mark.parametrize(
+    ("made", "why"),
+    [
+        (None, "'NoneType' object is not iterable"),
+        ([3, "x"], "3 is no SignalProvider: its name is missing or wrong"),
+        ([Half()], "its compute is missing or wrong"),
+    ],
+)
+def test_signals_that_are_no_providers_are_refused_with_the_plug_in(made: Any, why: str) -> None:
+    catalogue = Catalogue({}, {}, {}, {}, {"signals/odd": "lab 1.0"}, signals={"odd": lambda _cell: made})
+
+    with pytest.raises(DescriptionError, match=r"signals 'odd' of lab 1\.0: ") as caught:
+        catalogue.signal_providers(CellSpec((), ()))
+
+    assert why in str(caught.value)

@@ -1,0 +1,88 @@
+"""A call is sent again where that does no harm."""
+
+from __future__ import annotations
+
+import httpx2
+import pytest
+
+from skiros_py.client.request import Call, Patience, ProblemError, Unreachable, plain, problem_of, wait_after
+from skiros_py.errors import SkirosError, UsageError
+
+READ = Call("GET", "/jobs", plain)
+ONCE = Call("POST", "/robots/r/jog", plain, repeatable=False)
+
+
+def broken(cause: httpx2.TransportError) -> Unreachable:
+    error = Unreachable("http://127.0.0.1:8000", "cut")
+    error.__cause__ = cause
+    return error
+
+
+def answered(status: int, retry_after: str) -> ProblemError:
+    return problem_of(
+        httpx2.Response(
+            status,
+            headers=[(b"retry-after", retry_after.encode())],
+            request=httpx2.Request("GET", "http://127.0.0.1:8000/api/v1/jobs"),
+        )
+    )
+
+
+CUT = broken(httpx2.ReadError("cut"))
+
+
+def test_what_may_be_repeated_is_sent_again_when_the_connection_breaks() -> None:
+    assert wait_after(CUT, READ) is True
+
+
+def test_what_may_have_been_done_already_is_not_sent_again() -> None:
+    assert wait_after(CUT, ONCE) is False
+
+
+def test_what_never_reached_the_server_is_sent_again_whatever_it_is() -> None:
+    assert wait_after(broken(httpx2.ConnectError("refused")), ONCE) is True
+
+
+def test_what_no_server_understands_is_not_sent_again() -> None:
+    assert wait_after(broken(httpx2.UnsupportedProtocol("ftp")), READ) is False
+    assert wait_after(SkirosError("of another version"), READ) is False
+
+
+def test_it_waits_for_as_long_as_the_server_asks() -> None:
+    assert wait_after(answered(429, "3"), ONCE) == 3.0
+    assert wait_after(answered(503, "2"), READ) == 2.0
+    assert wait_after(answered(503, "0"), READ) is not False
+
+
+def test_what_was_perhaps_done_before_the_server_had_too_much_to_do_is_not_sent_again() -> None:
+    assert wait_after(answered(503, "2"), ONCE) is False
+
+
+@pytest.mark.parametrize("said", ["3600", "soon", "-1", "٣", "9" * 400, ""])
+def test_nobody_waits_for_an_hour_or_for_nonsense(said: str) -> None:
+    assert wait_after(answered(503, said), READ) is False
+
+
+@pytest.mark.parametrize("status", [400, 404, 409, 412, 422, 500])
+def test_an_answer_is_an_answer(status: int) -> None:
+    assert wait_after(answered(status, "1"), READ) is False
+
+
+def test_waits_grow_and_end_with_the_last_try(monkeypatch: pytest.MonkeyPatch) -> None:
+    waits: list[float] = []
+    monkeypatch.setattr("time.sleep", waits.append)
+
+    def fail() -> None:
+        for attempt in Patience(tries=4).attempts(READ):
+            with attempt:
+                raise CUT
+
+    with pytest.raises(Unreachable):
+        fail()
+    assert len(waits) == 3
+    assert all(least <= wait <= least + 0.1 for wait, least in zip(waits, (0.1, 0.2, 0.4), strict=True))
+
+
+def test_never_to_try_is_refused() -> None:
+    with pytest.raises(UsageError, match="tries: 1 or more"):
+        Patience(0)

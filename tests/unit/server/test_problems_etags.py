@@ -1,0 +1,71 @@
+"""Versions over REST: what needs one says so in the API's description, and takes no other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from skiros_py.errors import Refused, StaleVersion
+from skiros_py.server.app import create_app
+from skiros_py.server.problems import Problem, expected_version
+from skiros_py.server.services import Services
+from skiros_py.server.settings import ServerSettings
+from skiros_py.station.requests import ANY_VERSION, Seen, require_seen
+
+Operations = dict[tuple[str, str], dict[str, Any]]
+
+
+@pytest.fixture(scope="module")
+def operations(tmp_path_factory: pytest.TempPathFactory) -> Operations:
+    folder = tmp_path_factory.mktemp("none")
+    paths = create_app(Services(lambda: pytest.fail("is not opened"), folder, ServerSettings())).openapi()["paths"]
+    return {(method, path): said for path, item in paths.items() for method, said in item.items()}
+
+
+def taking(operations: Operations) -> Iterator[tuple[str, str]]:
+    """Yields the operations that declare If-Match."""
+    for name, said in operations.items():
+        if "if-match" in {one["name"] for one in said.get("parameters", ()) if one["in"] == "header"}:
+            yield name
+
+
+def test_what_is_refused_without_a_version_declares_if_match_and_the_other_way_round(operations: Operations) -> None:
+    refused = {name for name, said in operations.items() if "428" in said["responses"]}
+    optional = {("delete", "/api/v1/scenes/{name}")}
+    declared = {(method, path) for method, path in taking(operations) if not path.startswith("/api/v1/jobs/")}
+
+    assert len(refused) > 10
+    assert refused == declared - optional
+
+
+def test_for_what_takes_a_version_there_is_an_answer_that_gives_one(operations: Operations) -> None:
+    tagged = {
+        path
+        for (_, path), said in operations.items()
+        if any("ETag" in answer.get("headers", ()) for answer in said["responses"].values())
+    }
+    elsewhere = {"/api/v1/scenes": "/api/v1/scene", "/api/v1/learned/{element}": "/api/v1/elements/{element}"}
+
+    assert {elsewhere.get(path, path) for _, path in taking(operations)} <= tagged
+
+
+def test_a_version_that_was_not_given_is_asked_for_and_another_one_refused() -> None:
+    with pytest.raises(Refused) as missing:
+        require_seen(None, 17)
+    with pytest.raises(StaleVersion) as stale:
+        require_seen(Seen(16), 17)
+
+    assert missing.value.code == "VersionMissing"
+    assert stale.value.present == 17
+    for given, status in (("17", 412), ('"16", "17"', 400)):
+        with pytest.raises(Problem) as refused:
+            expected_version(given)
+        assert refused.value.status == status
+
+
+def test_the_present_version_is_taken_and_a_star_for_whichever_it_is() -> None:
+    for seen in (Seen(17), ANY_VERSION):
+        require_seen(seen, 17)
+    assert [expected_version(given) for given in ('"17"', 'W/"17"', "*", None)] == [17, 17, None, None]

@@ -1,0 +1,54 @@
+"""Where somebody stands in the log: found from an id, or told why not."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from skiros_py.server.streams import Reset, find_position, missed, position_text
+from skiros_py.station.events.log import EventLog, Kind
+
+
+@pytest.fixture
+def log():
+    log = EventLog(10)
+    for _ in range(30):
+        log.append(Kind.JOB, "running")
+    return log
+
+
+@pytest.mark.parametrize("number", [20, 25, 30])
+def test_a_place_whose_next_event_is_kept_is_found(log, number):
+    assert find_position(log, position_text(log, number)) == number
+
+
+@pytest.mark.parametrize(
+    ("given", "code"),
+    [
+        ("{epoch}-19", "gone"),
+        ("{epoch}-31", "future"),
+        ("{epoch}-999999999999999999", "future"),
+        ("0000ffff-25", "restarted"),
+        ("25", "unknown"),
+        ("", "unknown"),
+        ("{epoch}--25", "unknown"),
+        ("{epoch}-٢٥", "unknown"),  # digits of another script
+        ("x" * 5000, "unknown"),
+    ],
+)
+def test_any_other_is_a_reset_that_says_why_and_where_it_goes_on(log, given, code):
+    gap = find_position(log, given.format(epoch=log.epoch))
+    assert isinstance(gap, Reset)
+    assert (gap.code, gap.place) == (code, position_text(log, 30))
+    assert len(gap.why) < 200
+
+
+@given(text=st.text())
+def test_no_text_at_all_breaks_it(text):
+    assert isinstance(find_position(EventLog(1), text), Reset)
+
+
+def test_a_reset_says_what_to_read_anew(log):
+    gap = missed(log, 3)
+    assert gap is not None
+    assert gap.why == "the events 4 to 20 are not kept any more"
+    assert "/api/v1/jobs" in gap.as_json()["read"]

@@ -1,0 +1,54 @@
+"""A stop that outlives the server."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from skiros_py.station.stops import Halt, HaltMark
+
+HALT = Halt("a person is in the cell", "anna", 1_700_000_000.5)
+
+
+def settled(mark: HaltMark) -> None:
+    mark._settle()
+
+
+def test_what_is_kept_is_read_by_the_next_one(tmp_path: Path) -> None:
+    mark = HaltMark(tmp_path / "halted.json")
+    mark.keep(HALT)
+    settled(mark)
+    assert HaltMark(tmp_path / "halted.json").read() == HALT
+
+
+def test_what_was_reset_is_gone_though_it_was_still_being_written(tmp_path: Path) -> None:
+    mark = HaltMark(tmp_path / "halted.json")
+    for _ in range(20):
+        mark.keep(HALT)
+        mark.forget()
+    settled(mark)
+    assert HaltMark(tmp_path / "halted.json").read() is None
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_damaged_mark_is_a_stop_nevertheless(tmp_path: Path) -> None:
+    (tmp_path / "halted.json").write_text("{")
+    read = HaltMark(tmp_path / "halted.json").read()
+    assert read is not None
+    assert "somebody has stopped everything" in read.why
+
+
+def test_a_mark_that_is_reset_after_it_was_read_is_gone(tmp_path: Path) -> None:
+    first = HaltMark(tmp_path / "halted.json")
+    first.keep(HALT)
+    settled(first)
+    second = HaltMark(tmp_path / "halted.json")
+    second.read()
+    second.forget()
+    assert HaltMark(tmp_path / "halted.json").read() is None
+
+
+def test_a_stop_that_cannot_be_written_is_obeyed_all_the_same(tmp_path: Path) -> None:
+    mark = HaltMark(tmp_path / "nowhere" / "halted.json")
+    mark.keep(HALT)
+    settled(mark)
+    assert not (tmp_path / "nowhere").exists()
