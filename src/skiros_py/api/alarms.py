@@ -53,84 +53,77 @@ class AlarmKind(enum.StrEnum):
 class AlarmInfo(Answer):
     """One alarm."""
 
-    id: str = Field(description="Names this alarm, and never another one.", examples=["1f2e3d4c-7"])
-    kind: AlarmKind = Field(description="What it is about.", examples=["job"])
-    severity: Severity = Field(description="How soon somebody has to look.", examples=["high"])
-    text: str = Field(
-        description="What there is, in the operator's words.",
-        examples=["job kit-17 is held: the program ended between two steps: look, then answer"],
-    )
-    source: str = Field(description="What it comes from: a subsystem, a module, a job, ….", examples=["kit-17"])
-    active: bool = Field(description="Whether its reason is there.", examples=[True])
-    state: str = Field(
-        description="After ISA-18.2: unacknowledged or acknowledged while it is active; returned (it went before"
-        " anybody acknowledged it) or normal afterwards.",
-        examples=["unacknowledged"],
-    )
-    lasts: bool = Field(
-        description="True: it goes by itself when its reason does. False: it is over when somebody acknowledges it.",
-        examples=[True],
-    )
-    since: datetime = Field(description="When it came.", examples=["2026-11-20T09:30:00Z"])
-    until: datetime | None = Field(default=None, description="When it went; null while it is active.", examples=[None])
-    acknowledged: datetime | None = Field(
-        default=None, description="When it was acknowledged; null before.", examples=[None]
-    )
-    by: str = Field(default="", description="Who acknowledged it.", examples=[""])
-    choices: tuple[str, ...] = Field(
-        default=(), description="The answers that it waits for; empty for none.", examples=[["retry", "abort"]]
-    )
-    job: str = Field(default="", description="Id of the job that waits; empty where none does.", examples=["kit-17"])
-    question: int | None = Field(
-        default=None, description="Number of the question that a robot asks; null where none does.", examples=[None]
-    )
+    id: str = Field(examples=["1f2e3d4c-7"])
+    """Names this alarm, and never another one."""
+    kind: AlarmKind = Field(examples=["job"])
+    """What it is about."""
+    severity: Severity = Field(examples=["high"])
+    """How soon somebody has to look."""
+    text: str = Field(examples=["job kit-17 is held: the program ended between two steps: look, then answer"])
+    """What there is, in the operator's words."""
+    source: str = Field(examples=["kit-17"])
+    """What it comes from: a subsystem, a module, a job, …."""
+    active: bool = Field(examples=[True])
+    """Whether its reason is there."""
+    state: str = Field(examples=["unacknowledged"])
+    """After ISA-18.2: unacknowledged or acknowledged while it is active; returned (it went before anybody acknowledged
+    it) or normal afterwards.
+    """
+    lasts: bool = Field(examples=[True])
+    """True: it goes by itself when its reason does. False: it is over when somebody acknowledges it."""
+    since: datetime = Field(examples=["2026-11-20T09:30:00Z"])
+    """When it came."""
+    until: datetime | None = Field(default=None, examples=[None])
+    """When it went; null while it is active."""
+    acknowledged: datetime | None = Field(default=None, examples=[None])
+    """When it was acknowledged; null before."""
+    by: str = Field(default="", examples=[""])
+    """Who acknowledged it."""
+    choices: tuple[str, ...] = Field(default=(), examples=[["retry", "abort"]])
+    """The answers that it waits for; empty for none."""
+    job: str = Field(default="", examples=["kit-17"])
+    """Id of the job that waits; empty where none does."""
+    question: int | None = Field(default=None, examples=[None])
+    """Number of the question that a robot asks; null where none does."""
 
 
 class AlarmPage(Answer):
     """Some alarms, oldest first."""
 
-    items: tuple[AlarmInfo, ...] = Field(description="The alarms.")
-    next: str | None = Field(default=None, description="Where to go on (`cursor`); null where these were the last.")
+    items: tuple[AlarmInfo, ...]
+    """The alarms."""
+    next: str | None = None
+    """Where to go on (`cursor`); null where these were the last."""
 
 
 class AlarmAnswer(Request):
     """What a person answers."""
 
-    answer: str = Field(max_length=200, description="One of the alarm's choices.", examples=["retry"])
-    question: int | None = Field(
-        default=None,
-        description="The alarm's `question` that was seen: if it asks something else by now, the answer is refused.",
-        examples=[None],
-    )
+    answer: str = Field(max_length=200, examples=["retry"])
+    """One of the alarm's choices."""
+    question: int | None = Field(default=None, examples=[None])
+    """The alarm's `question` that was seen: if it asks something else by now, the answer is refused."""
 
 
 class StopRequest(Request):
     """Why everything shall stop; may be left out."""
 
-    reason: str = Field(
-        default="", max_length=1000, description="Why, for a person.", examples=["a person is in the cell"]
-    )
+    reason: str = Field(default="", max_length=1000, examples=["a person is in the cell"])
+    """Why, for a person."""
 
 
 class StopInfo(Answer):
     """Whether everything is halted."""
 
-    halted: bool = Field(description="Whether nothing may move until somebody resets it.", examples=[True])
-    why: str = Field(default="", description="Why; empty where nothing is.", examples=["a person is in the cell"])
-    by: str = Field(
-        default="",
-        description="Who wanted it; empty where it was the watchdog or a module.",
-        examples=["panel at the door"],
-    )
-    since: datetime | None = Field(
-        default=None, description="Since when; null while nothing is halted.", examples=["2026-11-20T09:30:00.125Z"]
-    )
-    standing: bool | None = Field(
-        description="Whether all arms and bases stand; null if unknown: the control thread does not run.",
-        examples=[True],
-    )
-    obeyed: bool = Field(
-        description="Whether the control thread has come round since. If not, do not rely on it: press the button of"
-        " the machine.",
-        examples=[True],
-    )
+    halted: bool = Field(examples=[True])
+    """Whether nothing may move until somebody resets it."""
+    why: str = Field(default="", examples=["a person is in the cell"])
+    """Why; empty where nothing is."""
+    by: str = Field(default="", examples=["panel at the door"])
+    """Who wanted it; empty where it was the watchdog or a module."""
+    since: datetime | None = Field(default=None, examples=["2026-11-20T09:30:00.125Z"])
+    """Since when; null while nothing is halted."""
+    standing: bool | None = Field(examples=[True])
+    """Whether all arms and bases stand; null if unknown: the control thread does not run."""
+    obeyed: bool = Field(examples=[True])
+    """Whether the control thread has come round since. If not, do not rely on it: press the button of the machine."""

@@ -32,26 +32,24 @@ _GOALS: list[Any] = [
 class Material(Request):
     """Material that an order is about (ISA-95: material requirement)."""
 
-    class_: Name = Field(alias="class", description="Class of the material.", examples=["Starter"])
-    definition: str = Field(
-        default="",
-        max_length=200,
-        description="Number of the material (ISA-95: material definition).",
-        examples=["ST-4"],
-    )
-    lot: str = Field(default="", max_length=200, description="The lot that it shall be of, for the record.")
-    quantity: Annotated[int, Field(ge=1, le=1000)] | Amount = Field(
-        default=1,
-        description='How many pieces; or, with units, a decimal number as text ("0.25").',
-        examples=[1, "0.25"],
-    )
-    units: str = Field(default="", max_length=40, description="Units of the quantity; empty for pieces.")
-    id: str = Field(default="", max_length=200, description="The very piece that is meant; empty for any.")
-    location: str = Field(default="", max_length=200, description="Where it shall be.", examples=["kit_1_a"])
-    use: str = Field(default="", max_length=200, description="What it is for (ISA-95: material use).")
-    properties: dict[Name, PropertyText] = Field(
-        default_factory=dict, max_length=20, description="What else is known of it, for the record."
-    )
+    class_: Name = Field(alias="class", examples=["Starter"])
+    """Class of the material."""
+    definition: str = Field(default="", max_length=200, examples=["ST-4"])
+    """Number of the material (ISA-95: material definition)."""
+    lot: str = Field(default="", max_length=200)
+    """The lot that it shall be of, for the record."""
+    quantity: Annotated[int, Field(ge=1, le=1000)] | Amount = Field(default=1, examples=[1, "0.25"])
+    """How many pieces; or, with units, a decimal number as text ("0.25")."""
+    units: str = Field(default="", max_length=40)
+    """Units of the quantity; empty for pieces."""
+    id: str = Field(default="", max_length=200)
+    """The very piece that is meant; empty for any."""
+    location: str = Field(default="", max_length=200, examples=["kit_1_a"])
+    """Where it shall be."""
+    use: str = Field(default="", max_length=200)
+    """What it is for (ISA-95: material use)."""
+    properties: dict[Name, PropertyText] = Field(default_factory=dict, max_length=20)
+    """What else is known of it, for the record."""
 
     @model_validator(mode="before")
     @classmethod
@@ -78,14 +76,14 @@ class GoalOrder(Request):
 
     model_config = ConfigDict(json_schema_extra={"examples": [{"goal": one} for one in _GOALS]})
 
-    goal: Goal | None = Field(
-        default=None, description="A text, a structured condition, or a list of either.", examples=_GOALS
-    )
-    work_master: str = Field(default="", max_length=200, description="Name of the goal template to use instead.")
-    parameters: dict[Name, Name] = Field(
-        default_factory=dict, max_length=100, description="Values of the template's parameters."
-    )
-    materials: tuple[Material, ...] = Field(default=(), max_length=1000, description="The material that it is about.")
+    goal: Goal | None = Field(default=None, examples=_GOALS)
+    """A text, a structured condition, or a list of either."""
+    work_master: str = Field(default="", max_length=200)
+    """Name of the goal template to use instead."""
+    parameters: dict[Name, Name] = Field(default_factory=dict, max_length=100)
+    """Values of the template's parameters."""
+    materials: tuple[Material, ...] = Field(default=(), max_length=1000)
+    """The material that it is about."""
 
     @model_validator(mode="after")
     def _one_of_both(self) -> Self:
@@ -99,80 +97,91 @@ class GoalOrder(Request):
 class CheckedCondition(Answer):
     """One condition of a goal."""
 
-    text: str = Field(description="As text.", examples=["InKit(Starter, kit_1)"])
-    data: dict[str, Any] = Field(
-        description="As structured data.", examples=[{"condition": "InKit", "arguments": ["kitting:Starter", "kit_1"]}]
-    )
-    holds: bool = Field(description="Whether it is believed to hold now.")
-    why: str = Field(description="What decides that.", examples=["no Starter makes it true for kit_1"])
-    lines: tuple[str, ...] = Field(description="The same as a tree, one line a step down.")
+    text: str = Field(examples=["InKit(Starter, kit_1)"])
+    """As text."""
+    data: dict[str, Any] = Field(examples=[{"condition": "InKit", "arguments": ["kitting:Starter", "kit_1"]}])
+    """As structured data."""
+    holds: bool
+    """Whether it is believed to hold now."""
+    why: str = Field(examples=["no Starter makes it true for kit_1"])
+    """What decides that."""
+    lines: tuple[str, ...]
+    """The same as a tree, one line a step down."""
 
 
 class CheckedGoal(Answer):
     """A goal as it was understood."""
 
-    text: str = Field(description="All of it as one text.", examples=["InKit(Starter, kit_1)"])
-    conditions: tuple[CheckedCondition, ...] = Field(description="The conditions that must hold together.")
-    holds: bool = Field(description="Whether all of them hold now: then nothing would be done.")
-    world: int = Field(description="Version of the world for which this is said.", examples=[42])
+    text: str = Field(examples=["InKit(Starter, kit_1)"])
+    """All of it as one text."""
+    conditions: tuple[CheckedCondition, ...]
+    """The conditions that must hold together."""
+    holds: bool
+    """Whether all of them hold now: then nothing would be done."""
+    world: int = Field(examples=[42])
+    """Version of the world for which this is said."""
 
 
 class GoalTexts(Request):
     """The goals that shall go with the scene."""
 
-    goals: tuple[GoalText | GoalData, ...] = Field(
-        max_length=1000, description="Texts or structured conditions; empty for none.", examples=[_GOALS[2]]
-    )
+    goals: tuple[GoalText | GoalData, ...] = Field(max_length=1000, examples=[_GOALS[2]])
+    """Texts or structured conditions; empty for none."""
 
 
 class SceneGoals(Answer):
     """The goals that go with the scene."""
 
-    goals: tuple[str, ...] = Field(description="Their texts, sorted.", examples=[["InKit(Starter, kit_1)"]])
-    fault: str = Field(default="", description="Why they cannot be understood, where that is so.")
+    goals: tuple[str, ...] = Field(examples=[["InKit(Starter, kit_1)"]])
+    """Their texts, sorted."""
+    fault: str = ""
+    """Why they cannot be understood, where that is so."""
 
 
 class Role(Answer):
     """One argument of a condition."""
 
-    name: str = Field(examples=["kit"], description="What it is called.")
-    class_: str = Field(alias="class", description="Class of what may stand there.", examples=["kitting:Kit"])
-    reached: str = Field(
-        description="Class of what the present robots can bring about there: the same, or a narrower one.",
-        examples=["kitting:Compartment"],
-    )
+    name: str = Field(examples=["kit"])
+    """What it is called."""
+    class_: str = Field(alias="class", examples=["kitting:Kit"])
+    """Class of what may stand there."""
+    reached: str = Field(examples=["kitting:Compartment"])
+    """Class of what the present robots can bring about there: the same, or a narrower one."""
 
 
 class ConditionWord(Answer):
     """A word of the language of goals."""
 
-    name: str = Field(description="The word.", examples=["InKit"])
-    help: str = Field(description="What it means.")
-    roles: tuple[Role, ...] = Field(description="Its arguments, in order.")
-    abstract: bool = Field(description='Whether an argument may be a class ("any starter").')
-    skills: tuple[str, ...] = Field(
-        description="Skills of the present robots that change what it is about; empty where none does.",
-        examples=[["place"]],
-    )
+    name: str = Field(examples=["InKit"])
+    """The word."""
+    help: str
+    """What it means."""
+    roles: tuple[Role, ...]
+    """Its arguments, in order."""
+    abstract: bool
+    """Whether an argument may be a class ("any starter")."""
+    skills: tuple[str, ...] = Field(examples=[["place"]])
+    """Skills of the present robots that change what it is about; empty where none does."""
 
 
 class ConditionWords(Answer):
     """The words of the language of goals."""
 
-    conditions: tuple[ConditionWord, ...] = Field(description="By name.")
+    conditions: tuple[ConditionWord, ...]
+    """By name."""
 
 
 class TemplateParameter(Request):
     """Something that an order fills in."""
 
-    name: Name = Field(description="What it is called.", examples=["kit"])
-    class_: str = Field(
-        default="", alias="class", max_length=200, description="Class of what may fill it.", examples=["Kit"]
-    )
-    default: str | None = Field(
-        default=None, min_length=1, max_length=200, description="What fills it where an order does not."
-    )
-    description: str = Field(default="", max_length=2000, description="For people.", examples=["the kit to fill"])
+    name: Name = Field(examples=["kit"])
+    """What it is called."""
+    class_: str = Field(default="", alias="class", max_length=200, examples=["Kit"])
+    """Class of what may fill it."""
+    default: str | None = Field(default=None, min_length=1, max_length=200)
+    """What fills it where an order does not."""
+    description: str = Field(default="", max_length=2000, examples=["the kit to fill"])
+    """For people."""
 
 
 class GoalTemplateContent(Request):
@@ -182,32 +191,35 @@ class GoalTemplateContent(Request):
     of the material: class, definition, id, location, lot or use.
     """
 
-    description: str = Field(default="", max_length=2000, description="For people.", examples=["fills one kit"])
+    description: str = Field(default="", max_length=2000, examples=["fills one kit"])
+    """For people."""
     parameters: tuple[TemplateParameter, ...] = Field(
-        default=(), max_length=100, description="What an order fills in.", examples=[[{"name": "kit", "class": "Kit"}]]
+        default=(), max_length=100, examples=[[{"name": "kit", "class": "Kit"}]]
     )
+    """What an order fills in."""
     goal: tuple[GoalData, ...] = Field(
-        default=(),
-        max_length=1000,
-        description="Conditions that must hold together; may be empty where there is one for each material.",
-        examples=[[{"condition": "InKit", "arguments": ["Starter", {"parameter": "kit"}]}]],
+        default=(), max_length=1000, examples=[[{"condition": "InKit", "arguments": ["Starter", {"parameter": "kit"}]}]]
     )
+    """Conditions that must hold together; may be empty where there is one for each material."""
     per_material: GoalData | None = Field(
-        default=None,
-        description="A condition for each piece of the ordered material.",
-        examples=[{"condition": "InKit", "arguments": [{"material": "class"}, {"parameter": "kit"}]}],
+        default=None, examples=[{"condition": "InKit", "arguments": [{"material": "class"}, {"parameter": "kit"}]}]
     )
+    """A condition for each piece of the ordered material."""
 
 
 class GoalTemplate(Answer):
     """A template as it is kept."""
 
-    name: str = Field(description="Its name.", examples=["fill kit"])
-    version: int = Field(description="Its version, as in its ETag.", examples=[3])
-    content: GoalTemplateContent = Field(description="What it says.")
+    name: str = Field(examples=["fill kit"])
+    """Its name."""
+    version: int = Field(examples=[3])
+    """Its version, as in its ETag."""
+    content: GoalTemplateContent
+    """What it says."""
 
 
 class GoalTemplates(Answer):
     """All templates."""
 
-    templates: tuple[GoalTemplate, ...] = Field(description="By name.")
+    templates: tuple[GoalTemplate, ...]
+    """By name."""

@@ -16,15 +16,15 @@ _LONGEST_TIME = 60.0
 class TextLiteral(Request):
     """A text, where a plain string would be a name."""
 
-    text: Annotated[str, Field(max_length=65536)] = Field(description="The text.", examples=["pallet A"])
+    text: Annotated[str, Field(max_length=65536)] = Field(examples=["pallet A"])
+    """The text."""
 
 
 class DecimalLiteral(Request):
     """A number of the type xsd:decimal; a plain one with a point is an xsd:double."""
 
-    decimal: Annotated[str, Field(pattern=r"^[+-]?\d{1,40}(\.\d{1,40})?$")] = Field(
-        description="The number.", examples=["0.40"]
-    )
+    decimal: Annotated[str, Field(pattern=r"^[+-]?\d{1,40}(\.\d{1,40})?$")] = Field(examples=["0.40"])
+    """The number."""
 
 
 Bound = (
@@ -54,42 +54,47 @@ class Query(Answer):
         },
     )
 
-    query: Annotated[str, Field(min_length=1, max_length=65536)] = Field(
-        description="SELECT, ASK or CONSTRUCT; all prefixes are declared, parameters are written $name."
-    )
+    query: Annotated[str, Field(min_length=1, max_length=65536)]
+    """SELECT, ASK or CONSTRUCT; all prefixes are declared, parameters are written $name."""
     bindings: Annotated[
         dict[Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]{0,99}$")], Bound], Field(max_length=100)
-    ] = Field(default_factory=dict, description="What its parameters stand for.")
-    entailed: bool = Field(default=False, description="Whether what OWL entails counts too.")
-    time_limit: Annotated[float, Field(gt=0.0, le=_LONGEST_TIME, allow_inf_nan=False)] = Field(
-        default=5.0, description="How long it may take [s]."
-    )
+    ] = Field(default_factory=dict)
+    """What its parameters stand for."""
+    entailed: bool = False
+    """Whether what OWL entails counts too."""
+    time_limit: Annotated[float, Field(gt=0.0, le=_LONGEST_TIME, allow_inf_nan=False)] = 5.0
+    """How long it may take [s]."""
 
 
 class SelectAnswer(Answer):
     """What a SELECT answers."""
 
-    form: Literal["SELECT"] = Field(description="What was asked.")
-    variables: list[str] = Field(description="The columns.", examples=[["part"]])
-    rows: list[dict[str, Any]] = Field(
-        description="By variable: names as strings, literals as values, null for none.",
-        examples=[[{"part": "starter_1"}]],
-    )
+    form: Literal["SELECT"]
+    """What was asked."""
+    variables: list[str] = Field(examples=[["part"]])
+    """The columns."""
+    rows: list[dict[str, Any]] = Field(examples=[[{"part": "starter_1"}]])
+    """By variable: names as strings, literals as values, null for none."""
 
 
 class AskAnswer(Answer):
     """What an ASK answers."""
 
-    form: Literal["ASK"] = Field(description="What was asked.")
-    answer: bool = Field(description="Yes or no.")
+    form: Literal["ASK"]
+    """What was asked."""
+    answer: bool
+    """Yes or no."""
 
 
 class ConstructAnswer(Answer):
     """What a CONSTRUCT answers."""
 
-    form: Literal["CONSTRUCT"] = Field(description="What was asked.")
-    statements: list[tuple[str, str, Any]] = Field(description="Subject, predicate and object.")
-    turtle: str = Field(description="The same as the text of a Turtle file.")
+    form: Literal["CONSTRUCT"]
+    """What was asked."""
+    statements: list[tuple[str, str, Any]]
+    """Subject, predicate and object."""
+    turtle: str
+    """The same as the text of a Turtle file."""
 
 
 QueryAnswer = Annotated[SelectAnswer | AskAnswer | ConstructAnswer, Field(discriminator="form")]

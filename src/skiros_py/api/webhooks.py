@@ -29,74 +29,92 @@ class DeliveryState(enum.StrEnum):
 class WebhookOrder(Request):
     """A wish to be told of jobs."""
 
-    url: str = Field(
-        max_length=2000,
-        description="Where to: http or https, at a host that the server was told to allow (--webhook-host).",
-        examples=["https://mes.example/skiros"],
-    )
-    states: tuple[str, ...] = Field(
-        default=(),
-        max_length=20,
-        description="States of which to tell: NotAllowedToStart, AllowedToStart, Running, Interrupted, Ended, Aborted, "
-        "Removed; empty for all.",
-        examples=[["Ended", "Aborted"]],
-    )
-    jobs: Pattern = Field(default="", description="Tell only of jobs whose id begins so.", examples=["line-1-"])
-    secret: str = Field(
-        default="",
-        max_length=200,
-        description="Key of the signature (whsec_ and base64 of 24 to 64 bytes); empty to have one made.",
-    )
-    description: str = Field(default="", max_length=1000, description="For people.", examples=["the factory's MES"])
+    url: str = Field(max_length=2000, examples=["https://mes.example/skiros"])
+    """Where to: http or https, at a host that the server was told to allow (--webhook-host)."""
+    states: tuple[str, ...] = Field(default=(), max_length=20, examples=[["Ended", "Aborted"]])
+    """States of which to tell: NotAllowedToStart, AllowedToStart, Running, Interrupted, Ended, Aborted, Removed; empty
+    for all.
+    """
+    jobs: Pattern = Field(default="", examples=["line-1-"])
+    """Tell only of jobs whose id begins so."""
+    secret: str = Field(default="", max_length=200)
+    """Key of the signature (whsec_ and base64 of 24 to 64 bytes); empty to have one made."""
+    description: str = Field(default="", max_length=1000, examples=["the factory's MES"])
+    """For people."""
 
 
 class WebhookChange(Request):
     """What shall be different."""
 
-    active: bool | None = Field(default=None, description="False keeps what happens until it is active again.")
-    states: tuple[str, ...] | None = Field(default=None, max_length=20, description="States of which to tell.")
-    jobs: Pattern | None = Field(default=None, description="Tell only of jobs whose id begins so.")
-    description: str | None = Field(default=None, max_length=1000, description="For people.", examples=["night shift"])
+    active: bool | None = None
+    """False keeps what happens until it is active again."""
+    states: tuple[str, ...] | None = Field(default=None, max_length=20)
+    """States of which to tell."""
+    jobs: Pattern | None = None
+    """Tell only of jobs whose id begins so."""
+    description: str | None = Field(default=None, max_length=1000, examples=["night shift"])
+    """For people."""
 
 
 class Webhook(Answer):
     """Somebody who is told of jobs."""
 
-    id: str = Field(description="Given by the server.", examples=["wh_5f0c"])
-    url: str = Field(description="Where to.", examples=["https://mes.example/skiros"])
-    states: tuple[str, ...] = Field(description="States of which to tell; empty for all.")
-    jobs: str = Field(description="Tell only of jobs whose id begins so.")
-    description: str = Field(description="For people.")
-    active: bool = Field(description="False while what happens is kept, and not sent.")
-    created: AwareDatetime = Field(description="Since when.")
-    pending: int = Field(default=0, description="Deliveries that wait.")
-    dead: int = Field(default=0, description="Dead letters.")
+    id: str = Field(examples=["wh_5f0c"])
+    """Given by the server."""
+    url: str = Field(examples=["https://mes.example/skiros"])
+    """Where to."""
+    states: tuple[str, ...]
+    """States of which to tell; empty for all."""
+    jobs: str
+    """Tell only of jobs whose id begins so."""
+    description: str
+    """For people."""
+    active: bool
+    """False while what happens is kept, and not sent."""
+    created: AwareDatetime
+    """Since when."""
+    pending: int = 0
+    """Deliveries that wait."""
+    dead: int = 0
+    """Dead letters."""
 
 
 class WebhookSecret(Answer):
     """A new webhook, with the key of its signature, which is shown this once."""
 
     webhook: Webhook
-    secret: str = Field(description="Check signatures with it (Standard Webhooks).")
+    secret: str
+    """Check signatures with it (Standard Webhooks)."""
 
 
 class Delivery(Answer):
     """One message to one target."""
 
-    webhook: str = Field(description="Id of the webhook.")
-    number: int = Field(description="Counts the messages of this webhook; the receiver sees it as `sequence`.")
-    event: str = Field(description="Id of the event: the same in every try; receivers drop what they have had.")
-    job: str = Field(description="Id of the job; empty for a ping.")
-    state: DeliveryState = Field(description="How far it is.")
-    attempts: int = Field(description="How often it was tried.")
-    created: AwareDatetime = Field(description="When it happened.")
-    next_try: AwareDatetime | None = Field(default=None, description="When it is tried next.")
-    status: int | None = Field(default=None, description="HTTP status of the last answer.")
-    error: str = Field(default="", description="Why the last try failed.")
+    webhook: str
+    """Id of the webhook."""
+    number: int
+    """Counts the messages of this webhook; the receiver sees it as `sequence`."""
+    event: str
+    """Id of the event: the same in every try; receivers drop what they have had."""
+    job: str
+    """Id of the job; empty for a ping."""
+    state: DeliveryState
+    """How far it is."""
+    attempts: int
+    """How often it was tried."""
+    created: AwareDatetime
+    """When it happened."""
+    next_try: AwareDatetime | None = None
+    """When it is tried next."""
+    status: int | None = None
+    """HTTP status of the last answer."""
+    error: str = ""
+    """Why the last try failed."""
 
 
 class Deliveries(Answer):
     """A page of deliveries, the latest first."""
 
     items: tuple[Delivery, ...]
-    next: str | None = Field(default=None, description="Cursor of the next page.")
+    next: str | None = None
+    """Cursor of the next page."""
