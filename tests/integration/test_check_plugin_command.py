@@ -12,7 +12,7 @@ from click.testing import CliRunner, Result
 
 from skiros_py.cli.main import cli
 from skiros_py.errors import UnknownName, UsageError
-from skiros_py.skills.lint import RULES
+from skiros_py.skills.lint.checking import RULES
 
 GOOD = """
 from dataclasses import replace

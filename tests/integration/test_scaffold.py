@@ -19,15 +19,9 @@ import pytest
 
 from skiros_py.cli.main import main
 from skiros_py.plugins import find_plugin
-from skiros_py.scaffold import (
-    Knowledge,
-    NewPackage,
-    NewSkill,
-    Project,
-    draft_package,
-    draft_skill,
-    knowledge_of,
-)
+from skiros_py.scaffold.package import NewPackage, draft_package
+from skiros_py.scaffold.project import Knowledge, Project, knowledge_of
+from skiros_py.scaffold.skill import NewSkill, draft_skill
 
 ROOT = Path(__file__).parents[2]
 Skiros = Callable[..., tuple[int, str, str]]

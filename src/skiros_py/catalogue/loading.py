@@ -40,7 +40,7 @@ from skiros_py.ports.device import DeviceSpec, device_problem, load_device_kinds
 from skiros_py.ports.kinematics import RobotModel
 from skiros_py.skills.behaviour import Behaviour
 from skiros_py.skills.conditions import ConditionType
-from skiros_py.skills.lint import problems_of
+from skiros_py.skills.lint.checking import problems_of
 from skiros_py.skills.parameters import params_of
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill, SkillDescription

@@ -23,19 +23,8 @@ from skiros_py.plugins import Entry, Plugin, PluginFault, as_if_installed, exami
 from skiros_py.plugins.installation import canonical
 from skiros_py.plugins.plugin import authors_line
 from skiros_py.skills.conditions import ConditionType
-from skiros_py.skills.lint import (
-    DOES_NOT_LOAD,
-    RULES,
-    Finding,
-    Known,
-    Rule,
-    Severity,
-    Source,
-    Spot,
-    Subject,
-    check,
-    title,
-)
+from skiros_py.skills.lint.checking import DOES_NOT_LOAD, RULES, check
+from skiros_py.skills.lint.rule import Finding, Known, Rule, Severity, Source, Spot, Subject, title
 from skiros_py.skills.lint.rules.calls import MISSING_PARAMETER
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill

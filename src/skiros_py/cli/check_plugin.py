@@ -61,14 +61,14 @@ def command(
 
 
 def _explain(name: str) -> int:
-    from skiros_py.skills.lint import rule
+    from skiros_py.skills.lint.checking import rule
 
     click.echo(rule(name).page, nl=False)
     return REACHED
 
 
 def _list(*, as_json: bool) -> int:
-    from skiros_py.skills.lint import RULES
+    from skiros_py.skills.lint.checking import RULES
 
     if as_json:
         rules = [{"name": r.name, "severity": r.severity.value, "summary": r.summary} for r in RULES.values()]
@@ -103,7 +103,7 @@ def _progress() -> Iterator[Callable[[str], None]]:
 
 
 def _print(report: PluginReport) -> None:
-    from skiros_py.skills.lint import title
+    from skiros_py.skills.lint.rule import title
 
     for finding in report.findings:
         mark = "warning: " if finding.severity == "warning" else ""
@@ -119,14 +119,14 @@ def _print(report: PluginReport) -> None:
 
 
 def _ran(contract: Contract) -> str:
-    from skiros_py.skills.lint import title
+    from skiros_py.skills.lint.rule import title
 
     name = title(contract.skill)
     return f"ran {name} in {contract.where}" if contract.where else f"never ran {name}"
 
 
 def _as_json(report: PluginReport) -> dict[str, Any]:
-    from skiros_py.skills.lint import title
+    from skiros_py.skills.lint.rule import title
 
     return {
         "status": NOT_REACHED if report.errors else REACHED,

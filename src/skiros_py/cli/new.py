@@ -13,7 +13,8 @@ from skiros_py.cli.options import JSON
 from skiros_py.cli.output import REACHED, answer
 
 if TYPE_CHECKING:
-    from skiros_py.scaffold import Draft, Knowledge
+    from skiros_py.scaffold.draft import Draft
+    from skiros_py.scaffold.project import Knowledge
 
 _Command = TypeVar("_Command", bound=Callable[..., Any])
 _NAME = click.argument("name")
@@ -53,7 +54,7 @@ def command() -> None:
 @JSON
 def package(folder: Path, dry_run: bool, as_json: bool, **said: Any) -> int:
     """Writes an ordinary Python distribution NAME with one of everything."""
-    from skiros_py.scaffold import NewPackage, draft_package
+    from skiros_py.scaffold.package import NewPackage, draft_package
 
     draft = draft_package(folder.absolute(), NewPackage(**_renamed(said)))
     if not dry_run:
@@ -83,7 +84,7 @@ def skill(dry_run: bool, as_json: bool, **said: Any) -> int:
 
     With the agent come a parameter for it, one for its robot, and the condition that the robot has it.
     """
-    from skiros_py.scaffold import NewSkill, draft_skill
+    from skiros_py.scaffold.skill import NewSkill, draft_skill
 
     if not (said["agent"] and said["post"]):
         _ask(said, "agent", "Class of the subsystem that does it (such as sk:Arm)")
@@ -106,7 +107,7 @@ def skill(dry_run: bool, as_json: bool, **said: Any) -> int:
 @JSON
 def primitive(dry_run: bool, as_json: bool, **said: Any) -> int:
     """Writes a primitive NAME that runs on a fake robot, ready for what the device does."""
-    from skiros_py.scaffold import NewPrimitive, draft_primitive
+    from skiros_py.scaffold.primitive import NewPrimitive, draft_primitive
 
     _ask_many(said, "param", "Parameter (such as camera:sk:Camera)")
     return _add(lambda known: draft_primitive(known, NewPrimitive(**_renamed(said))), dry_run=dry_run, as_json=as_json)
@@ -126,7 +127,7 @@ def primitive(dry_run: bool, as_json: bool, **said: Any) -> int:
 @JSON
 def condition(dry_run: bool, as_json: bool, **said: Any) -> int:
     """Writes a condition NAME: a word for goals and skills, made of a relation or a property."""
-    from skiros_py.scaffold import NewCondition, draft_condition
+    from skiros_py.scaffold.condition import NewCondition, draft_condition
 
     if not said["relation"]:
         _ask(said, "property", "Property it is about (nothing: a relation)", needed=False)
@@ -148,7 +149,7 @@ def condition(dry_run: bool, as_json: bool, **said: Any) -> int:
 @JSON
 def ontology(dry_run: bool, as_json: bool, **said: Any) -> int:
     """Writes an ontology NAME, whose words have the prefix NAME."""
-    from skiros_py.scaffold import NewOntology, draft_ontology
+    from skiros_py.scaffold.ontology import NewOntology, draft_ontology
 
     if not (said["class"] or said["relation"] or said["property"]):
         _ask_many(said, "class", "Class (such as Scanner:sk:Device)")
@@ -167,7 +168,7 @@ def ontology(dry_run: bool, as_json: bool, **said: Any) -> int:
 @JSON
 def robot(dry_run: bool, as_json: bool, **said: Any) -> int:
     """Writes a robot NAME: the individuals of a mobile manipulator, for scenes to import."""
-    from skiros_py.scaffold import NewRobot, draft_robot
+    from skiros_py.scaffold.robot import NewRobot, draft_robot
 
     return _add(lambda known: draft_robot(known, NewRobot(**_renamed(said))), dry_run=dry_run, as_json=as_json)
 
@@ -184,7 +185,7 @@ def robot(dry_run: bool, as_json: bool, **said: Any) -> int:
 @JSON
 def scene(dry_run: bool, as_json: bool, **said: Any) -> int:
     """Writes a scene NAME with a robot, things and a goal."""
-    from skiros_py.scaffold import NewScene, draft_scene
+    from skiros_py.scaffold.scene import NewScene, draft_scene
 
     if not said["thing"]:
         _ask_many(said, "thing", "Something that is there (such as part:sk:Manipulatable)")
@@ -216,7 +217,7 @@ def _renamed(said: Mapping[str, Any]) -> dict[str, Any]:
 
 def _add(make: Callable[[Knowledge], Draft], *, dry_run: bool, as_json: bool) -> int:
     """Adds what is made to the package around the working directory, and tells of it."""
-    from skiros_py.scaffold import Project, knowledge_of
+    from skiros_py.scaffold.project import Project, knowledge_of
 
     project = Project.around(Path.cwd())
     with knowledge_of(project) as known:

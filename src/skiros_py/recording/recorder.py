@@ -11,7 +11,6 @@ from contextlib import ExitStack
 from functools import partial
 from itertools import count
 from math import inf
-from types import TracebackType
 from typing import Any, Self
 
 from skiros_py.execution.monitor import ModuleEvent, Status
@@ -135,9 +134,7 @@ class Recorder:
         self.start()
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
         self.end("" if error is None else f"{type(error).__name__}: {error}")
         self.writer.close()
 

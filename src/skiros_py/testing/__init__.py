@@ -75,23 +75,12 @@ __all__ = [
     "world_of",
 ]
 
-_HOMES = {
-    "bench": ("Bench",),
-    "faulty_cell": ("Blind", "CellFault", "Deaf", "Dies", "FaultyCell", "Frozen", "Late", "Noisy", "Says"),
-    "tiny": (
-        "CONDITIONS", "SKILLS", "TINY_ONTOLOGY", "robot_turtle", "tiny_ontology", "tiny_pddl", "tiny_scene",
-        "tiny_task", "tiny_world", "world_of",
-    ),
-    "trying": (
-        "Answers", "Breaks", "Fails", "GivenPlanner", "ModuleFault", "SkillTrial", "Slow", "answers", "run_primitive",
-        "run_skill", "spoiled",
-    ),
-}  # fmt: skip
-_MODULES = {name: module for module, names in _HOMES.items() for name in names}
+_MODULES = ("faulty_cell", "tiny", "bench", "trying")
 
 
 def __getattr__(name: str) -> Any:
     """Imports names on demand: the pytest plug-in in this package is loaded by every pytest, and must be light."""
-    if name not in _MODULES:
+    if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f"{__name__}.{_MODULES[name]}"), name)
+    modules = (vars(import_module(f"{__name__}.{module}")) for module in _MODULES)
+    return next(module[name] for module in modules if name in module)

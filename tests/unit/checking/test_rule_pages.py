@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 
 from skiros_py.checking import as_installed, check_plugins
-from skiros_py.skills.lint import RULES, Rule
+from skiros_py.skills.lint.checking import RULES
+from skiros_py.skills.lint.rule import Rule
 
 DOCS = Path(__file__).parents[3] / "docs"
 EXAMPLE = re.compile(r"^```python\n(.*?)^```", re.MULTILINE | re.DOTALL)

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from skiros_py.errors import FileError, UsageError
-from skiros_py.scaffold import Draft
+from skiros_py.scaffold.draft import Draft
 
 
 def files(folder: Path) -> dict[str, str]:

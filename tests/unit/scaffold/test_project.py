@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from skiros_py.errors import FileError, UsageError
-from skiros_py.scaffold import Project
+from skiros_py.scaffold.project import Project
 
 TEXT = """\
 # Ours.

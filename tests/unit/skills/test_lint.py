@@ -21,7 +21,7 @@ from skiros_py.skills.conditions import (
     Role,
     Verdict,
 )
-from skiros_py.skills.lint import problems_of
+from skiros_py.skills.lint.checking import problems_of
 from skiros_py.skills.outcome import Outcome, Success
 from skiros_py.skills.parameters import Kind, Param, param
 from skiros_py.skills.primitive import Execution, Primitive

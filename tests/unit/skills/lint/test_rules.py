@@ -42,7 +42,8 @@ from skiros_py.skills.conditions import (
     Role,
     any_of,
 )
-from skiros_py.skills.lint import RULES, Finding, Known, Source, Subject, check, problems_of
+from skiros_py.skills.lint.checking import RULES, check, problems_of
+from skiros_py.skills.lint.rule import Finding, Known, Source, Subject
 from skiros_py.skills.outcome import Outcome, Success
 from skiros_py.skills.parameters import Access, Kind, Param, param
 from skiros_py.skills.primitive import Execution, Primitive

@@ -18,7 +18,6 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from multiprocessing.connection import Connection
 from pathlib import Path
-from types import TracebackType
 from typing import Protocol, Self
 
 import pyoxigraph as ox
@@ -154,9 +153,7 @@ class OwlRlProcess:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def _ask(self, triples: Sequence[ox.Triple], classes: tuple[str, ...] | None) -> Verdict | bool:
