@@ -135,6 +135,7 @@ class ControlCycle:
         self._mix = Mix(board, self.pulse)
         self._tasks: list[Task[Any]] = []
         self._later: list[Task[Any]] = []
+        self._ended: list[Task[Any]] = []
         self._places = math.inf
         self._stopping: list[Task[Any]] = []
         self._exchanging = Chore("the exchange with the devices")
@@ -157,7 +158,7 @@ class ControlCycle:
         Raises:
             UsageError: Everything was halted, and :meth:`reset` was not called since.
         """
-        task = Task(generator, self.board, self.pulse, name, clock)
+        task = Task(generator, self.board, self.pulse, name, clock, self._ended.append)
         if self.halted:
             raise UsageError(f"{task.name} cannot start: everything was halted ({self.halted}); reset the robots first")
         self._places -= 1
@@ -343,9 +344,10 @@ class ControlCycle:
 
     def _sort_out(self) -> None:
         """Removes finished tasks and reports faults."""
-        done = [task for task in self._tasks if task.done]
-        if not done:
+        if not self._ended:
             return
+        self._ended.clear()
+        done = [task for task in self._tasks if task.done]
         self._tasks = [task for task in self._tasks if not task.done]
         for task in done:
             task.settle()

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
-from typing import Generic, Protocol, TypeVar
+from collections.abc import Callable, Generator
+from typing import Any, Generic, Protocol, TypeVar
 
 from skiros_py.errors import DeviceError, ModuleError
 from skiros_py.execution.pulse import CycleOverrun, Pulse
@@ -26,6 +26,7 @@ class Task(Generic[T]):
         pulse: What the watchdog looks at.
         name: For messages; the generator's own name where left out.
         clock: Its clock, where others read it too; one of its own where left out.
+        ended: Called at its end, once or more; without it, every task would have to be looked at in every cycle.
 
     Attributes:
         name: For messages.
@@ -46,6 +47,7 @@ class Task(Generic[T]):
         pulse: Pulse,
         name: str = "",
         clock: RunClock | None = None,
+        ended: Callable[[Task[Any]], None] = lambda _: None,
     ) -> None:
         self.name = name or getattr(generator, "__qualname__", type(generator).__name__)
         self.clock = clock or RunClock(board)
@@ -56,6 +58,7 @@ class Task(Generic[T]):
         self._generator = generator
         self._board = board
         self._pulse = pulse
+        self._ended = ended
         self._result: T | None = None
         self._broken_off = False
         self._deadline: float | None = None
@@ -73,6 +76,7 @@ class Task(Generic[T]):
             next(self._generator)
         except StopIteration as end:
             self._result = end.value
+            self._ended(self)
             self.done = True
         except KeyboardInterrupt as interrupt:
             self.fail(interrupt)
@@ -131,6 +135,7 @@ class Task(Generic[T]):
         """
         if self.done:
             return
+        self._ended(self)
         self.done = self._broken_off = True
         self.reason = reason
         if not getattr(self._generator, "gi_running", False):  # else it stops itself: closed when this tick is over
@@ -142,6 +147,7 @@ class Task(Generic[T]):
             before = self.fault
             self.fault = fault if before is None else fault.with_traceback(before.__traceback__)
         if not self.done:
+            self._ended(self)
             self.done = self._broken_off = True
             self._close()
 

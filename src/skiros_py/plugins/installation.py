@@ -139,7 +139,6 @@ OWN_NAME = "skiros-py"
 _NAME = re.compile(r"\s*([A-Za-z0-9][A-Za-z0-9._-]*)(.*)", re.DOTALL)
 
 
-@lru_cache(maxsize=1024)  # asked for each entry point of a distribution
 class Misfit(NamedTuple):
     """Why a distribution does not fit this skiros-py, and what to do about it."""
 
@@ -150,6 +149,7 @@ class Misfit(NamedTuple):
         return f"{self.problem}; {self.todo}"
 
 
+@lru_cache(maxsize=1024)  # called for each entry point of a distribution
 def misfit(distribution: Distribution, own_version: str | None = None) -> Misfit | None:
     """Returns why a distribution does not fit this skiros-py, or None where it does, or does not say.
 

@@ -55,6 +55,14 @@ def test_a_requirement_that_is_none_is_refused(text: str) -> None:
     assert f"'{text}', which is no requirement (such as 'skiros-py>=0.1,<0.2')" in str(reason)
 
 
+def test_the_requirements_of_a_distribution_are_read_once_for_all_its_entry_points() -> None:
+    misfit.cache_clear()
+
+    found = [misfit(made_for("skiros-py>=99"), "0.1.5") for _ in range(3)]
+
+    assert (len(set(found)), misfit.cache_info().misses) == (1, 1)
+
+
 def test_code_made_for_another_version_is_not_run(site: Any) -> None:
     group = {"testing_only": {"new": "sk_tomorrow:X"}}
     site.install("sk-tomorrow", group, {"sk_tomorrow.py": "raise SystemExit"}, requires=["skiros-py>=99"])

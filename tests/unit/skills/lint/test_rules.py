@@ -614,3 +614,11 @@ def test_a_range_is_wrong_exactly_where_the_world_refuses_all_elements_of_the_cl
     found = list(check(word(pattern, a=subject, b=object_), known(), rules=[RULES["wrong-range"]]))
 
     assert (found == []) is allowed
+
+
+def test_for_a_skill_that_shares_no_device_no_kind_of_device_is_looked_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    looked_up: list[str] = []
+    monkeypatch.setattr("skiros_py.skills.lint.rules.devices.load_device_kinds", lambda: looked_up.append("kinds"))
+
+    assert problems_of(Skill(DRIVE, Do.of("pick")), tiny_ontology(), {}, skills=SKILLS) == ()
+    assert looked_up == []

@@ -93,13 +93,13 @@ def _left_out(param: Param, description: SkillDescription, known: Known) -> _Dev
 
 def _unmixed(subject: Subject, known: Known) -> Iterator[Problem]:
     """Yields parameters by which devices are shared that cannot be: no kind of their class has a mix rule."""
-    kinds = load_device_kinds()[0].by_name.values()
-    for param in own_params(subject):
-        if param.access is Access.SHARED and param.is_element:
-            fitting = [kind for kind in kinds if overlap(known.ontology, param.element_class, kind.device_class)]
-            if fitting and not any(kind.mixes() for kind in fitting):
-                names = " and ".join(f"'{kind.kind}'" for kind in fitting)
-                yield Problem(f"parameter {param.key} shares a device, but kind {names} has no mix rule")
+    shared = [param for param in own_params(subject) if param.access is Access.SHARED and param.is_element]
+    kinds = load_device_kinds()[0].by_name.values() if shared else ()
+    for param in shared:
+        fitting = [kind for kind in kinds if overlap(known.ontology, param.element_class, kind.device_class)]
+        if fitting and not any(kind.mixes() for kind in fitting):
+            names = " and ".join(f"'{kind.kind}'" for kind in fitting)
+            yield Problem(f"parameter {param.key} shares a device, but kind {names} has no mix rule")
 
 
 SAME_DEVICE = Rule("same-device", Severity.ERROR, "Two parallel branches take one device exclusively.", _taken_twice)
