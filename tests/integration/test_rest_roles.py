@@ -191,3 +191,11 @@ def _status(client: httpx2.Client, one: _Operation, headers: dict[str, str]) -> 
     body = {} if one.method == "GET" else {"content": b"[]", "headers": {**headers, "Content-Type": "application/json"}}
     with client.stream(one.method, one.url, **{"headers": headers, **body}) as response:
         return response.status_code
+
+
+def test_the_first_paragraph_of_a_docstring_is_the_title_of_its_operation(app: Any) -> None:
+    for _ in range(2):  # the second description is the kept one
+        listed = app.openapi()["paths"]["/api/v1/tasks"]["get"]
+
+    assert listed["summary"] == "List the tasks"
+    assert listed["description"].startswith("What the robots pursue")

@@ -26,10 +26,15 @@ _SCHEMES = {
 
 
 class GuardedApi(FastAPI):
-    """An API whose description lists the permitted roles of each operation as ``x-roles``."""
+    """An API whose description lists the permitted roles of each operation as ``x-roles``.
+
+    The first paragraph of a route's docstring is the title of the operation, the rest its description.
+    """
 
     def openapi(self) -> dict[str, Any]:
         """Returns the description."""
+        if self.openapi_schema is not None:
+            return self.openapi_schema
         schema = super().openapi()
         schema.setdefault("components", {})["securitySchemes"] = _SCHEMES
         schema["security"] = [{name: []} for name in _SCHEMES]
@@ -38,6 +43,8 @@ class GuardedApi(FastAPI):
             for method, operation in item.items():
                 if (method.upper(), path) in OPEN:
                     operation["security"] = []
+                title, _, text = operation.pop("description").partition("\n\n")
+                operation |= {"summary": title.rstrip("."), "description": text} if text else {"summary": title}
                 operation["x-roles"] = _roles(asked.get((method.upper(), path), ()))
         return schema
 

@@ -24,9 +24,11 @@ Limit = Annotated[int, Query(ge=1, le=1000, description="At most so many.")]
 Cursor = Annotated[str | None, Query(pattern="^[0-9]{1,18}$", description="From the page before.")]
 
 
-@router.get("", summary="Who did what", dependencies=[needs(Role.ADMIN)])
+@router.get("", dependencies=[needs(Role.ADMIN)])
 def list_audit(services: ServicesDep, limit: Limit = 100, cursor: Cursor = None) -> AuditPage:
-    """Lists requests that changed something or were refused, the youngest first. The last 100,000 are kept.
+    """Who did what.
+
+    Lists requests that changed something or were refused, the youngest first. The last 100,000 are kept.
 
     Keys and bodies are never in it. Of one address, 30 refusals in a minute are written down.
     """
@@ -44,31 +46,42 @@ keys_router = APIRouter(prefix="/keys", tags=["access"])
 KeyId = Annotated[str, Path(max_length=64, description="Id of the key.", examples=["1f0c55a2"])]
 
 
-@keys_router.get("", summary="All keys", dependencies=[needs(Role.ADMIN)])
+@keys_router.get("", dependencies=[needs(Role.ADMIN)])
 def list_keys(services: ServicesDep) -> list[ApiKey]:
-    """Lists the keys, revoked and expired ones too; what is secret about them is kept nowhere."""
+    """All keys.
+
+    Lists the keys, revoked and expired ones too; what is secret about them is kept nowhere.
+    """
     return [shown(key) for key in services.keys.all()]
 
 
-@keys_router.post("", status_code=201, summary="Make a key", dependencies=[needs(Role.ADMIN)])
+@keys_router.post("", status_code=201, dependencies=[needs(Role.ADMIN)])
 def create_key(order: KeyOrder, services: ServicesDep, response: Response) -> NewKey:
-    """Makes a key. It is shown in this answer and never again; with the first one, everybody needs one."""
+    """Make a key.
+
+    Makes a key. It is shown in this answer and never again; with the first one, everybody needs one.
+    """
     expires = order.expires.timestamp() if order.expires is not None else None
     key, text = services.keys.create(order.name, Role(order.role), expires)
     response.headers["Location"] = f"/api/v1/keys/{key.id}"
     return NewKey(key=shown(key), secret=text)
 
 
-@keys_router.get("/{key_id}", summary="One key", dependencies=[needs(Role.ADMIN)])
+@keys_router.get("/{key_id}", dependencies=[needs(Role.ADMIN)])
 def get_key(key_id: KeyId, services: ServicesDep) -> ApiKey:
-    """Describes a key."""
+    """One key.
+
+    Describes a key.
+    """
     with addressed("UnknownKey"):
         return shown(services.keys.key(key_id))
 
 
-@keys_router.delete("/{key_id}", summary="Revoke a key", dependencies=[needs(Role.ADMIN)])
+@keys_router.delete("/{key_id}", dependencies=[needs(Role.ADMIN)])
 def revoke_key(key_id: KeyId, services: ServicesDep) -> ApiKey:
-    """Takes a key out of use, at once and for good; its logins and streams end. Once more does no harm.
+    """Revoke a key.
+
+    Takes a key out of use, at once and for good; its logins and streams end. Once more does no harm.
 
     Where other machines reach the server, the last key of an administrator stays.
     """
@@ -85,18 +98,23 @@ class _CookieOptions(TypedDict):
 session_router = APIRouter(prefix="/session", tags=["access"])
 
 
-@session_router.get("", summary="Who am I?", dependencies=[needs(Role.VIEWER, mes=True)])
+@session_router.get("", dependencies=[needs(Role.VIEWER, mes=True)])
 def get_session(request: Request, services: ServicesDep, caller: CallerDep) -> Me:
-    """Returns who the caller is and what they may do, so that a page offers nothing that would be refused.
+    """Who am I?
+
+    Returns who the caller is and what they may do, so that a page offers nothing that would be refused.
 
     Answered with 401 where a key is needed and none was shown.
     """
     return _me(request, services, caller)
 
 
-@session_router.post("", summary="Log in")
+@session_router.post("")
 async def login(login: Login, request: Request, services: ServicesDep, response: Response) -> Me:
-    """Takes a key, and gives a cookie for it, for pages in a browser; for 12 hours, or until the key is revoked."""
+    """Log in.
+
+    Takes a key, and gives a cookie for it, for pages in a browser; for 12 hours, or until the key is revoked.
+    """
     address = request.client.host if request.client is not None else ""
     key, text = services.authenticator.login(login.key, address)
     request.state.caller = Caller(key.name, key.role, key.id)
@@ -104,9 +122,12 @@ async def login(login: Login, request: Request, services: ServicesDep, response:
     return _me(request, services, request.state.caller)
 
 
-@session_router.delete("", status_code=204, summary="Log out", dependencies=[needs(Role.VIEWER, mes=True)])
+@session_router.delete("", status_code=204, dependencies=[needs(Role.VIEWER, mes=True)])
 async def logout(request: Request, services: ServicesDep) -> Response:
-    """Ends the login that the cookie stands for. Once more does no harm."""
+    """Log out.
+
+    Ends the login that the cookie stands for. Once more does no harm.
+    """
     services.authenticator.logout(request.headers)
     response = Response(status_code=204)
     response.delete_cookie(_cookie(request), **_options(request))

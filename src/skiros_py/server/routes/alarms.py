@@ -23,34 +23,45 @@ router = APIRouter(prefix="/alarms", tags=["alarms"])
 AlarmId = Annotated[str, Path(max_length=200, description="Id of the alarm.", examples=["1f2e3d4c-7"])]
 
 
-@router.get("", summary="What stopped a robot, or waits for a person", dependencies=[needs(Role.VIEWER, mes=True)])
+@router.get("", dependencies=[needs(Role.VIEWER, mes=True)])
 def list_alarms(
     station: StationDep,
     active: Annotated[bool | None, Query(description="Only those that are active, or only others.")] = None,
     limit: Annotated[int, Query(ge=1, le=1000, description="At most so many.")] = 100,
     cursor: Annotated[str, Query(max_length=200, description="From the page before.")] = "",
 ) -> AlarmPage:
-    """Lists alarms, oldest first: all that are active, and the last thousand that are over."""
+    """What stopped a robot, or waits for a person.
+
+    Lists alarms, oldest first: all that are active, and the last thousand that are over.
+    """
     return station.alarms.all(active=active, limit=limit, after=_number(cursor))
 
 
-@router.get("/{alarm}", summary="One alarm", dependencies=[needs(Role.VIEWER, mes=True)])
+@router.get("/{alarm}", dependencies=[needs(Role.VIEWER, mes=True)])
 def get_alarm(alarm: AlarmId, station: StationDep) -> AlarmInfo:
-    """Describes one alarm."""
+    """One alarm.
+
+    Describes one alarm.
+    """
     return station.alarms.get(alarm)
 
 
-@router.post("/{alarm}/acknowledge", summary="Acknowledge an alarm", dependencies=[needs(Role.OPERATOR)])
+@router.post("/{alarm}/acknowledge", dependencies=[needs(Role.OPERATOR)])
 def acknowledge_alarm(alarm: AlarmId, station: StationDep, caller: CallerDep) -> AlarmInfo:
-    """Notes that somebody has seen it; it goes when its reason does, and not because of this."""
+    """Acknowledge an alarm.
+
+    Notes that somebody has seen it; it goes when its reason does, and not because of this.
+    """
     return station.alarms.acknowledge(alarm, caller.author)
 
 
-@router.post("/{alarm}/answer", summary="Answer an alarm", dependencies=[needs(Role.OPERATOR, mes=True)])
+@router.post("/{alarm}/answer", dependencies=[needs(Role.OPERATOR, mes=True)])
 def answer_alarm(
     alarm: AlarmId, answer: AlarmAnswer, request: Request, station: StationDep, caller: CallerDep
 ) -> AlarmInfo:
-    """Passes an answer on to the job or the robot that waits for it; the alarm goes when they have taken it.
+    """Answer an alarm.
+
+    Passes an answer on to the job or the robot that waits for it; the alarm goes when they have taken it.
 
     It is an answer to what this alarm asks and to nothing later: who names the `question` that they have seen is told
     (409) where another is asked by now.
@@ -89,13 +100,14 @@ _BODY: dict[str, Any] = {
 
 @stop_router.post(
     "/stop",
-    summary="Stop everything",
     dependencies=[needs(Role.OPERATOR, mes=True)],
     openapi_extra=_BODY,
     responses={202: {"model": StopInfo, "description": "The control thread does not run: do not rely on it."}},
 )
 async def stop(request: Request, response: Response, station: StationDep, caller: CallerDep) -> StopInfo:
-    """Halts all robots in the next control cycle, past all queues.
+    """Stop everything.
+
+    Halts all robots in the next control cycle, past all queues.
 
     Running jobs are held, and nothing moves until somebody resets the station and answers. Whatever is wrong with the
     body of this request, it is obeyed.
@@ -107,15 +119,20 @@ async def stop(request: Request, response: Response, station: StationDep, caller
     return _info(stopped)
 
 
-@stop_router.get("/stop", summary="See whether everything is halted", dependencies=[needs(Role.VIEWER, mes=True)])
+@stop_router.get("/stop", dependencies=[needs(Role.VIEWER, mes=True)])
 async def get_stop(station: StationDep) -> StopInfo:
-    """Returns whether everything is halted, why, since when and by whom, and whether all stands."""
+    """See whether everything is halted.
+
+    Returns whether everything is halted, why, since when and by whom, and whether all stands.
+    """
     return _info(station.stops.now())
 
 
-@stop_router.post("/reset", summary="Let things start again", dependencies=[needs(Role.OPERATOR)])
+@stop_router.post("/reset", dependencies=[needs(Role.OPERATOR)])
 def reset(station: StationDep, caller: CallerDep) -> StopInfo:
-    """Lets things start again after a halt; look first why that was, and that no person is near.
+    """Let things start again.
+
+    Lets things start again after a halt; look first why that was, and that no person is near.
 
     Held jobs go on when they are answered. Where nothing is halted, this changes nothing.
     """

@@ -40,7 +40,7 @@ _WRITES = NEEDS_VERSION | tagged()
 # ------------------------------------------------------------------ reading
 
 
-@router.get("/elements", summary="List elements", dependencies=[needs(Role.VIEWER)])
+@router.get("/elements", dependencies=[needs(Role.VIEWER)])
 def list_elements(
     station: StationDep,
     class_: Annotated[
@@ -59,13 +59,16 @@ def list_elements(
     limit: Limit = 100,
     cursor: Cursor = None,
 ) -> ElementPage:
-    """Lists elements in the order of their ids; all conditions must be met."""
+    """List elements.
+
+    Lists elements in the order of their ids; all conditions must be met.
+    """
     return station.elements.all(
         class_, label=label, text=text, place=place, abstract=abstract, limit=limit, after=cursor or ""
     )
 
 
-@router.get("/elements/{element}", summary="Read an element", dependencies=[needs(Role.VIEWER)], responses=tagged())
+@router.get("/elements/{element}", dependencies=[needs(Role.VIEWER)], responses=tagged())
 def read_element(
     element: ElementPath,
     station: StationDep,
@@ -75,14 +78,16 @@ def read_element(
         Query(max_length=50, description='Computed relations to work out, such as sk:near; "all" for all of them.'),
     ] = [],  # noqa: B006  FastAPI copies it
 ) -> ElementDetails:
-    """Tells its values with their origin, its relations in both directions, and where it is.
+    """Read an element.
+
+    Tells its values with their origin, its relations in both directions, and where it is.
 
     The answer's ETag is what `If-Match` takes when the element is changed.
     """
     return with_etag(station.elements.get(element, computed), response)
 
 
-@router.get("/elements/{element}/relations", summary="List an element's relations", dependencies=[needs(Role.VIEWER)])
+@router.get("/elements/{element}/relations", dependencies=[needs(Role.VIEWER)])
 def list_relations(
     element: ElementPath,
     station: StationDep,
@@ -92,11 +97,14 @@ def list_relations(
     limit: Limit = 100,
     cursor: Cursor = None,
 ) -> RelationPage:
-    """Lists what is stated of an element, in both directions, in order."""
+    """List an element's relations.
+
+    Lists what is stated of an element, in both directions, in order.
+    """
     return station.elements.relations(element, relation, number_cursor(cursor), limit)
 
 
-@router.get("/elements/{element}/history", summary="Read an element's history", dependencies=[needs(Role.VIEWER)])
+@router.get("/elements/{element}/history", dependencies=[needs(Role.VIEWER)])
 def read_element_history(
     element: ElementPath,
     station: StationDep,
@@ -104,7 +112,10 @@ def read_element_history(
     limit: ChangeLimit = 100,
     cursor: Cursor = None,
 ) -> ChangePage:
-    """Returns which changes touched an element, by whom and why; the element may be gone."""
+    """Read an element's history.
+
+    Returns which changes touched an element, by whom and why; the element may be gone.
+    """
     start = number_cursor(cursor, _LATEST if newest_first else 0)
     return station.elements.history(element, start, limit, newest_first=newest_first)
 
@@ -112,11 +123,11 @@ def read_element_history(
 # ------------------------------------------------------------------ writing
 
 
-@router.post(
-    "/elements", summary="Add an element", status_code=201, dependencies=[needs(Role.OPERATOR)], responses=tagged(201)
-)
+@router.post("/elements", status_code=201, dependencies=[needs(Role.OPERATOR)], responses=tagged(201))
 def add_element(new: NewElement, station: StationDep, caller: CallerDep, response: Response) -> ElementDetails:
-    """Adds an element with its values, its place and its relations, all at once.
+    """Add an element.
+
+    Adds an element with its values, its place and its relations, all at once.
 
     While something runs this changes what is believed, nothing else.
     """
@@ -125,9 +136,7 @@ def add_element(new: NewElement, station: StationDep, caller: CallerDep, respons
     return with_etag(element, response)
 
 
-@router.patch(
-    "/elements/{element}", summary="Change an element", dependencies=[needs(Role.OPERATOR)], responses=_WRITES
-)
+@router.patch("/elements/{element}", dependencies=[needs(Role.OPERATOR)], responses=_WRITES)
 def change_element(
     element: ElementPath,
     patch: ElementPatch,
@@ -136,26 +145,25 @@ def change_element(
     seen: SeenDep,
     response: Response,
 ) -> ElementDetails:
-    """Changes label, values and place of an element in one transaction; `If-Match` says which version was seen."""
+    """Change an element.
+
+    Changes label, values and place of an element in one transaction; `If-Match` says which version was seen.
+    """
     return with_etag(station.elements.change(element, patch, seen, caller.author), response)
 
 
-@router.delete(
-    "/elements/{element}", summary="Remove an element", dependencies=[needs(Role.OPERATOR)], responses=NEEDS_VERSION
-)
+@router.delete("/elements/{element}", dependencies=[needs(Role.OPERATOR)], responses=NEEDS_VERSION)
 def remove_element(
     element: ElementPath, station: StationDep, caller: CallerDep, seen: SeenDep, reason: WhyQuery = ""
 ) -> Written:
-    """Removes an element with its pieces; what was placed there moves to where it was."""
+    """Remove an element.
+
+    Removes an element with its pieces; what was placed there moves to where it was.
+    """
     return station.elements.remove(element, seen, caller.author, reason)
 
 
-@router.put(
-    "/elements/{element}/relations/{relation}/{other}",
-    summary="State a relation",
-    dependencies=[needs(Role.OPERATOR)],
-    responses=_WRITES,
-)
+@router.put("/elements/{element}/relations/{relation}/{other}", dependencies=[needs(Role.OPERATOR)], responses=_WRITES)
 def state_relation(
     element: ElementPath,
     relation: NamePath,
@@ -166,17 +174,17 @@ def state_relation(
     response: Response,
     reason: WhyQuery = "",
 ) -> Written:
-    """States that the first element has the relation to the second; a placement moves its element."""
+    """State a relation.
+
+    States that the first element has the relation to the second; a placement moves its element.
+    """
     written = station.elements.relate(element, relation, other, seen, caller.author, reason)
     _tag(station.elements.version(element), response)
     return written
 
 
 @router.delete(
-    "/elements/{element}/relations/{relation}/{other}",
-    summary="Take back a relation",
-    dependencies=[needs(Role.OPERATOR)],
-    responses=_WRITES,
+    "/elements/{element}/relations/{relation}/{other}", dependencies=[needs(Role.OPERATOR)], responses=_WRITES
 )
 def take_back_relation(
     element: ElementPath,
@@ -188,7 +196,10 @@ def take_back_relation(
     response: Response,
     reason: WhyQuery = "",
 ) -> Written:
-    """Takes back a stated relation; not a placement, for everything that is really there is somewhere."""
+    """Take back a relation.
+
+    Takes back a stated relation; not a placement, for everything that is really there is somewhere.
+    """
     written = station.elements.unrelate(element, relation, other, seen, caller.author, reason)
     _tag(station.elements.version(element), response)
     return written

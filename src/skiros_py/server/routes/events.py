@@ -55,7 +55,6 @@ _ENDLESS = {"x-endless": True}
 
 @router.get(
     "/events",
-    summary="Follow what happens",
     dependencies=[needs(Role.VIEWER, mes=True)],
     response_class=EventStream,
     responses=_STREAM,
@@ -71,7 +70,9 @@ async def stream_events(
     after: After = None,
     last_event_id: LastSeen = None,
 ) -> EventStream:
-    """Streams events as they happen, and those since the last one that was seen.
+    """Follow what happens.
+
+    Streams events as they happen, and those since the last one that was seen.
 
     Where that cannot be done without a gap, there comes a `reset` first: it says why, and what to read again.
     """
@@ -79,7 +80,7 @@ async def stream_events(
     return _stream(services, caller, choice, _first_given(last_event_id, after))
 
 
-@router.get("/events/recent", summary="Ask what happened", dependencies=[needs(Role.VIEWER, mes=True)])
+@router.get("/events/recent", dependencies=[needs(Role.VIEWER, mes=True)])
 def list_events(
     services: ServicesDep,
     caller: CallerDep,
@@ -90,7 +91,10 @@ def list_events(
     after: After = None,
     limit: Annotated[int, Query(ge=1, le=1000, description="At most so many.")] = 100,
 ) -> EventPage:
-    """Lists events after a place, oldest first, for those who cannot keep a stream open; without a place, all kept."""
+    """Ask what happened.
+
+    Lists events after a place, oldest first, for those who cannot keep a stream open; without a place, all kept.
+    """
     choice = _choice(caller, kind, type_, job, element)
     log = services.station.events
     place = log.first - 1 if not after else find_position(log, after)
@@ -107,7 +111,6 @@ def list_events(
 
 @router.get(
     "/jobs/{job}/events",
-    summary="Follow a job",
     dependencies=[needs(Role.VIEWER, mes=True)],
     response_class=EventStream,
     responses=_STREAM,
@@ -120,14 +123,16 @@ def stream_job_events(
     after: After = None,
     last_event_id: LastSeen = None,
 ) -> EventStream:
-    """Streams what happens for one job: first all that is kept of it, or what came after the event seen last."""
+    """Follow a job.
+
+    Streams what happens for one job: first all that is kept of it, or what came after the event seen last.
+    """
     services.station.jobs.get(job)
     return _stream(services, caller, Choice(job=job), _first_given(last_event_id, after) or "")
 
 
 @router.get(
     "/robots/state/stream",
-    summary="Watch the robots move",
     dependencies=[needs(Role.VIEWER)],
     response_class=EventStream,
     responses={
@@ -140,14 +145,20 @@ async def stream_state(
     caller: CallerDep,
     rate: Annotated[float, Query(ge=0.1, le=20.0, description="How often at most [Hz].", examples=[10])] = 10.0,
 ) -> EventStream:
-    """Streams the present state of all robots. Only the latest counts: what a client is too slow for is left out."""
+    """Watch the robots move.
+
+    Streams the present state of all robots. Only the latest counts: what a client is too slow for is left out.
+    """
     frames = services.streams.follow_state(services.station.live, rate, caller)
     return EventStream(frames, services.streams.listening(caller))
 
 
-@router.get("/state", summary="See what the robots do", dependencies=[needs(Role.VIEWER)])
+@router.get("/state", dependencies=[needs(Role.VIEWER)])
 def get_state(services: ServicesDep) -> StationState:
-    """Returns the state of all robots at this moment."""
+    """See what the robots do.
+
+    Returns the state of all robots at this moment.
+    """
     return StationState.model_validate(services.station.live.state(services.station.session))
 
 

@@ -26,38 +26,45 @@ from skiros_py.station.jobs.goals import goals_version
 router = APIRouter(tags=["goals"])
 
 
-@router.post("/goals/check", summary="Check a goal", dependencies=[needs(Role.VIEWER, mes=True)])
+@router.post("/goals/check", dependencies=[needs(Role.VIEWER, mes=True)])
 def check_goal(order: GoalOrder, station: StationDep) -> CheckedGoal:
-    """Says how a goal is understood, and whether each condition holds now, and why not; nothing is ordered."""
+    """Check a goal.
+
+    Says how a goal is understood, and whether each condition holds now, and why not; nothing is ordered.
+    """
     return station.goals.check(order)
 
 
-@router.get("/goals", summary="The goals of the scene", dependencies=[needs(Role.VIEWER, mes=True)], responses=tagged())
+@router.get("/goals", dependencies=[needs(Role.VIEWER, mes=True)], responses=tagged())
 def get_goals(station: StationDep, response: Response) -> SceneGoals:
-    """Shows the goals that go with the scene; they are pursued only when they are ordered as a job."""
+    """The goals of the scene.
+
+    Shows the goals that go with the scene; they are pursued only when they are ordered as a job.
+    """
     return _tagged(station.goals.get(), response)
 
 
-@router.put(
-    "/goals",
-    summary="Replace the goals of the scene",
-    dependencies=[needs(Role.OPERATOR)],
-    responses=NEEDS_VERSION | tagged(),
-)
+@router.put("/goals", dependencies=[needs(Role.OPERATOR)], responses=NEEDS_VERSION | tagged())
 def put_goals(body: GoalTexts, station: StationDep, caller: CallerDep, seen: SeenDep, response: Response) -> SceneGoals:
-    """Replaces the goals that go with the scene; `If-Match` names the version that was seen."""
+    """Replace the goals of the scene.
+
+    Replaces the goals that go with the scene; `If-Match` names the version that was seen.
+    """
     goals = station.goals.put(body, seen, caller.author)
     return _tagged(goals, response)
 
 
-@router.get("/goals/conditions", summary="The words of goals", dependencies=[needs(Role.VIEWER, mes=True)])
+@router.get("/goals/conditions", dependencies=[needs(Role.VIEWER, mes=True)])
 def list_goal_conditions(
     station: StationDep,
     every: Annotated[
         bool, Query(alias="all", description="Also those that no present robot can do anything for.")
     ] = False,
 ) -> ConditionWords:
-    """Lists the words that the present robots can fulfil, with the classes of their arguments."""
+    """The words of goals.
+
+    Lists the words that the present robots can fulfil, with the classes of their arguments.
+    """
     return station.goals.words(every=every)
 
 
@@ -72,41 +79,51 @@ _NEEDS = [needs(Role.OPERATOR, mes=True)]
 PreviewId = Annotated[str, Path(min_length=1, max_length=20, description="Id of the preview.", examples=["1"])]
 
 
-@previews_router.post("/previews", summary="Plan without doing", status_code=202, dependencies=_NEEDS)
+@previews_router.post("/previews", status_code=202, dependencies=_NEEDS)
 def ask_preview(order: GoalOrder, station: StationDep, response: Response) -> Preview:
-    """Begins to plan for a goal from what is believed now; nothing is done. At most two are planned at a time."""
+    """Plan without doing.
+
+    Begins to plan for a goal from what is believed now; nothing is done. At most two are planned at a time.
+    """
     preview = station.previews.ask(order)
     response.headers["Location"] = f"/api/v1/previews/{quote(preview.id, safe='')}"
     response.headers["Retry-After"] = "1"
     return preview
 
 
-@previews_router.get("/previews", summary="List previews", dependencies=_NEEDS)
+@previews_router.get("/previews", dependencies=_NEEDS)
 def list_previews(station: StationDep) -> PreviewPage:
-    """Lists the previews that are kept, the latest first: a hundred, and none over a restart or another scene."""
+    """List previews.
+
+    Lists the previews that are kept, the latest first: a hundred, and none over a restart or another scene.
+    """
     return station.previews.all()
 
 
-@previews_router.get("/previews/{id}", summary="Look at a preview", dependencies=_NEEDS)
+@previews_router.get("/previews/{id}", dependencies=_NEEDS)
 def get_preview(
     id: PreviewId,  # noqa: A002 - the name in the address
     station: StationDep,
     wait: Annotated[float, Query(ge=0.0, le=30.0, description="How long to wait for the answer [s].")] = 0.0,
 ) -> Preview:
-    """Shows the plan with order and planned starts; or why there is none, and what would help."""
+    """Look at a preview.
+
+    Shows the plan with order and planned starts; or why there is none, and what would help.
+    """
     return station.previews.get(id, wait)
 
 
-@previews_router.post(
-    "/previews/{id}/repairs/{number}/apply", summary="Make a repair", dependencies=[needs(Role.OPERATOR)]
-)
+@previews_router.post("/previews/{id}/repairs/{number}/apply", dependencies=[needs(Role.OPERATOR)])
 def apply_repair(
     id: PreviewId,  # noqa: A002 - the name in the address
     number: Annotated[int, Path(ge=0, le=1000, description="Number of the repair.", examples=[0])],
     station: StationDep,
     caller: CallerDep,
 ) -> AppliedRepair:
-    """Makes what a repair changes in the world, as one transaction by the caller; the goal is left to them."""
+    """Make a repair.
+
+    Makes what a repair changes in the world, as one transaction by the caller; the goal is left to them.
+    """
     return station.previews.apply_repair(id, number, caller.author)
 
 
@@ -117,26 +134,26 @@ TemplateName = Annotated[
 ]
 
 
-@templates_router.get("/goal-templates", summary="List goal templates", dependencies=[needs(Role.VIEWER, mes=True)])
+@templates_router.get("/goal-templates", dependencies=[needs(Role.VIEWER, mes=True)])
 def list_goal_templates(station: StationDep) -> GoalTemplates:
-    """Lists the goal templates, by name."""
+    """List goal templates.
+
+    Lists the goal templates, by name.
+    """
     return station.templates.all()
 
 
-@templates_router.get(
-    "/goal-templates/{name}",
-    summary="Look at a goal template",
-    dependencies=[needs(Role.VIEWER, mes=True)],
-    responses=tagged(),
-)
+@templates_router.get("/goal-templates/{name}", dependencies=[needs(Role.VIEWER, mes=True)], responses=tagged())
 def get_goal_template(name: TemplateName, station: StationDep, response: Response) -> GoalTemplate:
-    """Shows a goal template."""
+    """Look at a goal template.
+
+    Shows a goal template.
+    """
     return with_etag(station.templates.get(name), response)
 
 
 @templates_router.put(
     "/goal-templates/{name}",
-    summary="Write a goal template",
     dependencies=[needs(Role.OPERATOR)],
     responses=NEEDS_VERSION
     | tagged()
@@ -149,7 +166,9 @@ def put_goal_template(
     seen: SeenDep,
     response: Response,
 ) -> GoalTemplate:
-    """Writes a goal template; for one that is there already, `If-Match` names the version that was seen.
+    """Write a goal template.
+
+    Writes a goal template; for one that is there already, `If-Match` names the version that was seen.
 
     Jobs that were ordered with it stay as they are.
     """
@@ -159,12 +178,11 @@ def put_goal_template(
 
 
 @templates_router.delete(
-    "/goal-templates/{name}",
-    summary="Remove a goal template",
-    status_code=204,
-    dependencies=[needs(Role.OPERATOR)],
-    responses=NEEDS_VERSION,
+    "/goal-templates/{name}", status_code=204, dependencies=[needs(Role.OPERATOR)], responses=NEEDS_VERSION
 )
 def remove_goal_template(name: TemplateName, station: StationDep, seen: SeenDep) -> None:
-    """Removes a goal template; `If-Match` names the version that was seen. Jobs that were ordered with it stay."""
+    """Remove a goal template.
+
+    Removes a goal template; `If-Match` names the version that was seen. Jobs that were ordered with it stay.
+    """
     station.templates.remove(name, seen)

@@ -17,9 +17,12 @@ router = APIRouter(tags=["operation"])
 
 
 @router.head("/healthz", include_in_schema=False)
-@router.get("/healthz", summary="Is the server alive?", responses={503: {"model": Health}})
+@router.get("/healthz", responses={503: {"model": Health}})
 async def get_health(station: StationDep, response: Response) -> Health:
-    """Answers 200 while the control cycle goes round or the station is being opened, else 503. Needs no key."""
+    """Is the server alive?
+
+    Answers 200 while the control cycle goes round or the station is being opened, else 503. Needs no key.
+    """
     control = station.control
     if control.fault is not None:
         return _unhealthy(response, "the station is not running: see the alarms")
@@ -42,9 +45,12 @@ def _unhealthy(response: Response, why: str) -> Health:
 
 
 @router.head("/readyz", include_in_schema=False)
-@router.get("/readyz", summary="Can orders be fulfilled?", responses={503: {"model": Readiness}})
+@router.get("/readyz", responses={503: {"model": Readiness}})
 async def get_readiness(station: StationDep, response: Response) -> Readiness:
-    """Answers 200 while the station runs, halted or not, and what is ordered can be kept; else 503. Needs no key."""
+    """Can orders be fulfilled?
+
+    Answers 200 while the station runs, halted or not, and what is ordered can be kept; else 503. Needs no key.
+    """
     why = _not_ready(station)
     if why:
         response.status_code = 503
@@ -61,13 +67,10 @@ def _not_ready(station: Station) -> str:
     return "" if shutil.disk_usage(station.data).free > _LEAST_ROOM else "the disk is full: no order could be kept"
 
 
-@router.get(
-    "/metrics",
-    summary="Figures for Prometheus",
-    dependencies=[needs(Role.VIEWER)],
-    response_class=Response,
-    responses=PROBLEMS,
-)
+@router.get("/metrics", dependencies=[needs(Role.VIEWER)], response_class=Response, responses=PROBLEMS)
 def get_metrics(services: ServicesDep) -> Response:
-    """Gives the server's figures in Prometheus' text format."""
+    """Figures for Prometheus.
+
+    Gives the server's figures in Prometheus' text format.
+    """
     return Response(generate_latest(services.metrics.registry), media_type=CONTENT_TYPE_LATEST)

@@ -70,55 +70,79 @@ WishDep = Annotated[_Wish, Depends(_wish)]
 """For routes: who commands, why, and which version of the job they have seen."""
 
 
-@router.post("/jobs/{id}/start", summary="Give a job leave to start", dependencies=_NEEDS)
+@router.post("/jobs/{id}/start", dependencies=_NEEDS)
 def start_job(id: JobId, station: StationDep, wish: WishDep, response: Response) -> AcceptedJob:  # noqa: A002
-    """Lets a job start by itself when its turn comes."""
+    """Give a job leave to start.
+
+    Lets a job start by itself when its turn comes.
+    """
     return accepted(station.jobs.command(id, "start", **wish), response)
 
 
-@router.post("/jobs/{id}/revoke-start", summary="Take back the leave to start", dependencies=_NEEDS)
+@router.post("/jobs/{id}/revoke-start", dependencies=_NEEDS)
 def revoke_start_of_job(id: JobId, station: StationDep, wish: WishDep, response: Response) -> AcceptedJob:  # noqa: A002
-    """Keeps a job that has not begun until somebody gives leave to start again."""
+    """Take back the leave to start.
+
+    Keeps a job that has not begun until somebody gives leave to start again.
+    """
     return accepted(station.jobs.command(id, "revoke_start", **wish), response)
 
 
-@router.post("/jobs/{id}/pause", summary="Let a job stand for a while", dependencies=_NEEDS)
+@router.post("/jobs/{id}/pause", dependencies=_NEEDS)
 def pause_job(id: JobId, station: StationDep, wish: WishDep, response: Response) -> AcceptedJob:  # noqa: A002
-    """Lets a job come to a standstill where it is."""
+    """Let a job stand for a while.
+
+    Lets a job come to a standstill where it is.
+    """
     return accepted(station.jobs.command(id, "pause", **wish), response)
 
 
-@router.post("/jobs/{id}/resume", summary="Go on with a job that stands", dependencies=_NEEDS)
+@router.post("/jobs/{id}/resume", dependencies=_NEEDS)
 def resume_job(id: JobId, station: StationDep, wish: WishDep, response: Response) -> AcceptedJob:  # noqa: A002
-    """Goes on with a job that stands; what waits for an answer goes on with that."""
+    """Go on with a job that stands.
+
+    Goes on with a job that stands; what waits for an answer goes on with that.
+    """
     return accepted(station.jobs.command(id, "resume", **wish), response)
 
 
-@router.post("/jobs/{id}/stop", summary="End a job in good order", dependencies=_NEEDS)
+@router.post("/jobs/{id}/stop", dependencies=_NEEDS)
 def stop_job(id: JobId, station: StationDep, wish: WishDep, response: Response) -> AcceptedJob:  # noqa: A002
-    """Ends a job that is under way; it is over when everything that it moved stands."""
+    """End a job in good order.
+
+    Ends a job that is under way; it is over when everything that it moved stands.
+    """
     return accepted(station.jobs.command(id, "stop", **wish), response)
 
 
-@router.post("/jobs/{id}/abort", summary="Give a job up", dependencies=_NEEDS)
+@router.post("/jobs/{id}/abort", dependencies=_NEEDS)
 def abort_job(id: JobId, station: StationDep, wish: WishDep, response: Response) -> AcceptedJob:  # noqa: A002
-    """Gives a job up, begun or not; it is over when everything that it moved stands."""
+    """Give a job up.
+
+    Gives a job up, begun or not; it is over when everything that it moved stands.
+    """
     return accepted(station.jobs.command(id, "abort", **wish), response)
 
 
-@router.post("/jobs/{id}/cancel", summary="Remove a job that has not begun", dependencies=_NEEDS)
+@router.post("/jobs/{id}/cancel", dependencies=_NEEDS)
 def cancel_job(id: JobId, station: StationDep, wish: WishDep, response: Response) -> AcceptedJob:  # noqa: A002
-    """Removes a job that has not begun, and answers with what it was."""
+    """Remove a job that has not begun.
+
+    Removes a job that has not begun, and answers with what it was.
+    """
     return accepted(station.jobs.command(id, "cancel", **wish), response)
 
 
-@router.post("/jobs/{id}/clear", summary="Remove a job that is over", dependencies=_NEEDS)
+@router.post("/jobs/{id}/clear", dependencies=_NEEDS)
 def clear_job(id: JobId, station: StationDep, wish: WishDep, response: Response) -> AcceptedJob:  # noqa: A002
-    """Says that its result was fetched: removes a job that is over with all that is known of it."""
+    """Remove a job that is over.
+
+    Says that its result was fetched: removes a job that is over with all that is known of it.
+    """
     return accepted(station.jobs.command(id, "clear", **wish), response)
 
 
-@router.delete("/jobs/{id}", summary="Remove a job", dependencies=_NEEDS)
+@router.delete("/jobs/{id}", dependencies=_NEEDS)
 def remove_job(
     id: JobId,  # noqa: A002 - the name in the address
     request: Request,
@@ -127,12 +151,15 @@ def remove_job(
     response: Response,
     comment: Annotated[str, Query(max_length=1000, description="Why, for the audit log.")] = "",
 ) -> AcceptedJob:
-    """Removes a job that has not begun, or is over: cancel or clear, whichever fits."""
+    """Remove a job.
+
+    Removes a job that has not begun, or is over: cancel or clear, whichever fits.
+    """
     note(request, job=id, comment=comment)
     return accepted(station.jobs.command(id, "remove", expects=expected), response)
 
 
-@router.post("/jobs/{id}/answer", summary="Answer what a job waits for", dependencies=_NEEDS)
+@router.post("/jobs/{id}/answer", dependencies=_NEEDS)
 def answer_job(
     id: JobId,  # noqa: A002 - the name in the address
     body: JobAnswer,
@@ -142,6 +169,9 @@ def answer_job(
     expected: ExpectedDep,
     response: Response,
 ) -> AcceptedJob:
-    """Answers what a job waits for: with one of its `choices`."""
+    """Answer what a job waits for.
+
+    Answers what a job waits for: with one of its `choices`.
+    """
     note(request, job=id, comment=body.answer)
     return accepted(station.jobs.answer(id, body, expects=expected, author=caller.author), response)

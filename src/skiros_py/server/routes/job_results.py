@@ -36,50 +36,67 @@ _LEVEL = 5
 _Time = partial(Query, ge=0.0, allow_inf_nan=False)
 
 
-@router.get("/jobs/{id}/response", summary="What a job has come to (ISA-95 job response)", dependencies=_NEEDS)
+@router.get("/jobs/{id}/response", dependencies=_NEEDS)
 def get_job_response(id: JobId, station: StationDep) -> JobResponse:  # noqa: A002 - the name in the address
-    """Says what was done to which part, by which skills, in which states, and why not where it was not."""
+    """What a job has come to (ISA-95 job response).
+
+    Says what was done to which part, by which skills, in which states, and why not where it was not.
+    """
     return station.jobs.response(id)
 
 
-@router.get("/jobs/{id}/plan", summary="The last plan of a job", dependencies=_NEEDS)
+@router.get("/jobs/{id}/plan", dependencies=_NEEDS)
 def get_job_plan(id: JobId, station: StationDep) -> JobPlan:  # noqa: A002 - the name in the address
-    """Shows the steps of the last plan, with what each waits for; empty where there is none (yet)."""
+    """The last plan of a job.
+
+    Shows the steps of the last plan, with what each waits for; empty where there is none (yet).
+    """
     return station.jobs.plan(id)
 
 
-@router.get("/jobs/{id}/trace", summary="What happened for a job", dependencies=_NEEDS)
+@router.get("/jobs/{id}/trace", dependencies=_NEEDS)
 def get_job_trace(
     id: JobId,  # noqa: A002 - the name in the address
     station: StationDep,
     limit: Annotated[int, Query(ge=1, le=1000, description="How many at most.")] = 100,
     cursor: Annotated[str, Query(pattern=r"^\d{1,15}$", description="The `next` of the page before.")] = "0",
 ) -> JobTrace:
-    """Lists what happened, in sentences and as data; of what runs, the last second may be missing."""
+    """What happened for a job.
+
+    Lists what happened, in sentences and as data; of what runs, the last second may be missing.
+    """
     return station.jobs.trace(id, int(cursor), limit)
 
 
-@router.get("/jobs/{id}/report", summary="The report of a job", dependencies=_NEEDS)
+@router.get("/jobs/{id}/report", dependencies=_NEEDS)
 def get_job_report(id: JobId, station: StationDep) -> JobReport:  # noqa: A002 - the name in the address
-    """Reports what came of each condition and of each step, as `skiros run` does."""
+    """The report of a job.
+
+    Reports what came of each condition and of each step, as `skiros run` does.
+    """
     return station.jobs.report(id)
 
 
-@router.get("/jobs/{id}/transitions", summary="The changes of state of a job", dependencies=_NEEDS)
+@router.get("/jobs/{id}/transitions", dependencies=_NEEDS)
 def get_job_transitions(id: JobId, station: StationDep) -> JobTransitions:  # noqa: A002 - the name in the address
-    """Lists the states that a job went through: when, and who wanted it and why."""
+    """The changes of state of a job.
+
+    Lists the states that a job went through: when, and who wanted it and why.
+    """
     return station.jobs.transitions(id)
 
 
-@router.get("/jobs/{id}/explanation", summary="Why there is no plan", dependencies=_NEEDS)
+@router.get("/jobs/{id}/explanation", dependencies=_NEEDS)
 def get_job_explanation(id: JobId, station: StationDep) -> JobExplanation:  # noqa: A002 - the name in the address
-    """Says why there is no plan for a job, and what would help; empty if there is one, or planning has not begun."""
+    """Why there is no plan.
+
+    Says why there is no plan for a job, and what would help; empty if there is one, or planning has not begun.
+    """
     return station.jobs.explanation(id)
 
 
 @router.get(
     "/jobs/{id}/replay",
-    summary="What a job looked like",
     dependencies=[needs(Role.VIEWER)],
     response_class=Response,
     responses={200: {"model": Replay, "description": "The job as it was seen; compressed where that is accepted."}},
@@ -91,7 +108,9 @@ def get_job_replay(
     end: Annotated[float | None, _Time(description="Up to this run time [s]; left out: to the end.")] = None,
     accept_encoding: Annotated[str, Header(max_length=1000)] = "",
 ) -> Response:
-    """Shows a job that runs or ran as moving pictures: the world at its beginning, what changed, where the robots were.
+    """What a job looked like.
+
+    Shows a job that runs or ran as moving pictures: the world at its beginning, what changed, where the robots were.
 
     A range of time begins with the world at that time, and has the frames just before and after it as well.
     Of a job that runs, the last seconds may be missing. Replays are kept for the last 200 jobs, and go with the job.
@@ -106,7 +125,6 @@ def get_job_replay(
 
 @router.get(
     "/jobs/{id}/recording",
-    summary="The recording of a job",
     dependencies=[needs(Role.VIEWER)],
     response_class=FileResponse,
     responses={200: {"content": {"application/octet-stream": {}}, "description": "An MCAP file."}},
@@ -115,7 +133,9 @@ def get_job_recording(
     id: JobId,  # noqa: A002 - the name in the address
     station: StationDep,
 ) -> FileResponse:
-    """Downloads the recording of a job that runs or ran, for Foxglove and other programs; takes requests for ranges.
+    """The recording of a job.
+
+    Downloads the recording of a job that runs or ran, for Foxglove and other programs; takes requests for ranges.
 
     Of a job that runs, the last second may be missing, and the file has no index yet. It is deleted with the job.
     """
@@ -123,13 +143,16 @@ def get_job_recording(
     return FileResponse(path, media_type="application/octet-stream", filename=path.name)
 
 
-@router.get("/capabilities", summary="What may be ordered here", dependencies=_NEEDS)
+@router.get("/capabilities", dependencies=_NEEDS)
 def get_capabilities(station: StationDep) -> JobCapabilities:
-    """Lists what an order may name: goal templates, classes of material, robots; and how many orders are taken."""
+    """What may be ordered here.
+
+    Lists what an order may name: goal templates, classes of material, robots; and how many orders are taken.
+    """
     return station.jobs.capabilities()
 
 
-@router.get("/job-responses", summary="What jobs have come to (ISA-95 job responses)", dependencies=_NEEDS)
+@router.get("/job-responses", dependencies=_NEEDS)
 def list_job_responses(
     station: StationDep,
     state: Annotated[list[StateName] | None, Query(max_length=6, description="Of jobs in these states only.")] = None,
@@ -138,6 +161,9 @@ def list_job_responses(
     cursor: CursorQuery = None,
     newest_first: NewestFirstQuery = False,
 ) -> JobResponses:
-    """Lists the job responses of the jobs that were not removed, in the order in which they were ordered."""
+    """What jobs have come to (ISA-95 job responses).
+
+    Lists the job responses of the jobs that were not removed, in the order in which they were ordered.
+    """
     after = None if cursor is None else int(cursor)
     return station.jobs.responses(state, since, limit, after, newest_first=newest_first)

@@ -49,13 +49,7 @@ PreferHeader = Annotated[
 ]
 
 
-@router.post(
-    "/jobs",
-    status_code=202,
-    summary="Order a job",
-    dependencies=[needs(Role.OPERATOR, mes=True)],
-    responses=_TAKEN | _REMOVED,
-)
+@router.post("/jobs", status_code=202, dependencies=[needs(Role.OPERATOR, mes=True)], responses=_TAKEN | _REMOVED)
 def order_job(
     order: JobOrder,
     request: Request,
@@ -70,7 +64,9 @@ def order_job(
     ] = None,
     prefer: PreferHeader = None,
 ) -> AcceptedJob:
-    """Takes a job order; it is on the disk when this is answered; the plan comes later.
+    """Order a job.
+
+    Takes a job order; it is on the disk when this is answered; the plan comes later.
 
     Without an id the server makes one; an `Idempotency-Key` makes that repeatable for at least 24 h.
     """
@@ -83,13 +79,7 @@ def order_job(
     return _taken(station, result.job, response, prefer)
 
 
-@router.put(
-    "/jobs/{id}",
-    status_code=202,
-    summary="Order a job under an id of one's own, or change its order",
-    dependencies=[needs(Role.OPERATOR, mes=True)],
-    responses=_TAKEN | _REMOVED,
-)
+@router.put("/jobs/{id}", status_code=202, dependencies=[needs(Role.OPERATOR, mes=True)], responses=_TAKEN | _REMOVED)
 def put_job(
     id: JobId,  # noqa: A002 - the name in the address
     order: JobOrder,
@@ -102,7 +92,9 @@ def put_job(
     if_match: Annotated[str | None, Header()] = None,
     prefer: PreferHeader = None,
 ) -> AcceptedJob:
-    """Takes a job order. The same order again is answered with the same job (200), whatever has become of it.
+    """Order a job under an id of one's own, or change its order.
+
+    Takes a job order. The same order again is answered with the same job (200), whatever has become of it.
 
     Where that was removed, it is refused for at least 7 days (410, with what the job was last), unless `again` is true.
     A job that was kept from starting is given leave by the same order with `start=true`, once.
@@ -125,7 +117,7 @@ def put_job(
     return _located(result.job, response)
 
 
-@router.get("/jobs", summary="List jobs", dependencies=[needs(Role.VIEWER, mes=True)])
+@router.get("/jobs", dependencies=[needs(Role.VIEWER, mes=True)])
 def list_jobs(
     station: StationDep,
     state: Annotated[list[StateName] | None, Query(max_length=6, description="In these states only.")] = None,
@@ -134,13 +126,19 @@ def list_jobs(
     cursor: CursorQuery = None,
     newest_first: NewestFirstQuery = False,
 ) -> JobPage:
-    """Lists the jobs that were not removed, open or over, in the order in which they were ordered."""
+    """List jobs.
+
+    Lists the jobs that were not removed, open or over, in the order in which they were ordered.
+    """
     return station.jobs.all(state, since, limit, None if cursor is None else int(cursor), newest_first=newest_first)
 
 
-@router.get("/jobs/{id}", summary="Look at a job", dependencies=[needs(Role.VIEWER, mes=True)], responses=tagged())
+@router.get("/jobs/{id}", dependencies=[needs(Role.VIEWER, mes=True)], responses=tagged())
 def get_job(id: JobId, station: StationDep, response: Response) -> Job:  # noqa: A002 - the name in the address
-    """Shows a job as it is now."""
+    """Look at a job.
+
+    Shows a job as it is now.
+    """
     return shown(station.jobs.get(id), response)
 
 

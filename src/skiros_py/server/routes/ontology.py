@@ -21,7 +21,7 @@ from skiros_py.server.services import StationDep
 router = APIRouter(prefix="/ontology", tags=["ontology"])
 
 
-@router.get("/classes", summary="Read the classes as a tree", dependencies=[needs(Role.VIEWER)])
+@router.get("/classes", dependencies=[needs(Role.VIEWER)])
 def read_classes(
     station: StationDep,
     root: Annotated[
@@ -29,29 +29,41 @@ def read_classes(
     ] = EVERYTHING,
     depth: Annotated[int, Query(ge=0, le=50, description="How many levels below it.")] = 50,
 ) -> ClassNode:
-    """Returns what kinds of things there can be; a class with several parents stands below its primary one."""
+    """Read the classes as a tree.
+
+    Returns what kinds of things there can be; a class with several parents stands below its primary one.
+    """
     return station.ontology.classes(root, depth)
 
 
-@router.get("/classes/{name}", summary="Read a class", dependencies=[needs(Role.VIEWER)])
+@router.get("/classes/{name}", dependencies=[needs(Role.VIEWER)])
 def read_class(name: NamePath, station: StationDep) -> ClassDetails:
-    """Returns what a class means, what its things may have, how many there are, and what takes them."""
+    """Read a class.
+
+    Returns what a class means, what its things may have, how many there are, and what takes them.
+    """
     return station.ontology.class_(name)
 
 
-@router.get("/relations", summary="List relations", dependencies=[needs(Role.VIEWER)])
+@router.get("/relations", dependencies=[needs(Role.VIEWER)])
 def list_ontology_relations(station: StationDep, limit: Limit = 1000, cursor: Cursor = None) -> RelationPage:
-    """Lists relations by name, with what may stand at their ends."""
+    """List relations.
+
+    Lists relations by name, with what may stand at their ends.
+    """
     return station.ontology.relations(limit, cursor or "")
 
 
-@router.get("/properties", summary="List properties", dependencies=[needs(Role.VIEWER)])
+@router.get("/properties", dependencies=[needs(Role.VIEWER)])
 def list_ontology_properties(station: StationDep, limit: Limit = 1000, cursor: Cursor = None) -> PropertyPage:
-    """Lists properties by name, with data type and unit."""
+    """List properties.
+
+    Lists properties by name, with data type and unit.
+    """
     return station.ontology.properties(limit, cursor or "")
 
 
-@router.get("/placements", summary="Ask what may be put where", dependencies=[needs(Role.VIEWER)])
+@router.get("/placements", dependencies=[needs(Role.VIEWER)])
 def read_placements(
     station: StationDep,
     class_: Annotated[
@@ -62,7 +74,9 @@ def read_placements(
     limit: Annotated[int, Query(ge=1, le=200, description="How many places of each relation at most.")] = 50,
     cursor: Cursor = None,
 ) -> PlacementOptions:
-    """Tells by which relations a thing may be placed, and of each place there is whether it would take it now.
+    """Ask what may be put where.
+
+    Tells by which relations a thing may be placed, and of each place there is whether it would take it now.
 
     Either `class` or `element` says what is to be put somewhere. Each place is tried in a private state: what
     ontology and reasoners would refuse is refused here in the same words.

@@ -20,7 +20,6 @@ _TEXT = {"schema": {"type": "string"}}
 
 @router.post(
     "/queries",
-    summary="Ask a question in SPARQL",
     dependencies=[needs(Role.ENGINEER)],
     response_model=QueryAnswer,
     responses={
@@ -29,7 +28,9 @@ _TEXT = {"schema": {"type": "string"}}
     },
 )
 def ask_question(question: Query, request: Request, station: StationDep) -> Response:
-    """Answers SELECT, ASK or CONSTRUCT over ontology, scene, what was learned, and computed relations.
+    """Ask a question in SPARQL.
+
+    Answers SELECT, ASK or CONSTRUCT over ontology, scene, what was learned, and computed relations.
 
     Nothing can be changed by it. It runs in a process of its own: for `time_limit` at most, with 1 GiB of memory,
     10,000 rows and 16 MiB of answer; four at once, then 503. `Accept: text/csv` asks for the rows of a SELECT as CSV,

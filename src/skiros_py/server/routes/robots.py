@@ -33,47 +33,60 @@ Id = Annotated[str, Path(max_length=200)]
 _ALL_ARMS = HomeRobot(arm=None)
 
 
-@router.get("/robots", summary="List the robots", dependencies=[needs(Role.VIEWER)])
+@router.get("/robots", dependencies=[needs(Role.VIEWER)])
 def list_robots(station: StationDep) -> list[RobotInfo]:
-    """What each robot is made of: base, arms with joint limits, grippers, cameras."""
+    """List the robots.
+
+    What each robot is made of: base, arms with joint limits, grippers, cameras.
+    """
     return station.robots.all()
 
 
-@router.get("/robots/{id}", summary="Describe a robot", dependencies=[needs(Role.VIEWER)])
+@router.get("/robots/{id}", dependencies=[needs(Role.VIEWER)])
 def get_robot(id: Id, station: StationDep) -> RobotInfo:  # noqa: A002 - as the address says it
-    """What one robot is made of."""
+    """Describe a robot.
+
+    What one robot is made of.
+    """
     return station.robots.get(id)
 
 
-@router.get("/robots/{id}/state", summary="See where a robot is", dependencies=[needs(Role.VIEWER)])
+@router.get("/robots/{id}/state", dependencies=[needs(Role.VIEWER)])
 def get_robot_state(id: Id, station: StationDep) -> RobotReading:  # noqa: A002
-    """Joints, tool, fingers and base as they are now; poses are what localisation says."""
+    """See where a robot is.
+
+    Joints, tool, fingers and base as they are now; poses are what localisation says.
+    """
     return station.robots.reading(id)
 
 
-@router.get("/robots/{id}/motion", summary="See where a robot is about to go", dependencies=[needs(Role.VIEWER)])
+@router.get("/robots/{id}/motion", dependencies=[needs(Role.VIEWER)])
 def get_robot_motion(id: Id, station: StationDep) -> RobotMotion:  # noqa: A002
-    """The ways that were planned for its base and arms, until they stand at the end or whoever planned has ended.
+    """See where a robot is about to go.
+
+    The ways that were planned for its base and arms, until they stand at the end or whoever planned has ended.
 
     The `motions` of the station's state say when there is something new.
     """
     return station.robots.motion(id)
 
 
-@router.get(
-    "/robots/{id}/cameras/{camera}/look", summary="See what a camera saw last", dependencies=[needs(Role.VIEWER)]
-)
+@router.get("/robots/{id}/cameras/{camera}/look", dependencies=[needs(Role.VIEWER)])
 def get_look(id: Id, camera: Id, station: StationDep) -> Look:  # noqa: A002
-    """The last picture that something was to be made out in: as points in the map, with what was made out.
+    """See what a camera saw last.
+
+    The last picture that something was to be made out in: as points in the map, with what was made out.
 
     The `looks` of the station's state say when there is a new one.
     """
     return station.robots.look(id, camera)
 
 
-@router.post("/robots/{id}/jog", status_code=202, summary="Move by hand", dependencies=[needs(Role.ENGINEER)])
+@router.post("/robots/{id}/jog", status_code=202, dependencies=[needs(Role.ENGINEER)])
 def jog_robot(id: Id, request: Jog, station: StationDep, caller: CallerDep, response: Response) -> ModuleRunInfo:  # noqa: A002
-    """Moves joints, tool, base or fingers by a little, where nothing is touched; follow the run that is answered.
+    """Move by hand.
+
+    Moves joints, tool, base or fingers by a little, where nothing is touched; follow the run that is answered.
 
     Refused (409) while anything is under way on that robot. Where the way is not free, the run fails and says why.
     """
@@ -82,15 +95,18 @@ def jog_robot(id: Id, request: Jog, station: StationDep, caller: CallerDep, resp
     return run
 
 
-@router.post("/robots/{id}/teach", status_code=202, summary="Teach here", dependencies=[needs(Role.ENGINEER)])
+@router.post("/robots/{id}/teach", status_code=202, dependencies=[needs(Role.ENGINEER)])
 def teach_robot(id: Id, request: Teach, station: StationDep, caller: CallerDep, response: Response) -> ModuleRunInfo:  # noqa: A002
-    """Has the robot learn from how it stands now: a grasp, where to stand at a place, how to put things down."""
+    """Teach here.
+
+    Has the robot learn from how it stands now: a grasp, where to stand at a place, how to put things down.
+    """
     run = station.robots.teach(id, request, caller.author)
     response.headers["Location"] = location_of(run)
     return run
 
 
-@router.post("/robots/{id}/home", status_code=202, summary="Bring arms home", dependencies=[needs(Role.ENGINEER)])
+@router.post("/robots/{id}/home", status_code=202, dependencies=[needs(Role.ENGINEER)])
 def home_robot(
     id: Id,  # noqa: A002
     station: StationDep,
@@ -98,7 +114,10 @@ def home_robot(
     response: Response,
     request: Annotated[HomeRobot, Body()] = _ALL_ARMS,
 ) -> ModuleRunInfo:
-    """Brings one arm or all into the travelling posture, around everything, and opens empty grippers."""
+    """Bring arms home.
+
+    Brings one arm or all into the travelling posture, around everything, and opens empty grippers.
+    """
     run = station.robots.home(id, request, caller.author)
     response.headers["Location"] = location_of(run)
     return run
@@ -114,15 +133,11 @@ _URDF: dict[int | str, dict[str, Any]] = {
 _STL: dict[int | str, dict[str, Any]] = {200: {"description": "The mesh.", "content": {"model/stl": {}}}}
 
 
-@router.get(
-    "/robots/{id}/model",
-    summary="Read a robot's model",
-    dependencies=[needs(Role.VIEWER)],
-    response_class=Response,
-    responses=_URDF,
-)
+@router.get("/robots/{id}/model", dependencies=[needs(Role.VIEWER)], response_class=Response, responses=_URDF)
 def get_robot_model(id: Id, station: StationDep) -> Response:  # noqa: A002 - as the address says it
-    """Returns what a robot looks like and how it moves, as URDF: links, joints, visible shapes with their colours.
+    """Read a robot's model.
+
+    Returns what a robot looks like and how it moves, as URDF: links, joints, visible shapes with their colours.
 
     Files of meshes are named from the address of the model, are binary STL, and have few triangles. The description of
     the robot says which joints stand where. The first time it may take some seconds; 202 without content says when to
@@ -135,66 +150,88 @@ def get_robot_model(id: Id, station: StationDep) -> Response:  # noqa: A002 - as
 
 
 @router.get(
-    "/robots/{id}/model/meshes/{name}",
-    summary="Read a mesh of a robot's model",
-    dependencies=[needs(Role.VIEWER)],
-    response_class=Response,
-    responses=_STL,
+    "/robots/{id}/model/meshes/{name}", dependencies=[needs(Role.VIEWER)], response_class=Response, responses=_STL
 )
 def get_robot_mesh(id: Id, name: _MeshName, station: StationDep) -> Response:  # noqa: A002
-    """Gives one of the meshes that the model names, as binary STL [m]; nothing else."""
+    """Read a mesh of a robot's model.
+
+    Gives one of the meshes that the model names, as binary STL [m]; nothing else.
+    """
     return Response(station.robots.mesh(id, name), media_type="model/stl", headers=_FOREVER)
 
 
-@router.get("/devices", summary="List the devices", dependencies=[needs(Role.VIEWER)])
+@router.get("/devices", dependencies=[needs(Role.VIEWER)])
 def list_devices(station: StationDep) -> list[DeviceInfo]:
-    """All devices of the cell, of robots and by themselves, with the values that each offers."""
+    """List the devices.
+
+    All devices of the cell, of robots and by themselves, with the values that each offers.
+    """
     return station.devices.all()
 
 
-@router.get("/devices/{id}", summary="Describe a device", dependencies=[needs(Role.VIEWER)])
+@router.get("/devices/{id}", dependencies=[needs(Role.VIEWER)])
 def get_device(id: Id, station: StationDep) -> DeviceInfo:  # noqa: A002 - as the address says it
-    """One device."""
+    """Describe a device.
+
+    One device.
+    """
     return station.devices.get(id)
 
 
-@router.get("/devices/{id}/state", summary="Read a device", dependencies=[needs(Role.VIEWER)])
+@router.get("/devices/{id}/state", dependencies=[needs(Role.VIEWER)])
 def get_device_state(id: Id, station: StationDep) -> DeviceReading:  # noqa: A002
-    """What a device says now, and the values that it offers."""
+    """Read a device.
+
+    What a device says now, and the values that it offers.
+    """
     return station.devices.reading(id)
 
 
-@router.post("/devices/{id}/open", summary="Open a device", dependencies=[needs(Role.ENGINEER)])
+@router.post("/devices/{id}/open", dependencies=[needs(Role.ENGINEER)])
 def open_device(id: Id, station: StationDep) -> DeviceInfo:  # noqa: A002
-    """Connects the driver of a device, so that modules may use it again."""
+    """Open a device.
+
+    Connects the driver of a device, so that modules may use it again.
+    """
     return station.devices.open(id)
 
 
-@router.post("/devices/{id}/close", summary="Close a device", dependencies=[needs(Role.ENGINEER)])
+@router.post("/devices/{id}/close", dependencies=[needs(Role.ENGINEER)])
 def close_device(id: Id, station: StationDep) -> DeviceInfo:  # noqa: A002
-    """Keeps modules from using a device; refused (409) while one does, or while it moves.
+    """Close a device.
+
+    Keeps modules from using a device; refused (409) while one does, or while it moves.
 
     With its last open device a driver is disconnected. A simulated device stays where it is.
     """
     return station.devices.close(id)
 
 
-@router.get("/signals", summary="List the signals", dependencies=[needs(Role.VIEWER)])
+@router.get("/signals", dependencies=[needs(Role.VIEWER)])
 def list_signals(station: StationDep) -> list[CellSignal]:
-    """All signals of the cell: those of devices, computed ones, and inputs that can be set."""
+    """List the signals.
+
+    All signals of the cell: those of devices, computed ones, and inputs that can be set.
+    """
     return station.signals.all()
 
 
-@router.get("/signals/values", summary="Read signals", dependencies=[needs(Role.VIEWER)])
+@router.get("/signals/values", dependencies=[needs(Role.VIEWER)])
 def read_signals(
     station: StationDep,
     name: Annotated[list[str], Query(min_length=1, max_length=200, description="Names of the signals.")],
 ) -> SignalReadings:
-    """The values of some signals in one control cycle; where one has no value, why."""
+    """Read signals.
+
+    The values of some signals in one control cycle; where one has no value, why.
+    """
     return station.signals.read(name)
 
 
-@router.put("/signals/{name}/value", status_code=204, summary="Set a signal", dependencies=[needs(Role.OPERATOR)])
+@router.put("/signals/{name}/value", status_code=204, dependencies=[needs(Role.OPERATOR)])
 def set_signal(name: Id, request: SetSignal, station: StationDep) -> None:
-    """Sets an input of the cell; the value counts from the next control cycle on."""
+    """Set a signal.
+
+    Sets an input of the cell; the value counts from the next control cycle on.
+    """
     station.signals.set(name, request.value)

@@ -41,21 +41,20 @@ Cursor = Annotated[str | None, Query(max_length=100, description="From the page 
 # ---------------------------------------------------------------- scenes that can be loaded
 
 
-@router.get("/scenes", summary="Scenes that can be loaded", dependencies=[needs(Role.VIEWER)])
+@router.get("/scenes", dependencies=[needs(Role.VIEWER)])
 def list_scenes(station: StationDep, limit: Limit = 100, cursor: Cursor = None) -> Scenes:
-    """Lists the scenes that came with packages and those saved here, by name."""
+    """Scenes that can be loaded.
+
+    Lists the scenes that came with packages and those saved here, by name.
+    """
     return station.scenes.all(limit, cursor or "")
 
 
-@router.post(
-    "/scenes",
-    status_code=201,
-    summary="Save the present scene",
-    dependencies=[needs(Role.OPERATOR)],
-    responses=NEEDS_VERSION | tagged(201),
-)
+@router.post("/scenes", status_code=201, dependencies=[needs(Role.OPERATOR)], responses=NEEDS_VERSION | tagged(201))
 def save_scene(wanted: SaveScene, station: StationDep, seen: SeenDep, response: Response) -> SceneEntry:
-    """Saves what is believed now as a scene, whole or not at all; where everything is, and which goals go with it.
+    """Save the present scene.
+
+    Saves what is believed now as a scene, whole or not at all; where everything is, and which goals go with it.
 
     A saved scene of that name is replaced if ``If-Match`` says which version of it you have seen.
     """
@@ -65,28 +64,35 @@ def save_scene(wanted: SaveScene, station: StationDep, seen: SeenDep, response: 
     return entry
 
 
-@router.get(
-    "/scenes/{name}", summary="One scene that can be loaded", dependencies=[needs(Role.VIEWER)], responses=tagged()
-)
+@router.get("/scenes/{name}", dependencies=[needs(Role.VIEWER)], responses=tagged())
 def get_scene_file(name: SceneName, station: StationDep, response: Response) -> Scene:
-    """Returns what a scene consists of, without loading it."""
+    """One scene that can be loaded.
+
+    Returns what a scene consists of, without loading it.
+    """
     scene = station.scenes.get(name)
     response.headers["ETag"] = etag(scene.version)
     return scene
 
 
-@router.delete("/scenes/{name}", status_code=204, summary="Remove a saved scene", dependencies=[needs(Role.OPERATOR)])
+@router.delete("/scenes/{name}", status_code=204, dependencies=[needs(Role.OPERATOR)])
 def delete_scene(name: SceneName, station: StationDep, seen: SeenDep) -> None:
-    """Removes a saved scene; what is believed now stays. With ``If-Match`` only that version of it."""
+    """Remove a saved scene.
+
+    Removes a saved scene; what is believed now stays. With ``If-Match`` only that version of it.
+    """
     station.scenes.delete(name, seen)
 
 
 # ---------------------------------------------------------------- the present scene
 
 
-@router.get("/scene", summary="The present scene", dependencies=[needs(Role.VIEWER)], responses=tagged())
+@router.get("/scene", dependencies=[needs(Role.VIEWER)], responses=tagged())
 def get_scene(station: StationDep, response: Response) -> PresentScene:
-    """Returns which scene was loaded last, what is in it now, and whether that is another by now."""
+    """The present scene.
+
+    Returns which scene was loaded last, what is in it now, and whether that is another by now.
+    """
     return with_etag(station.scenes.present(), response)
 
 
@@ -130,13 +136,7 @@ _LOAD_BODY = {
 }
 
 
-@router.put(
-    "/scene",
-    summary="Load a scene",
-    dependencies=[needs(Role.OPERATOR)],
-    openapi_extra=_LOAD_BODY,
-    responses=NEEDS_VERSION | tagged(),
-)
+@router.put("/scene", dependencies=[needs(Role.OPERATOR)], openapi_extra=_LOAD_BODY, responses=NEEDS_VERSION | tagged())
 def load_scene(
     wish: Annotated[_Wish, Depends(_wish)],
     station: StationDep,
@@ -144,7 +144,9 @@ def load_scene(
     seen: SeenDep,
     response: Response,
 ) -> PresentScene:
-    """Makes the present scene another one: one by name, or one sent as Turtle. What robots were taught stays.
+    """Load a scene.
+
+    Makes the present scene another one: one by name, or one sent as Turtle. What robots were taught stays.
 
     It is read and checked beside the present one, which stays where anything is wrong; nothing is fetched from
     anywhere. Then robots, skill managers and bodies are brought up as the new scene has them, and that is answered when
@@ -156,18 +158,20 @@ def load_scene(
 
 @router.get(
     "/scene.ttl",
-    summary="The present scene as Turtle",
     dependencies=[needs(Role.VIEWER)],
     response_class=Response,
     responses={200: {"description": "The scene.", "content": {TURTLE: {}}, **tagged()[200]}},
 )
 def get_scene_turtle(station: StationDep) -> Response:
-    """Writes what is believed now as a scene file, in an order that depends on content alone."""
+    """The present scene as Turtle.
+
+    Writes what is believed now as a scene file, in an order that depends on content alone.
+    """
     text, version = station.scenes.turtle()
     return Response(text, media_type=TURTLE, headers={"ETag": etag(version)})
 
 
-@router.get("/scene/diff", summary="What was changed in a scene", dependencies=[needs(Role.VIEWER)])
+@router.get("/scene/diff", dependencies=[needs(Role.VIEWER)])
 def get_scene_difference(
     station: StationDep,
     with_: Annotated[
@@ -182,7 +186,10 @@ def get_scene_difference(
     limit: Limit = 100,
     cursor: Annotated[str | None, Query(pattern=r"^\d{1,9}$", description="From the page before.")] = None,
 ) -> SceneDifference:
-    """Returns what makes the present scene of another one."""
+    """What was changed in a scene.
+
+    Returns what makes the present scene of another one.
+    """
     return station.scenes.difference(with_, int(cursor or 0), limit)
 
 
@@ -193,45 +200,50 @@ _COORDINATES = r"^-?\d{1,4}(\.\d{1,9})?(,-?\d{1,4}(\.\d{1,9})?){2}$"
 _PICTURE: dict[int | str, dict[str, Any]] = {200: {"description": "The picture.", "content": {"image/png": {}}}}
 
 
-@simulation_router.get("", summary="How the simulation goes on", dependencies=[needs(Role.VIEWER)])
+@simulation_router.get("", dependencies=[needs(Role.VIEWER)])
 def get_simulation(station: StationDep) -> SimulationState:
-    """Returns what is behind the robots, whether time goes on and how fast, and what waits for a reset."""
+    """How the simulation goes on.
+
+    Returns what is behind the robots, whether time goes on and how fast, and what waits for a reset.
+    """
     return station.simulation.state()
 
 
-@simulation_router.get(
-    "/bodies",
-    summary="Where everything really is",
-    dependencies=[needs(Role.VIEWER)],
-    openapi_extra={"x-truth": True},
-)
+@simulation_router.get("/bodies", dependencies=[needs(Role.VIEWER)], openapi_extra={"x-truth": True})
 def list_bodies(station: StationDep) -> Bodies:
-    """Lists the bodies with their true poses. This is for people who watch: no robot learns it."""
+    """Where everything really is.
+
+    Lists the bodies with their true poses. This is for people who watch: no robot learns it.
+    """
     return station.simulation.true_bodies()
 
 
-@simulation_router.put(
-    "/bodies/{body}/pose", status_code=204, summary="Move a body", dependencies=[needs(Role.ENGINEER)]
-)
+@simulation_router.put("/bodies/{body}/pose", status_code=204, dependencies=[needs(Role.ENGINEER)])
 def move_body(body: BodyId, pose: BodyPose, station: StationDep) -> None:
-    """Puts a body somewhere else, at rest. No robot is told: it has to find out, as if somebody had done it by hand."""
+    """Move a body.
+
+    Puts a body somewhere else, at rest. No robot is told: it has to find out, as if somebody had done it by hand.
+    """
     station.simulation.move(body, pose)
 
 
-@simulation_router.delete(
-    "/bodies/{body}", status_code=204, summary="Take a body away", dependencies=[needs(Role.ENGINEER)]
-)
+@simulation_router.delete("/bodies/{body}", status_code=204, dependencies=[needs(Role.ENGINEER)])
 def remove_body(body: BodyId, station: StationDep) -> None:
-    """Takes a body away. No robot is told; a reset brings it back where it is believed to be."""
+    """Take a body away.
+
+    Takes a body away. No robot is told; a reset brings it back where it is believed to be.
+    """
     station.simulation.remove(body)
 
 
-@simulation_router.post("/reset", summary="Reset the simulation", dependencies=[needs(Role.ENGINEER)])
+@simulation_router.post("/reset", dependencies=[needs(Role.ENGINEER)])
 def reset_simulation(
     station: StationDep,
     force: Annotated[bool, Query(description="Stop first whatever is under way; its jobs wait for a person.")] = False,
 ) -> SimulationState:
-    """Brings everything up again: robots where the scene puts them, bodies as they are believed, beliefs as they are.
+    """Reset the simulation.
+
+    Brings everything up again: robots where the scene puts them, bodies as they are believed, beliefs as they are.
 
     It is answered when the station is up again. This also helps where the control cycle broke. Where everything was
     halted, it still is.
@@ -239,19 +251,16 @@ def reset_simulation(
     return station.simulation.reset(force=force)
 
 
-@simulation_router.put("/pace", summary="Go on faster or slower", dependencies=[needs(Role.ENGINEER)])
+@simulation_router.put("/pace", dependencies=[needs(Role.ENGINEER)])
 def set_pace(wanted: NewPace, station: StationDep) -> Pace:
-    """Changes how fast simulated time goes on, where the server was started with a pace and not in lockstep."""
+    """Go on faster or slower.
+
+    Changes how fast simulated time goes on, where the server was started with a pace and not in lockstep.
+    """
     return Pace(pace=station.simulation.set_pace(wanted.pace))
 
 
-@simulation_router.get(
-    "/picture",
-    summary="A picture of the scene",
-    dependencies=[needs(Role.VIEWER)],
-    response_class=Response,
-    responses=_PICTURE,
-)
+@simulation_router.get("/picture", dependencies=[needs(Role.VIEWER)], response_class=Response, responses=_PICTURE)
 def get_picture(
     station: StationDep,
     eye: Annotated[
@@ -263,7 +272,10 @@ def get_picture(
     width: Annotated[int, Query(ge=16, le=1280, description="[px].")] = 640,
     height: Annotated[int, Query(ge=16, le=960, description="[px].")] = 480,
 ) -> Response:
-    """Draws the scene as it really is now, as PNG. One at a time: 503 says when to ask again."""
+    """A picture of the scene.
+
+    Draws the scene as it really is now, as PNG. One at a time: 503 says when to ask again.
+    """
     png = station.simulation.picture(_point(eye), _point(target), width, height)
     return Response(png, media_type="image/png", headers={"Cache-Control": "no-store"})
 

@@ -35,19 +35,24 @@ def place_of(task: TaskInfo) -> str:
     return f"/api/v1/tasks/{quote(task.name, safe='')}"
 
 
-@router.get("/tasks", summary="List the tasks", dependencies=[needs(Role.VIEWER)])
+@router.get("/tasks", dependencies=[needs(Role.VIEWER)])
 def list_tasks(
     station: StationDep,
     active: Annotated[bool | None, Query(description="Only what is under way, or only what is over.")] = None,
     limit: Annotated[int, Query(ge=1, le=1000, description="So many at most.")] = 100,
 ) -> Tasks:
-    """What the robots pursue, for jobs and beside them, the youngest first; of what is over the last 100 are kept."""
+    """List the tasks.
+
+    What the robots pursue, for jobs and beside them, the youngest first; of what is over the last 100 are kept.
+    """
     return station.tasks.all(active=active, limit=limit)
 
 
-@router.post("/tasks", status_code=202, summary="Begin a task", dependencies=[needs(Role.OPERATOR)])
+@router.post("/tasks", status_code=202, dependencies=[needs(Role.OPERATOR)])
 def begin_task(request: NewTask, station: StationDep, caller: CallerDep, response: Response) -> TaskInfo:
-    """Begins at once to pursue a goal, or to run steps as they are; it is not kept over a restart, as jobs are.
+    """Begin a task.
+
+    Begins at once to pursue a goal, or to run steps as they are; it is not kept over a restart, as jobs are.
 
     For a person who stands at the robot; a factory system orders jobs.
     """
@@ -56,25 +61,33 @@ def begin_task(request: NewTask, station: StationDep, caller: CallerDep, respons
     return task
 
 
-@router.get("/tasks/{name}", summary="Follow a task", dependencies=[needs(Role.VIEWER)])
+@router.get("/tasks/{name}", dependencies=[needs(Role.VIEWER)])
 def get_task(name: Name, station: StationDep) -> TaskInfo:
-    """What it does, its plan with order and starts, the steps that were started, what it asks, what came of it."""
+    """Follow a task.
+
+    What it does, its plan with order and starts, the steps that were started, what it asks, what came of it.
+    """
     return station.tasks.get(name)
 
 
-@router.get("/tasks/{name}/trace", summary="See what happened in a task", dependencies=[needs(Role.VIEWER)])
+@router.get("/tasks/{name}/trace", dependencies=[needs(Role.VIEWER)])
 def get_task_trace(
     name: Name,
     station: StationDep,
     limit: Annotated[int, Query(ge=1, le=1000, description="The last so many entries.")] = 1000,
 ) -> TaskTrace:
-    """What happened, in sentences and as data, oldest first; of very much the last 1000 entries are kept."""
+    """See what happened in a task.
+
+    What happened, in sentences and as data, oldest first; of very much the last 1000 entries are kept.
+    """
     return station.tasks.trace(name, limit)
 
 
-@router.post("/tasks/{name}/{command}", summary="Command a task", dependencies=[needs(Role.OPERATOR)])
+@router.post("/tasks/{name}/{command}", dependencies=[needs(Role.OPERATOR)])
 def command_task(name: Name, command: Command, station: StationDep, caller: CallerDep) -> TaskInfo:
-    """Pauses a task, resumes it, lets it do one step, or stops it; obeyed in the coming control cycle.
+    """Command a task.
+
+    Pauses a task, resumes it, lets it do one step, or stops it; obeyed in the coming control cycle.
 
     A job's task is commanded through the job.
     """
@@ -89,45 +102,47 @@ _ONCE = RunSequence(iterate=1, anyway=False)
 _EDITS = NEEDS_VERSION | tagged()
 
 
-@sequences_router.get("/sequences", summary="List the sequences", dependencies=[needs(Role.VIEWER)])
+@sequences_router.get("/sequences", dependencies=[needs(Role.VIEWER)])
 def list_sequences(station: StationDep) -> Sequences:
-    """The sequences that were put together, by id; they outlive the server."""
+    """List the sequences.
+
+    The sequences that were put together, by id; they outlive the server.
+    """
     return station.sequences.all()
 
 
-@sequences_router.post(
-    "/sequences", status_code=201, summary="Make a sequence", dependencies=[needs(Role.OPERATOR)], responses=tagged(201)
-)
+@sequences_router.post("/sequences", status_code=201, dependencies=[needs(Role.OPERATOR)], responses=tagged(201))
 def create_sequence(request: NewSequence, station: StationDep, response: Response) -> SequenceInfo:
-    """Makes a sequence from scratch, of given steps, or of the plan for a goal, of a job, a task or a preview."""
+    """Make a sequence.
+
+    Makes a sequence from scratch, of given steps, or of the plan for a goal, of a job, a task or a preview.
+    """
     sequence = station.sequences.create(request)
     response.headers["Location"] = f"/api/v1/sequences/{sequence.id}"
     return with_etag(sequence, response)
 
 
-@sequences_router.get(
-    "/sequences/{id}", summary="Look at a sequence", dependencies=[needs(Role.VIEWER)], responses=tagged()
-)
+@sequences_router.get("/sequences/{id}", dependencies=[needs(Role.VIEWER)], responses=tagged())
 def get_sequence(id: Id, station: StationDep, response: Response) -> SequenceInfo:  # noqa: A002 - as the address says it
-    """Its steps, each checked as things are now and as the steps before it would leave them."""
+    """Look at a sequence.
+
+    Its steps, each checked as things are now and as the steps before it would leave them.
+    """
     return with_etag(station.sequences.get(id), response)
 
 
 @sequences_router.delete(
-    "/sequences/{id}",
-    status_code=204,
-    summary="Delete a sequence",
-    dependencies=[needs(Role.OPERATOR)],
-    responses=NEEDS_VERSION,
+    "/sequences/{id}", status_code=204, dependencies=[needs(Role.OPERATOR)], responses=NEEDS_VERSION
 )
 def delete_sequence(id: Id, station: StationDep, seen: SeenDep) -> None:  # noqa: A002
-    """Throws a sequence away; what runs of it goes on. `If-Match` says which version."""
+    """Delete a sequence.
+
+    Throws a sequence away; what runs of it goes on. `If-Match` says which version.
+    """
     station.sequences.delete(id, seen)
 
 
-@sequences_router.post(
-    "/sequences/{id}/steps", summary="Insert a step", dependencies=[needs(Role.OPERATOR)], responses=_EDITS
-)
+@sequences_router.post("/sequences/{id}/steps", dependencies=[needs(Role.OPERATOR)], responses=_EDITS)
 def insert_step(
     id: Id,  # noqa: A002
     request: InsertStep,
@@ -135,13 +150,14 @@ def insert_step(
     seen: SeenDep,
     response: Response,
 ) -> SequenceInfo:
-    """Adds a step before another one, or at the end; all steps are answered, checked."""
+    """Insert a step.
+
+    Adds a step before another one, or at the end; all steps are answered, checked.
+    """
     return with_etag(station.sequences.insert_step(id, request, seen), response)
 
 
-@sequences_router.put(
-    "/sequences/{id}/steps/{number}", summary="Change a step", dependencies=[needs(Role.OPERATOR)], responses=_EDITS
-)
+@sequences_router.put("/sequences/{id}/steps/{number}", dependencies=[needs(Role.OPERATOR)], responses=_EDITS)
 def change_step(
     id: Id,  # noqa: A002
     number: Number,
@@ -150,21 +166,23 @@ def change_step(
     seen: SeenDep,
     response: Response,
 ) -> SequenceInfo:
-    """Puts another step in the place of one; all steps are answered, checked."""
+    """Change a step.
+
+    Puts another step in the place of one; all steps are answered, checked.
+    """
     return with_etag(station.sequences.change_step(id, number, request, seen), response)
 
 
-@sequences_router.delete(
-    "/sequences/{id}/steps/{number}", summary="Take a step out", dependencies=[needs(Role.OPERATOR)], responses=_EDITS
-)
+@sequences_router.delete("/sequences/{id}/steps/{number}", dependencies=[needs(Role.OPERATOR)], responses=_EDITS)
 def remove_step(id: Id, number: Number, station: StationDep, seen: SeenDep, response: Response) -> SequenceInfo:  # noqa: A002
-    """Takes a step out; all others are answered, checked."""
+    """Take a step out.
+
+    Takes a step out; all others are answered, checked.
+    """
     return with_etag(station.sequences.remove_step(id, number, seen), response)
 
 
-@sequences_router.post(
-    "/sequences/{id}/steps/{number}/move", summary="Move a step", dependencies=[needs(Role.OPERATOR)], responses=_EDITS
-)
+@sequences_router.post("/sequences/{id}/steps/{number}/move", dependencies=[needs(Role.OPERATOR)], responses=_EDITS)
 def move_step(
     id: Id,  # noqa: A002
     number: Number,
@@ -173,13 +191,14 @@ def move_step(
     seen: SeenDep,
     response: Response,
 ) -> SequenceInfo:
-    """Moves a step to another place; all steps are answered, checked."""
+    """Move a step.
+
+    Moves a step to another place; all steps are answered, checked.
+    """
     return with_etag(station.sequences.move_step(id, number, request, seen), response)
 
 
-@sequences_router.post(
-    "/sequences/{id}/run", status_code=202, summary="Run a sequence", dependencies=[needs(Role.OPERATOR)]
-)
+@sequences_router.post("/sequences/{id}/run", status_code=202, dependencies=[needs(Role.OPERATOR)])
 def run_sequence(
     id: Id,  # noqa: A002
     station: StationDep,
@@ -187,7 +206,10 @@ def run_sequence(
     response: Response,
     request: Annotated[RunSequence, Body()] = _ONCE,
 ) -> TaskInfo:
-    """Runs the steps as they are, so often as wanted; refused (409) where one cannot work, unless `anyway`."""
+    """Run a sequence.
+
+    Runs the steps as they are, so often as wanted; refused (409) where one cannot work, unless `anyway`.
+    """
     task = station.sequences.run(id, request, caller.author)
     response.headers["Location"] = place_of(task)
     return task

@@ -38,15 +38,21 @@ Cursor = Annotated[str | None, Query(max_length=30, description="From the page b
 _UNKNOWN = "UnknownWebhook"
 
 
-@router.get("", summary="All webhooks")
+@router.get("")
 def list_webhooks(services: ServicesDep) -> list[Webhook]:
-    """Lists who is told of jobs, with how much waits for them."""
+    """All webhooks.
+
+    Lists who is told of jobs, with how much waits for them.
+    """
     return [_shown(services, one) for one in services.webhooks.subscriptions]
 
 
-@router.post("", status_code=201, summary="Have another system told of jobs")
+@router.post("", status_code=201)
 def create_webhook(order: WebhookOrder, services: ServicesDep, response: Response) -> WebhookSecret:
-    """Makes a webhook. It is told of what happens from now on; the key of its signatures is shown this once."""
+    """Have another system told of jobs.
+
+    Makes a webhook. It is told of what happens from now on; the key of its signatures is shown this once.
+    """
     _check(order, services)
     secret = order.secret or new_secret()
     subscription = Subscription(
@@ -57,22 +63,31 @@ def create_webhook(order: WebhookOrder, services: ServicesDep, response: Respons
     return WebhookSecret(webhook=_shown(services, subscription), secret=secret)
 
 
-@router.get("/dead-letters", summary="Messages that were given up")
+@router.get("/dead-letters")
 def list_dead_letters(services: ServicesDep, limit: Limit = 100, cursor: Cursor = None) -> Deliveries:
-    """Lists what no target took for a day; ``POST …/redeliver`` sends it again."""
+    """Messages that were given up.
+
+    Lists what no target took for a day; ``POST …/redeliver`` sends it again.
+    """
     return _page(services, None, DeliveryState.DEAD, cursor, limit)
 
 
-@router.get("/{webhook}", summary="One webhook")
+@router.get("/{webhook}")
 def get_webhook(webhook: WebhookId, services: ServicesDep) -> Webhook:
-    """Describes one webhook; its key is not shown again."""
+    """One webhook.
+
+    Describes one webhook; its key is not shown again.
+    """
     with addressed(_UNKNOWN):
         return _shown(services, services.webhooks.subscription(webhook))
 
 
-@router.patch("/{webhook}", summary="Change a webhook")
+@router.patch("/{webhook}")
 def change_webhook(webhook: WebhookId, change: WebhookChange, services: ServicesDep) -> Webhook:
-    """Changes what a webhook is told, or lets it rest; what happens meanwhile is kept for it."""
+    """Change a webhook.
+
+    Changes what a webhook is told, or lets it rest; what happens meanwhile is kept for it.
+    """
     _check_states(change.states or ())
     with addressed(_UNKNOWN):
         changed = services.webhooks.change(webhook, **change.model_dump(exclude_none=True))
@@ -80,23 +95,29 @@ def change_webhook(webhook: WebhookId, change: WebhookChange, services: Services
     return _shown(services, changed)
 
 
-@router.delete("/{webhook}", status_code=204, summary="Remove a webhook")
+@router.delete("/{webhook}", status_code=204)
 def delete_webhook(webhook: WebhookId, services: ServicesDep) -> None:
-    """Removes a webhook with all that waits for it."""
+    """Remove a webhook.
+
+    Removes a webhook with all that waits for it.
+    """
     with addressed(_UNKNOWN):
         services.webhooks.remove(webhook)
 
 
-@router.post("/{webhook}/ping", status_code=202, summary="Try a webhook out")
+@router.post("/{webhook}/ping", status_code=202)
 def ping_webhook(webhook: WebhookId, services: ServicesDep, response: Response) -> None:
-    """Sends a message of type ``io.skiros.ping.v1``; the deliveries show whether it arrived."""
+    """Try a webhook out.
+
+    Sends a message of type ``io.skiros.ping.v1``; the deliveries show whether it arrived.
+    """
     with addressed(_UNKNOWN):
         services.webhooks.ping(webhook, time.time())
     services.send_webhooks()
     response.headers["Location"] = f"/api/v1/webhooks/{webhook}/deliveries"
 
 
-@router.get("/{webhook}/deliveries", summary="What became of the messages")
+@router.get("/{webhook}/deliveries")
 def list_deliveries(
     webhook: WebhookId,
     services: ServicesDep,
@@ -104,15 +125,21 @@ def list_deliveries(
     limit: Limit = 100,
     cursor: Cursor = None,
 ) -> Deliveries:
-    """Lists the messages of a webhook, the latest first; of those that arrived the last thousand."""
+    """What became of the messages.
+
+    Lists the messages of a webhook, the latest first; of those that arrived the last thousand.
+    """
     with addressed(_UNKNOWN):
         services.webhooks.subscription(webhook)
     return _page(services, webhook, state, cursor, limit)
 
 
-@router.post("/{webhook}/deliveries/{number}/redeliver", status_code=202, summary="Send a dead letter again")
+@router.post("/{webhook}/deliveries/{number}/redeliver", status_code=202)
 def redeliver(webhook: WebhookId, number: Number, services: ServicesDep) -> None:
-    """Sends a message again that was given up."""
+    """Send a dead letter again.
+
+    Sends a message again that was given up.
+    """
     with addressed(_UNKNOWN):
         services.webhooks.subscription(webhook)
     with addressed("UnknownDeadLetter"):

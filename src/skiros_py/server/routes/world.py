@@ -70,15 +70,18 @@ _LATEST = 2**62
 # ------------------------------------------------------------------ looking
 
 
-@router.get("/world", summary="Read what there is, in numbers", dependencies=[needs(Role.VIEWER)], responses=tagged())
+@router.get("/world", dependencies=[needs(Role.VIEWER)], responses=tagged())
 def read_world(station: StationDep, response: Response) -> WorldInfo:
-    """Tells the world's version, how much is in it, and what an undo would take back; its ETag is the version."""
+    """Read what there is, in numbers.
+
+    Tells the world's version, how much is in it, and what an undo would take back; its ETag is the version.
+    """
     info = station.world.info()
     response.headers["ETag"] = etag(info.version)
     return info
 
 
-@router.get("/tree", summary="Read the world as a tree", dependencies=[needs(Role.VIEWER)])
+@router.get("/tree", dependencies=[needs(Role.VIEWER)])
 def read_tree(
     station: StationDep,
     root: Annotated[
@@ -88,7 +91,9 @@ def read_tree(
     limit: Annotated[int, Query(ge=1, le=1000, description="How many children of each node at most.")] = 100,
     cursor: Cursor = None,
 ) -> TreeNode:
-    """Returns what is placed where and what things are built of: at most 2000 nodes, those next to the root first.
+    """Read the world as a tree.
+
+    Returns what is placed where and what things are built of: at most 2000 nodes, those next to the root first.
 
     Where `children_total` is more than the children given, read on with `root=<id>&cursor=<next>`.
     """
@@ -98,7 +103,7 @@ def read_tree(
 _FORGOTTEN = also_refused(410, "The changes are remembered no longer.")
 
 
-@router.get("/world/changes", summary="List changes", dependencies=[needs(Role.VIEWER)], responses=_FORGOTTEN)
+@router.get("/world/changes", dependencies=[needs(Role.VIEWER)], responses=_FORGOTTEN)
 def list_changes(
     station: StationDep,
     since: Annotated[int, Query(ge=0, le=_LATEST, description="Only changes after this number.")] = 0,
@@ -108,7 +113,9 @@ def list_changes(
     limit: ChangeLimit = 100,
     cursor: Cursor = None,
 ) -> ChangePage:
-    """Returns what changed, by whom and why; of each change the first 100 edits.
+    """List changes.
+
+    Returns what changed, by whom and why; of each change the first 100 edits.
 
     Of a long edit history only the later part may be remembered: 410 where an older one is asked for.
     """
@@ -116,30 +123,30 @@ def list_changes(
     return station.world.changes(start, limit, newest_first=newest_first)
 
 
-@router.get("/world/changes/{number}", summary="Read a change", dependencies=[needs(Role.VIEWER)], responses=_FORGOTTEN)
+@router.get("/world/changes/{number}", dependencies=[needs(Role.VIEWER)], responses=_FORGOTTEN)
 def read_change(
     station: StationDep,
     number: Annotated[int, Path(ge=0, le=_LATEST, description="Its number.", examples=[1])],
     limit: Limit = 1000,
     cursor: Cursor = None,
 ) -> Change:
-    """Tells a change with all its edits, as many at a time as wanted."""
+    """Read a change.
+
+    Tells a change with all its edits, as many at a time as wanted.
+    """
     return station.world.change(number, number_cursor(cursor), limit)
 
 
 # ------------------------------------------------------------------ writing
 
 
-@router.post(
-    "/world/transactions",
-    summary="Write several things at once",
-    dependencies=[needs(Role.OPERATOR)],
-    responses=NEEDS_VERSION | tagged(),
-)
+@router.post("/world/transactions", dependencies=[needs(Role.OPERATOR)], responses=NEEDS_VERSION | tagged())
 def write_transaction(
     order: TransactionOrder, station: StationDep, caller: CallerDep, seen: SeenDep, response: Response
 ) -> Written:
-    """Does all operations, as one change, or none; a refusal names everything that is wrong.
+    """Write several things at once.
+
+    Does all operations, as one change, or none; a refusal names everything that is wrong.
 
     What is there already is changed only by who says what they have seen: by `expects`, or by `If-Match` with the
     version of the world (`*` for whatever it is).
@@ -149,9 +156,11 @@ def write_transaction(
     return written
 
 
-@router.post("/world/undo", summary="Undo the last edit by a person", dependencies=[needs(Role.OPERATOR)])
+@router.post("/world/undo", dependencies=[needs(Role.OPERATOR)])
 def undo_edit(station: StationDep, caller: CallerDep, order: UndoOrder | None = None) -> Change:
-    """Takes back the last edit that a person made and that was not undone yet, as a change of its own.
+    """Undo the last edit by a person.
+
+    Takes back the last edit that a person made and that was not undone yet, as a change of its own.
 
     What skills sensed is never undone; 409 where something was built on the edit since.
     """
@@ -161,31 +170,36 @@ def undo_edit(station: StationDep, caller: CallerDep, order: UndoOrder | None = 
 learned_router = APIRouter(tags=["learned"])
 
 
-@learned_router.get("/learned", summary="List what robots were taught", dependencies=[needs(Role.VIEWER)])
+@learned_router.get("/learned", dependencies=[needs(Role.VIEWER)])
 def list_learned(station: StationDep, limit: Limit = 100, cursor: Cursor = None) -> LearnedPage:
-    """Lists what robots were taught and keep beyond this scene, in the order of ids."""
+    """List what robots were taught.
+
+    Lists what robots were taught and keep beyond this scene, in the order of ids.
+    """
     return station.world.learned(limit, cursor or "")
 
 
-@learned_router.delete(
-    "/learned/{element}", summary="Forget something", dependencies=[needs(Role.ENGINEER)], responses=NEEDS_VERSION
-)
+@learned_router.delete("/learned/{element}", dependencies=[needs(Role.ENGINEER)], responses=NEEDS_VERSION)
 def forget_learned(
     element: ElementPath, station: StationDep, caller: CallerDep, seen: SeenDep, reason: WhyQuery = ""
 ) -> Written:
-    """Forgets something with its pieces; an undo brings it back."""
+    """Forget something.
+
+    Forgets something with its pieces; an undo brings it back.
+    """
     return station.world.forget(element, seen, caller.author, reason)
 
 
 @learned_router.get(
     "/learned.ttl",
-    summary="Read what robots were taught as Turtle",
     dependencies=[needs(Role.VIEWER)],
     response_class=Response,
     responses={200: {"content": {"text/turtle": {"schema": {"type": "string"}}}}},
 )
 def export_learned(station: StationDep) -> Response:
-    """Writes everything that was learned as the text of a file.
+    """Read what robots were taught as Turtle.
+
+    Writes everything that was learned as the text of a file.
 
     Another robot knows it from the start when the file lies in its new data directory as learned.ttl.
     """
@@ -195,22 +209,27 @@ def export_learned(station: StationDep) -> Response:
 locks_router = APIRouter(tags=["locks"])
 
 
-@locks_router.get("/locks", summary="List locks", dependencies=[needs(Role.VIEWER)])
+@locks_router.get("/locks", dependencies=[needs(Role.VIEWER)])
 def list_locks(station: StationDep) -> LockList:
-    """Returns who alone may edit which elements, and until when."""
+    """List locks.
+
+    Returns who alone may edit which elements, and until when.
+    """
     return station.world.locks()
 
 
-@locks_router.post("/locks", summary="Lock elements", status_code=201, dependencies=[needs(Role.OPERATOR)])
+@locks_router.post("/locks", status_code=201, dependencies=[needs(Role.OPERATOR)])
 def lock_elements(order: LockOrder, station: StationDep, caller: CallerDep) -> LockList:
-    """Keeps other people and jobs from editing elements, all of them or none; locking again makes it last longer.
+    """Lock elements.
+
+    Keeps other people and jobs from editing elements, all of them or none; locking again makes it last longer.
 
     Skills are not kept from saying what they sensed. Locks end with the server, and when another scene is loaded.
     """
     return station.world.lock(order, caller.author)
 
 
-@locks_router.delete("/locks", summary="End locks", dependencies=[needs(Role.OPERATOR)])
+@locks_router.delete("/locks", dependencies=[needs(Role.OPERATOR)])
 def end_locks(
     station: StationDep,
     caller: CallerDep,
@@ -221,7 +240,10 @@ def end_locks(
         str | None, Query(max_length=300, description="Whose locks; those of others only an admin ends.")
     ] = None,
 ) -> LockList:
-    """Ends one's own locks, and answers with those that are left; what is not locked stays as it is."""
+    """End locks.
+
+    Ends one's own locks, and answers with those that are left; what is not locked stays as it is.
+    """
     if owner not in (None, caller.name) and caller.role is not Role.ADMIN:
         raise Problem(403, "RoleTooLow", f"locks of {owner} are ended by {owner} or by an admin")
     return station.world.unlock(elements, caller.author, owner)
@@ -235,13 +257,7 @@ _ANSWERS: dict[int | str, dict[str, Any]] = {
 _Id = Annotated[str, Query(max_length=300)]
 
 
-@router.get(
-    "/view",
-    summary="Read what there is to be seen",
-    dependencies=[needs(Role.VIEWER)],
-    response_model=WorldView,
-    responses=_ANSWERS,
-)
+@router.get("/view", dependencies=[needs(Role.VIEWER)], response_model=WorldView, responses=_ANSWERS)
 def read_view(
     station: StationDep,
     element: Annotated[
@@ -254,7 +270,9 @@ def read_view(
     ] = None,
     if_none_match: Annotated[str | None, Header(max_length=1000, description="ETag of the view that is known.")] = None,
 ) -> Response:
-    """Tells where everything is believed to be, and what it looks like: boxes and cylinders.
+    """Read what there is to be seen.
+
+    Tells where everything is believed to be, and what it looks like: boxes and cylinders.
 
     Read everything once; then follow the events of the world, and read anew the elements that they name. What is on a
     robot's base is told in the frame of that base, and what a gripper holds in that of the tool: where these are is
