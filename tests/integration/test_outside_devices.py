@@ -76,7 +76,7 @@ class Wrench(DeviceSpec[WrenchState, None]):
     def read(cls, individual):
         return cls(individual.id, individual.text("sk:joints"))
 
-    def fake(self, period):
+    def fake(self, robot):
         return Feeling(None)
 
     def simulate(self, robot, rng):
@@ -135,8 +135,8 @@ class Turntable(DeviceSpec[TableState, TableTarget]):
     def read(cls, individual):
         return cls(individual.id)
 
-    def fake(self, period):
-        return Turning(period)
+    def fake(self, robot):
+        return Turning(robot.period)
 
     def still(self, state):
         return state.speed == 0.0
@@ -216,8 +216,8 @@ class Omni(MobileSpec[OmniState, OmniTwist]):
     def still(self, state):
         return not (state.x or state.y or state.angular)
 
-    def fake(self, period):
-        return Rolling(self.start, period)
+    def fake(self, robot):
+        return Rolling(self.start, robot.period)
 
     def simulate(self, robot, rng):
         return Sliding(self.start, robot)
@@ -287,7 +287,7 @@ class Hand(DeviceSpec[HandState, HandTarget]):
     def joint_positions(self, state):
         return state.fingers
 
-    def fake(self, period):
+    def fake(self, robot):
         return Closing(len(self.joints))
 
     def simulate(self, robot, rng):

@@ -66,6 +66,7 @@ def test_devices_of_any_kind_are_told_with_the_values_that_they_offer(api) -> No
 
     assert {id_: device.kind for id_, device in told.items()} == {
         "base_1": "base",
+        "localiser_1": "localiser",
         "arm_1": "arm",
         "gripper_1": "gripper",
         "camera_1": "camera",

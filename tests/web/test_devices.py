@@ -46,7 +46,13 @@ def signal(anna: Person, name: str) -> Locator:
 
 
 def sees_what_each_device_offers(anna: Person) -> None:
-    for name, kind in (("base_1", "base"), ("arm_1", "arm"), ("gripper_1", "gripper"), ("camera_1", "camera")):
+    for name, kind in (
+        ("base_1", "base"),
+        ("localiser_1", "localiser"),
+        ("arm_1", "arm"),
+        ("gripper_1", "gripper"),
+        ("camera_1", "camera"),
+    ):
         anna.expect(device(anna, name).get_by_text(kind, exact=True)).to_be_visible()
     anna.expect(signal(anna, "gripper_1.gap")).to_contain_text("0.08 m")
     anna.expect(signal(anna, "base_1.x")).to_contain_text("in frame map")

@@ -25,6 +25,11 @@ _ALIGNED = math.radians(0.3)
 class DrivingPrimitive(Primitive[Any]):
     """Base of the primitives that drive; their parameters have fields ``base`` and ``robot``."""
 
+    @property
+    def pose(self) -> Pose:
+        """Pose of the robot in the map, as localised."""
+        return self.context.cell.group_of(self.params.base).pose(self.context.board.snapshot)
+
     def rides(self, element: str) -> bool:
         """Returns True when an element moves with the base."""
         frames = self.world.objects(element, POSE_FRAME)
@@ -52,7 +57,7 @@ class DrivingPrimitive(Primitive[Any]):
         """
         limit, deadline = base.spec.max_angular_acceleration, self.context.now + patience
         while self.context.now < deadline:
-            error = wrap_angle(heading - base.state.pose.yaw)
+            error = wrap_angle(heading - self.pose.yaw)
             if abs(error) < _ALIGNED:
                 return True
             speed = min(fastest, math.sqrt(1.6 * limit * abs(error)), 4.0 * abs(error))
@@ -110,11 +115,11 @@ class DriveBase(DrivingPrimitive):
         outline = self._outline()
         deadline = self.context.now + _COURTESY
         while True:
-            path = yield from self._plan(base, goal, outline)
+            path = yield from self._plan(goal, outline)
             if isinstance(path, NoMotion):
                 return Failure(f"no way to {self.params.location}: {path.reason}")
             if path is not None:
-                with self.context.floor.ask(self.params.robot, outline, base.state.pose, path) as way:
+                with self.context.floor.ask(self.params.robot, outline, self.pose, path) as way:
                     if (yield from self._is_free(way, deadline)):
                         return (yield from self._follow(base, path, way, goal))
             if self.context.now >= deadline:
@@ -131,7 +136,7 @@ class DriveBase(DrivingPrimitive):
         if not (yield from self._turn(base, path.heading)):
             return Failure(f"stuck while turning at {self.params.location}")
         yield from self.stand(base)
-        return self._arrived(base.state.pose, goal)
+        return self._arrived(self.pose, goal)
 
     def _goal(self) -> Pose | Failure:
         location = self.params.location
@@ -140,26 +145,24 @@ class DriveBase(DrivingPrimitive):
             return Failure(f"{location} has no driving pose: nobody taught how to stand there")
         return place @ driving
 
-    def _plan(self, base: Base, goal: Pose, outline: Outline) -> Execution[BasePath | NoMotion | None]:
+    def _plan(self, goal: Pose, outline: Outline) -> Execution[BasePath | NoMotion | None]:
         """Plans around everything at rest; None if only another standing robot blocks the way."""
         margin = max(_ASIDE, reach(outline) - reach(self._spec().footprint)) + _APART
         standing = floor_obstacles.standing(self.context, self.params.robot, margin=margin)
-        path = yield from self._path(base, goal, standing)
+        path = yield from self._path(goal, standing)
         if not isinstance(path, NoMotion) or not standing:
             return path
-        alone = yield from self._path(base, goal, ())
+        alone = yield from self._path(goal, ())
         if isinstance(alone, NoMotion):
             return alone
         self._tell(o.id for o in standing)
         return None
 
-    def _path(self, base: Base, goal: Pose, robots: tuple[Obstacle, ...]) -> Execution[BasePath | NoMotion]:
+    def _path(self, goal: Pose, robots: tuple[Obstacle, ...]) -> Execution[BasePath | NoMotion]:
         planner = self.context.port(BasePlanner, self.params.base)
         carried = frozenset(o.id for o in obstacles(self.context, parts=False) if self.rides(o.id))
         around = obstacles(self.context, parts=False, without=carried)
-        request = BasePathRequest(
-            base.state.pose, goal, self._spec().footprint, (*around, *robots), base=self.params.base
-        )
+        request = BasePathRequest(self.pose, goal, self._spec().footprint, (*around, *robots), base=self.params.base)
         return (yield from self.wait(planner.plan(request)))
 
     def _outline(self) -> Outline:
@@ -199,7 +202,7 @@ class DriveBase(DrivingPrimitive):
         return self.context.cell.device(self.params.base, BaseSpec)
 
     def _drive(self, base: Base, leg: BaseLeg, way: Way, driven: int) -> Execution[bool]:
-        pose = base.state.pose
+        pose = self.pose
         heading = math.atan2(leg.y - pose.position[1], leg.x - pose.position[0])
         if not (yield from self._turn(base, heading + (math.pi if leg.backwards else 0.0))):
             return False
@@ -211,14 +214,14 @@ class DriveBase(DrivingPrimitive):
     def _straight(self, base: Base, leg: BaseLeg, way: Way, driven: int) -> Execution[bool]:
         """Follows the line from here to the leg's end, steering by heading and distance from the line."""
         spec, deadline = self._spec(), self.context.now + _PATIENCE
-        x0, y0, _ = base.state.pose.position
+        x0, y0, _ = self.pose.position
         length = math.hypot(leg.x - x0, leg.y - y0)
         if length < 0.002:
             return True
         ux, uy, sign = (leg.x - x0) / length, (leg.y - y0) / length, -1.0 if leg.backwards else 1.0
         along = math.atan2(sign * uy, sign * ux)
         while self.context.now < deadline:
-            x, y, _ = base.state.pose.position
+            x, y, _ = self.pose.position
             left = length - ((x - x0) * ux + (y - y0) * uy)
             way.passed(driven + 1.0 - left / length)
             if left < 0.002:
@@ -226,7 +229,7 @@ class DriveBase(DrivingPrimitive):
             aside = -(x - x0) * uy + (y - y0) * ux
             if abs(aside) > _ASIDE:
                 return False
-            turned = wrap_angle(along - base.state.pose.yaw)
+            turned = wrap_angle(along - self.pose.yaw)
             speed = min(spec.max_linear, math.sqrt(2.0 * 0.8 * spec.max_linear_acceleration * left), 4.0 * left)
             speed *= max(0.0, math.cos(turned))
             steer = 2.5 * turned - sign * 4.0 * aside * speed

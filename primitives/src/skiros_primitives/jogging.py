@@ -276,7 +276,7 @@ class JogBase(DrivingPrimitive):
     def execute(self) -> Execution[Outcome]:
         """Drives if the way is free, and returns how far it got."""
         base = Base(self.context.board, self.params.base)
-        before = base.state.pose
+        before = self.pose
         goal = before @ Pose.of(self.params.dx, self.params.dy, 0.0, yaw=self.params.dyaw)
         path = _path(before, goal)
         touched = self._touched(before, path)
@@ -287,7 +287,7 @@ class JogBase(DrivingPrimitive):
                 return Failure(f"{' and '.join(way.waits_for())} is in the way")
             self.leave("is moved by hand")
             arrived = yield from self._drive(base, path)
-        return self._came(before.inverse() @ base.state.pose, arrived=arrived)
+        return self._came(before.inverse() @ self.pose, arrived=arrived)
 
     @property
     def _robot(self) -> RobotSpec:
@@ -314,7 +314,7 @@ class JogBase(DrivingPrimitive):
 
     def _drive(self, base: Base, path: BasePath) -> Execution[bool]:
         for leg in path.legs:
-            x, y, _ = base.state.pose.position
+            x, y, _ = self.pose.position
             along = math.atan2(leg.y - y, leg.x - x) + (math.pi if leg.backwards else 0.0)
             if not ((yield from self._turn(base, along)) and (yield from self._straight(base, leg))):
                 return False
@@ -329,7 +329,7 @@ class JogBase(DrivingPrimitive):
         """Drives along its heading until it is level with the leg's end."""
         limit, deadline = base.spec.max_linear_acceleration, self.context.now + _PATIENCE
         while self.context.now < deadline:
-            left = _ahead(base.state.pose, leg)
+            left = _ahead(self.pose, leg)
             if abs(left) < _SHORT:
                 return True
             speed = min(_BASE_SPEED, math.sqrt(1.6 * limit * abs(left)), 4.0 * abs(left))

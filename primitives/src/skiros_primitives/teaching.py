@@ -94,8 +94,9 @@ class TeachDrivingPose(Primitive["TeachDrivingPose.Params"]):
             return Failure(f"nobody knows where {self.params.location} is")
         if not base.state.still:
             return Failure(f"{self.params.base} still moves: let it stand where it should")
+        pose = self.context.cell.group_of(base.id).pose(self.context.board.snapshot)
         lesson = TAUGHT_DRIVING_POSE, self.params.location, self.params.type
-        return keep(self.world, *lesson, {DRIVING_POSE: place.inverse() @ base.state.pose}, author=self.name)
+        return keep(self.world, *lesson, {DRIVING_POSE: place.inverse() @ pose}, author=self.name)
 
 
 _OPEN = 0.002

@@ -12,7 +12,7 @@ from skiros_py.devices.limits import Standstill
 from skiros_py.errors import DescriptionError, DeviceError
 from skiros_py.geometry import Array
 from skiros_py.ports.board import DeviceHandle
-from skiros_py.ports.device import Contribution, DeviceSignal, DeviceSpec, Individual, require_numbers
+from skiros_py.ports.device import Contribution, DeviceSignal, DeviceSpec, FakeRobot, Individual, require_numbers
 from skiros_py.ports.simulation import SimulatedRobot
 
 _GAIN = 0.3
@@ -80,7 +80,7 @@ class ArmSpec(DeviceSpec[ArmState, ArmTarget]):
             raise DescriptionError(f"{individual.id}: sk:home has {len(home)} angles for {len(joints)} joints")
         return cls(individual.id, joints, individual.text("sk:tip"), home)
 
-    def fake(self, period: float) -> _FakeArm:  # noqa: ARG002 - it is there at once
+    def fake(self, robot: FakeRobot) -> _FakeArm:  # noqa: ARG002 - it is there at once
         """Returns an arm that reaches its targets within the cycle."""
         return _FakeArm(self.home)
 

@@ -9,8 +9,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from skiros_py.devices.limits import Standstill, approach
-from skiros_py.devices.localiser import Localiser
+from skiros_py.devices.limits import BASE_STILL, Standstill, approach
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
 from skiros_py.ports.board import DeviceHandle
@@ -18,6 +17,7 @@ from skiros_py.ports.device import (
     Contribution,
     DeviceSignal,
     DeviceSpec,
+    FakeRobot,
     Individual,
     MobileSpec,
     read_mobile,
@@ -26,7 +26,6 @@ from skiros_py.ports.device import (
 from skiros_py.ports.kinematics import BASE_JOINTS, BASE_LINK
 from skiros_py.ports.simulation import SimulatedRobot
 
-_STILL = 0.002  # [m/s], turning counted as [rad/s]
 _DRIVE_FORCE = 2000.0  # [N] and [N m]; enough for every acceleration limit a base of this weight may have
 _HOLDING_GAIN = 0.2
 _WHEEL_TORQUE = 5.0  # [N m]; wheels carry nothing
@@ -35,10 +34,11 @@ _WHEELS = ("wheel_left", "wheel_right")
 
 @dataclass(frozen=True, slots=True)
 class BaseState:
-    """What localisation and wheel odometry say of a mobile base.
+    """What the wheels of a mobile base say.
 
     Attributes:
-        pose: *Estimated* pose of the base frame (on the floor) in the map; it carries the localiser's error.
+        pose: Pose of the base frame (on the floor) in the map by odometry: from where it started, along the speeds
+            that were measured. A localiser knows it better.
         linear: Forward speed [m/s].
         angular: Turning speed, counter-clockwise [rad/s].
         still: True when the base stands.
@@ -75,9 +75,9 @@ class BaseSpec(MobileSpec[BaseState, BaseTwist]):
     state_type: ClassVar[type] = BaseState
     target_type: ClassVar[type] = BaseTwist
     signals: ClassVar[tuple[DeviceSignal[Any], ...]] = (
-        DeviceSignal("x", lambda state: state.pose.position[0], "m", "estimated place", "map"),
-        DeviceSignal("y", lambda state: state.pose.position[1], "m", "estimated place", "map"),
-        DeviceSignal("yaw", lambda state: state.pose.yaw, "rad", "estimated heading", "map"),
+        DeviceSignal("x", lambda state: state.pose.position[0], "m", "position by odometry", "map"),
+        DeviceSignal("y", lambda state: state.pose.position[1], "m", "position by odometry", "map"),
+        DeviceSignal("yaw", lambda state: state.pose.yaw, "rad", "heading by odometry", "map"),
         DeviceSignal("linear", lambda state: state.linear, "m/s", "forward speed", "own"),
         DeviceSignal("angular", lambda state: state.angular, "rad/s", "turning speed", "own"),
         DeviceSignal("still", lambda state: state.still, help="whether it stands"),
@@ -102,16 +102,16 @@ class BaseSpec(MobileSpec[BaseState, BaseTwist]):
             individual.number("sk:maxAngularAcceleration"),
         )
 
-    def fake(self, period: float) -> _FakeBase:
-        """Returns a base that drives exactly as told and knows exactly where it is."""
-        return _FakeBase(self.start, period)
+    def fake(self, robot: FakeRobot) -> _FakeBase:
+        """Returns a base that drives exactly as commanded, with exact odometry."""
+        return _FakeBase(self.start, robot.period)
 
-    def simulate(self, robot: SimulatedRobot, rng: np.random.Generator) -> SimulatedBase:
+    def simulate(self, robot: SimulatedRobot, rng: np.random.Generator) -> SimulatedBase:  # noqa: ARG002 - nothing is drawn
         """Returns its controller in a simulation."""
-        return SimulatedBase(self, robot, rng)
+        return SimulatedBase(self, robot)
 
     def pose(self, state: BaseState) -> Pose:
-        """Returns where it is in the map, as localised."""
+        """Returns its pose in the map, by odometry."""
         return state.pose
 
     def still(self, state: BaseState) -> bool:
@@ -157,9 +157,7 @@ class _FakeBase:
         if target is None:
             self._state = BaseState(pose, 0.0, 0.0, True)
             return
-        turn, way = target.angular * self._period, target.linear * self._period
-        # Straight along the mean heading of the cycle: exact for a base that only drives or only turns.
-        step = Pose.of(way * math.cos(turn / 2.0), way * math.sin(turn / 2.0), 0.0, yaw=turn)
+        step = _step(target.linear * self._period, target.angular * self._period)
         moves = bool(target.linear or target.angular)
         self._state = BaseState(pose @ step, target.linear, target.angular, not moves)
 
@@ -173,20 +171,19 @@ class SimulatedBase:
     Args:
         spec: The base, and where it starts.
         robot: The robot that it belongs to.
-        rng: Source of the localiser's errors.
     """
 
-    def __init__(self, spec: BaseSpec, robot: SimulatedRobot, rng: np.random.Generator) -> None:
+    def __init__(self, spec: BaseSpec, robot: SimulatedRobot) -> None:
         self.spec = spec
         self._plane = robot.joints(BASE_JOINTS)
         self._wheels = robot.joints(_WHEELS)
         self._radius, self._track = _wheel_geometry(robot)
-        self._localiser = Localiser(rng)
+        self._odometry = spec.start
         self._period = robot.engine.period
         self._linear = 0.0
         self._angular = 0.0
         self._held: tuple[float, ...] | None = None
-        self._standstill = Standstill(_STILL)
+        self._standstill = Standstill(BASE_STILL)
         self._plane.reset((spec.start.position[0], spec.start.position[1], spec.start.yaw))
 
     @property
@@ -204,18 +201,17 @@ class SimulatedBase:
             self._roll()
 
     def state(self) -> BaseState:
-        """Reads odometry and localiser; to be called once per cycle."""
-        (x, y, yaw), (vx, vy, angular), _ = self._plane.read()
+        """Reads the speeds and adds them to the odometry; to be called once per cycle."""
+        (_, _, yaw), (vx, vy, angular), _ = self._plane.read()
         linear = vx * math.cos(yaw) + vy * math.sin(yaw)
-        speed = math.hypot(vx, vy) + abs(angular)
-        still = self._standstill.update(speed)
-        pose = _planar(*self._localiser.estimate(x, y, yaw, speed * self._period, still))
-        return BaseState(pose, linear, angular, still)
+        still = self._standstill.update(math.hypot(vx, vy) + abs(angular))
+        self._odometry @= _step(linear * self._period, angular * self._period)
+        return BaseState(self._odometry, linear, angular, still)
 
     def true_pose(self) -> Pose:
-        """Returns the real pose of the base in the map, without the localiser's error; for the truth only."""
+        """Returns the real pose of the base in the map; for the truth only."""
         x, y, yaw = self._plane.read().positions
-        return _planar(x, y, yaw)
+        return Pose.of(x, y, 0.0, yaw=yaw)
 
     def _limit(self, twist: BaseTwist) -> None:
         if not (math.isfinite(twist.linear) and math.isfinite(twist.angular)):
@@ -253,5 +249,6 @@ def _wheel_geometry(robot: SimulatedRobot) -> tuple[float, float]:
     return round(left.position[2], 6), round(left.distance(right), 6)
 
 
-def _planar(x: float, y: float, yaw: float) -> Pose:
-    return Pose((x, y, 0.0), (0.0, 0.0, math.sin(yaw / 2.0), math.cos(yaw / 2.0)))
+def _step(way: float, turn: float) -> Pose:
+    """Returns the motion of one cycle: straight along its mean heading, exact for pure driving or turning."""
+    return Pose.of(way * math.cos(turn / 2.0), way * math.sin(turn / 2.0), 0.0, yaw=turn)

@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from skiros_py.ports.board import DeviceHandle
-from skiros_py.ports.device import DeviceSpec, Individual
+from skiros_py.ports.device import DeviceSpec, FakeRobot, Individual
 from skiros_py.ports.simulation import SimulatedRobot
 from skiros_py.ports.values import DepthImage, Pending
 
@@ -54,7 +54,7 @@ class CameraSpec(DeviceSpec[None, None]):
             latency=individual.number("sk:latency"),
         )
 
-    def fake(self, period: float) -> None:
+    def fake(self, robot: FakeRobot) -> None:
         """Returns nothing: there is nothing to see without physics."""
 
     def simulate(self, robot: SimulatedRobot, rng: np.random.Generator) -> None:

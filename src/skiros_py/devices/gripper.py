@@ -11,7 +11,7 @@ import numpy as np
 from skiros_py.devices.limits import Standstill
 from skiros_py.errors import DescriptionError, DeviceError
 from skiros_py.ports.board import DeviceHandle
-from skiros_py.ports.device import DeviceSignal, DeviceSpec, Individual, require_numbers
+from skiros_py.ports.device import DeviceSignal, DeviceSpec, FakeRobot, Individual, require_numbers
 from skiros_py.ports.simulation import SimulatedRobot, Surface
 
 _GAIN = 0.2
@@ -86,7 +86,7 @@ class GripperSpec(DeviceSpec[GripperState, GripperTarget]):
         joints = tuple(individual.text("sk:joints").split())
         return cls(individual.id, joints, arm, individual.number("sk:maxGap"), individual.number("sk:maxForce"))
 
-    def fake(self, period: float) -> _FakeGripper:  # noqa: ARG002 - it is there at once
+    def fake(self, robot: FakeRobot) -> _FakeGripper:  # noqa: ARG002 - it is there at once
         """Returns a gripper that is open at first and reaches its targets within the cycle."""
         return _FakeGripper(self.max_gap)
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+BASE_STILL = 0.002
+"""Speed below which what moves a robot counts as slow [m/s], turning counted as [rad/s]."""
+
 _QUIET_CYCLES = 10  # a drive that reverses is slow for an instant without standing
 
 

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 from skiros_py.errors import UnknownName
 from skiros_py.geometry import Pose, Solid
-from skiros_py.ports.device import DeviceSpec, MobileSpec
+from skiros_py.ports.device import DeviceSpec, LocalisingSpec, MobileSpec
 from skiros_py.ports.values import Snapshot
 
 SpecT = TypeVar("SpecT", bound=DeviceSpec[Any, Any])
@@ -128,10 +128,16 @@ class RobotSpec:
         """Corners of its outline on the floor in its own frame [m]; none where it touches no floor."""
         return self.footprint if self.carrier is None else self.carrier.footprint
 
+    @property
+    def localiser(self) -> LocalisingSpec[Any, Any] | None:
+        """The device that knows its pose: its localiser, else the device that moves it; None where it has neither."""
+        devices = (device for device in self.devices if isinstance(device, LocalisingSpec))
+        return next((device for device in devices if not isinstance(device, MobileSpec)), self.carrier)
+
     def pose(self, snapshot: Snapshot) -> Pose:
-        """Returns where it is in the map, as localised."""
-        carrier = self.carrier
-        return self.place if carrier is None else carrier.pose(snapshot.devices[carrier.id])
+        """Returns its pose in the map, as localised."""
+        localiser = self.localiser
+        return self.place if localiser is None else localiser.pose(snapshot.devices[localiser.id])
 
     def still(self, snapshot: Snapshot) -> bool:
         """Returns True when nothing moves it through the map."""

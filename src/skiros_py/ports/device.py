@@ -12,7 +12,7 @@ import math
 import typing
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, Protocol, Self, TypeVar
 
@@ -116,6 +116,19 @@ class DeviceModel(Protocol):
         ...
 
 
+@dataclass(slots=True)
+class FakeRobot:
+    """A robot without physics, for the models of its devices.
+
+    Attributes:
+        period: Length of one control cycle [s].
+        pose: Its pose in the map in this cycle, as the device that moves it says.
+    """
+
+    period: float = 1.0 / 200.0
+    pose: Pose = field(default_factory=Pose)
+
+
 @dataclass(frozen=True, slots=True)
 class DeviceSpec(ABC, Generic[StateT, TargetT]):
     """One device, and what its kind can do.
@@ -155,11 +168,11 @@ class DeviceSpec(ABC, Generic[StateT, TargetT]):
         """
 
     @abstractmethod
-    def fake(self, period: float) -> DeviceModel | None:
-        """Returns a model of it without physics, which does at once what it is told; None where it has no state.
+    def fake(self, robot: FakeRobot) -> DeviceModel | None:
+        """Returns a model of it without physics, which obeys at once; None for a device without a state.
 
         Args:
-            period: Length of one control cycle [s].
+            robot: The robot that it belongs to.
         """
 
     def simulate(self, robot: SimulatedRobot, rng: np.random.Generator) -> DeviceModel | None:  # noqa: ARG002
@@ -286,8 +299,20 @@ class DeviceSpec(ABC, Generic[StateT, TargetT]):
 
 
 @dataclass(frozen=True, slots=True)
-class MobileSpec(DeviceSpec[StateT, TargetT]):
-    """A device that carries its robot through the map: wheels, legs, rotors.
+class LocalisingSpec(DeviceSpec[StateT, TargetT]):
+    """A device that knows the pose of its robot: a localiser, or what moves the robot, by odometry.
+
+    The localiser of a robot takes precedence over the device that moves it.
+    """
+
+    @abstractmethod
+    def pose(self, state: StateT) -> Pose:
+        """Returns the pose of the robot's base frame in the map."""
+
+
+@dataclass(frozen=True, slots=True)
+class MobileSpec(LocalisingSpec[StateT, TargetT]):
+    """A device that carries its robot through the map: wheels, legs, rotors. Its frame is that of the robot.
 
     Attributes:
         start: Pose in the map where it stands at the start.
@@ -303,10 +328,6 @@ class MobileSpec(DeviceSpec[StateT, TargetT]):
     def platform_link(self) -> str:
         """Its own link: bodies stand on it as on the robot."""
         return BASE_LINK
-
-    @abstractmethod
-    def pose(self, state: StateT) -> Pose:
-        """Returns where its frame is in the map, as localised."""
 
 
 def read_mobile(individual: Individual) -> tuple[Pose, tuple[tuple[float, float], ...]]:

@@ -119,7 +119,7 @@ class FrameTree:
 
     def _frame(self, group: RobotSpec, device: DeviceSpec[Any, Any]) -> Pose | None:
         if isinstance(device, MobileSpec):
-            return device.pose(self.snapshot.devices[device.id])
+            return group.pose(self.snapshot)
         if device.carries:
             platform = device.platform(self.snapshot.devices[device.id])
             if platform is not None:

@@ -67,11 +67,11 @@ class CellRobot:
     def bring_up(cls, spec: RobotSpec, model: SimulatedRobot, seed: Sequence[int]) -> CellRobot:
         """Makes the controllers of a robot that is in the engine.
 
-        What carries it draws from the seed itself, each other device from a stream of its own.
+        The device that localises it draws from the seed itself, each other device from a stream of its own.
         """
         controllers = {}
         for device in spec.devices:
-            stream = seed if device is spec.carrier else [*seed, *device.id.encode()]
+            stream = seed if device is spec.localiser else [*seed, *device.id.encode()]
             controller = model_of(device, partial(device.simulate, model, np.random.default_rng(stream)))
             if controller is not None:
                 controllers[device.id] = controller

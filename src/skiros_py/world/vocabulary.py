@@ -34,6 +34,8 @@ GRIPPER: Final = ClassName("sk:Gripper")
 """A parallel gripper."""
 LEARNED_DURATION: Final = ClassName("sk:LearnedDuration")
 """How long a skill (sk:ofSkill) took, done by agents of a class (sk:appliesTo): sk:runTimes."""
+LOCALISER: Final = ClassName("sk:Localiser")
+"""Estimates the pose of its robot in the map."""
 LOCATION: Final = ClassName("sk:Location")
 """Something at, in or on which things can be."""
 MANIPULATABLE: Final = ClassName("sk:Manipulatable")
@@ -162,6 +164,8 @@ GRASP_POSE: Final = PropertyName("sk:graspPose")
 """Pose of the arm's tip in this element's frame when the fingers close: more exact than sk:graspHeight [m, rad]."""
 GRASP_WIDTH: Final = PropertyName("sk:graspWidth")
 """Finger gap when the thing is held; across its y axis, where no sk:graspPose says otherwise [m]."""
+HEADING_NOISE: Final = PropertyName("sk:headingNoise")
+"""Standard deviation of the error of the heading [rad]."""
 HEIGHT: Final = PropertyName("sk:height")
 """Image height [px]."""
 HOLLOW: Final = PropertyName("sk:hollow")
@@ -204,6 +208,8 @@ PLACING_POSE: Final = PropertyName("sk:placingPose")
 """Pose, in this element's frame, of a thing that is put into it when it is let go [m, rad]."""
 POSE: Final = PropertyName("sk:pose")
 """Pose of the element's frame in the map, or in the frame of its sk:poseFrame [m, rad]."""
+POSITION_NOISE: Final = PropertyName("sk:positionNoise")
+"""Standard deviation of the error of the position in x and in y [m]."""
 RUN_TIMES: Final = PropertyName("sk:runTimes")
 """How long the last runs took that worked, the newest last [s]."""
 SEQUENCE_NUMBER: Final = PropertyName("sk:sequenceNumber")

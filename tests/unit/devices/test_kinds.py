@@ -11,8 +11,9 @@ from skiros_py.devices.arm import ArmSpec, ArmTarget
 from skiros_py.devices.base import BaseSpec, BaseTwist
 from skiros_py.devices.camera import CameraSpec
 from skiros_py.devices.gripper import GripperSpec, GripperTarget
+from skiros_py.devices.localiser import LocaliserSpec
 from skiros_py.errors import DeviceError
-from skiros_py.ports.device import Contribution, DeviceSpec, load_device_kinds
+from skiros_py.ports.device import Contribution, DeviceSpec, FakeRobot, load_device_kinds
 from skiros_py.testing.conformance import DeviceKindContract, small_cell
 
 SPECS = small_cell().devices
@@ -42,6 +43,11 @@ class TestBase(DeviceKindContract):
         return BaseTwist(0.1, 0.2)
 
 
+class TestLocaliser(DeviceKindContract):
+    def device(self) -> DeviceSpec[Any, Any]:
+        return SPECS["localiser"]
+
+
 class TestCamera(DeviceKindContract):
     def device(self) -> DeviceSpec[Any, Any]:
         return SPECS["camera"]
@@ -51,7 +57,7 @@ def test_each_kind_that_comes_along_is_tried() -> None:
     kinds, _ = load_device_kinds()
     own = {kind for kind in kinds.by_name.values() if kind.__module__.startswith("skiros_py.")}
 
-    assert own == {ArmSpec, BaseSpec, CameraSpec, GripperSpec}
+    assert own == {ArmSpec, BaseSpec, CameraSpec, GripperSpec, LocaliserSpec}
     assert {type(device) for device in SPECS.values()} == own
 
 
@@ -116,4 +122,4 @@ def test_a_paused_run_slows_a_twist_and_leaves_set_points_alone() -> None:
 
     assert SPECS["base"].scaled(BaseTwist(0.4, 1.0), 0.5) == BaseTwist(0.2, 0.5)
     assert SPECS["arm"].scaled(target, 0.5) == target
-    assert math.isclose(SPECS["base"].signal("linear").read(SPECS["base"].fake(0.005).state()), 0.0)
+    assert math.isclose(SPECS["base"].signal("linear").read(SPECS["base"].fake(FakeRobot()).state()), 0.0)

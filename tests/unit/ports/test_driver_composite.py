@@ -75,7 +75,7 @@ def test_all_drivers_are_closed_also_where_one_of_them_fails():
     with pytest.raises(DeviceError, match="stuck"):
         cell.close()
 
-    assert closed == [3]
+    assert closed == [4]
 
 
 def test_a_cell_is_divided_by_driver_and_what_rides_on_a_robot_goes_with_it():

@@ -14,6 +14,7 @@ from skiros_py.devices.arm import ArmSpec
 from skiros_py.devices.base import BaseSpec
 from skiros_py.devices.camera import CameraSpec
 from skiros_py.devices.gripper import GripperSpec
+from skiros_py.devices.localiser import LocaliserSpec
 from skiros_py.geometry import Array, Pose, Primitive, Solid
 from skiros_py.ports.cell import BodySpec, CellSpec, RobotSpec
 from skiros_py.ports.kinematics import write_robot_urdf
@@ -112,6 +113,7 @@ def robot(start: Pose = ORIGIN) -> RobotSpec:
         "mobile_panda",
         (
             BaseSpec("base", start, outline, 0.8, 1.2, 0.8, 1.6),
+            LocaliserSpec("localiser"),
             ArmSpec("arm", tuple(f"panda_joint{n}" for n in range(1, 8)), "tcp", HOME),
             GripperSpec("gripper", ("panda_finger_joint1", "panda_finger_joint2"), "arm", 0.08, 70.0),
             CameraSpec("camera", "camera_optical", 320, 240, fov, 0.05, 2.0, 0.001, 0.1),

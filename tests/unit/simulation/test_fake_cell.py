@@ -71,7 +71,7 @@ class LampSpec(DeviceSpec[Lamp, None]):
     def read(cls, individual):
         return cls(individual.id)
 
-    def fake(self, period):
+    def fake(self, robot):
         self.fails_in("fake")
         return LampModel(self)
 

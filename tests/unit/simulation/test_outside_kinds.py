@@ -14,7 +14,7 @@ from unit.simulation.kinematic_engine import KinematicEngine
 from skiros_py.devices.camera import CameraSpec
 from skiros_py.geometry import Pose, Solid
 from skiros_py.ports.cell import BodySpec, CellSpec, RobotSpec
-from skiros_py.ports.device import DeviceSpec, Individual
+from skiros_py.ports.device import DeviceSpec, FakeRobot, Individual
 from skiros_py.ports.simulation import SimulatedRobot
 from skiros_py.simulation.cell import SimulatedCell
 
@@ -55,7 +55,7 @@ class Turntable(DeviceSpec[Turned, TurnTo]):
     def read(cls, individual: Individual) -> Self:
         return cls(individual.id)
 
-    def fake(self, period: float) -> None:
+    def fake(self, robot: FakeRobot) -> None:
         return None
 
     def simulate(self, robot: SimulatedRobot, rng: np.random.Generator) -> SimulatedTurntable:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from functools import partial
+from typing import Any
 
 from skiros_py.errors import DeviceError
 from skiros_py.ports.cell import CellSpec
+from skiros_py.ports.device import FakeRobot
 from skiros_py.ports.driver import command_models, model_of, require_known, states_of
 from skiros_py.ports.values import Commands, DepthImage, Pending, Snapshot
 
@@ -32,9 +34,17 @@ class FakeCell:
         self.seed = seed
         self.devices = spec.devices
         self._halted = False
-        fakes = {id_: model_of(device, partial(device.fake, _PERIOD)) for id_, device in self.devices.items()}
+        self._robots = [(group.carrier, FakeRobot(_PERIOD, group.start)) for group in spec.groups]
+        fakes = {
+            device.id: model_of(device, partial(device.fake, robot))
+            for group, (_, robot) in zip(spec.groups, self._robots, strict=True)
+            for device in group.devices
+        }
         self._models = {id_: model for id_, model in fakes.items() if model is not None}
-        self._snapshot = Snapshot(0, 0.0, states_of(self._models, self.devices))
+        self._carriers = {
+            carrier.id: self._models.pop(carrier.id) for carrier, _ in self._robots if carrier is not None
+        }
+        self._snapshot = Snapshot(0, 0.0, self._states())
 
     @property
     def period(self) -> float:
@@ -49,7 +59,8 @@ class FakeCell:
     @property
     def braking_time(self) -> float:
         """Longest time from full speed to standstill [s]: most stand in the next cycle."""
-        return max((model.braking_time for model in self._models.values()), default=0.0) + _PERIOD
+        models = (*self._carriers.values(), *self._models.values())
+        return max((model.braking_time for model in models), default=0.0) + _PERIOD
 
     def read(self) -> Snapshot:
         """Returns the present state without advancing time."""
@@ -61,11 +72,20 @@ class FakeCell:
         Raises:
             DeviceError: A command is for a device that does not exist, or the model of a device broke.
         """
-        require_known(commands, self._models)
-        command_models(self._models, self.devices, {} if self._halted else commands)
+        require_known(commands, self._snapshot.devices)
+        for models in (self._carriers, self._models):
+            command_models(models, self.devices, {} if self._halted else commands)
         cycle = self._snapshot.cycle + 1
-        self._snapshot = Snapshot(cycle, cycle * _PERIOD, states_of(self._models, self.devices))
+        self._snapshot = Snapshot(cycle, cycle * _PERIOD, self._states())
         return self._snapshot
+
+    def _states(self) -> dict[str, Any]:
+        """Returns the state of each device: first of those that move robots, which say where the others are."""
+        states = states_of(self._carriers, self.devices)
+        for carrier, robot in self._robots:
+            if carrier is not None:
+                robot.pose = carrier.pose(states[carrier.id])
+        return states | states_of(self._models, self.devices)
 
     def halt(self) -> None:
         """Stands still from the next exchange on, whatever is commanded; for any thread."""

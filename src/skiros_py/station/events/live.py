@@ -88,7 +88,12 @@ def _live_state(session: Session) -> dict[str, Any]:
             for name, gripper in snapshot.of(GripperState).items()
         },
         "bases": {
-            name: {"pose": _pose(base.pose), "linear": base.linear, "angular": base.angular, "still": base.still}
+            name: {
+                "pose": _pose(frames.robot(name)),
+                "linear": base.linear,
+                "angular": base.angular,
+                "still": base.still,
+            }
             for name, base in snapshot.of(BaseState).items()
         },
         "platforms": {name: _pose(pose) for name, pose in frames.platforms().items()},

@@ -98,16 +98,21 @@ def _frames(recording: Recording, start: float, end: float) -> dict[str, Any]:
     for number in kept.tolist():
         for topic, data in found[number][1]:
             name, state = topic.removeprefix(DEVICES), json.loads(data)
-            known = {(kind, name): read(state) for field, kind, read in _KINDS if field in state}
+            known = {(kind, name): state[field] for field, kind in _KINDS if field in state}
             present |= known or {("devices", name): state}
         tracks = tracks or {device: [] for device in present}
         for device, track in tracks.items():
             track.append(present[device])
     by_kind: dict[str, dict[str, Any]] = {
-        kind: {name: track for (one, name), track in tracks.items() if one == kind} for _, kind, _ in _KINDS
+        kind: {name: track for (one, name), track in tracks.items() if one == kind} for _, kind in _KINDS
     }
+    by_kind["bases"] = {}
     others = {name: track for (kind, name), track in tracks.items() if kind == "devices"}
     poses = _poses(recording, others, [found[number][0] for number in kept.tolist()])
+    moving = [name for name, track in others.items() if "pose" in track[0] and (name in poses or not poses)]
+    for name in moving:  # bases: where they were localised, else where their odometry was
+        own = [(*one["pose"]["position"], *one["pose"]["orientation"]) for one in others.pop(name)]
+        by_kind["bases"][name] = [_in_plane(row) for row in poses.get(name, own)]
     by_kind["devices"] = {name: {"states": track, "poses": poses.get(name)} for name, track in others.items()}
     return {"times": np.round(times[kept], _DIGITS).tolist(), **by_kind}
 
@@ -133,17 +138,17 @@ def _poses(recording: Recording, devices: Collection[str], times: Sequence[int])
     return tracks
 
 
-def _in_plane(state: Mapping[str, Any]) -> tuple[float, float, float]:
-    pose = Pose(tuple(state["pose"]["position"]), tuple(state["pose"]["orientation"]))
-    return (*pose.position[:2], round(pose.yaw, _DIGITS))
+def _in_plane(numbers: Sequence[float]) -> tuple[float, float, float]:
+    x, y, _, *orientation = numbers
+    qx, qy, qz, qw = orientation
+    return x, y, round(Pose(orientation=(qx, qy, qz, qw)).yaw, _DIGITS)
 
 
 _KINDS = (
-    ("positions", "arms", lambda state: state["positions"]),
-    ("gap", "grippers", lambda state: state["gap"]),
-    ("pose", "bases", _in_plane),
+    ("positions", "arms"),
+    ("gap", "grippers"),
 )
-"""The field by which the state of each kind of device is recognised, and the function that returns its data to show."""
+"""The field by which the state of an arm or gripper is recognised: the data to show of it."""
 
 
 def _thinned(times: Array) -> NDArray[np.int_]:

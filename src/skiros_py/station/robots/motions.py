@@ -12,7 +12,6 @@ import numpy as np
 
 from skiros_py.api.robots import ArmWay, RobotMotion, Waypoint
 from skiros_py.devices.arm import ArmSpec, ArmState
-from skiros_py.devices.base import BaseState
 from skiros_py.errors import SkirosError
 from skiros_py.execution.runtime import LibraryCall
 from skiros_py.execution.task import Task
@@ -37,12 +36,14 @@ class _Way:
     """A plan for one device.
 
     Attributes:
+        robot: The robot.
         device: Id of the base or arm.
         call: The request and its answer.
         asker: The module that requested it; None if unknown.
         time: Time of the request [s, run time].
     """
 
+    robot: RobotSpec
     device: str
     call: LibraryCall
     asker: Commander | None
@@ -54,7 +55,7 @@ class _Way:
             return True
         answer = self.call.answer.result()
         if isinstance(answer, BasePath):
-            return _base_arrived(snapshot, self.device, self.call, answer)
+            return _base_arrived(self.robot, snapshot, self.call.request)
         samples = sum(len(leg.positions) for leg in answer.legs)
         if snapshot.time < self.time + samples * period:  # a pose on the way may equal that at the end
             return False
@@ -72,7 +73,7 @@ class Motions:
         self._lock = threading.Lock()
         self._asked: dict[str, deque[_Way]] = {}
         self._ways: dict[str, dict[str, _Way]] = {}
-        self._robots: dict[str, str] = {}
+        self._robots: dict[str, RobotSpec] = {}
         self._counts: Counter[str] = Counter()
         self._leave: Callable[[], None] = lambda: None
 
@@ -82,7 +83,7 @@ class Motions:
         with self._lock:
             self._asked = {robot.id: deque(maxlen=_KEPT) for robot in robots}
             self._ways = {robot.id: {} for robot in robots}
-            self._robots = {device.id: robot.id for robot in robots for device in robot.devices}
+            self._robots = {device.id: robot for robot in robots for device in robot.devices}
             self._session = session
         self._leave = session.runtime.asked.subscribe(self._note)
 
@@ -137,8 +138,8 @@ class Motions:
         device = request.base if isinstance(request, BasePathRequest) else request.arm
         board = session.cycle.board
         with self._lock:  # never held for long
-            if device in self._robots:
-                self._asked[self._robots[device]].append(_Way(device, call, board.owner, board.now))
+            if (robot := self._robots.get(device)) is not None:
+                self._asked[robot.id].append(_Way(robot, device, call, board.owner, board.now))
 
     def _look(self, session: Session, robot: str) -> None:
         """Adopts new answers, and drops finished plans; the caller holds the lock."""
@@ -162,12 +163,11 @@ def _is_plan(call: LibraryCall) -> bool:
         return False
 
 
-def _base_arrived(snapshot: Snapshot, base: str, call: LibraryCall, path: BasePath) -> bool:
-    state, request = snapshot.state(base, BaseState), call.request
+def _base_arrived(robot: RobotSpec, snapshot: Snapshot, request: object) -> bool:
     assert isinstance(request, BasePathRequest)
-    x, y, _ = request.goal.position
-    away = math.dist((x, y), state.pose.position[:2])
-    return state.still and away < _THERE and abs(wrap_angle(path.heading - state.pose.yaw)) < _FACING
+    pose, goal = robot.pose(snapshot), request.goal
+    away = math.dist(goal.position[:2], pose.position[:2])
+    return robot.still(snapshot) and away < _THERE and abs(wrap_angle(goal.yaw - pose.yaw)) < _FACING
 
 
 def _arm_arrived(snapshot: Snapshot, arm: str, plan: MotionPlan) -> bool:

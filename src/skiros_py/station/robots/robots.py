@@ -129,7 +129,7 @@ def reading(session: Session, robot: RobotSpec) -> RobotReading:
 def _base_reading(robot: RobotSpec, snapshot: Snapshot) -> BaseInfo | None:
     for base in robot.of(BaseSpec):
         now = snapshot.state(base.id, BaseState)
-        return BaseInfo(pose=_pose(now.pose), linear=now.linear, angular=now.angular, still=now.still)
+        return BaseInfo(pose=_pose(robot.pose(snapshot)), linear=now.linear, angular=now.angular, still=now.still)
     return None
 
 

@@ -8,6 +8,7 @@ from skiros_py.devices.arm import ArmSpec
 from skiros_py.devices.base import BaseSpec
 from skiros_py.devices.camera import CameraSpec
 from skiros_py.devices.gripper import GripperSpec
+from skiros_py.devices.localiser import LocaliserSpec
 from skiros_py.geometry import Pose
 from skiros_py.ports.cell import CellSpec, RobotSpec
 
@@ -27,6 +28,7 @@ def small_cell(*, cameras: bool = True) -> CellSpec:
         "mobile_panda",
         (
             BaseSpec("base", Pose(), _FOOTPRINT, 0.8, 1.2, 0.8, 1.6),
+            LocaliserSpec("localiser"),
             ArmSpec("arm", tuple(f"panda_joint{n}" for n in range(1, 8)), "tcp", _HOME),
             GripperSpec("gripper", ("panda_finger_joint1", "panda_finger_joint2"), "arm", 0.08, 70.0),
             *((eye,) if cameras else ()),

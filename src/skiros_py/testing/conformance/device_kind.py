@@ -14,9 +14,8 @@ from typing import Any
 import pytest
 
 from skiros_py.errors import DeviceError
-from skiros_py.ports.device import DeviceModel, DeviceSpec
+from skiros_py.ports.device import DeviceModel, DeviceSpec, FakeRobot
 
-_PERIOD = 0.005
 _AT_REST = 400
 """Cycles after which a device without a target stands, at the latest."""
 
@@ -45,7 +44,7 @@ class DeviceKindContract(ABC):
 
     def test_its_fake_says_states_of_its_type_and_stands_at_first(self) -> None:
         device = self.device()
-        model = device.fake(_PERIOD)
+        model = device.fake(FakeRobot())
 
         assert (model is None) == (device.state_type is None)
         if model is not None and device.state_type is not None:
@@ -114,7 +113,7 @@ class DeviceKindContract(ABC):
         assert self.device().scaled(target, 1.0) == target
 
     def _model(self) -> DeviceModel:
-        model = self.device().fake(_PERIOD)
+        model = self.device().fake(FakeRobot())
         return model if model is not None else pytest.skip("it has no state")
 
 

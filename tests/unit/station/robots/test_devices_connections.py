@@ -61,7 +61,7 @@ def test_a_closed_device_takes_neither_commands_nor_modules_until_it_is_opened(s
 
 
 def test_a_driver_is_disconnected_with_its_last_device_and_connected_with_the_first(station: Station) -> None:
-    for device in ("arm", "base"):
+    for device in ("arm", "base", "localiser"):
         close_device(station.control, device)
     assert station.connection.connected
     close_device(station.control, "gripper")
@@ -72,7 +72,7 @@ def test_a_driver_is_disconnected_with_its_last_device_and_connected_with_the_fi
 
     assert station.connection.connected
     assert len(station.made) == 2
-    assert station.board.closed == {"arm", "gripper"}
+    assert station.board.closed == {"arm", "gripper", "localiser"}
 
 
 def test_what_is_in_use_or_moves_is_not_closed(station: Station) -> None:
