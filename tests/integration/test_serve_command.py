@@ -17,7 +17,7 @@ import pytest
 from support.server_process import ServerProcess
 
 from skiros_py.api.jobs import JobOrder
-from skiros_py.cli.job_files import JobFiles
+from skiros_py.cli.job_files import kept_jobs
 from skiros_py.cli.main import main
 from skiros_py.cli.serve import rollback_first_start
 from skiros_py.errors import UsageError
@@ -249,7 +249,7 @@ def test_a_polite_kill_in_the_middle_of_a_job_keeps_it_for_a_person(tmp_path: Pa
         client.close()
         started = children(server.pid)
         assert server.end(signal.SIGTERM) == 0  # the server sees itself that it comes to its end within 9 s
-    with JobFiles(tmp_path) as jobs:
+    with kept_jobs(tmp_path) as jobs:
         job = jobs.get("cut")
 
     assert (job.state.text, job.state.substates) == ("Interrupted", ("Held",))

@@ -141,8 +141,8 @@ def test_wrong_use_is_refused_before_anything_is_started(command: Command, tmp_p
 
     assert "needs SCENE and SPARQL" in command.refusal("kitting")
     assert "needs SPARQL" in command.refusal("kitting", "ASK {}", "--data", str(nowhere))
-    assert "--bind needs NAME=VALUE" in command.refusal("kitting", "ASK {}", "--bind", "place")
-    assert "--bind needs NAME=VALUE" in command.refusal("kitting", "ASK {}", "--bind", "a b=1")
+    assert "--bind takes NAME=VALUE" in command.refusal("kitting", "ASK {}", "--bind", "place")
+    assert "--bind takes NAME=VALUE" in command.refusal("kitting", "ASK {}", "--bind", "a b=1")
     assert "--time-limit" in command.refusal("kitting", "ASK {}", "--time-limit", "0")
     assert "kiting" in command.refusal("kiting", "ASK {}")
     assert "is no data directory" in command.refusal("ASK {}", "--data", str(nowhere))

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from skiros_py.cli.options import JSON
-from skiros_py.cli.output import NOT_REACHED, REACHED, answer
+from skiros_py.cli.output import NOT_REACHED, REACHED, answer, progress
 from skiros_py.errors import UsageError
 
 if TYPE_CHECKING:
@@ -83,23 +82,13 @@ def _checked(what: str | None, rules: tuple[str, ...], *, run: bool, simulate: s
     from skiros_py.checking import as_installed, check_plugins
 
     with ExitStack() as stack:
-        progress = stack.enter_context(_progress())
+        shown = stack.enter_context(progress("loading"))
         name = stack.enter_context(as_installed(Path(what))) if what is not None and _is_path(what) else what
-        return check_plugins(name, rules, run=run, simulate=simulate, progress=progress)
+        return check_plugins(name, rules, run=run, simulate=simulate, progress=shown)
 
 
 def _is_path(what: str) -> bool:
     return "/" in what or what in (".", "..") or Path(what, "pyproject.toml").is_file()
-
-
-@contextmanager
-def _progress() -> Iterator[Callable[[str], None]]:
-    """Shows on a terminal what is being done; elsewhere nothing."""
-    from rich.console import Console
-
-    console = Console(stderr=True, highlight=False)
-    with console.status("loading") as status:
-        yield lambda text: status.update(f"{text} …")
 
 
 def _print(report: PluginReport) -> None:

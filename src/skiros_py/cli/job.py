@@ -2,37 +2,41 @@
 
 from __future__ import annotations
 
-from contextlib import AbstractContextManager
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from skiros_py.cli.job_files import JobFiles, kept_jobs
+from skiros_py.cli.job_text import (
+    follow_job,
+    job_lines,
+    plan_lines,
+    print_jobs,
+    response_lines,
+    state_line,
+    trace_lines,
+)
 from skiros_py.cli.lazy import LazyGroup
 from skiros_py.cli.options import JSON
 from skiros_py.cli.output import REACHED, tell
-from skiros_py.cli.reaching import reach, server_options, with_client
+from skiros_py.cli.reaching import Found, reach, served, server_options, with_client
 
 if TYPE_CHECKING:
-    from skiros_py.cli.job_files import JobFiles
-    from skiros_py.cli.job_server import JobServer
     from skiros_py.client import Client
+    from skiros_py.client.request import Sender
+    from skiros_py.client.topics import Jobs as Topic
+
+    Jobs = Topic[Sender] | JobFiles
 
 _STATES = ("NotAllowedToStart", "AllowedToStart", "Running", "Interrupted", "Ended", "Aborted")
+_PAGE = 1000
 
 _ELSEWHERE = {
     "submit": ("job_order:submit", "Orders a job."),
     "preview": ("job_order:preview", "Shows what would be done for a goal, without doing it."),
-    "watch": ("job_watch:watch", "Follows a job until it is over."),
-    "start": ("job_commands:start", "Gives a job leave to start."),
-    "revoke-start": ("job_commands:revoke_start", "Takes back the leave to start."),
-    "pause": ("job_commands:pause", "Lets a job stand for a while."),
-    "resume": ("job_commands:resume", "Goes on with a job that stands."),
-    "stop": ("job_commands:stop", "Ends a job in good order."),
-    "abort": ("job_commands:abort", "Gives a job up."),
-    "cancel": ("job_commands:cancel", "Removes a job that has not begun."),
-    "clear": ("job_commands:clear", "Removes a job that is over."),
-    "answer": ("job_commands:reply", "Answers what a job waits for."),
 }
 """Commands of other modules, imported when they are used."""
 
@@ -46,6 +50,23 @@ def command() -> None:
     """
 
 
+# ---------------------------------------------------------------- looking
+
+
+@contextmanager
+def _jobs(data: Path | None, url: str | None, key_file: Path | None) -> Iterator[Jobs]:
+    """Opens the jobs of a server; where none runs on a data directory, what is kept there."""
+    from skiros_py.client.client import find_server
+
+    if data is not None and find_server(data) is None:
+        with kept_jobs(data) as files:
+            click.echo(f"no server runs on {data}: these are the jobs that are kept there", err=True)
+            yield files
+    else:
+        with reach(data, url, key_file) as client:
+            yield client.jobs
+
+
 @command.command("list", epilog="Example: skiros job list --data cell --state Running --state Interrupted")
 @click.option("--state", "states", multiple=True, type=click.Choice(_STATES), help="In this state only; repeatable.")
 @click.option("--limit", type=click.IntRange(1, 1000), default=100, show_default=True, help="How many at most.")
@@ -55,75 +76,95 @@ def list_jobs(
     states: tuple[str, ...], limit: int, data: Path | None, url: str | None, key_file: Path | None, as_json: bool
 ) -> int:
     """Lists jobs in the order in which they were ordered."""
-    from skiros_py.cli.job_text import print_jobs
-
     with _jobs(data, url, key_file) as jobs:
-        found = jobs.list(states, limit)
+        found = jobs.list(states=states, limit=limit).items
     if not as_json:
         print_jobs(found)
         return REACHED
     return tell({"jobs": found}, as_json=True)
 
 
-@command.command("show", epilog="Example: skiros job show kit-17 --data cell")
+@served(command, "job show kit-17 --data cell", _jobs)
 @click.argument("job")
-@server_options
-@JSON
-def show(job: str, data: Path | None, url: str | None, key_file: Path | None, as_json: bool) -> int:
+def show(jobs: Jobs, job: str) -> Found:
     """Shows what is known of JOB."""
-    from skiros_py.cli.job_text import job_lines
-
-    with _jobs(data, url, key_file) as jobs:
-        found = jobs.get(job)
-    return tell(found, job_lines(found), as_json=as_json)
+    found = jobs.get(job)
+    return found, job_lines(found)
 
 
-@command.command("plan", epilog="Example: skiros job plan kit-17 --data cell")
+@served(command, "job plan kit-17 --data cell", _jobs)
 @click.argument("job")
-@server_options
-@JSON
-def plan(job: str, data: Path | None, url: str | None, key_file: Path | None, as_json: bool) -> int:
+def plan(jobs: Jobs, job: str) -> Found:
     """Shows the last plan of JOB."""
-    from skiros_py.cli.job_text import plan_lines
-
-    with _jobs(data, url, key_file) as jobs:
-        found = jobs.plan(job)
-    return tell(found, plan_lines(found), as_json=as_json)
+    found = jobs.plan(job)
+    return found, plan_lines(found)
 
 
-@command.command("trace", epilog="Example: skiros job trace kit-17 --data cell")
+@served(command, "job trace kit-17 --data cell", _jobs)
 @click.argument("job")
-@server_options
-@JSON
-def trace(job: str, data: Path | None, url: str | None, key_file: Path | None, as_json: bool) -> int:
+def trace(jobs: Jobs, job: str) -> Found:
     """Shows what happened for JOB, oldest first."""
-    from skiros_py.cli.job_text import trace_lines
+    page = jobs.trace(job, limit=_PAGE)
+    entries = page.entries
+    while page.next is not None:
+        page = jobs.trace(job, limit=_PAGE, cursor=page.next)
+        entries += page.entries
+    return {"entries": entries}, trace_lines(entries)
 
-    with _jobs(data, url, key_file) as jobs:
-        entries = jobs.trace(job)
-    return tell({"entries": entries}, trace_lines(entries), as_json=as_json)
+
+@served(command, "job response kit-17 --data cell --json")
+@click.argument("job")
+def response(client: Client, job: str) -> Found:
+    """Shows what JOB has come to: skills that were run, changes of state (ISA-95: job response)."""
+    found = client.jobs.response(job)
+    return found, response_lines(found.job_response_data, found.transitions)
 
 
-@command.command("response", epilog="Example: skiros job response kit-17 --data cell --json")
+@command.command("watch", epilog="Example: skiros job watch kit-17 --data cell")
 @click.argument("job")
 @with_client()
 @JSON
-def response(job: str, client: Client, as_json: bool) -> int:
-    """Shows what JOB has come to: skills that were run, changes of state (ISA-95: job response)."""
-    from skiros_py.cli.job_text import response_lines
+def watch(job: str, client: Client, as_json: bool) -> int:
+    """Follows JOB until it is over, over broken connections and restarts of the server. Ctrl-C ends only the watching.
 
-    found = client.jobs.response(job)
-    return tell(found, response_lines(found.job_response_data, found.transitions), as_json=as_json)
+    Exit status as that of 'skiros run': 0 reached, 1 not reached, 3 no plan, 130 stopped or aborted.
+    """
+    return follow_job(client, job, as_json=as_json)
 
 
-def _jobs(data: Path | None, url: str | None, key_file: Path | None) -> AbstractContextManager[JobFiles | JobServer]:
-    """Opens the jobs of a server; where none runs on a data directory, what is kept there."""
-    from skiros_py.cli.job_files import JobFiles
-    from skiros_py.cli.job_server import JobServer
-    from skiros_py.client.client import find_server
+# ---------------------------------------------------------------- commanding
 
-    if data is not None and find_server(data) is None:
-        files = JobFiles(data)
-        click.echo(f"no server runs on {data}: these are the jobs that are kept there", err=True)
-        return files
-    return JobServer(reach(data, url, key_file))
+
+_REMOVE = ("cancel", "clear")
+_COMMANDS = {
+    "start": "Gives JOB leave to start when its turn comes.",
+    "revoke-start": "Takes back the leave of JOB to start.",
+    "pause": "Lets JOB come to a standstill where it is.",
+    "resume": "Goes on with JOB, which stands.",
+    "stop": "Ends JOB in good order.",
+    "abort": "Gives JOB up, begun or not.",
+    "cancel": "Removes JOB, which has not begun.",
+    "clear": "Removes JOB, which is over, with all that is known of it.",
+}
+
+
+def _add_command(name: str, text: str) -> None:
+    @served(command, f"job {name} kit-17 --data cell", help=text)
+    @click.argument("job")
+    @click.option("--comment", default="", metavar="TEXT", help="Why, for the record.")
+    def run(client: Client, job: str, comment: str) -> Found:
+        found = getattr(client.jobs, name.replace("-", "_"))(job, comment)
+        return ({"id": job, "removed": True}, [f"{job}: removed"]) if name in _REMOVE else (found, [state_line(found)])
+
+
+for _name, _text in _COMMANDS.items():
+    _add_command(_name, _text)
+
+
+@served(command, "job answer kit-17 retry --data cell")
+@click.argument("job")
+@click.argument("choice")
+def reply(client: Client, job: str, choice: str) -> Found:
+    """Answers what JOB waits for with one of its CHOICEs; 'skiros job show JOB' lists them."""
+    found = client.jobs.answer(job, choice)
+    return found, [state_line(found)]

@@ -3,38 +3,45 @@
 from __future__ import annotations
 
 import time
-from contextlib import ExitStack, closing
+from collections.abc import Iterator, Sequence
+from contextlib import closing, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING
 
 from skiros_py.errors import FileError, UnknownName
 
 if TYPE_CHECKING:
-    from skiros_py.api.jobs import Job, JobPlan
+    from skiros_py.api.jobs import Job, JobPage, JobPlan, JobTrace
     from skiros_py.tasks.jobs import Job as Known
+    from skiros_py.tasks.jobs import JobStore
 
 
-class JobFiles:
-    """The jobs of a data directory, for looking at. Use it in a ``with``.
-
-    Args:
-        data: The data directory.
+@contextmanager
+def kept_jobs(data: Path) -> Iterator[JobFiles]:
+    """Opens the jobs of a data directory, for looking at.
 
     Raises:
         FileError: There are no jobs in it, somebody uses it, or it cannot be read.
     """
+    from skiros_py.tasks.jobs import JobStore
+    from skiros_py.world.journal.data_directory import DirectoryLock
 
-    def __init__(self, data: Path) -> None:
-        from skiros_py.tasks.jobs import JobStore
-        from skiros_py.world.journal.data_directory import DirectoryLock
+    path = data / "jobs.db"
+    if not path.exists():
+        raise FileError(data, f"no jobs are kept here; 'skiros serve --data {data}' takes some")
+    lock = DirectoryLock(data)
+    try:
+        with closing(JobStore(path)) as store:
+            yield JobFiles(store)
+    finally:
+        lock.release()
 
-        path = data / "jobs.db"
-        if not path.exists():
-            raise FileError(data, f"no jobs are kept here; 'skiros serve --data {data}' takes some")
-        with ExitStack() as stack:
-            stack.callback(DirectoryLock(data).release)
-            self._store = stack.enter_context(closing(JobStore(path)))
-            self._stack = stack.pop_all()
+
+class JobFiles:
+    """The jobs of a store, read like those of a server (``client.jobs``)."""
+
+    def __init__(self, store: JobStore) -> None:
+        self._store = store
 
     def get(self, job: str) -> Job:
         """Returns a job.
@@ -46,14 +53,14 @@ class JobFiles:
 
         return job_view(self._job(job), time.time())
 
-    def list(self, states: tuple[str, ...], limit: int) -> tuple[Job, ...]:
+    def list(self, *, states: Sequence[str], limit: int) -> JobPage:
         """Returns the first jobs that are in some states; in any where none is given."""
-        from skiros_py.api.jobs import StateName
+        from skiros_py.api.jobs import JobPage, StateName
         from skiros_py.station.jobs.views import STATES, job_view
 
         wanted = [STATES[StateName(state)] for state in states] if states else None
         page = self._store.page(states=wanted, limit=limit)
-        return tuple(job_view(job, time.time()) for job in page.jobs)
+        return JobPage(items=tuple(job_view(job, time.time()) for job in page.jobs), next=None)
 
     def plan(self, job: str) -> JobPlan:
         """Returns the last plan of a job."""
@@ -61,18 +68,14 @@ class JobFiles:
 
         return plan_of(self._job(job), self._store.trace(job))
 
-    def trace(self, job: str) -> tuple[dict[str, Any], ...]:
-        """Returns what happened for a job."""
-        return self._store.trace(self._job(job).id)
+    def trace(self, job: str, *, limit: int, cursor: str | None = None) -> JobTrace:  # noqa: ARG002 - as of a server
+        """Returns what happened for a job, all on one page."""
+        from skiros_py.api.jobs import JobTrace
+
+        return JobTrace(entries=self._store.trace(self._job(job).id), next=None)
 
     def _job(self, job: str) -> Known:
         known = self._store.job(job)
         if known is None:
             raise UnknownName("job", job, self._store.ids())
         return known
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._stack.close()

@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from skiros_py.api.jobs import JobOrder, Preview, PreviewState, order_from
 from skiros_py.cli.job_text import follow_job, state_line
-from skiros_py.cli.options import JSON
+from skiros_py.cli.options import JSON, key_values
 from skiros_py.cli.output import NO_PLAN, NOT_REACHED, REACHED, tell
 from skiros_py.cli.reaching import with_client
 from skiros_py.errors import UsageError
@@ -112,20 +112,14 @@ def _order(
     if bool(goals) == bool(template):
         raise click.UsageError("say what is wanted: either GOALs or --template NAME")
     try:
-        return order_from(goals, template=template, parameters=_parameters(params), materials=materials, **fields)
+        return order_from(
+            goals,
+            template=template,
+            parameters=key_values("--param", params, "kit=kit_1"),
+            materials=materials,
+            **fields,
+        )
     except ValidationError as error:
         first = error.errors()[0]
         where = ".".join(str(part) for part in first["loc"])
         raise UsageError(f"that is no order: {where + ': ' if where else ''}{first['msg']}") from None
-
-
-def _parameters(texts: tuple[str, ...]) -> dict[str, str]:
-    found: dict[str, str] = {}
-    for text in texts:
-        name, equals, value = text.partition("=")
-        if not (name and equals and value):
-            raise click.UsageError(f"--param takes NAME=VALUE, as in kit=kit_1; got '{text}'")
-        if name in found:
-            raise click.UsageError(f"--param says twice what {name} is: give it once")
-        found[name] = value
-    return found

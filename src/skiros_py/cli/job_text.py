@@ -10,9 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from skiros_py.cli.options import JSON
 from skiros_py.cli.output import NO_PLAN, NOT_REACHED, REACHED, STOPPED, escaped, tell
-from skiros_py.cli.reaching import with_client
 
 if TYPE_CHECKING:
     from rich.status import Status
@@ -133,18 +131,6 @@ def _because(reason: str) -> str:
 
 def _shown(when: datetime) -> str:
     return when.astimezone().strftime("%Y-%m-%d %H:%M:%S %z")
-
-
-@click.command("watch", epilog="Example: skiros job watch kit-17 --data cell")
-@click.argument("job")
-@with_client()
-@JSON
-def watch(job: str, client: Client, as_json: bool) -> int:
-    """Follows JOB until it is over, over broken connections and restarts of the server. Ctrl-C ends only the watching.
-
-    Exit status as that of 'skiros run': 0 reached, 1 not reached, 3 no plan, 130 stopped or aborted.
-    """
-    return follow_job(client, job, as_json=as_json)
 
 
 def follow_job(client: Client, name: str, *, as_json: bool) -> int:

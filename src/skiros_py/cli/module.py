@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from skiros_py.cli.options import GUI, JSON, cell_options
+from skiros_py.cli.options import GUI, JSON, cell_options, key_values
 from skiros_py.cli.output import NOT_REACHED, REACHED, STOPPED, answer
 from skiros_py.cli.run import answering, ask_option
-from skiros_py.errors import UnknownName, UsageError
+from skiros_py.errors import UnknownName
 
 if TYPE_CHECKING:
     from skiros_py.execution.monitor import ModuleEvent
@@ -148,15 +148,7 @@ def given_params(params: Sequence[str]) -> dict[str, str]:
     Raises:
         UsageError: One is written otherwise, or given twice.
     """
-    given = {}
-    for text in params:
-        key, equals, value = text.partition("=")
-        if not equals or not key:
-            raise UsageError(f"--param takes KEY=VALUE, such as Location=pallet_a, not '{text}'")
-        if key in given:
-            raise UsageError(f"--param {key} is given twice")
-        given[key] = value
-    return given
+    return key_values("--param", params, "Location=pallet_a", "KEY=VALUE")
 
 
 def _body(name: str) -> list[str]:

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import difflib
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from skiros_py.cli.options import Seconds
-from skiros_py.cli.output import NOT_REACHED, REACHED, answer
+from skiros_py.cli.output import NOT_REACHED, REACHED, answer, progress
 from skiros_py.errors import UsageError
 
 if TYPE_CHECKING:
@@ -55,8 +53,8 @@ def check(paths: tuple[Path, ...], reasoner: ReasonerChoice, time_limit: float, 
     """
     from skiros_py.world.ontology.check import check_ontology
 
-    with _progress() as progress:
-        report = check_ontology(_or_installed(paths), reasoner, time_limit, progress)
+    with progress("starting") as shown:
+        report = check_ontology(_or_installed(paths), reasoner, time_limit, shown)
     if as_json:
         answer(_as_json(report))
     else:
@@ -123,16 +121,6 @@ def _or_installed(paths: tuple[Path, ...]) -> tuple[Path, ...]:
     for fault in faults:
         click.echo(f"did not load: {fault.group} {fault.name} of {fault.distribution}: {fault.reason}", err=True)
     return (*ontology_paths(), *(file for own in files.values() for file in own))
-
-
-@contextmanager
-def _progress() -> Iterator[Callable[[str], None]]:
-    """Shows on a terminal what is being done; elsewhere nothing."""
-    from rich.console import Console
-
-    console = Console(stderr=True, highlight=False)
-    with console.status("starting") as status:
-        yield lambda text: status.update(f"{text} …")
 
 
 def _print(report: CheckReport) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import getpass
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -90,19 +90,39 @@ class _Pace(click.ParamType[float | None]):
         return factor
 
 
+def key_values(
+    option: str, texts: Iterable[str], example: str, form: str = "NAME=VALUE", is_name: Callable[[str], object] = bool
+) -> dict[str, str]:
+    """Reads an option that may be repeated, each time with a value under a name.
+
+    Args:
+        option: Its name, for messages ("--param").
+        texts: What was given.
+        example: What would be right ("kit=kit_1").
+        form: The same for any name.
+        is_name: Tells whether a text can be such a name.
+
+    Raises:
+        UsageError: One is written otherwise, or given twice.
+    """
+    found: dict[str, str] = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        if not (equals and is_name(name)):
+            raise UsageError(f"{option} takes {form}, such as {example}, not '{text}'")
+        if name in found:
+            raise UsageError(f"{option} {name} is given twice")
+        found[name] = value
+    return found
+
+
 def _configuration(
     ctx: click.Context,  # noqa: ARG001 - click's signature
     param: click.Parameter,  # noqa: ARG001 - the same
     texts: tuple[str, ...],
 ) -> dict[str, str]:
     """Reads values of configuration parameters by "module.key"."""
-    config = {}
-    for text in texts:
-        key, equals, value = text.partition("=")
-        if not equals or "." not in key:
-            raise UsageError(f"--config takes MODULE.KEY=VALUE, not '{text}'")
-        config[key] = value
-    return config
+    return key_values("--config", texts, "move_arm.speed=0.5", "MODULE.KEY=VALUE", lambda name: "." in name)
 
 
 def _login() -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any, TextIO
 
@@ -91,6 +91,16 @@ def tell(found: Any, lines: Iterable[str] = (), *, as_json: bool) -> int:
         for line in lines:
             click.echo(escaped(line))
     return REACHED
+
+
+@contextmanager
+def progress(first: str) -> Iterator[Callable[[str], None]]:
+    """Shows on a terminal what is being done; elsewhere nothing."""
+    from rich.console import Console
+
+    console = Console(stderr=True, highlight=False)
+    with console.status(first) as status:
+        yield lambda text: status.update(f"{text} …")
 
 
 def _plain(found: Any) -> Any:

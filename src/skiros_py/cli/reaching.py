@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import functools
 import os
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from skiros_py.cli.options import data_option, open_existing
+from skiros_py.cli.options import JSON, data_option, open_existing
+from skiros_py.cli.output import tell
 from skiros_py.errors import FileError, UsageError
 
 if TYPE_CHECKING:
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
     from skiros_py.cli.world_server import ServedWorld
     from skiros_py.client import Client
 
+Found = tuple[Any, Iterable[str]]
+"""What a command found: as data that JSON can carry, and as lines for people."""
 _Command = TypeVar("_Command", bound=Callable[..., Any])
 
 _LONGEST_KEY = 1000
@@ -52,6 +55,35 @@ def with_client(**options: Any) -> Callable[[Callable[..., int]], Callable[..., 
                 return command(*arguments, client=client, **others)
 
         return server_options(run)
+
+    return decorate
+
+
+def served(
+    group: click.Group,
+    example: str,
+    opened: Callable[[Path | None, str | None, Path | None], AbstractContextManager[Any]] | None = None,
+    **options: Any,
+) -> Callable[[Callable[..., Found]], click.Command]:
+    """Makes a command of a group that asks a server; it has the options that say which, and ``--json``.
+
+    The function gets a client, then its arguments, and returns what it found, as data and as lines for people.
+
+    Args:
+        group: The group.
+        example: How it is used ("device open gripper_1 --data cell"); its second word is the command's name.
+        opened: Opens something else than a client for the options ``data``, ``url`` and ``key_file``.
+        **options: Those of a click command.
+    """
+
+    def decorate(command: Callable[..., Found]) -> click.Command:
+        @functools.wraps(command)
+        def run(data: Path | None, url: str | None, key_file: Path | None, as_json: bool, **arguments: Any) -> int:
+            with (opened or reach)(data, url, key_file) as subject:
+                return tell(*command(subject, **arguments), as_json=as_json)
+
+        made = group.command(example.split()[1], epilog=f"Example: skiros {example}", **options)
+        return made(server_options(JSON(run)))
 
     return decorate
 

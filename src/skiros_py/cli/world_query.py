@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from skiros_py.cli.options import Seconds
+from skiros_py.cli.options import JSON, Seconds, key_values
 from skiros_py.cli.output import REACHED, answer, escaped
 from skiros_py.cli.reaching import present_world
 from skiros_py.errors import FileError
@@ -45,7 +45,7 @@ Examples:
 @click.option("--file", metavar="FILE", type=click.Path(path_type=Path), help="Read the query from FILE.")
 @click.option("--bind", "bindings", multiple=True, metavar="NAME=VALUE", help="What $NAME stands for; may be repeated.")
 @click.option("--entailed", is_flag=True, help="Count what OWL entails too: inverses, sub-relations, …")
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
+@JSON
 @click.option("--csv", "as_csv", is_flag=True, help="Comma-separated values on stdout (for SELECT).")
 @click.option(
     "--time-limit",
@@ -131,19 +131,8 @@ def _world(scene: str | None, data: Path | None, time_limit: float) -> AbstractC
 
 
 def _bound(bindings: Sequence[str]) -> dict[str, Binding]:
-    bound: dict[str, Binding] = {}
-    for name, value in map(_binding, bindings):
-        if name in bound:
-            raise click.UsageError(f"--bind says twice what ${name} stands for: give it once")
-        bound[name] = value
-    return bound
-
-
-def _binding(text: str) -> tuple[str, Binding]:
-    name, equals, value = text.partition("=")
-    if not equals or not name.isidentifier():
-        raise click.UsageError(f"--bind needs NAME=VALUE, as in place=pallet_a; got '{text}'")
-    return name, _value(value)
+    given = key_values("--bind", bindings, "place=pallet_a", is_name=str.isidentifier)
+    return {name: _value(value) for name, value in given.items()}
 
 
 def _value(text: str) -> Binding:

@@ -286,7 +286,7 @@ def test_a_time_limit_is_a_time_that_can_pass(
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["ASK { $a sk:in $a }", "--bind", "a=box_a", "--bind", "a=box_b"], "--bind says twice what $a stands for"),
+        (["ASK { $a sk:in $a }", "--bind", "a=box_a", "--bind", "a=box_b"], "--bind a is given twice"),
         (["ASK {}", "--json", "--csv"], "--json and --csv are two ways"),
         (["ASK {}", "--csv"], "only SELECT has rows"),
         (["CONSTRUCT WHERE { scene:ball_1 sk:in ?x }", "--csv"], "only SELECT has rows"),
