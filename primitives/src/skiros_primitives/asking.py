@@ -9,10 +9,10 @@ from skiros_py.skills.context import QuestionKind
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive
-from skiros_py.skills.surroundings import set_pose
 from skiros_py.world.element import Placement, Value
 from skiros_py.world.literals import ANY_LITERAL, DATATYPES
 from skiros_py.world.names import local_name
+from skiros_py.world.poses import write_pose
 from skiros_py.world.transaction import Transaction
 from skiros_py.world.vocabulary import CONTAINER, ELEMENT, IN, MANIPULATABLE, MISSED_LOOKS, MISSING
 
@@ -183,4 +183,4 @@ class Refill(AskingPrimitive):
     def _forget(self, tx: Transaction, thing: str) -> None:
         tx.set(thing, MISSING, None)
         tx.set(thing, MISSED_LOOKS, None)
-        set_pose(tx, self.world, thing, None)
+        write_pose(tx, thing, None)

@@ -16,7 +16,8 @@ from skiros_py.ports.motion import LineMove, MotionPlan, NoMotion, PoseMove, Rou
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
-from skiros_py.skills.surroundings import map_pose, set_pose
+from skiros_py.skills.surroundings import map_pose
+from skiros_py.world.poses import write_pose
 from skiros_py.world.vocabulary import ARM, GRIPPER, HELD_BY, MANIPULATABLE
 
 _LIFT = 0.12
@@ -99,7 +100,7 @@ class Grasp(ArmPrimitive):
             return (yield from self._let_go(gripper, grasp, up))
         with self.world.transaction(author=self.name, reason=_felt(gripper.state)) as tx:
             tx.place(self.params.part, HELD_BY, self.params.gripper)
-            set_pose(tx, self.world, self.params.part, tool.inverse() @ part_pose, self.params.gripper)
+            write_pose(tx, self.params.part, tool.inverse() @ part_pose, self.params.gripper)
         return Success(f"holds {self.params.part}: {_felt(gripper.state)}")
 
     @staticmethod
@@ -122,7 +123,7 @@ class Grasp(ArmPrimitive):
         """Puts down whatever is between the fingers and opens; the part then has to be located again."""
         felt = _felt(gripper.state)
         with self.world.transaction(author=self.name, reason=f"grasp failed: {felt}") as tx:
-            set_pose(tx, self.world, self.params.part, None)
+            write_pose(tx, self.params.part, None)
         if gripper.state.force >= _FIRM:  # something is held, but not as expected: do not drop it
             yield from self.follow(_reversed(up))
             self._retreat, self._lifting = up, False

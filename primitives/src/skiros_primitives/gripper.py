@@ -10,7 +10,7 @@ from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive
-from skiros_py.skills.surroundings import set_pose
+from skiros_py.world.poses import write_pose
 from skiros_py.world.vocabulary import FLOOR, GRASP_WIDTH, GRIPPER, HELD_BY, ON
 
 _STILL_FOR = 0.1
@@ -118,4 +118,4 @@ class WatchGrasp(Primitive["WatchGrasp.Params"]):
         reason = f"the fingers closed to {gap * 1e3:.0f} mm: {part} slipped out"
         with self.world.transaction(author=self.name, reason=reason) as tx:
             tx.place(part, ON, self.world.instances(FLOOR)[0])
-            set_pose(tx, self.world, part, None)
+            write_pose(tx, part, None)

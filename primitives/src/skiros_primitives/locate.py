@@ -20,8 +20,9 @@ from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
-from skiros_py.skills.surroundings import map_pose, set_pose
+from skiros_py.skills.surroundings import map_pose
 from skiros_py.world.element import Placement
+from skiros_py.world.poses import write_pose
 from skiros_py.world.stock import stocks
 from skiros_py.world.transaction import Transaction
 from skiros_py.world.vocabulary import (
@@ -159,7 +160,7 @@ class Locate(LookingPrimitive):
         with self.world.transaction(author=self.name, reason=f"look at {self.params.place}") as tx:
             for element, type_, pose in found.seen:
                 part = element or tx.add(type_, placement=Placement(IN, self.params.place))
-                set_pose(tx, self.world, part, pose)
+                write_pose(tx, part, pose)
                 if element:
                     tx.place(part, IN, self.params.place)  # a missing part is found
                     tx.set(part, MISSED_LOOKS, None)
@@ -174,7 +175,7 @@ class Locate(LookingPrimitive):
         for part in found.unseen[: max(0, len(found.unseen) - unknown)]:
             before = self.world.value(part, MISSED_LOOKS)
             misses = (before if isinstance(before, int) else 0) + 1
-            set_pose(tx, self.world, part, None)
+            write_pose(tx, part, None)
             tx.set(part, MISSED_LOOKS, misses)
             if misses >= _MISSES:
                 tx.set(part, MISSING, True)

@@ -28,7 +28,8 @@ from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
-from skiros_py.skills.surroundings import map_pose, set_pose, solid_of
+from skiros_py.skills.surroundings import map_pose, solid_of
+from skiros_py.world.poses import write_pose
 from skiros_py.world.vocabulary import (
     ARM,
     CAMERA,
@@ -174,7 +175,7 @@ class RegisterKit(LookingPrimitive):
         in_map = map_pose(self.context, frame) if frame else None
         own = in_map.inverse() @ pose if in_map is not None else pose
         with self.world.transaction(author=self.name, reason=f"fitted within {cost * 1e3:.1f} mm") as tx:
-            set_pose(tx, self.world, kit, own, frame)
+            write_pose(tx, kit, own, frame)
 
 
 _NEAR = 0.05
@@ -217,12 +218,12 @@ class RegisterPart(LookingPrimitive):
             what = nearest.type.partition(":")[2] if nearest.type else "something of unknown shape"
             return self._forget(f"what lies where {part} was seen is {what}")
         with self.world.transaction(author=self.name, reason=f"cost {nearest.cost * 1e3:.1f} mm") as tx:
-            set_pose(tx, self.world, part, nearest.pose)
+            write_pose(tx, part, nearest.pose)
         return Success(f"{part} at ({nearest.pose.position[0]:.3f}, {nearest.pose.position[1]:.3f})")
 
     def _forget(self, reason: str) -> Failure:
         with self.world.transaction(author=self.name, reason=reason) as tx:
-            set_pose(tx, self.world, self.params.part, None)
+            write_pose(tx, self.params.part, None)
         return Failure(reason)
 
 
@@ -269,14 +270,14 @@ class VerifyPlace(LookingPrimitive):
         with self.world.transaction(author=self.name, reason=f"seen in {compartment}") as tx:
             tx.place(part, IN, compartment)
             tx.set(part, MISSING, None)
-            set_pose(tx, self.world, part, seen.pose)
+            write_pose(tx, part, seen.pose)
         return Success(f"{part} is in {compartment}")
 
     def _deny(self, *, strange: bool) -> Outcome:
         part, compartment = self.params.part, self.params.compartment
         what = "something of unknown shape" if strange else "nothing of its kind"
         with self.world.transaction(author=self.name, reason=f"{what} seen in {compartment}") as tx:
-            set_pose(tx, self.world, part, None)
+            write_pose(tx, part, None)
             tx.set(part, MISSING, True)
             tx.place(part, ON, self.world.instances(UNKNOWN_LOCATION)[0])
         return Failure(f"{part} was released over {compartment}, but {what} is seen there")

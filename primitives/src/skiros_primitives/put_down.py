@@ -16,7 +16,8 @@ from skiros_py.ports.motion import Held, LineMove, MotionPlan, NoMotion, PoseMov
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
-from skiros_py.skills.surroundings import held_by, owner, set_pose
+from skiros_py.skills.surroundings import held_by, owner
+from skiros_py.world.poses import write_pose
 from skiros_py.world.vocabulary import (
     ARM,
     CONTAINER,
@@ -116,7 +117,7 @@ class PutDown(ArmPrimitive):
         part, compartment = self.params.part, self.params.compartment
         with self.world.transaction(author=self.name, reason=f"released over {compartment}, not seen yet") as tx:
             tx.place(part, ON, self.world.instances(UNKNOWN_LOCATION)[0])
-            set_pose(tx, self.world, part, None)
+            write_pose(tx, part, None)
 
     def recover(self) -> Execution[None]:
         """Retracts along the checked line, with anything it still holds."""

@@ -216,12 +216,8 @@ def _sample(param: Param) -> Any:
 
 def sample_of_range(range_: str) -> Value | None:
     """Returns an example value of a property range; None if there is none."""
-    for value in _OF_TYPE.values():
-        try:
-            return DATATYPES[range_].check(value)
-        except ValueError:
-            continue
-    return None
+    datatype = DATATYPES[range_]
+    return next((datatype.check(value) for value in _OF_TYPE.values() if datatype.fits(value)), None)
 
 
 _MOST_TARGETS = 30

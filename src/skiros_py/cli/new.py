@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -18,16 +18,16 @@ if TYPE_CHECKING:
 
 _Command = TypeVar("_Command", bound=Callable[..., Any])
 _NAME = click.argument("name")
-_HELP = click.option("--help-text", "help_", default="", metavar="TEXT", help="What it is, in one sentence.")
+_HELP = click.option("--help-text", "help", default="", metavar="TEXT", help="What it is, in one sentence.")
 _DRY = click.option("--dry-run", is_flag=True, help="Write nothing; show what would be written.")
 _ROBOT = click.option(
     "--robot", default="mobile_panda", metavar="NAME", help="The robot there.  [default: mobile_panda]"
 )
 
 
-def _many(name: str, metavar: str, help_: str) -> Callable[[_Command], _Command]:
-    """Makes an option that may be repeated."""
-    return click.option(name, multiple=True, metavar=metavar, help=f"{help_}; may be repeated.")
+def _many(name: str, field: str, metavar: str, help_: str) -> Callable[[_Command], _Command]:
+    """Makes an option that may be repeated, for a field of what is to be written."""
+    return click.option(name, field, multiple=True, metavar=metavar, help=f"{help_}; may be repeated.")
 
 
 @click.group("new")
@@ -56,7 +56,7 @@ def package(folder: Path, dry_run: bool, as_json: bool, **said: Any) -> int:
     """Writes an ordinary Python distribution NAME with one of everything."""
     from skiros_py.scaffold.package import NewPackage, draft_package
 
-    draft = draft_package(folder.absolute(), NewPackage(**_renamed(said)))
+    draft = draft_package(folder.absolute(), NewPackage(**said))
     if not dry_run:
         draft.write_folder()
     steps = (f"cd {draft.root}", "pip install -e '.[test]'", "pytest", f"skiros run {said['name']} --fake")
@@ -71,10 +71,10 @@ def package(folder: Path, dry_run: bool, as_json: bool, **said: Any) -> int:
 @_NAME
 @_HELP
 @click.option("--agent", default="", metavar="CLASS", help="The subsystem that does it, such as sk:Arm.")
-@_many("--param", "KEY:CLASS", "A parameter, perhaps with ' -- HELP'")
-@_many("--pre", "CONDITION", "What must hold before")
-@_many("--post", "CONDITION", "What holds after it")
-@_many("--do", "PRIMITIVE", "What it does, in order; without, it is only pretended")
+@_many("--param", "params", "KEY:CLASS", "A parameter, perhaps with ' -- HELP'")
+@_many("--pre", "pre", "CONDITION", "What must hold before")
+@_many("--post", "post", "CONDITION", "What holds after it")
+@_many("--do", "do", "PRIMITIVE", "What it does, in order; without, it is only pretended")
 @click.option("--target", default="", metavar="KEY", help="The parameter it is done to.")
 @_ROBOT
 @_DRY
@@ -88,11 +88,11 @@ def skill(dry_run: bool, as_json: bool, **said: Any) -> int:
 
     if not (said["agent"] and said["post"]):
         _ask(said, "agent", "Class of the subsystem that does it (such as sk:Arm)")
-        _ask_many(said, "param", "Parameter (such as Part:sk:Manipulatable)")
+        _ask_many(said, "params", "Parameter (such as Part:sk:Manipulatable)")
         _ask_many(said, "pre", "What must hold before (such as RobotAtLocation(Robot, Station))")
         _ask_many(said, "post", "What holds after it (such as Inspected(Part))")
         _ask_many(said, "do", "Primitive that does it")
-    return _add(lambda known: draft_skill(known, NewSkill(**_renamed(said))), dry_run=dry_run, as_json=as_json)
+    return _add(lambda known: draft_skill(known, NewSkill(**said)), dry_run=dry_run, as_json=as_json)
 
 
 @command.command(
@@ -101,7 +101,9 @@ def skill(dry_run: bool, as_json: bool, **said: Any) -> int:
 )
 @_NAME
 @_HELP
-@_many("--param", "KEY:TYPE", "A parameter of a class, or 'KEY:number=DEFAULT [UNIT]', perhaps with ' -- HELP'")
+@_many(
+    "--param", "params", "KEY:TYPE", "A parameter of a class, or 'KEY:number=DEFAULT [UNIT]', perhaps with ' -- HELP'"
+)
 @_ROBOT
 @_DRY
 @JSON
@@ -109,8 +111,8 @@ def primitive(dry_run: bool, as_json: bool, **said: Any) -> int:
     """Writes a primitive NAME that runs on a fake robot, ready for what the device does."""
     from skiros_py.scaffold.primitive import NewPrimitive, draft_primitive
 
-    _ask_many(said, "param", "Parameter (such as camera:sk:Camera)")
-    return _add(lambda known: draft_primitive(known, NewPrimitive(**_renamed(said))), dry_run=dry_run, as_json=as_json)
+    _ask_many(said, "params", "Parameter (such as camera:sk:Camera)")
+    return _add(lambda known: draft_primitive(known, NewPrimitive(**said)), dry_run=dry_run, as_json=as_json)
 
 
 @command.command(
@@ -118,7 +120,7 @@ def primitive(dry_run: bool, as_json: bool, **said: Any) -> int:
 )
 @_NAME
 @_HELP
-@_many("--role", "KEY:CLASS", "An argument; without, those of the relation or property")
+@_many("--role", "roles", "KEY:CLASS", "An argument; without, those of the relation or property")
 @click.option("--property", default="", metavar="PROPERTY", help="The property it is about.")
 @click.option("--value", default="", metavar="VALUE", help="What the property must be.  [default: true, or anything]")
 @click.option("--relation", default="", metavar="RELATION", help="The relation it is about.")
@@ -133,7 +135,7 @@ def condition(dry_run: bool, as_json: bool, **said: Any) -> int:
         _ask(said, "property", "Property it is about (nothing: a relation)", needed=False)
     if not said["property"]:
         _ask(said, "relation", "Relation it is about")
-    return _add(lambda known: draft_condition(known, NewCondition(**_renamed(said))), dry_run=dry_run, as_json=as_json)
+    return _add(lambda known: draft_condition(known, NewCondition(**said)), dry_run=dry_run, as_json=as_json)
 
 
 @command.command(
@@ -142,27 +144,29 @@ def condition(dry_run: bool, as_json: bool, **said: Any) -> int:
 )
 @_NAME
 @_HELP
-@_many("--class", "NAME:PARENT", "A class, perhaps with ' -- HELP'")
-@_many("--relation", "NAME:DOMAIN:RANGE", "A relation")
-@_many("--property", "NAME:DOMAIN:TYPE", "A property: boolean, number, integer, text, pose, vector or class")
+@_many("--class", "classes", "NAME:PARENT", "A class, perhaps with ' -- HELP'")
+@_many("--relation", "relations", "NAME:DOMAIN:RANGE", "A relation")
+@_many(
+    "--property", "properties", "NAME:DOMAIN:TYPE", "A property: boolean, number, integer, text, pose, vector or class"
+)
 @_DRY
 @JSON
 def ontology(dry_run: bool, as_json: bool, **said: Any) -> int:
     """Writes an ontology NAME, whose words have the prefix NAME."""
     from skiros_py.scaffold.ontology import NewOntology, draft_ontology
 
-    if not (said["class"] or said["relation"] or said["property"]):
-        _ask_many(said, "class", "Class (such as Scanner:sk:Device)")
-        _ask_many(said, "relation", "Relation (such as scannedAt:sk:Manipulatable:sk:Station)")
-        _ask_many(said, "property", "Property (such as scanned:sk:Manipulatable:boolean)")
-    return _add(lambda known: draft_ontology(known, NewOntology(**_renamed(said))), dry_run=dry_run, as_json=as_json)
+    if not (said["classes"] or said["relations"] or said["properties"]):
+        _ask_many(said, "classes", "Class (such as Scanner:sk:Device)")
+        _ask_many(said, "relations", "Relation (such as scannedAt:sk:Manipulatable:sk:Station)")
+        _ask_many(said, "properties", "Property (such as scanned:sk:Manipulatable:boolean)")
+    return _add(lambda known: draft_ontology(known, NewOntology(**said)), dry_run=dry_run, as_json=as_json)
 
 
 @command.command("robot", epilog="Example: skiros new robot loader --start dock --limit max-linear=0.5")
 @_NAME
 @_HELP
 @click.option("--start", default="unknown_location", metavar="ID", help="Where it is.  [default: unknown_location]")
-@_many("--limit", "NAME=VALUE", "max-linear, max-angular, max-gap, max-force, max-linear-acceleration, …")
+@_many("--limit", "limits", "NAME=VALUE", "max-linear, max-angular, max-gap, max-force, max-linear-acceleration, …")
 @click.option("--model", default="mobile_panda", metavar="MODEL", help="What drivers build.  [default: mobile_panda]")
 @_DRY
 @JSON
@@ -170,7 +174,7 @@ def robot(dry_run: bool, as_json: bool, **said: Any) -> int:
     """Writes a robot NAME: the individuals of a mobile manipulator, for scenes to import."""
     from skiros_py.scaffold.robot import NewRobot, draft_robot
 
-    return _add(lambda known: draft_robot(known, NewRobot(**_renamed(said))), dry_run=dry_run, as_json=as_json)
+    return _add(lambda known: draft_robot(known, NewRobot(**said)), dry_run=dry_run, as_json=as_json)
 
 
 @command.command(
@@ -179,40 +183,21 @@ def robot(dry_run: bool, as_json: bool, **said: Any) -> int:
 @_NAME
 @_HELP
 @_ROBOT
-@_many("--thing", "KEY:CLASS", "Something that is there")
-@_many("--goal", "CONDITION", "What is wanted, over the things")
+@_many("--thing", "things", "KEY:CLASS", "Something that is there")
+@_many("--goal", "goals", "CONDITION", "What is wanted, over the things")
 @_DRY
 @JSON
 def scene(dry_run: bool, as_json: bool, **said: Any) -> int:
     """Writes a scene NAME with a robot, things and a goal."""
     from skiros_py.scaffold.scene import NewScene, draft_scene
 
-    if not said["thing"]:
-        _ask_many(said, "thing", "Something that is there (such as part:sk:Manipulatable)")
-        _ask_many(said, "goal", "Goal (such as Inspected(part))")
-    return _add(lambda known: draft_scene(known, NewScene(**_renamed(said))), dry_run=dry_run, as_json=as_json)
+    if not said["things"]:
+        _ask_many(said, "things", "Something that is there (such as part:sk:Manipulatable)")
+        _ask_many(said, "goals", "Goal (such as Inspected(part))")
+    return _add(lambda known: draft_scene(known, NewScene(**said)), dry_run=dry_run, as_json=as_json)
 
 
 # ---------------------------------------------------------------- what all have in common
-
-_FIELDS = {
-    "help_": "help",
-    "param": "params",
-    "role": "roles",
-    "class": "classes",
-    "thing": "things",
-    "goal": "goals",
-    "limit": "limits",
-}
-"""Field of what is said, by option, where it is called otherwise."""
-
-
-def _renamed(said: Mapping[str, Any]) -> dict[str, Any]:
-    renamed = {_FIELDS.get(key, key): value for key, value in said.items()}
-    for key in ("relation", "property"):
-        if isinstance(renamed.get(key), tuple):
-            renamed["properties" if key == "property" else "relations"] = renamed.pop(key)
-    return renamed
 
 
 def _add(make: Callable[[Knowledge], Draft], *, dry_run: bool, as_json: bool) -> int:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import ctypes
 import pickle
 import signal
-import threading
 import time
 import uuid
 from collections.abc import Callable
@@ -17,14 +16,14 @@ from concurrent.futures import ThreadPoolExecutor
 from threading import Event, Lock, Timer, get_ident
 from typing import Any, TypeVar
 
-from skiros_py.errors import DeviceError, PlanningError, SkirosError, WorldError
+from skiros_py.errors import DeviceError, PlanningError, SkirosError
 from skiros_py.interruptions import Interruption
 from skiros_py.planning.planners.planner import Planner, Planners
 from skiros_py.planning.planners.programs import kill_group, kill_marked
 from skiros_py.planning.replica import MARK, PROCESSOR_TIME
 from skiros_py.planning.requests import Answer, Asked, Request, answered
 from skiros_py.processes import packed
-from skiros_py.world.queries.outside import Ended, ReplicaProcess
+from skiros_py.world.queries.outside import Ended, FollowingReplica
 from skiros_py.world.world import World
 
 T = TypeVar("T")
@@ -50,14 +49,12 @@ class PlanningProcess:
     """
 
     def __init__(self, world: World, make_planners: Callable[[], Planners]) -> None:
-        self._world = world
-        self._make_planners = _packed("the planners", make_planners)
         self._threads = ThreadPoolExecutor(thread_name_prefix="skiros-planning")
-        self._lock = threading.Lock()
-        self._replica: ReplicaProcess | None = None
         self._closed = Event()
         self._mark = uuid.uuid4().hex
-        self._threads.submit(self._start)
+        planners = _packed("the planners", make_planners)
+        self._replica = FollowingReplica(world, _PROGRAM, planners, self._mark, on_death=self._kill_programs)
+        self._threads.submit(self._replica.start)
 
     def ask(self, request: Request[T]) -> Asked[T]:
         """Submits a request about the current world and returns at once.
@@ -75,15 +72,13 @@ class PlanningProcess:
     @property
     def pid(self) -> int | None:
         """Id of the process; None if it does not run."""
-        replica = self._replica
-        return None if replica is None or not replica.is_alive() else replica.pid
+        return self._replica.pid
 
     def close(self) -> None:
         """Ends the process and all pending requests; may be called twice."""
         self._closed.set()
         self._threads.shutdown(wait=True, cancel_futures=True)
-        with self._lock:
-            self._drop()
+        self._replica.close()
 
     # ------------------------------------------------------------ in waiting threads
 
@@ -112,43 +107,19 @@ class PlanningProcess:
             DeviceError: The process died.
             PlanningError: The answer is no longer wanted.
         """
-        with self._lock:
-            replica = self._started()
-            try:
-                changes = self._world.changes_since(replica.version)
-            except WorldError:  # the changes are no longer kept
-                self._drop()
-                replica, changes = self._started(), ()
-            pending = replica.ask(changes, order)
-            version = replica.version
+        if self._closed.is_set():
+            raise PlanningError("planning was stopped")
+        version, pending = self._replica.ask(order)
         ended = pending.wait_unless(lambda: stop.is_set() or self._closed.is_set(), _POLL)
         if ended is None:
             raise PlanningError("planning was stopped")
         return version, ended
 
-    def _start(self) -> None:
-        with self._lock:
-            self._started()
-
-    def _started(self) -> ReplicaProcess:
-        if self._closed.is_set():
-            raise PlanningError("planning was stopped")
-        if self._replica is None or not self._replica.is_alive():
-            self._drop()
-            self._replica = ReplicaProcess(*self._world.state(), _PROGRAM, self._make_planners, self._mark)
-        return self._replica
-
-    def _drop(self) -> None:
-        """Ends the process; if it died, its workers as well."""
-        replica, self._replica = self._replica, None
-        if replica is None:
-            return
-        died = not replica.is_alive()
-        replica.close()
-        if died:
-            time.sleep(_LEAVING)
-            kill_group(replica.pid)
-            kill_marked(MARK, self._mark)
+    def _kill_programs(self, pid: int) -> None:
+        """Ends what a process that died has left: its workers, and their programs."""
+        time.sleep(_LEAVING)
+        kill_group(pid)
+        kill_marked(MARK, self._mark)
 
 
 def _packed(what: str, thing: object) -> bytes:

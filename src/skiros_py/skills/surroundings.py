@@ -16,20 +16,8 @@ from skiros_py.world import vocabulary as v
 from skiros_py.world.change import PlacementEdit, Writer
 from skiros_py.world.element import Placement, Value
 from skiros_py.world.journal import Journal
-from skiros_py.world.transaction import Transaction
+from skiros_py.world.poses import write_pose
 from skiros_py.world.view import WorldView
-from skiros_py.world.vocabulary import (
-    DEVICE,
-    HAS_A,
-    HELD_BY,
-    HOLLOW,
-    MANIPULATABLE,
-    POSE,
-    POSE_FRAME,
-    ROBOT,
-    SOLID,
-    SPATIAL_THING,
-)
 from skiros_py.world.world import World
 
 
@@ -41,24 +29,14 @@ def map_pose(context: RunContext, element: str) -> Pose | None:
     device = context.frames.at(context.board.snapshot).device(element)
     if device is not None:
         return device
-    pose = context.world.value(element, POSE)
+    pose = context.world.value(element, v.POSE)
     if not isinstance(pose, Pose):
         return None
-    frames = context.world.objects(element, POSE_FRAME)
+    frames = context.world.objects(element, v.POSE_FRAME)
     if not frames:
         return pose
     frame = map_pose(context, frames[0])
     return frame @ pose if frame is not None else None
-
-
-def set_pose(tx: Transaction, view: WorldView, element: str, pose: Pose | None, frame: str | None = None) -> None:
-    """Writes an element's pose: in the map, or in the frame of another element; None forgets it."""
-    for old in view.objects(element, POSE_FRAME):
-        if old != frame:
-            tx.unrelate(element, POSE_FRAME, old)
-    if frame is not None and frame not in view.objects(element, POSE_FRAME):
-        tx.relate(element, POSE_FRAME, frame)
-    tx.set(element, POSE, pose)
 
 
 def solid_of(view: WorldView, element: str) -> Solid | None:
@@ -67,7 +45,7 @@ def solid_of(view: WorldView, element: str) -> Solid | None:
     Raises:
         WorldError: The shape cannot be read.
     """
-    value: Value | None = view.value(element, SOLID)
+    value: Value | None = view.value(element, v.SOLID)
     if value is None:
         return None
     try:
@@ -76,23 +54,23 @@ def solid_of(view: WorldView, element: str) -> Solid | None:
         raise WorldError(f"{element}: its sk:solid is {error}") from error
 
 
-def owner(view: WorldView, element: str, class_: str = ROBOT) -> str | None:
+def owner(view: WorldView, element: str, class_: str = v.ROBOT) -> str | None:
     """Returns the nearest element of a class that has this one in its structure (the robot of a gripper)."""
     current: tuple[str, ...] = (element,)
     while current:
         for candidate in current:
             if view.ontology.is_a(view.element(candidate).type, class_):
                 return candidate
-        current = tuple(o for c in current for o in view.subjects(HAS_A, c))
+        current = tuple(o for c in current for o in view.subjects(v.HAS_A, c))
     return None
 
 
 def held_by(context: RunContext, gripper: str) -> tuple[str, Held] | None:
     """Returns what a gripper holds, by belief: its id, and its shape at its pose in the arm's tip frame."""
-    for element in context.world.subjects(HELD_BY, gripper):
+    for element in context.world.subjects(v.HELD_BY, gripper):
         solid = solid_of(context.world, element)
-        pose = context.world.value(element, POSE)
-        if solid is not None and isinstance(pose, Pose) and gripper in context.world.objects(element, POSE_FRAME):
+        pose = context.world.value(element, v.POSE)
+        if solid is not None and isinstance(pose, Pose) and gripper in context.world.objects(element, v.POSE_FRAME):
             return element, Held(solid, pose)
     return None
 
@@ -107,11 +85,11 @@ def obstacles(context: RunContext, *, parts: bool, without: frozenset[str] = fro
     """
     view = context.world
     found = []
-    for element in view.instances(SPATIAL_THING):
+    for element in view.instances(v.SPATIAL_THING):
         type_ = view.element(element).type
-        if element in without or (not parts and view.ontology.is_a(type_, MANIPULATABLE)):
+        if element in without or (not parts and view.ontology.is_a(type_, v.MANIPULATABLE)):
             continue
-        if view.value(element, HOLLOW) is True or any(view.ontology.is_a(type_, c) for c in (DEVICE, ROBOT)):
+        if view.value(element, v.HOLLOW) is True or any(view.ontology.is_a(type_, c) for c in (v.DEVICE, v.ROBOT)):
             continue
         solid, pose = solid_of(view, element), map_pose(context, element)
         if solid is not None and pose is not None and not _in_hand(view, element):
@@ -121,7 +99,7 @@ def obstacles(context: RunContext, *, parts: bool, without: frozenset[str] = fro
 
 def _in_hand(view: WorldView, element: str) -> bool:
     placement = view.placement(element)
-    return placement is not None and placement.relation == HELD_BY
+    return placement is not None and placement.relation == v.HELD_BY
 
 
 def respawn(world: World, journal: Journal, check: Callable[[WorldView], None] = lambda _view: None) -> None:
@@ -146,13 +124,11 @@ def respawn(world: World, journal: Journal, check: Callable[[WorldView], None] =
     with world.transaction("simulation", "it starts anew", writer=Writer.SYSTEM) as tx:
         for part in lost:
             tx.place(part, v.ON, anywhere)
-            set_pose(tx, world, part, None)
+            write_pose(tx, part, None)
             tx.set(part, v.MISSING, True)
         for part, placement in held.items():
             tx.place(part, placement.relation, placement.place)
-            set_pose(
-                tx, world, part, None
-            )  # where in its place nobody knows any more; the gripper carries it no longer
+            write_pose(tx, part, None)  # where in its place nobody knows any more; the gripper carries it no longer
         for robot in robots:
             tx.place(robot, v.AT, anywhere)
         check(tx.view)

@@ -35,6 +35,14 @@ class Datatype:
     parse: Callable[[str], Value]
     format: Callable[[Value], str]
 
+    def fits(self, value: object) -> bool:
+        """Returns whether it is such a value."""
+        try:
+            self.check(value)
+        except ValueError:
+            return False
+        return True
+
 
 def check_length(text: str) -> str:
     """Returns the text.

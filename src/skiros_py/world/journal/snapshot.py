@@ -136,16 +136,8 @@ def _value_problems(ontology: Ontology, elements: Iterable[Element]) -> Iterator
     missing = {name for name, _ in samples} - set(ontology.properties)
     yield from (str(UnknownName("property", name, ontology.properties)) for name in sorted(missing))
     for (name, _), (element_id, value) in samples.items():
-        if name not in missing and not _fits(ontology.properties[name].range, value):
+        if name not in missing and not DATATYPES[ontology.properties[name].range].fits(value):
             yield f"{name} is a {ontology.properties[name].range} now, and {element_id} has {shown(value)}"
-
-
-def _fits(range_: str, value: Value) -> bool:
-    try:
-        DATATYPES[range_].check(value)
-    except ValueError:
-        return False
-    return True
 
 
 # ---------------------------------------------------------------- pieces of a snapshot

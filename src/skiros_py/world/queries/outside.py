@@ -209,6 +209,78 @@ class Pending:
         os.close(self._status)
 
 
+class FollowingReplica:
+    """The replica of a live world: started for the first order, up to date for each, started again if it died.
+
+    Any thread may ask. Close it.
+
+    Args:
+        world: The world.
+        program: What it does for an order; see :class:`ReplicaProcess`.
+        *more: What that program is made with besides.
+        on_death: Called with the process id of one that died before it was closed.
+    """
+
+    def __init__(
+        self, world: World, program: str = QUERIES, *more: object, on_death: Callable[[int], None] = lambda _: None
+    ) -> None:
+        self._world = world
+        self._program = (program, *more)
+        self._on_death = on_death
+        self._lock = threading.Lock()
+        self._replica: ReplicaProcess | None = None
+        self._closed = False
+
+    @property
+    def pid(self) -> int | None:
+        """Id of the process; None if it does not run."""
+        replica = self._replica
+        return None if replica is None or not replica.is_alive() else replica.pid
+
+    def start(self) -> None:
+        """Makes the replica, as the first order does otherwise; of a million triples that takes half a minute."""
+        with self._lock:
+            self._started()
+
+    def ask(self, order: bytes) -> tuple[int, Pending]:
+        """Hands it an order about the world as it is now; returns the version of that, too.
+
+        Raises:
+            DeviceError: It died, cannot be started, or was closed.
+        """
+        with self._lock:
+            replica = self._started()
+            try:
+                changes = self._world.changes_since(replica.version)
+            except WorldError:  # they are no longer kept
+                self._drop()
+                replica, changes = self._started(), ()
+            pending = replica.ask(changes, order)
+            return replica.version, pending
+
+    def close(self) -> None:
+        """Ends the process and all that it runs; may be called twice."""
+        with self._lock:
+            self._closed = True
+            self._drop()
+
+    def _started(self) -> ReplicaProcess:
+        if self._closed:  # a thread that was waiting must not start it again
+            raise DeviceError("nothing is answered any more: the process with the replica was closed")
+        if self._replica is None or not self._replica.is_alive():
+            self._drop()
+            self._replica = ReplicaProcess(*self._world.state(), *self._program)
+        return self._replica
+
+    def _drop(self) -> None:
+        replica, self._replica = self._replica, None
+        if replica is not None:
+            died = not replica.is_alive()
+            replica.close()
+            if died:
+                self._on_death(replica.pid)
+
+
 def _packed(*state: object) -> bytes:
     try:
         return packed(state)
@@ -254,22 +326,16 @@ class OutsideQueries:
 
     def __init__(self, world: World, limits: Limits = Limits()) -> None:
         self.limits = limits
-        self._world = world
-        self._lock = threading.Lock()
         self._turns = threading.BoundedSemaphore(limits.at_once)
-        self._replica: ReplicaProcess | None = None
-        self._closed = False
+        self._replica = FollowingReplica(world)
 
     def start(self) -> None:
         """Makes the replica, as the first query does otherwise; of a million triples that takes half a minute."""
-        with self._lock:
-            self._started()
+        self._replica.start()
 
     def close(self) -> None:
         """Ends the replica and all running queries; no more answers are given."""
-        with self._lock:
-            self._closed = True
-            self._drop()
+        self._replica.close()
 
     def __enter__(self) -> Self:
         return self
@@ -316,10 +382,11 @@ class OutsideQueries:
     # ------------------------------------------------------------ the replica
 
     def _outcome(self, order: Order) -> Result:
+        packed_order = pickle.dumps(order)
         try:
-            ended = self._sent(order).wait(order.time_limit)
+            ended = self._replica.ask(packed_order)[1].wait(order.time_limit)
         except DeviceError:  # the replica was killed: retry with a new one
-            ended = self._sent(order).wait(order.time_limit)
+            ended = self._replica.ask(packed_order)[1].wait(order.time_limit)
         if ended.code != 0:
             raise UsageError(_why(ended.code, order))
         outcome = pickle.loads(ended.answer)  # noqa: S301  from our own process
@@ -327,29 +394,6 @@ class OutsideQueries:
             raise outcome
         result: Result = outcome
         return result
-
-    def _sent(self, order: Order) -> Pending:
-        with self._lock:
-            replica = self._started()
-            try:
-                changes = self._world.changes_since(replica.version)
-            except WorldError:  # they are remembered no longer
-                self._drop()
-                replica, changes = self._started(), ()
-            return replica.ask(changes, pickle.dumps(order))
-
-    def _started(self) -> ReplicaProcess:
-        if self._closed:  # a thread that was waiting must not start it again
-            raise DeviceError("no queries are answered any more: whatever answered them was closed")
-        if self._replica is None or not self._replica.is_alive():
-            self._drop()
-            self._replica = ReplicaProcess(*self._world.state())
-        return self._replica
-
-    def _drop(self) -> None:
-        if self._replica is not None:
-            self._replica.close()
-            self._replica = None
 
 
 def _why(code: int, order: Order) -> str:

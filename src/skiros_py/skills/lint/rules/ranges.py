@@ -114,15 +114,7 @@ def _comparable(leaf: Compare, range_: str, ontology: Ontology) -> bool:
         return leaf.value in ontology.classes
     # A whole number may well lie above 0.5 or below 1.5: only the kind of value counts for an order.
     values = (leaf.value,) if leaf.op in ("=", "!=") else (leaf.value, 1, 0.5, -1)
-    return any(_is_value(value, range_) for value in values)
-
-
-def _is_value(value: object, range_: str) -> bool:
-    try:
-        DATATYPES[range_].check(value)
-    except ValueError:
-        return False
-    return True
+    return any(map(DATATYPES[range_].fits, values))
 
 
 def _passed(skill: Skill, known: Known) -> Iterator[str]:
