@@ -10,7 +10,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from skiros_py.errors import FileError, UnknownName, UsageError
-from skiros_py.plugins import Entry, PluginFault, files_of, installation, unambiguous
+from skiros_py.plugins.installation import installation
+from skiros_py.plugins.loading import files_of, unambiguous
+from skiros_py.plugins.plugin import Entry, PluginFault
 
 SCENE_SUFFIXES = (".ttl", ".owl", ".rdf", ".owx", ".xml")
 """How the names of scene files end; of two files of one name the first kind counts."""

@@ -11,7 +11,7 @@ from click.testing import CliRunner
 
 from skiros_py.catalogue import load_catalogue
 from skiros_py.cli.main import cli, main
-from skiros_py.plugins import PluginFault
+from skiros_py.plugins.plugin import PluginFault
 from skiros_py.station.session import Options, Session
 from skiros_py.testing import TINY_ONTOLOGY, tiny_scene
 

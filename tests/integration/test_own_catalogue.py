@@ -9,7 +9,7 @@ import pytest
 from skiros_py.catalogue import Catalogue
 from skiros_py.errors import UnknownName, UsageError
 from skiros_py.planning.planners.fast_downward import FastDownward
-from skiros_py.plugins import PluginFault
+from skiros_py.plugins.plugin import PluginFault
 from skiros_py.station.session import Options, Session
 from skiros_py.testing import CONDITIONS, SKILLS, TINY_ONTOLOGY, tiny_scene
 

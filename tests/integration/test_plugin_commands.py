@@ -12,7 +12,8 @@ from skiros_py.catalogue import Catalogue, fitting, load_catalogue
 from skiros_py.cli.doctor import CHECKS, Finding, data_folder, examined
 from skiros_py.cli.main import cli, main
 from skiros_py.errors import PlanningError, UnknownName, UsageError
-from skiros_py.plugins import fault_of, installation
+from skiros_py.plugins.installation import installation
+from skiros_py.plugins.loading import fault_of
 from skiros_py.skills.outcome import Success
 from skiros_py.station.session import Options, Session
 from skiros_py.testing import CONDITIONS, SKILLS, TINY_ONTOLOGY, tiny_ontology, tiny_scene

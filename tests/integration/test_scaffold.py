@@ -18,7 +18,7 @@ from pathlib import Path
 import pytest
 
 from skiros_py.cli.main import main
-from skiros_py.plugins import find_plugin
+from skiros_py.plugins.loading import find_plugin
 from skiros_py.scaffold.package import NewPackage, draft_package
 from skiros_py.scaffold.project import Knowledge, Project, knowledge_of
 from skiros_py.scaffold.skill import NewSkill, draft_skill

@@ -10,7 +10,8 @@ from skiros_py.behaviours.document import DocumentKind
 from skiros_py.errors import DescriptionError, DeviceError, PlanningError, SkirosError, UnknownName, UsageError
 from skiros_py.planning.planners.planner import Planners
 from skiros_py.planning.planners.program_planner import EVERYTHING, CommandPlanner
-from skiros_py.plugins import Entry, LazyPlugins, Plugin, PluginFault
+from skiros_py.plugins.loading import LazyPlugins
+from skiros_py.plugins.plugin import Entry, Plugin, PluginFault
 from skiros_py.ports.signals import SignalProvider, provider_problem
 from skiros_py.skills.behaviour import Behaviour, calls_of
 from skiros_py.skills.conditions import ConditionType

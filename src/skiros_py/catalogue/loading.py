@@ -23,18 +23,9 @@ from skiros_py.config import SCENE_SUFFIXES, ontology_paths, plugin_scenes, scen
 from skiros_py.errors import FileError, PlanningError, SkirosError, UnknownName
 from skiros_py.interruptions import by_user
 from skiros_py.planning.domain.actions import actions_of
-from skiros_py.plugins import (
-    GROUPS,
-    Entry,
-    LazyPlugins,
-    Plugin,
-    PluginFault,
-    examined,
-    fault_of,
-    installation,
-    load,
-    unambiguous,
-)
+from skiros_py.plugins.installation import GROUPS, installation
+from skiros_py.plugins.loading import LazyPlugins, examined, fault_of, load, unambiguous
+from skiros_py.plugins.plugin import Entry, Plugin, PluginFault
 from skiros_py.ports.adapters import Adapter, adapter_problem
 from skiros_py.ports.device import DeviceSpec, device_problem, load_device_kinds
 from skiros_py.ports.kinematics import RobotModel

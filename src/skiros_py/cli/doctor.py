@@ -186,7 +186,7 @@ def _planner() -> Iterator[Finding]:
 
 @_check("plug-ins")
 def _distributions() -> Iterator[Finding]:
-    from skiros_py.plugins import installation
+    from skiros_py.plugins.installation import installation
 
     found = installation()
     for distribution in found.distributions:
@@ -200,7 +200,7 @@ def _distributions() -> Iterator[Finding]:
 
 @_check("versions")
 def _versions() -> Iterator[Finding]:
-    from skiros_py.plugins import installation, misfit
+    from skiros_py.plugins.installation import installation, misfit
 
     for distribution in installation().distributions:
         if found := misfit(distribution):
@@ -209,7 +209,8 @@ def _versions() -> Iterator[Finding]:
 
 @_check("stale entry points")
 def _stale() -> Iterator[Finding]:
-    from skiros_py.plugins import installation, locate
+    from skiros_py.plugins.installation import installation
+    from skiros_py.plugins.plugin import locate
 
     for entry in installation().entries:
         if not entry.is_well_formed:
@@ -223,7 +224,7 @@ def _stale() -> Iterator[Finding]:
 @_check("unknown groups")
 def _groups() -> Iterator[Finding]:
     from skiros_py.errors import UnknownName
-    from skiros_py.plugins import GROUPS, installation
+    from skiros_py.plugins.installation import GROUPS, installation
 
     for entry in installation().entries:
         if entry.group not in GROUPS:
@@ -235,7 +236,7 @@ def _groups() -> Iterator[Finding]:
 def _loading() -> Iterator[Finding]:
     """Loads all plug-ins; names that stand twice show here, too."""
     from skiros_py.catalogue import survey
-    from skiros_py.plugins import GROUPS
+    from skiros_py.plugins.installation import GROUPS
 
     for one in survey()[0]:
         for fault in one.faults if one.entry.group in GROUPS else ():

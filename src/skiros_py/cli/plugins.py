@@ -12,7 +12,7 @@ from skiros_py.errors import UnknownName
 
 if TYPE_CHECKING:
     from skiros_py.catalogue import Surveyed
-    from skiros_py.plugins import PluginFault
+    from skiros_py.plugins.plugin import PluginFault
 
 _FILE_WIDTH = 200
 """Columns of the table where it is not shown on a terminal."""
@@ -50,7 +50,7 @@ def command(name: str | None, group: str | None, tracebacks: bool, strict: bool,
 
 def _group(given: str | None) -> str | None:
     """Returns the group in full ("skiros.skills"); its first part may be left out."""
-    from skiros_py.plugins import GROUPS
+    from skiros_py.plugins.installation import GROUPS
 
     if given is None:
         return None
@@ -85,7 +85,7 @@ def _print(listed: Sequence[Surveyed], others: Sequence[PluginFault], *, traceba
 
 def _print_in_full(one: Surveyed) -> None:
     from skiros_py.catalogue import KINDS
-    from skiros_py.plugins import origin_of
+    from skiros_py.plugins.plugin import origin_of
 
     entry = one.entry
     kind = KINDS.get(entry.group)

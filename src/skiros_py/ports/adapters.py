@@ -12,7 +12,9 @@ from dataclasses import dataclass
 from typing import Any, Literal, Protocol, TypeVar
 
 from skiros_py.errors import DeviceError, UnknownName, UsageError
-from skiros_py.plugins import OWN_NAME, Plugin, PluginFault, load_plugins
+from skiros_py.plugins.installation import OWN_NAME
+from skiros_py.plugins.loading import load_plugins
+from skiros_py.plugins.plugin import Plugin, PluginFault
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.device import DeviceSpec
 

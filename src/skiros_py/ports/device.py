@@ -20,7 +20,9 @@ import numpy as np
 
 from skiros_py.errors import DescriptionError, DeviceError
 from skiros_py.geometry import Pose
-from skiros_py.plugins import Installation, Plugin, PluginFault, examined, installation, load_plugins
+from skiros_py.plugins.installation import Installation, installation
+from skiros_py.plugins.loading import examined, load_plugins
+from skiros_py.plugins.plugin import Plugin, PluginFault
 from skiros_py.ports.kinematics import BASE_LINK
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from typing import Protocol
 
 from skiros_py.errors import UsageError
 from skiros_py.geometry import Array, Pose
-from skiros_py.plugins import find_plugin
+from skiros_py.plugins.loading import find_plugin
 
 GROUP = "skiros.robots"
 """Entry points of this group name robots: a :class:`RobotModel`, or files with individuals alone."""

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any, get_args, get_origin, get_type_hints
 
 import numpy as np
 
-from skiros_py.plugins import PluginFault, attempt, load_plugins
+from skiros_py.plugins.loading import attempt, load_plugins
+from skiros_py.plugins.plugin import PluginFault
 from skiros_py.recording.foxglove import Json, Schema
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ from tomlkit.exceptions import TOMLKitError
 from skiros_py.catalogue import Catalogue, load_catalogue
 from skiros_py.config import ontology_paths
 from skiros_py.errors import FileError, UnknownName, UsageError
-from skiros_py.plugins import as_if_installed, installation
+from skiros_py.plugins.installation import as_if_installed, installation
 from skiros_py.skills.conditions import ConditionType
 from skiros_py.skills.parameters import Param, params_of
 from skiros_py.world.ontology import Ontology, load_installed

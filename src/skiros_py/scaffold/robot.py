@@ -7,7 +7,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from skiros_py.errors import UnknownName, UsageError
-from skiros_py.plugins import PluginFault, installation
+from skiros_py.plugins.installation import installation
+from skiros_py.plugins.plugin import PluginFault
 from skiros_py.ports.kinematics import GROUP
 from skiros_py.scaffold.declared import module_name, sentence, words_of
 from skiros_py.scaffold.draft import Draft, render

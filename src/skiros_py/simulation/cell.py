@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from skiros_py.devices.camera import CameraSpec
 from skiros_py.errors import DeviceError, SkirosError, UsageError
 from skiros_py.geometry import Pose
-from skiros_py.plugins import find_plugin
+from skiros_py.plugins.loading import find_plugin
 from skiros_py.ports.cell import BodySpec, CellSpec, RobotSpec
 from skiros_py.ports.driver import command_models, require_known, states_of
 from skiros_py.ports.kinematics import write_robot_urdf

@@ -20,7 +20,7 @@ from skiros_py.execution.skill_manager import SkillManager
 from skiros_py.listeners import Listeners
 from skiros_py.planning.problem.stock import believed
 from skiros_py.planning.service import Planned
-from skiros_py.plugins import PluginFault
+from skiros_py.plugins.plugin import PluginFault
 from skiros_py.ports.adapters import Ports
 from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.driver import CompositeDriver

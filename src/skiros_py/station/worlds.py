@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from skiros_py.config import find_scene, ontology_paths
-from skiros_py.plugins import PluginFault
+from skiros_py.plugins.plugin import PluginFault
 from skiros_py.world.ontology import Ontology, load_installed
 from skiros_py.world.reasoners.registry import Reasoners, load_reasoners
 from skiros_py.world.scene import load_scene

@@ -11,7 +11,8 @@ import pytest
 from skiros_py.catalogue import KINDS
 from skiros_py.catalogue.catalogue import Catalogue
 from skiros_py.errors import DescriptionError
-from skiros_py.plugins import GROUPS, Plugin
+from skiros_py.plugins.installation import GROUPS
+from skiros_py.plugins.plugin import Plugin
 from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.signals import Signal
 from skiros_py.skills.primitive import Primitive

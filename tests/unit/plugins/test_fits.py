@@ -8,7 +8,9 @@ from typing import Any
 import pytest
 
 from skiros_py import __version__
-from skiros_py.plugins import Distribution, load_plugins, misfit
+from skiros_py.plugins.installation import misfit
+from skiros_py.plugins.loading import load_plugins
+from skiros_py.plugins.plugin import Distribution
 
 
 def made_for(*requires: str) -> Distribution:

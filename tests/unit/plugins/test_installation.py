@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from skiros_py.plugins import GROUPS, installation
+from skiros_py.plugins.installation import GROUPS, installation
 
 
 @pytest.mark.parametrize("group", GROUPS)

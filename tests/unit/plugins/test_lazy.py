@@ -8,7 +8,9 @@ from typing import Any
 
 import pytest
 
-from skiros_py.plugins import LazyPlugins, Plugin, installation
+from skiros_py.plugins.installation import installation
+from skiros_py.plugins.loading import LazyPlugins
+from skiros_py.plugins.plugin import Plugin
 
 FILES = {
     "sk_lazy_a.py": "X = 1",

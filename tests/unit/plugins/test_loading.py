@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from skiros_py.plugins import load_plugins
+from skiros_py.plugins.loading import load_plugins
 
 GROUP = "skiros.testing_only"
 

@@ -7,7 +7,9 @@ from typing import Any
 
 import pytest
 
-from skiros_py.plugins import PluginFault, files_of, installation
+from skiros_py.plugins.installation import installation
+from skiros_py.plugins.loading import files_of
+from skiros_py.plugins.plugin import PluginFault
 
 BREAKS = "raise SystemExit"
 

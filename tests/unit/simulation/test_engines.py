@@ -8,7 +8,7 @@ import pytest
 from unit.simulation.kinematic_engine import KinematicEngine
 
 from skiros_py.errors import DeviceError, UnknownName
-from skiros_py.plugins import find_plugin
+from skiros_py.plugins.loading import find_plugin
 from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.driver import CellDriver
 from skiros_py.ports.simulation import Engine

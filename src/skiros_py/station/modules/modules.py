@@ -22,7 +22,7 @@ from skiros_py.catalogue import Surveyed, survey
 from skiros_py.errors import UnknownName, UsageError, WrongState
 from skiros_py.execution.runtime import agents_of
 from skiros_py.execution.skill_manager import SkillManager
-from skiros_py.plugins import PluginFault
+from skiros_py.plugins.plugin import PluginFault
 from skiros_py.station.modules import views
 from skiros_py.station.modules.runs import ModuleRun, Wish
 from skiros_py.station.requests import LIBRARY, Author, Service, addressed

@@ -7,7 +7,9 @@ from pathlib import Path
 from types import MappingProxyType
 
 from skiros_py.errors import FileError, UnknownName, UsageError
-from skiros_py.plugins import Entry, PluginFault, fault_of, files_of, installation, unambiguous
+from skiros_py.plugins.installation import installation
+from skiros_py.plugins.loading import fault_of, files_of, unambiguous
+from skiros_py.plugins.plugin import Entry, PluginFault
 from skiros_py.world.element import Placement, Value
 from skiros_py.world.names import Names, local_name
 from skiros_py.world.ontology.declarations import Declarations, read_declarations

@@ -225,7 +225,7 @@ class FollowingReplica:
         self, world: World, program: str = QUERIES, *more: object, on_death: Callable[[int], None] = lambda _: None
     ) -> None:
         self._world = world
-        self._program = (program, *more)
+        self._program, self._more = program, more
         self._on_death = on_death
         self._lock = threading.Lock()
         self._replica: ReplicaProcess | None = None
@@ -269,7 +269,7 @@ class FollowingReplica:
             raise DeviceError("nothing is answered any more: the process with the replica was closed")
         if self._replica is None or not self._replica.is_alive():
             self._drop()
-            self._replica = ReplicaProcess(*self._world.state(), *self._program)
+            self._replica = ReplicaProcess(*self._world.state(), self._program, *self._more)
         return self._replica
 
     def _drop(self) -> None:

@@ -10,7 +10,8 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar, TypeVar
 
 from skiros_py.errors import DescriptionError, SkirosError, UnknownName, UsageError
-from skiros_py.plugins import Plugin, PluginFault, attempt, load_plugins
+from skiros_py.plugins.loading import attempt, load_plugins
+from skiros_py.plugins.plugin import Plugin, PluginFault
 from skiros_py.world.element import Value
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.terms import Family

@@ -10,7 +10,9 @@ from pathlib import Path
 
 from skiros_py.errors import FileError, WorldError
 from skiros_py.geometry import Pose
-from skiros_py.plugins import Entry, Plugin, PluginFault, fault_of, files_of, installation, load, unambiguous
+from skiros_py.plugins.installation import installation
+from skiros_py.plugins.loading import fault_of, files_of, load, unambiguous
+from skiros_py.plugins.plugin import Entry, Plugin, PluginFault
 from skiros_py.ports.kinematics import GROUP, RobotModel
 from skiros_py.world.change import Change, Edit, ElementEdit, GoalsEdit, PlacementEdit, PropertyEdit, Writer
 from skiros_py.world.element import Element, Placement, Value, is_abstract

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from skiros_py.plugins import PluginFault
+from skiros_py.plugins.plugin import PluginFault
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.reasoners.registry import load_reasoners
 
