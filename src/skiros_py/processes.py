@@ -79,11 +79,20 @@ def _is_found(module: str | None) -> bool:
     if module is None or file is None or not file.endswith(".py"):  # built in, compiled, or not yet imported
         return True
     top, *rest = module.split(".")
+    places = _search_locations(top)
+    if places is None or not rest:
+        return places is not None
+    return any(
+        os.path.isfile(f"{place}.py") or os.path.isfile(os.path.join(place, "__init__.py"))  # noqa: PTH113, PTH118
+        for place in (os.path.join(location, *rest) for location in places)  # noqa: PTH118 - Path is slower
+    )
+
+
+@cache
+def _search_locations(top: str) -> tuple[str, ...] | None:
+    """Returns the folders of a package, none for a plain module; None if a new Python process does not find it."""
     spec = next(filter(None, (finder.find_spec(top, None) for finder in sys.meta_path)), None)
-    if spec is None or not rest:
-        return spec is not None
-    places = (Path(place, *rest) for place in spec.submodule_search_locations or ())
-    return any(place.with_suffix(".py").is_file() or (place / "__init__.py").is_file() for place in places)
+    return None if spec is None else tuple(spec.submodule_search_locations or ())
 
 
 def limit(*, seconds: float, memory: int) -> None:

@@ -152,6 +152,7 @@ class ThreadHost:
         self._closed = Event()
         self._lock = Lock()
         self._working: dict[int, Event] = {}
+        self._interrupted: set[int] = set()
 
     def ask(self, request: Request[T]) -> Asked[T]:
         """Submits a request about the current world.
@@ -173,7 +174,9 @@ class ThreadHost:
             finally:
                 with self._lock:
                     del self._working[get_ident()]
-                    _raise_in(get_ident(), None)
+                    if get_ident() in self._interrupted:  # the call costs: Python never resets its "check for signals"
+                        self._interrupted.remove(get_ident())
+                        _raise_in(get_ident(), None)
 
         try:
             return Asked(self._threads.submit(work), lambda: self._end(stop))
@@ -191,6 +194,7 @@ class ThreadHost:
         with self._lock:
             for thread, other in self._working.items():
                 if stop is None or other is stop:
+                    self._interrupted.add(thread)
                     _raise_in(thread, _Stopped)
 
     def close(self) -> None:
