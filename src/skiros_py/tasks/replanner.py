@@ -10,8 +10,9 @@ from skiros_py.planning.requests import PlanRequest
 from skiros_py.planning.service import Planned
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.primitive import Execution
-from skiros_py.tasks.context import Control, TaskContext
-from skiros_py.tasks.history import History
+from skiros_py.tasks.context import TaskContext
+from skiros_py.tasks.handle import TaskHandle
+from skiros_py.tasks.record import TaskRecord
 
 _AGAIN = 4
 """How often planning is repeated if there is no plan but the world changed meanwhile."""
@@ -22,16 +23,14 @@ class Replanner:
 
     Args:
         context: World, skill managers and planning.
-        history: Which targets failed too often.
-        task: Name of the task; elements that other tasks use are planned with only as a last resort.
-        control: Control requests of the task.
+        record: Which targets failed too often.
+        task: The task; elements that other tasks use are planned with only as a last resort.
     """
 
-    def __init__(self, context: TaskContext, history: History, task: str, control: Control) -> None:
+    def __init__(self, context: TaskContext, record: TaskRecord, task: TaskHandle) -> None:
         self._context = context
-        self._history = history
+        self._record = record
         self._task = task
-        self._control = control
 
     def plan(self, goal: Sequence[Condition], running: Sequence[Step] = ()) -> Execution[Planned]:
         """Plans from the current world model; the plan is for that one state, even if the world changes meanwhile.
@@ -51,7 +50,7 @@ class Replanner:
         try:
             return (yield from self._up_to_date(goal, running))
         except PlanningError as error:
-            if not self._history.steps:
+            if not self._record.steps:
                 raise
             return Planned(NoPlan((str(error),)), None, 0.0)
 
@@ -71,23 +70,15 @@ class Replanner:
         return (yield from self._plan(goal, running))
 
     def _plan(self, goal: Sequence[Condition], running: Sequence[Step]) -> Execution[Planned]:
-        asked = self._context.planning.ask(self.request(goal, running))
-        answer = yield from self._context.answer(asked, self._control)
-        return answer.value
-
-    def request(self, goal: Sequence[Condition], running: Sequence[Step] = ()) -> PlanRequest:
-        """Returns the planning request.
-
-        Args:
-            goal: The conditions to reach.
-            running: Running steps, assumed to succeed.
-        """
-        return PlanRequest(
+        busy = self._context.reservations.of_others(self._task.name)
+        request = PlanRequest(
             tuple(goal),
             self._context.capabilities,
-            self._history.reached,
-            self._history.left_out,
-            self._context.reservations.of_others(self._task),
+            self._record.reached,
+            frozenset(self._record.left_out),
+            busy,
             tuple(running),
             self._context.options,
         )
+        answer = yield from self._context.answer(self._context.planning.ask(request), self._task.control)
+        return answer.value

@@ -37,37 +37,31 @@ class Reservations:
         self._wanted: dict[str, frozenset[str]] = {}
         self._braking: list[_Braking] = []
 
-    def request(self, who: str, wanted: Iterable[str]) -> None:
-        """Requests everything the rest of a task's plan uses, replacing its earlier request.
+    def claim(self, who: str, wanted: Iterable[str], keeps: Iterable[str], *, starts: bool = True) -> bool:
+        """Reserves everything the rest of a task's plan uses, replacing its earlier request.
 
         Args:
             who: Name of the task.
             wanted: Ids of robots and things.
+            keeps: What it keeps while it waits because its steps still run there.
+            starts: False while no step may start: then it takes nothing and does not block others.
+
+        Returns:
+            True if all of it is reserved.
         """
-        needs = frozenset(wanted)
-        if needs <= self._held.get(who, frozenset()):
+        needs, held = frozenset(wanted), self._held.get(who, frozenset())
+        if needs <= held:
             self._wanted.pop(who, None)
             self._held[who] = needs
-        else:
-            self._wanted[who] = needs
-
-    def waits(self, who: str) -> bool:
-        """Returns whether a task's request has not been granted yet."""
-        return who in self._wanted
-
-    def granted(self, who: str, busy: Iterable[str]) -> bool:
-        """Returns whether a task's request is granted; grants it if everything is free now.
-
-        Args:
-            who: Name of the task.
-            busy: What it keeps while it waits because its steps still run there.
-        """
-        if who not in self._wanted:
             return True
-        self.keep(who, busy)
+        self._held[who] = held.intersection(keeps)
+        if not starts:
+            self._wanted.pop(who, None)
+            return False
+        self._wanted[who] = needs
         if self.waits_for(who):
             return False
-        self._held[who] = self._held[who] | self._wanted.pop(who)
+        self._held[who] |= self._wanted.pop(who)
         return True
 
     def waits_for(self, who: str) -> tuple[str, ...]:
@@ -75,18 +69,9 @@ class Reservations:
         wanted = self._wanted.get(who, frozenset())
         return tuple(f"{id_} ({other})" for id_ in sorted(wanted) if (other := self._ahead(who, id_)) is not None)
 
-    def keep(self, who: str, ids: Iterable[str]) -> None:
-        """Releases everything a task holds except these ids."""
-        self._held[who] = self._held.get(who, frozenset()).intersection(ids)
-
     def of(self, who: str) -> frozenset[str]:
         """Returns everything a task holds."""
         return self._held.get(who, frozenset())
-
-    def withdraw(self, who: str, ids: Iterable[str]) -> None:
-        """Withdraws a task's request, so that it no longer blocks others, and releases all it holds but these ids."""
-        self._wanted.pop(who, None)
-        self.keep(who, ids)
 
     def release(self, who: str, moving: Iterable[str] = (), stands: Callable[[], bool] = lambda: True) -> None:
         """Releases everything a task holds and withdraws its request.

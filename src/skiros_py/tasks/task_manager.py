@@ -19,15 +19,16 @@ from skiros_py.skills.conditions import Condition
 from skiros_py.skills.context import Questions
 from skiros_py.skills.outcome import Failure, Outcome
 from skiros_py.skills.primitive import Execution
-from skiros_py.tasks.context import Control, TaskContext
+from skiros_py.tasks.context import TaskContext
+from skiros_py.tasks.executor import TaskExecutor
 from skiros_py.tasks.goal_executor import GoalExecutor
 from skiros_py.tasks.handle import Policy, StepRun, TaskHandle
-from skiros_py.tasks.history import History
-from skiros_py.tasks.replanner import Replanner
+from skiros_py.tasks.record import TaskRecord
 from skiros_py.tasks.report import GoalReport, StepReport
-from skiros_py.tasks.report_builder import end_before_beginning
-from skiros_py.tasks.sequence_run import SequenceRun
+from skiros_py.tasks.sequence_executor import SequenceExecutor
 from skiros_py.tasks.sequences import StepSequence
+from skiros_py.tasks.trace import TraceEventKind
+from skiros_py.tasks.trace_writer import TraceWriter
 from skiros_py.world.world import World
 
 _TRIES = {False: (1.0, 4.0), True: (5.0, 10.0)}
@@ -82,7 +83,7 @@ class TaskManager:
         self._names = count(1)
         self._active: dict[str, TaskHandle] = {}
         self._on_begin: list[Callable[[TaskHandle], None]] = []
-        self._last: History = History(world, attempts)
+        self._last: TaskRecord | None = None
 
     @classmethod
     def of(
@@ -125,7 +126,7 @@ class TaskManager:
     @property
     def steps(self) -> tuple[StepReport, ...]:
         """Every skill execution of the most recently started task, in the order in which they ended."""
-        return tuple(self._last.steps)
+        return () if self._last is None else tuple(self._last.steps)
 
     @property
     def capabilities(self) -> tuple[Capability, ...]:
@@ -143,7 +144,8 @@ class TaskManager:
 
     def plan_request(self, goal: Sequence[Condition]) -> PlanRequest:
         """Returns the request that planning a goal would send now, without sending it."""
-        return Replanner(self._context, History(self._context.world, 1), "", Control()).request(goal)
+        busy, options = self._context.reservations.of_others(""), self._context.options
+        return PlanRequest(tuple(goal), self.capabilities, busy=busy, options=options)
 
     # ------------------------------------------------------------------ tasks
 
@@ -167,7 +169,7 @@ class TaskManager:
             UsageError: A task of that name is running, or the system was halted and not reset.
         """
         task = TaskHandle(self._free(name), goal, policy or self._policy)
-        self._start(task, self._pursuing(task))
+        self._start(task, lambda: GoalExecutor(task, self._context))
         return task
 
     def execute(
@@ -197,32 +199,17 @@ class TaskManager:
         if not anyway:
             sequence.require_works()
         task = TaskHandle(self._free(name), (), policy or self._policy)
-        run = SequenceRun(task, self._context, sequence.steps, iterate, anyway=anyway)
-        self._last = run.history
-        self._start(task, self._listed(task, run.execute()))
+        executor = SequenceExecutor(task, self._context, sequence.steps, iterate, anyway=anyway)
+        self._start(task, lambda: executor)
         return task
 
     def sequence(self) -> StepSequence:
         """Returns an empty sequence to add steps to; they are checked against the current world model."""
         return StepSequence(self._context.world, {c.skill.name: c.skill for c in self.capabilities})
 
-    def _pursuing(self, task: TaskHandle) -> Execution[GoalReport]:
-        run = GoalExecutor(task, self._context)  # starts with an empty history: earlier failures may work now
-        self._last = run.history
-        return (yield from self._listed(task, run.execute()))
-
-    def _listed(self, task: TaskHandle, run: Execution[GoalReport]) -> Execution[GoalReport]:
-        self._active[task.name] = task
-        for listener in tuple(self._on_begin):
-            listener(task)
-        try:
-            return (yield from run)
-        finally:
-            del self._active[task.name]
-
-    def _start(self, task: TaskHandle, run: Execution[GoalReport]) -> None:
-        """Adds a task to the control cycle."""
-        work = self._contained(task, run)
+    def _start(self, task: TaskHandle, make: Callable[[], TaskExecutor]) -> None:
+        """Adds a task to the control cycle; its executor is made in its first cycle."""
+        work = self._contained(task, make)
         next(work)  # run to the first yield, so that it is closed properly even if it ends before its first cycle
         try:
             self._context.cycle.start(work, task.name)
@@ -231,11 +218,11 @@ class TaskManager:
             raise
         self._active[task.name] = task
 
-    def _contained(self, task: TaskHandle, run: Execution[GoalReport]) -> Execution[None]:
+    def _contained(self, task: TaskHandle, make: Callable[[], TaskExecutor]) -> Execution[None]:
         """Runs a task and contains its exceptions: they are in its report, which it always has."""
         try:
             yield
-            yield from run
+            yield from self._execution(task, make())
         except SkirosError as error:
             task.error = error
         except Exception as error:
@@ -243,8 +230,17 @@ class TaskManager:
             raise
         finally:
             self._active.pop(task.name, None)
-            if task.report is None:
-                end_before_beginning(task, self._context)
+            if task.report is None:  # the system was halted before its first cycle
+                trace = TraceWriter(task.name, task.trace, self._context)
+                task.report = TaskRecord(self._context, task.goal, task.policy.attempts).report_cut_off()
+                trace.write(TraceEventKind.BEGUN, task.name)
+                trace.write(TraceEventKind.FINISHED, f"{task.name}: {task.report.outcome}")
+
+    def _execution(self, task: TaskHandle, executor: TaskExecutor) -> Execution[GoalReport]:
+        self._last = executor.record
+        for listener in tuple(self._on_begin):
+            listener(task)
+        return (yield from executor.execute())
 
     def _free(self, name: str) -> str:
         """Checks and returns the name for a new task.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from skiros_py.execution.monitor import ModuleEvent, Status
@@ -21,55 +22,43 @@ class TraceWriter:
         task: Its name.
         trace: Receives the entries.
         context: Provides the time and the monitor.
-        skills: The available skills by name.
     """
 
-    def __init__(self, task: str, trace: Trace, context: TaskContext, skills: Mapping[str, SkillDescription]) -> None:
+    def __init__(self, task: str, trace: Trace, context: TaskContext) -> None:
         self._task = task
         self._trace = trace
         self._context = context
-        self._skills = skills
-        self._waits: set[str] = set()
 
-    def write(self, what: TraceEventKind, text: str, data: Mapping[str, Any] | None = None) -> None:
-        """Adds an entry that concerns no single step."""
-        self._trace.add(TraceEntry(self._context.now, what, text, data=data or {}, id=self._task))
+    def write(
+        self, what: TraceEventKind, text: str, data: Mapping[str, Any] | None = None, run: StepRun | None = None
+    ) -> None:
+        """Adds an entry.
 
-    def write_step(self, what: TraceEventKind, text: str, run: StepRun, data: Mapping[str, Any] | None = None) -> None:
-        """Adds an entry about one step."""
-        step, arguments = run.step, dict(run.step.arguments)
-        now, number = self._context.now, run.number or None
-        own, parent = (step_id(self._task, run.number), self._task) if run.number else (self._task, "")
-        entry = TraceEntry(now, what, text, number, step.skill, arguments, run.agent, data or {}, own, parent)
+        Args:
+            what: The kind of event.
+            text: The event in one sentence.
+            data: Further details as plain data.
+            run: The step; number 0 if it has not started. None for the whole task.
+        """
+        entry = TraceEntry(self._context.now, what, text, data=data or {}, id=self._task)
+        if run is not None:
+            step = run.step
+            entry = replace(entry, skill=step.skill, arguments=dict(step.arguments), agent=run.agent)
+            if run.number:
+                own = step_id(self._task, run.number)
+                entry = replace(entry, step=run.number, id=own, parent=self._task)
         self._trace.add(entry)
-
-    def write_wait(self, step: Step, why: str) -> None:
-        """Adds an entry that a step has to wait; once per reason."""
-        text = f"{self.describe(step)} waits: {why}"
-        if text in self._waits:
-            return
-        self._waits.add(text)
-        run = StepRun(0, step, self.agent(step), self._context.now)
-        self.write_step(TraceEventKind.WAITS, text, run)
-        if self._context.monitor is not None:
-            waits = f"waits: {why}"
-            status, agent = Status.RUNNING, run.agent
+        if what is TraceEventKind.WAITS and self._context.monitor is not None:
+            waits, own = f"waits: {entry.data['reason']}", self._task
             event = ModuleEvent(
-                run.start, "skill", step.skill, status, 0, waits, agent=agent, task=self._task, id=self._task
+                entry.time, "skill", entry.skill, Status.RUNNING, 0, waits, agent=entry.agent, task=own, id=own
             )
             self._context.monitor.publish(event)
 
-    def forget_waits(self) -> None:
-        """Allows waits to be reported again, for a new plan."""
-        self._waits.clear()
 
-    def agent(self, step: Step) -> str:
-        """Returns the name of the agent that runs a step."""
-        return step.arguments[self._skills[step.skill].agent]
-
-    def describe(self, step: Step) -> str:
-        """Returns a step as text: agent, skill and arguments."""
-        return f"{self.agent(step)}: {short_step(step, self._skills[step.skill])}"
+def describe_step(step: Step, skill: SkillDescription) -> str:
+    """Returns a step as text: agent, skill and arguments."""
+    return f"{step.arguments[skill.agent]}: {short_step(step, skill)}"
 
 
 def short_step(step: Step, skill: SkillDescription) -> str:

@@ -13,71 +13,75 @@ SKILLS = {skill.name: skill for skill in (DRIVE, PICK, PLACE)}
 
 def test_who_asks_for_what_is_free_gets_it() -> None:
     reservations = Reservations()
-    reservations.request("a", ["robot_1"])
-    reservations.request("b", ["robot_2"])
 
-    assert reservations.granted("a", ())
-    assert reservations.granted("b", ())
+    assert reservations.claim("a", ["robot_1"], ())
+    assert reservations.claim("b", ["robot_2"], ())
     assert reservations.of_others("a") == {"robot_2"}
 
 
 def test_who_wants_what_another_has_waits_and_can_say_for_what() -> None:
     reservations = Reservations()
-    reservations.request("a", ["robot_1", "ball_1"])
-    assert reservations.granted("a", ())
-    reservations.request("b", ["robot_1"])
+    assert reservations.claim("a", ["robot_1", "ball_1"], ())
 
-    assert not reservations.granted("b", ())
+    assert not reservations.claim("b", ["robot_1"], ())
     assert reservations.waits_for("b") == ("robot_1 (a)",)
-    reservations.request("a", ["ball_1"])
-    assert reservations.granted("b", ())
+    assert reservations.claim("a", ["ball_1"], ())
+    assert reservations.claim("b", ["robot_1"], ())
 
 
 def test_who_asked_first_comes_first() -> None:
     reservations = Reservations()
-    reservations.request("a", ["r"])
-    assert reservations.granted("a", ())
+    assert reservations.claim("a", ["r"], ())
     for who in ("b", "c"):
-        reservations.request(who, ["r"])
+        assert not reservations.claim(who, ["r"], ())
     reservations.release("a")
 
-    assert not reservations.granted("c", ())
-    assert reservations.granted("b", ())
+    assert not reservations.claim("c", ["r"], ())
+    assert reservations.claim("b", ["r"], ())
 
 
 def test_who_wants_more_keeps_meanwhile_only_what_still_moves() -> None:
     reservations = Reservations()
     for who, own in (("a", "r1"), ("b", "r2")):
-        reservations.request(who, [own])
-        assert reservations.granted(who, ())
-    for who in ("a", "b"):
-        reservations.request(who, ["r1", "r2"])
+        assert reservations.claim(who, [own], ())
 
-    assert not reservations.granted("a", ["r1"])
-    assert not reservations.granted("b", ["r2"])
-    assert not reservations.granted("a", ())
-    assert not reservations.granted("b", ())
-    assert reservations.granted("a", ()), "b has let go of what no longer moves"
+    both = ["r1", "r2"]
+    assert not reservations.claim("a", both, ["r1"])
+    assert not reservations.claim("b", both, ["r2"])
+    assert not reservations.claim("a", both, ())
+    assert not reservations.claim("b", both, ())
+    assert reservations.claim("a", both, ()), "b has let go of what no longer moves"
 
 
-@given(st.lists(st.tuples(st.sampled_from("abc"), st.sets(st.sampled_from("123"))), max_size=30), st.data())
-def test_nothing_is_ever_with_two_tasks_and_nobody_waits_for_ever(
-    requests: list[tuple[str, set[str]]], data: st.DataObject
-) -> None:
+def test_a_task_that_may_start_nothing_takes_nothing_and_keeps_its_place_for_nobody() -> None:
+    reservations = Reservations()
+    assert reservations.claim("a", ["robot_1"], ())
+
+    assert reservations.claim("a", ["robot_1"], (), starts=False), "it keeps what it has"
+    assert not reservations.claim("a", ["robot_1", "robot_2"], ["robot_1"], starts=False)
+    assert reservations.claim("b", ["robot_2"], ())
+
+
+@given(st.lists(st.tuples(st.sampled_from("abc"), st.sets(st.sampled_from("123"))), max_size=30))
+def test_nothing_is_ever_with_two_tasks_and_nobody_waits_for_ever(requests: list[tuple[str, set[str]]]) -> None:
     reservations = Reservations()
     got: dict[str, set[str]] = {}
+    waiting: dict[str, set[str]] = {}
     for who, wanted in requests:
-        reservations.request(who, wanted)
-        got[who] = wanted
-        if reservations.granted(who, ()):
-            others = [got[o] for o in got if o != who and not reservations.waits(o)]
-            assert all(wanted.isdisjoint(other) for other in others)
+        got.pop(who, None)
+        waiting.pop(who, None)
+        if reservations.claim(who, wanted, ()):
+            got[who] = wanted
+            assert all(wanted.isdisjoint(other) for name, other in got.items() if name != who)
+        else:
+            waiting[who] = wanted
+    left = {**waiting, **got}
     for _ in range(4):
-        for who in list(got):
-            if reservations.granted(who, ()):
+        for who in list(left):
+            if reservations.claim(who, left[who], ()):
                 reservations.release(who)
-                del got[who]
-    assert not got
+                del left[who]
+    assert not left
 
 
 def test_a_plan_uses_its_robots_what_it_moves_and_where_it_puts_it() -> None:
@@ -99,30 +103,26 @@ def test_a_subsystem_that_is_gone_stands_for_itself() -> None:
 
 def test_what_still_moves_when_a_task_is_over_is_free_when_it_stands() -> None:
     reservations, standing = Reservations(), [False]
-    reservations.request("a", ["robot_1", "robot_2"])
-    assert reservations.granted("a", ())
+    assert reservations.claim("a", ["robot_1", "robot_2"], ())
     reservations.release("a", ["robot_1", "box_a"], lambda: standing[0])
 
-    for who, robot in (("a", "robot_1"), ("b", "robot_2"), ("c", "box_a")):
-        reservations.request(who, [robot])
-    assert not reservations.granted("a", ()), "another task of that name waits as all others do"
+    assert not reservations.claim("a", ["robot_1"], ()), "another task of that name waits as all others do"
     assert reservations.waits_for("a") == ("robot_1 (a)",)
-    assert reservations.granted("b", ())
-    assert reservations.granted("c", ()), "that was never reserved"
+    assert reservations.claim("b", ["robot_2"], ())
+    assert reservations.claim("c", ["box_a"], ()), "that was never reserved"
     assert "robot_1" in reservations.of_others("b")
     standing[0] = True
-    assert reservations.granted("a", ())
+    assert reservations.claim("a", ["robot_1"], ())
 
 
-def test_who_withdraws_stands_in_nobodys_way() -> None:
+def test_a_task_that_pauses_while_it_waits_does_not_block_others() -> None:
     reservations = Reservations()
     for who in "abc":
-        reservations.request(who, ["robot_1"])
-        reservations.granted(who, ())
-    reservations.withdraw("b", ())
+        reservations.claim(who, ["robot_1"], ())
+    assert not reservations.claim("b", ["robot_1"], (), starts=False)
     reservations.release("a")
 
-    assert reservations.granted("c", ())
+    assert reservations.claim("c", ["robot_1"], ())
 
 
 def test_what_a_robot_has_in_its_hand_keeps_the_robot() -> None:

@@ -11,7 +11,10 @@ from skiros_py.planning.plan import Plan, Step
 from skiros_py.planning.process import ThreadHost
 from skiros_py.skills.conditions import Computed, ConditionType, Role, Verdict
 from skiros_py.skills.outcome import Success
-from skiros_py.tasks.history import History
+from skiros_py.tasks.context import TaskContext
+from skiros_py.tasks.dispatcher import StepEnd
+from skiros_py.tasks.handle import StepRun
+from skiros_py.tasks.record import TaskRecord
 from skiros_py.tasks.report import Outcome
 from skiros_py.tasks.sequences import StepSequence
 from skiros_py.tasks.task_manager import TaskManager
@@ -362,13 +365,15 @@ def test_a_step_whose_target_is_left_open_and_that_fails_is_tried_again_and_give
 
 
 def test_a_sequence_that_runs_for_ever_keeps_its_last_steps_and_counts_the_others() -> None:
-    world = tiny_world()
-    history = History(world, 3, longest=4)
-    for n in range(10):
-        history.record(Step("drive", DRIVING), DRIVE, float(n), n + 0.5, Success())
+    with Bench(tiny_world()) as bench:
+        context = TaskContext(bench.world, bench.managers, ThreadHost(bench.world, GivenPlanner()), bench.cycle)
+        record = TaskRecord(context, (), 3, longest=4)
+        for n in range(10):
+            run = StepRun(n, Step("drive", DRIVING), "base_1", float(n))
+            record.update([StepEnd(run, DRIVE, Success(), n + 0.5)])
 
-    assert [step.start for step in history.steps] == [6.0, 7.0, 8.0, 9.0]
-    assert history.forgotten == 6
+    assert [step.start for step in record.steps] == [6.0, 7.0, 8.0, 9.0]
+    assert record.forgotten == 6
 
 
 def test_how_many_steps_went_before_those_in_the_report_is_said_in_it() -> None:

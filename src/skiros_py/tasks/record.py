@@ -1,0 +1,190 @@
+"""The record of one task: executed steps, failures per target, and what became of each condition of its goal."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter, deque
+from collections.abc import Iterable, Mapping, Sequence
+
+from skiros_py.planning.domain.actions import with_defaults
+from skiros_py.planning.problem.stock import believed
+from skiros_py.planning.sequence import Round
+from skiros_py.skills.conditions import Condition
+from skiros_py.skills.outcome import BROKEN_OFF, Failure
+from skiros_py.skills.skill import SkillDescription
+from skiros_py.tasks.context import TaskContext
+from skiros_py.tasks.dispatcher import StepEnd
+from skiros_py.tasks.report import ConditionReport, GoalReport, StepReport
+from skiros_py.world.vocabulary import DEVICE, ROBOT
+
+_LONGEST = 10_000
+"""Maximum number of steps kept per task: a sequence may run for months."""
+
+
+class TaskRecord:
+    """The record of one task.
+
+    Args:
+        context: The task's environment.
+        goal: The conditions of the goal; empty for a sequence of steps.
+        attempts: How often a skill may fail on one target before that target is left out of further plans.
+        longest: How many steps are kept; the oldest are dropped first.
+
+    Attributes:
+        steps: The most recent executed steps, in the order in which they ended.
+        forgotten: How many earlier steps were dropped.
+        reached: The highest sequence number that each robot has visited in this task.
+        left_out: Targets on which a skill failed too often.
+        given_up: Conditions that were given up, with the reason.
+        no_plan: Why there was no initial plan.
+        stopped: True if it was stopped by a command.
+        fault: Why it ended early without being stopped.
+    """
+
+    def __init__(
+        self, context: TaskContext, goal: Sequence[Condition], attempts: int, *, longest: int = _LONGEST
+    ) -> None:
+        self.steps: deque[StepReport] = deque(maxlen=longest)
+        self.forgotten = 0
+        self.reached: Mapping[str, int] = {}
+        self.left_out: set[str] = set()
+        self.given_up: dict[Condition, str] = {}
+        self.no_plan: tuple[str, ...] = ()
+        self.stopped = False
+        self.fault = ""
+        self._context = context
+        self._view = context.world
+        self._goal = tuple(goal)
+        self._attempts = attempts
+        self._skills: dict[str, SkillDescription] = {}
+        self._failures: Counter[tuple[str, str]] = Counter()
+        self._reasons: dict[str, str] = {}
+        self._round = Round(context.world)
+        self._start = context.now, time.perf_counter()
+        self._since: dict[Condition, tuple[float, float]] = {}
+        self._version = -1
+        self._note_conditions()
+        self._held = frozenset(self._since)
+
+    def update(self, ended: Iterable[StepEnd]) -> None:
+        """Adds steps that have ended, and notes which conditions hold by now."""
+        for end in ended:
+            self._add(end)
+        self._note_conditions()
+
+    def _add(self, end: StepEnd) -> None:
+        """Adds one step; a step cancelled because the world changed does not count as a failure of its skill."""
+        step, skill, outcome = end.run.step, end.skill, end.outcome
+        reason = outcome.reason if isinstance(outcome, Failure) else ""
+        self._skills[step.skill] = skill
+        self.forgotten += len(self.steps) == self.steps.maxlen
+        arguments = dict(step.arguments)
+        self.steps.append(StepReport(step.skill, arguments, end.run.start, end.time, reason, arguments[skill.agent]))
+        target = arguments.get(skill.target)  # the user may have left it open
+        if target is not None and isinstance(outcome, Failure) and outcome.code != BROKEN_OFF:
+            self._failures[step.skill, target] += 1
+            self._reasons[target] = reason
+            if self._failures[step.skill, target] >= self._attempts:
+                self.left_out.add(target)
+        if not reason:
+            self._round.take(self._view, skill, with_defaults(skill, step.arguments))
+            self.reached = dict(self._round.reached)
+
+    def forgive(self) -> None:
+        """Clears the list of excluded targets: the situation has changed and they may work now."""
+        self._failures.clear()
+        self.left_out.clear()
+
+    # ------------------------------------------------------------------ conditions
+
+    def _note_conditions(self) -> None:
+        """Evaluates the conditions if the world has changed."""
+        if self._version == self._view.version:
+            return
+        self._version = self._view.version
+        for condition in self._goal:
+            if not believed(condition, self._view):
+                self._since.pop(condition, None)
+            elif condition not in self._since:
+                self._since[condition] = self._used()
+
+    def _used(self) -> tuple[float, float]:
+        """Returns simulated and wall time since the start [s]."""
+        return self._context.now - self._start[0], time.perf_counter() - self._start[1]
+
+    # ------------------------------------------------------------------ the report
+
+    def report(self) -> GoalReport:
+        """Returns the report at the end."""
+        self._note_conditions()
+        steps = tuple(self.steps)
+        no_plan = () if steps else self.no_plan
+        why = "; ".join(no_plan) or self.fault or ("stopped before it was reached" if self.stopped else "")
+        given_up = (dict.fromkeys(self._goal, why) if why else {}) | self.given_up
+        conditions = tuple(self._condition(c, given_up) for c in self._goal)
+        stopped = self.stopped and not (conditions and all(c.believed for c in conditions))
+        return GoalReport(
+            conditions, steps, *self._used(), no_plan, stopped=stopped, fault=self.fault, forgotten=self.forgotten
+        )
+
+    def report_cut_off(self) -> GoalReport:
+        """Returns the report without further queries: the state when the world was last evaluated."""
+        why = self._context.cycle.halted
+        conditions = tuple(self._as_last_seen(c, why or "stopped") for c in self._goal)
+        return GoalReport(conditions, tuple(self.steps), *self._used(), stopped=not why, fault=why)
+
+    def _condition(self, c: Condition, given_up: Mapping[Condition, str]) -> ConditionReport:
+        holds = bool(believed(c, self._view))
+        reason = "" if holds else self.why_missing(c, given_up)
+        return ConditionReport(
+            str(c), holds, None, self._tries(c, holds=holds), reason, *self._since.get(c, (None, None))
+        )
+
+    def _as_last_seen(self, c: Condition, why: str) -> ConditionReport:
+        holds = c in self._since
+        return ConditionReport(str(c), holds, None, self._tries(c, holds=holds), "" if holds else why)
+
+    def _tries(self, condition: Condition, *, holds: bool) -> int:
+        """Counts the attempts at this condition: each failed step made for it, and the success."""
+        if condition in self._held:
+            return 0
+        own = [step for step in self.steps if self._is_for(step, condition)]
+        failed = sum(bool(step.reason) for step in own)
+        return failed + 1 if own and holds else failed
+
+    def why_missing(self, condition: Condition, given_up: Mapping[Condition, str]) -> str:
+        """Returns the last failure; if there was none, why there is no plan."""
+        failed = [(t, r) for t, r in self._reasons.items() if any(self._fits(t, a) for a in condition.arguments)]
+        if not failed:
+            return given_up.get(condition, "gave up: plan after plan did not lead there")
+        target, reason = failed[-1]
+        gave_up = f"; gave up on {target} after {self._attempts} failed tries" if target in self.left_out else ""
+        return reason + gave_up
+
+    def _is_for(self, step: StepReport, condition: Condition) -> bool:
+        """Returns True if the step's target, or an element it moves, occurs in the condition."""
+        skill = self._skills[step.skill]
+        if self._names_another_target(condition, step.arguments[skill.target], skill.param(skill.target).element_class):
+            return False
+        moved = {
+            a for post in skill.post for a in post.arguments if not self._is_hardware(skill.param(a).element_class)
+        }
+        values = with_defaults(skill, step.arguments)
+        subjects = {values[key] for key in moved | {skill.target} if key in values}
+        return any(self._fits(subject, argument) for subject in subjects for argument in condition.arguments)
+
+    def _names_another_target(self, condition: Condition, target: str, class_: str) -> bool:
+        """Returns True if the condition names an element of the target's class other than this target."""
+        named = [a for a in condition.arguments if self._view.has(a)]
+        return target not in named and any(self._is_a(a, class_) for a in named)
+
+    def _is_hardware(self, class_: str) -> bool:
+        return any(self._view.ontology.is_a(class_, own) for own in (ROBOT, DEVICE))
+
+    def _fits(self, element: str, argument: str) -> bool:
+        if argument in self._view.ontology.classes:
+            return self._view.has(element) and self._is_a(element, argument)
+        return element == argument
+
+    def _is_a(self, element: str, class_: str) -> bool:
+        return self._view.ontology.is_a(self._view.element(element).type, class_)
