@@ -22,6 +22,7 @@ from skiros_py.simulation.cell import SimulatedCell
 from skiros_py.simulation.fake import FakeCell
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.skills.conditions import Expression
+from skiros_py.skills.outcome import Success
 from skiros_py.skills.surroundings import map_pose
 from skiros_py.station.recordings.replay import replay_text
 from skiros_py.station.recordings.runs import recorder_of
@@ -51,6 +52,7 @@ from typing import Any, ClassVar
 from skiros_py.devices.base import BaseSpec
 from skiros_py.geometry import Pose
 from skiros_py.ports.device import DeviceSignal, DeviceSpec, MobileSpec, read_mobile, require_numbers
+from skiros_py.ports.paths import PosePath
 
 
 @dataclass(frozen=True)
@@ -205,6 +207,7 @@ class Omni(MobileSpec[OmniState, OmniTwist]):
     device_class: ClassVar[str] = "lab:Omni"
     state_type: ClassVar[type] = OmniState
     target_type: ClassVar[type] = OmniTwist
+    jog: ClassVar[str] = "jog_base"
 
     @classmethod
     def read(cls, individual):
@@ -215,6 +218,23 @@ class Omni(MobileSpec[OmniState, OmniTwist]):
 
     def still(self, state):
         return not (state.x or state.y or state.angular)
+
+    def direct_path(self, start, goal):
+        return PosePath((goal,))
+
+    def follow(self, path, pose, *, max_linear=math.inf, max_angular=math.inf):
+        linear, angular = min(max_linear, 0.8), min(max_angular, 1.0)
+        for driven, there in path.poses(pose(), way=0.1):
+            while True:
+                away = pose().inverse() @ there
+                x, y, _ = away.position
+                distance, turn = math.hypot(x, y), away.yaw
+                if distance < 0.005 and abs(turn) < 0.005:
+                    break
+                speed = min(linear, 8.0 * distance)
+                along = speed / distance if distance else 0.0
+                yield driven, OmniTwist(along * x, along * y, max(-angular, min(angular, 8.0 * turn)))
+        return True
 
     def fake(self, robot):
         return Rolling(self.start, robot.period)
@@ -559,11 +579,16 @@ scene:wrench_1 a lab:Wrench ; sk:joints "a" .
 scene:plate_1 a lab:Turntable ; sk:model "turntable" ; sk:pose "2 0 0 0 0 0"^^sk:poseLiteral ; sk:on scene:floor .
 scene:eye_1 a sk:Camera ; sk:pose "0 3 2 3.14159265 0 0"^^sk:poseLiteral ; sk:on scene:floor ; sk:width 64 ;
     sk:height 48 ; sk:verticalFov 0.9 ; sk:minDepth 0.05 ; sk:maxDepth 5.0 ; sk:depthNoise 0.0 ; sk:latency 0.1 .
+scene:bench_1 a lab:Bench ; rdfs:label "bench" ; sk:on scene:floor ; sk:pose "0 -2.5 0 0 0 0"^^sk:poseLiteral ;
+    sk:drivingPose "0 0.9 0 0 0 0"^^sk:poseLiteral .
 scene:cube_1 a lab:Cube ; sk:on scene:floor ; sk:poseFrame scene:plate_1 ;
     sk:pose "0.3 0 0.02 0 0 0"^^sk:poseLiteral .
 """
 CUBE = """
 @prefix rdf: <http://www.w3.org/1999/02/22-rdf-syntax-ns#> .
+lab:Bench a owl:Class ; rdfs:subClassOf sk:Furniture , sk:Location ; sk:primaryParent sk:Furniture ;
+    rdfs:label "bench" ; rdfs:comment "A work bench." ;
+    sk:solid '[{"kind": "box", "size": [0.8, 0.6, 0.7], "at": [0, 0, 0.35]}]'^^rdf:JSON .
 lab:Cube a owl:Class ; rdfs:subClassOf sk:Manipulatable ; rdfs:label "cube" ; rdfs:comment "A cube." ;
     sk:mass 0.5 ; sk:solid '[{"kind": "box", "size": [0.1, 0.1, 0.1], "at": [0, 0, 0.05]}]'^^rdf:JSON .
 """
@@ -651,6 +676,23 @@ def test_in_physics_foreign_devices_are_faulted_and_a_camera_without_a_robot_see
     assert now.devices["plate_1"].angle == pytest.approx(0.0, abs=0.01)
     assert any(now.devices["wrench_1"].force)
     assert image.depth[24, 32] == pytest.approx(2.0, abs=0.02)
+
+
+def test_an_outside_base_is_planned_with_driven_and_jogged_by_the_skills_that_come_along(cell: Session) -> None:
+    lab = pytest.importorskip("lab_devices")
+    planned = cell.plan("RobotAtLocation(robot_1, bench_1)")
+    report = cell.run("RobotAtLocation(robot_1, bench_1)")
+    arrived = cell.spec.robots[0].pose(cell.cycle.board.snapshot)
+    jogged = cell.run_module("jog_base", {"base": "base_1", "robot": "robot_1", "dy": 0.1})
+    aside = cell.spec.robots[0].pose(cell.cycle.board.snapshot)
+
+    assert isinstance(planned.outcome, Plan)
+    assert [(step.skill, step.arguments["Base"]) for step in planned.outcome.steps] == [("drive", "base_1")]
+    assert report.reached, report
+    assert arrived.position[:2] == pytest.approx((0.0, -1.6), abs=0.03)
+    assert isinstance(jogged, Success), jogged
+    assert aside.position[:2] == pytest.approx((arrived.position[0], arrived.position[1] + 0.1), abs=0.01)
+    assert isinstance(cell.cycle.board.snapshot.devices["base_1"], lab.OmniState)
 
 
 # ------------------------------------------------------------------ a device that acts by itself

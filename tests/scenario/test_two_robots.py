@@ -12,7 +12,8 @@ from skiros_primitives.arm_moves import ArmPrimitive
 from skiros_py.catalogue import load_catalogue
 from skiros_py.devices.arm import ArmState
 from skiros_py.geometry import Pose
-from skiros_py.ports.motion import BaseLeg, BasePath, PoseMove
+from skiros_py.ports.motion import PoseMove
+from skiros_py.ports.paths import BaseLeg, BasePath
 from skiros_py.simulation.truth import Truth
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param

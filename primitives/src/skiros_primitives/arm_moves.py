@@ -15,7 +15,7 @@ from skiros_py.devices.gripper import Gripper, GripperSpec, GripperState
 from skiros_py.geometry import Pose
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.motion import ArmPlanner, Held, MotionPlan, MotionRequest, NoMotion, Obstacle, Route, Trajectory
-from skiros_py.skills.context import Outline
+from skiros_py.ports.paths import Outline
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.surroundings import held_by, obstacles
 from skiros_py.world.vocabulary import GRIPPER, HAS_A

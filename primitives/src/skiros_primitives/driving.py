@@ -9,17 +9,20 @@ from typing import Any, ClassVar
 
 from skiros_primitives import floor_obstacles
 from skiros_primitives.floor_obstacles import reach
-from skiros_py.devices.base import Base, BaseSpec, BaseTwist
 from skiros_py.geometry import Pose, wrap_angle
-from skiros_py.ports.motion import BaseLeg, BasePath, BasePathRequest, BasePlanner, NoMotion, Obstacle
-from skiros_py.skills.context import Outline, Way
+from skiros_py.ports.board import Mobile
+from skiros_py.ports.device import MobileSpec
+from skiros_py.ports.motion import BasePathRequest, BasePlanner, NoMotion, Obstacle
+from skiros_py.ports.paths import Outline, Path
+from skiros_py.skills.context import Way
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.surroundings import map_pose, obstacles
 from skiros_py.world.vocabulary import AT, BASE, DRIVING_POSE, FLOOR, LOCATION, POSE_FRAME, ROBOT
 
-_ALIGNED = math.radians(0.3)
+_PATIENCE = 60.0
+"""Longest time without progress on the path [s]."""
 
 
 class DrivingPrimitive(Primitive[Any]):
@@ -43,33 +46,51 @@ class DrivingPrimitive(Primitive[Any]):
             with self.world.transaction(author=self.name, reason=reason) as tx:
                 tx.place(self.params.robot, AT, floors[0])
 
-    def turn(self, base: Base, heading: float, *, fastest: float, patience: float) -> Execution[bool]:
-        """Turns on the spot.
+    def drive(
+        self, base: Mobile, path: Path, way: Way, *, max_linear: float = math.inf, max_angular: float = math.inf
+    ) -> Execution[float | None]:
+        """Follows a path, and waits until the base stands.
 
         Args:
             base: The base.
-            heading: Heading in the map at the end [rad].
-            fastest: Greatest turning speed [rad/s].
-            patience: Longest time [s].
+            path: The path.
+            way: The floor that was granted for it.
+            max_linear: Greatest speed [m/s], besides the limit of the base.
+            max_angular: Greatest turning speed [rad/s], besides the limit of the base.
 
         Returns:
-            Whether it reached the heading.
+            None, or how many legs were driven where the base got stuck.
         """
-        limit, deadline = base.spec.max_angular_acceleration, self.context.now + patience
-        while self.context.now < deadline:
-            error = wrap_angle(heading - self.pose.yaw)
-            if abs(error) < _ALIGNED:
-                return True
-            speed = min(fastest, math.sqrt(1.6 * limit * abs(error)), 4.0 * abs(error))
-            base.command(BaseTwist(0.0, math.copysign(speed, error)))
+        follower = base.spec.follow(path, lambda: self.pose, max_linear=max_linear, max_angular=max_angular)
+        driven, deadline = -1.0, 0.0
+        while True:
+            try:
+                reached, target = next(follower)
+            except StopIteration as end:
+                if not end.value:
+                    return driven
+                break
+            if reached > driven:
+                if int(reached) > int(driven) or driven < 0.0:
+                    self._report_leg(int(reached), len(path.legs))
+                driven, deadline = reached, self.context.now + _PATIENCE
+            elif self.context.now >= deadline:
+                return driven
+            way.passed(reached)
+            base.command(target)
             yield
-        return False
+        yield from self.stand(base)
+        return None
 
-    def stand(self, base: Base) -> Execution[None]:
+    def _report_leg(self, driven: int, legs: int) -> None:
+        if driven < legs:
+            self.progress(driven + 1, f"leg {driven + 1} of {legs}")
+
+    def stand(self, base: Mobile) -> Execution[None]:
         """Brakes, and waits for localisation to settle."""
         deadline = self.context.now + 5.0
         yield
-        while not base.state.still and self.context.now < deadline:
+        while not base.still and self.context.now < deadline:
             yield
         settled = self.context.now + 0.1
         while self.context.now < settled:
@@ -80,9 +101,7 @@ _ARRIVED = 0.03
 """Greatest distance from the driving pose after standstill [m]."""
 _FACING = math.radians(2.0)
 _ASIDE = 0.06
-"""Greatest distance from the line of a leg [m]; paths keep a larger distance from obstacles."""
-_PATIENCE = 60.0
-"""Longest time for one leg [s]."""
+"""Greatest distance of a base from its path [m]; paths keep a larger distance from obstacles."""
 _COURTESY = 120.0
 """Longest wait for other robots [s]."""
 _LOOK_AGAIN = 5.0
@@ -92,7 +111,7 @@ _APART = 0.02
 
 
 class DriveBase(DrivingPrimitive):
-    """Turns, drives straight, turns, as a differential drive can; follows localisation, ends at standstill."""
+    """Drives a base of any kind along a planned path; follows localisation, ends at standstill."""
 
     name: ClassVar[str] = "drive_base"
 
@@ -111,7 +130,7 @@ class DriveBase(DrivingPrimitive):
         goal = self._goal()
         if isinstance(goal, Failure):
             return goal
-        base = Base(self.context.board, self.params.base)
+        base = Mobile(self.context.board, self.params.base)
         outline = self._outline()
         deadline = self.context.now + _COURTESY
         while True:
@@ -126,17 +145,15 @@ class DriveBase(DrivingPrimitive):
                 return Failure(f"no way to {self.params.location}: waited {_COURTESY:g} s for {self._waits_for}")
             yield from self._pause(deadline)
 
-    def _follow(self, base: Base, path: BasePath, way: Way, goal: Pose) -> Execution[Outcome]:
+    def _follow(self, base: Mobile, path: Path, way: Way, goal: Pose) -> Execution[Outcome]:
         if path.legs:
             self.leave("drives off")
-        for number, leg in enumerate(path.legs):
-            self.progress(number + 1, f"leg {number + 1} of {len(path.legs)}")
-            if not (yield from self._drive(base, leg, way, number)):
-                return Failure(f"stuck on leg {number + 1} of {len(path.legs)} to {self.params.location}")
-        if not (yield from self._turn(base, path.heading)):
-            return Failure(f"stuck while turning at {self.params.location}")
-        yield from self.stand(base)
-        return self._arrived(self.pose, goal)
+        stuck = yield from self.drive(base, path, way)
+        if stuck is None:
+            return self._arrived(self.pose, goal)
+        leg, legs = int(stuck) + 1, len(path.legs)
+        place = f"on leg {leg} of {legs} to" if leg <= legs else "while turning at"
+        return Failure(f"stuck {place} {self.params.location}")
 
     def _goal(self) -> Pose | Failure:
         location = self.params.location
@@ -145,7 +162,7 @@ class DriveBase(DrivingPrimitive):
             return Failure(f"{location} has no driving pose: nobody taught how to stand there")
         return place @ driving
 
-    def _plan(self, goal: Pose, outline: Outline) -> Execution[BasePath | NoMotion | None]:
+    def _plan(self, goal: Pose, outline: Outline) -> Execution[Path | NoMotion | None]:
         """Plans around everything at rest; None if only another standing robot blocks the way."""
         margin = max(_ASIDE, reach(outline) - reach(self._spec().footprint)) + _APART
         standing = floor_obstacles.standing(self.context, self.params.robot, margin=margin)
@@ -158,7 +175,7 @@ class DriveBase(DrivingPrimitive):
         self._tell(o.id for o in standing)
         return None
 
-    def _path(self, goal: Pose, robots: tuple[Obstacle, ...]) -> Execution[BasePath | NoMotion]:
+    def _path(self, goal: Pose, robots: tuple[Obstacle, ...]) -> Execution[Path | NoMotion]:
         planner = self.context.port(BasePlanner, self.params.base)
         carried = frozenset(o.id for o in obstacles(self.context, parts=False) if self.rides(o.id))
         around = obstacles(self.context, parts=False, without=carried)
@@ -198,44 +215,8 @@ class DriveBase(DrivingPrimitive):
         others = floor_obstacles.others(self.context, self.params.robot)
         return [other.id for other in others if self.context.floor.is_driving(other.id)]
 
-    def _spec(self) -> BaseSpec:
-        return self.context.cell.device(self.params.base, BaseSpec)
-
-    def _drive(self, base: Base, leg: BaseLeg, way: Way, driven: int) -> Execution[bool]:
-        pose = self.pose
-        heading = math.atan2(leg.y - pose.position[1], leg.x - pose.position[0])
-        if not (yield from self._turn(base, heading + (math.pi if leg.backwards else 0.0))):
-            return False
-        return (yield from self._straight(base, leg, way, driven))
-
-    def _turn(self, base: Base, heading: float) -> Execution[bool]:
-        return (yield from self.turn(base, heading, fastest=self._spec().max_angular, patience=_PATIENCE))
-
-    def _straight(self, base: Base, leg: BaseLeg, way: Way, driven: int) -> Execution[bool]:
-        """Follows the line from here to the leg's end, steering by heading and distance from the line."""
-        spec, deadline = self._spec(), self.context.now + _PATIENCE
-        x0, y0, _ = self.pose.position
-        length = math.hypot(leg.x - x0, leg.y - y0)
-        if length < 0.002:
-            return True
-        ux, uy, sign = (leg.x - x0) / length, (leg.y - y0) / length, -1.0 if leg.backwards else 1.0
-        along = math.atan2(sign * uy, sign * ux)
-        while self.context.now < deadline:
-            x, y, _ = self.pose.position
-            left = length - ((x - x0) * ux + (y - y0) * uy)
-            way.passed(driven + 1.0 - left / length)
-            if left < 0.002:
-                return True
-            aside = -(x - x0) * uy + (y - y0) * ux
-            if abs(aside) > _ASIDE:
-                return False
-            turned = wrap_angle(along - self.pose.yaw)
-            speed = min(spec.max_linear, math.sqrt(2.0 * 0.8 * spec.max_linear_acceleration * left), 4.0 * left)
-            speed *= max(0.0, math.cos(turned))
-            steer = 2.5 * turned - sign * 4.0 * aside * speed
-            base.command(BaseTwist(sign * speed, max(-spec.max_angular, min(spec.max_angular, steer))))
-            yield
-        return False
+    def _spec(self) -> MobileSpec[Any, Any]:
+        return Mobile(self.context.board, self.params.base).spec
 
     def _arrived(self, pose: Pose, goal: Pose) -> Outcome:
         distance = math.dist(pose.position[:2], goal.position[:2])

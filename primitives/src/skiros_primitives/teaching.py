@@ -8,9 +8,9 @@ from typing import ClassVar
 
 from skiros_primitives.arm_moves import ArmPrimitive
 from skiros_primitives.part_models import level
-from skiros_py.devices.base import Base
 from skiros_py.devices.gripper import Gripper
 from skiros_py.geometry import Pose
+from skiros_py.ports.board import Mobile
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive
@@ -89,10 +89,10 @@ class TeachDrivingPose(Primitive["TeachDrivingPose.Params"]):
     def execute(self) -> Execution[Outcome]:
         """Stores the base pose."""
         yield from ()
-        place, base = map_pose(self.context, self.params.location), Base(self.context.board, self.params.base)
+        place, base = map_pose(self.context, self.params.location), Mobile(self.context.board, self.params.base)
         if place is None:
             return Failure(f"nobody knows where {self.params.location} is")
-        if not base.state.still:
+        if not base.still:
             return Failure(f"{self.params.base} still moves: let it stand where it should")
         pose = self.context.cell.group_of(base.id).pose(self.context.board.snapshot)
         lesson = TAUGHT_DRIVING_POSE, self.params.location, self.params.type

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
 
@@ -11,21 +11,26 @@ import numpy as np
 
 from skiros_py.devices.limits import BASE_STILL, Standstill, approach
 from skiros_py.errors import DeviceError
-from skiros_py.geometry import Pose
+from skiros_py.geometry import Pose, wrap_angle
 from skiros_py.ports.board import DeviceHandle
 from skiros_py.ports.device import (
     Contribution,
     DeviceSignal,
     DeviceSpec,
     FakeRobot,
+    Follower,
     Individual,
     MobileSpec,
     read_mobile,
     require_numbers,
 )
 from skiros_py.ports.kinematics import BASE_JOINTS, BASE_LINK
+from skiros_py.ports.paths import BaseLeg, BasePath, Path
 from skiros_py.ports.simulation import SimulatedRobot
 
+_ALIGNED = math.radians(0.3)
+_SHORT = 0.002  # [m] a shorter way counts as none
+_ASIDE = 0.06  # [m] greatest distance from the line of a leg; paths keep a larger distance from obstacles
 _DRIVE_FORCE = 2000.0  # [N] and [N m]; enough for every acceleration limit a base of this weight may have
 _HOLDING_GAIN = 0.2
 _WHEEL_TORQUE = 5.0  # [N m]; wheels carry nothing
@@ -123,6 +128,55 @@ class BaseSpec(MobileSpec[BaseState, BaseTwist]):
         DeviceSpec.check(self, target)
         require_numbers(self.id, target, (target.linear, target.angular))
 
+    def follow(
+        self, path: Path, pose: Callable[[], Pose], *, max_linear: float = math.inf, max_angular: float = math.inf
+    ) -> Follower[BaseTwist]:
+        """Turns and drives straight, leg by leg, and turns at the end.
+
+        Raises:
+            DeviceError: The path is not made of such legs.
+        """
+        if not isinstance(path, BasePath):
+            raise DeviceError(f"{self.id}: it turns and drives straight, it cannot follow a {type(path).__name__}")
+        linear, angular = min(max_linear, self.max_linear), min(max_angular, self.max_angular)
+        for number, leg in enumerate(path.legs):
+            yield from self._turn(number, leg.heading(pose()), pose, angular)
+            if not (yield from self._straight(number, leg, pose, linear)):
+                return False
+        yield from self._turn(len(path.legs), path.heading, pose, angular)
+        return True
+
+    def _turn(self, driven: int, heading: float, pose: Callable[[], Pose], fastest: float) -> Follower[BaseTwist]:
+        while abs(error := wrap_angle(heading - pose().yaw)) >= _ALIGNED:
+            speed = min(fastest, math.sqrt(1.6 * self.max_angular_acceleration * abs(error)), 4.0 * abs(error))
+            yield driven, BaseTwist(0.0, math.copysign(speed, error))
+        return True
+
+    def _straight(self, driven: int, leg: BaseLeg, pose: Callable[[], Pose], fastest: float) -> Follower[BaseTwist]:
+        """Follows the line from here to the leg's end, steering by heading and distance from the line."""
+        start = pose()
+        x0, y0, _ = start.position
+        length = math.hypot(leg.x - x0, leg.y - y0)
+        if length < _SHORT:
+            return True
+        ux, uy, sign = (leg.x - x0) / length, (leg.y - y0) / length, -1.0 if leg.backwards else 1.0
+        along = math.atan2(sign * uy, sign * ux)
+        while True:
+            here = pose()
+            x, y, _ = here.position
+            left = length - ((x - x0) * ux + (y - y0) * uy)
+            if left < _SHORT:
+                return True
+            aside = -(x - x0) * uy + (y - y0) * ux
+            if abs(aside) > _ASIDE:
+                return False
+            turned = wrap_angle(along - here.yaw)
+            speed = min(fastest, math.sqrt(2.0 * 0.8 * self.max_linear_acceleration * left), 4.0 * left)
+            speed *= max(0.0, math.cos(turned))
+            steer = 2.5 * turned - sign * 4.0 * aside * speed
+            twist = BaseTwist(sign * speed, max(-self.max_angular, min(self.max_angular, steer)))
+            yield driven + 1.0 - left / length, twist
+
     def scaled(self, target: BaseTwist, rate: float) -> BaseTwist:
         """Returns a slower twist."""
         return BaseTwist(target.linear * rate, target.angular * rate)
@@ -207,11 +261,6 @@ class SimulatedBase:
         still = self._standstill.update(math.hypot(vx, vy) + abs(angular))
         self._odometry @= _step(linear * self._period, angular * self._period)
         return BaseState(self._odometry, linear, angular, still)
-
-    def true_pose(self) -> Pose:
-        """Returns the real pose of the base in the map; for the truth only."""
-        x, y, yaw = self._plane.read().positions
-        return Pose.of(x, y, 0.0, yaw=yaw)
 
     def _limit(self, twist: BaseTwist) -> None:
         if not (math.isfinite(twist.linear) and math.isfinite(twist.angular)):

@@ -12,27 +12,21 @@ nobody else: for wishes neither, so that no arm and no base ever wait for each o
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Self
 
-import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from skiros_py.geometry import Pose, wrap_angle
+from skiros_py.geometry import Pose
 from skiros_py.ports.board import DeviceBoard
 from skiros_py.ports.cell import RobotSpec
-from skiros_py.ports.motion import BasePath
-from skiros_py.skills.context import Outline, Path
+from skiros_py.ports.paths import Outline, Path, placed, swept
 
 _MARGIN = 0.06
 """Greatest distance of a base from its path [m]."""
-_SHORT = 0.5
-"""Greatest length of what is given back at once behind a base [m]."""
-_TURNS = math.radians(2.0)
-"""A base that turns by less than this sweeps its outline only."""
 
 
 class FloorAreas:
@@ -58,7 +52,7 @@ class FloorAreas:
     def ask(self, robot: str, outline: Outline, start: Pose, path: Path) -> FloorWay:
         """Asks for the way along a path: all of it or nothing; whoever asked first goes first."""
         self._outlines[robot] = outline
-        way = FloorWay(self, robot, list(_stretches(outline, start, path)))
+        way = FloorWay(self, robot, _stretches(outline, start, path))
         self._ways.append(way)
         self.settle(changed=True)
         return way
@@ -110,7 +104,7 @@ class FloorAreas:
         return any(self._placed(robot, outline).intersects(area) for outline in (self._outlines[robot], *arms))
 
     def _placed(self, robot: str, outline: Outline) -> BaseGeometry:
-        return _hull(outline, self._robots[robot].pose(self._board.snapshot))
+        return placed(outline, self._robots[robot].pose(self._board.snapshot))
 
 
 class FloorWay:
@@ -173,60 +167,19 @@ class _Stretch:
     end: float
 
 
-def _stretches(outline: Outline, start: Pose, path: Path) -> Iterator[_Stretch]:
-    """Yields short stretches of a path, and where the base ends."""
-    return _legs(outline, start, path) if isinstance(path, BasePath) else _steps(outline, start, path)
-
-
-def _steps(outline: Outline, start: Pose, poses: Sequence[Pose]) -> Iterator[_Stretch]:
-    """Yields what is covered from each pose to the next: the hull of the outline at both."""
-    stops = [_hull(outline, pose) for pose in (start, *poses)]
-    for number, (here, there) in enumerate(pairwise(stops), start=1):
-        yield _Stretch(_widened(shapely.union(here, there).convex_hull), number)
-    yield _Stretch(_widened(stops[-1]), math.inf)
-
-
-def _legs(outline: Outline, start: Pose, path: BasePath) -> Iterator[_Stretch]:
-    """Yields short stretches of each leg, from the turn before it on, and where the base ends."""
-    at, heading = (start.position[0], start.position[1]), start.yaw
-    reach = max(math.hypot(x, y) for x, y in outline)
-    for number, leg in enumerate(path.legs):
-        end = (leg.x, leg.y)
-        along = math.atan2(end[1] - at[1], end[0] - at[0]) + (math.pi if leg.backwards else 0.0)
-        turn = _turn(at, heading, along, reach)
-        count = math.ceil(max(math.dist(at, end), _SHORT) / _SHORT)
-        stops = [_hull(outline, _pose(_between(at, end, step / count), along)) for step in range(count + 1)]
-        for step, (here, there) in enumerate(pairwise(stops), start=1):
-            straight = shapely.union(here, there).convex_hull
-            yield _Stretch(_widened(straight, turn) if step == 1 else _widened(straight), number + step / count)
-        at, heading = end, along
-    last = _widened(_hull(outline, _pose(at, path.heading)), _turn(at, heading, path.heading, reach))
-    yield _Stretch(last, math.inf)
+def _stretches(outline: Outline, start: Pose, path: Path) -> list[_Stretch]:
+    """Returns the stretches of a path, and where the base ends; a turn is given back with the way after it."""
+    progress, poses = zip(*path.poses(start), strict=True)
+    stretches = [_Stretch(placed(outline, poses[-1]), math.inf)]
+    areas = list(pairwise(progress)), swept(outline, poses)
+    for (before, after), area in reversed(list(zip(*areas, strict=True))):
+        last = stretches[-1]
+        if after > before:
+            stretches.append(_Stretch(area, after))
+        else:
+            stretches[-1] = _Stretch(shapely.union(last.area, area), last.end)
+    return [_Stretch(shapely.buffer(one.area, _MARGIN), one.end) for one in reversed(stretches)]
 
 
 def _union(stretches: Sequence[_Stretch]) -> BaseGeometry:
     return shapely.union_all([stretch.area for stretch in stretches])
-
-
-def _widened(*areas: BaseGeometry) -> BaseGeometry:
-    return shapely.buffer(shapely.union_all(list(areas)), _MARGIN)
-
-
-def _between(one: tuple[float, float], other: tuple[float, float], share: float) -> tuple[float, float]:
-    return one[0] + share * (other[0] - one[0]), one[1] + share * (other[1] - one[1])
-
-
-def _turn(at: tuple[float, float], before: float, after: float, reach: float) -> BaseGeometry:
-    turned = abs(wrap_angle(after - before)) > _TURNS
-    return shapely.buffer(shapely.Point(at), reach) if turned else shapely.Point(at)
-
-
-def _hull(outline: Outline, pose: Pose) -> BaseGeometry:
-    if not len(outline):  # a robot that does not touch the floor
-        return shapely.Polygon()
-    corners = np.array([(x, y, 0.0) for x, y in outline])
-    return shapely.MultiPoint(pose.apply(corners)[:, :2]).convex_hull
-
-
-def _pose(at: tuple[float, float], yaw: float) -> Pose:
-    return Pose.of(at[0], at[1], 0.0, yaw=yaw)

@@ -11,44 +11,11 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from skiros_py.geometry import Array, Pose, Primitive, wrap_angle
-from skiros_py.ports.motion import BaseLeg, BasePath, BasePathRequest, NoMotion, Obstacle
+from skiros_py.geometry import Array, Pose, wrap_angle
+from skiros_py.ports.motion import BasePathRequest, NoMotion, Obstacle
+from skiros_py.ports.paths import BaseLeg, BasePath, floor_area, placed, swept
 from skiros_py.ports.values import Pending
 from skiros_py.workers import Worker
-
-_TALLEST = 1.6  # [m] what begins higher does not stand in the way of a base with its arm folded
-_CORNERS = 24  # of the polygon around a circle
-
-
-def floor_outline(obstacle: Obstacle) -> BaseGeometry:
-    """Returns the floor area of an obstacle [m in the map]: the union of its blocks' outlines below 1.6 m."""
-    blocks = [_points(obstacle.pose @ block.pose, block) for block in obstacle.solid.primitives]
-    outlines = [shapely.MultiPoint(points[:, :2]).convex_hull for points in blocks if points[:, 2].min() < _TALLEST]
-    return shapely.union_all(outlines)
-
-
-def placed(footprint: Sequence[tuple[float, float]], base: Pose) -> shapely.Polygon:
-    """Returns the outline of a base standing at a pose [m in the map]."""
-    corners = np.array([(x, y, 0.0) for x, y in footprint])
-    return shapely.Polygon(base.apply(corners)[:, :2])
-
-
-def swept(footprint: Sequence[tuple[float, float]], start: Pose, end: Pose) -> BaseGeometry:
-    """Returns the area swept by a convex outline while driving straight, without turning, from start to end."""
-    return shapely.union(placed(footprint, start), placed(footprint, end)).convex_hull
-
-
-def _points(pose: Pose, block: Primitive) -> Array:
-    if block.kind == "box":
-        half = np.array(block.size) / 2.0
-        signs = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T
-        return pose.apply(signs * half)
-    radius, length = block.size
-    angles = np.linspace(0.0, 2.0 * np.pi, _CORNERS, endpoint=False)
-    rim = radius / np.cos(np.pi / _CORNERS) * np.column_stack([np.cos(angles), np.sin(angles)])
-    ends = [np.column_stack([rim, np.full(_CORNERS, z)]) for z in (-length / 2.0, length / 2.0)]
-    return pose.apply(np.vstack(ends))
-
 
 _QUARTER = 2  # way points per quarter of a rounded corner
 _TURN = 0.3  # [m] what a way point costs besides its way: the base stops there to turn
@@ -198,7 +165,8 @@ def _outlines(obstacles: Sequence[Obstacle]) -> dict[str, BaseGeometry]:
     """Returns the floor areas of the obstacles, by id: a robot has one for its base and one for its arm."""
     found: dict[str, BaseGeometry] = {}
     for obstacle in obstacles:
-        found[obstacle.id] = shapely.union(found.get(obstacle.id, shapely.Polygon()), floor_outline(obstacle))
+        area = floor_area(obstacle.solid, obstacle.pose)
+        found[obstacle.id] = shapely.union(found.get(obstacle.id, shapely.Polygon()), area)
     return found
 
 
@@ -237,7 +205,7 @@ class _Floor:
     def _first_free(self, dock: Pose, sign: float, least: float, clearance: float) -> Pose | None:
         for step in range(math.ceil(least / _STEP), math.ceil(_FARTHEST / _STEP) + 1):
             pose = _shifted(dock, sign * step * _STEP)
-            if self._touched(swept(self._footprint, dock, pose), clearance):
+            if self._touched(swept(self._footprint, (dock, pose))[0], clearance):
                 return None
             if self.space.free(_xy(pose)):
                 return pose

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 from typing import Any, ClassVar, Generic, Protocol, TypeVar, cast
 
 from skiros_py.errors import DeviceError
-from skiros_py.ports.device import Contribution, DeviceSpec
+from skiros_py.ports.device import Contribution, DeviceSpec, MobileSpec
 from skiros_py.ports.driver import CellDriver
 from skiros_py.ports.values import DepthImage, Pending, Snapshot
 
@@ -268,3 +268,14 @@ class DeviceHandle(Generic[SpecT, StateT, TargetT]):
             DeviceError: It is no such target, the run has not taken the device, or it can no longer be shared.
         """
         self._board.send(self.id, target, weight)
+
+
+class Mobile(DeviceHandle[MobileSpec[Any, Any], Any, Any]):
+    """A base of any kind in the hands of a primitive."""
+
+    spec_type: ClassVar[Any] = MobileSpec
+
+    @property
+    def still(self) -> bool:
+        """True when it stands."""
+        return self.spec.still(self.state)

@@ -11,7 +11,7 @@ import inspect
 import math
 import typing
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, Protocol, Self, TypeVar
@@ -24,14 +24,20 @@ from skiros_py.plugins.installation import Installation, installation
 from skiros_py.plugins.loading import examined, load_plugins
 from skiros_py.plugins.plugin import Plugin, PluginFault
 from skiros_py.ports.kinematics import BASE_LINK
+from skiros_py.ports.paths import BaseLeg, BasePath, Path
 
 if TYPE_CHECKING:
     from skiros_py.ports.simulation import SimulatedRobot
+
+_SHORT = 0.002
+"""A shorter way counts as none [m]."""
 
 
 T = TypeVar("T")
 StateT = TypeVar("StateT")
 TargetT = TypeVar("TargetT")
+Follower = Generator[tuple[float, TargetT], None, bool]
+"""What drives a base along a path: see :meth:`MobileSpec.follow`."""
 
 
 class Individual(Protocol):
@@ -330,6 +336,40 @@ class MobileSpec(LocalisingSpec[StateT, TargetT]):
     def platform_link(self) -> str:
         """Its own link: bodies stand on it as on the robot."""
         return BASE_LINK
+
+    def direct_path(self, start: Pose, goal: Pose) -> Path:
+        """Returns the path on which it drives a short way where nothing obstructs it: a turn, a straight leg, a turn.
+
+        The leg is driven forwards or backwards, whichever needs the smaller turn.
+        """
+        x, y, _ = (start.inverse() @ goal).position
+        if math.hypot(x, y) < _SHORT:
+            return BasePath((), goal.yaw)
+        return BasePath((BaseLeg(goal.position[0], goal.position[1], backwards=x < 0.0),), goal.yaw)
+
+    def follow(  # kinds that drive define it
+        self,
+        path: Path,  # noqa: ARG002
+        pose: Callable[[], Pose],  # noqa: ARG002
+        *,
+        max_linear: float = math.inf,  # noqa: ARG002
+        max_angular: float = math.inf,  # noqa: ARG002
+    ) -> Follower[TargetT]:
+        """Yields for each cycle how many legs of a path were driven (1.5: half of the second), and the next target.
+
+        Args:
+            path: The path.
+            pose: Returns the pose of the robot in the map in this cycle, as localised.
+            max_linear: Greatest speed [m/s], besides its own limit.
+            max_angular: Greatest turning speed [rad/s], besides its own limit.
+
+        Returns:
+            True at the end of the path; False where it got too far away from it.
+
+        Raises:
+            DeviceError: Devices of this kind follow no paths, or not such a one.
+        """
+        raise DeviceError(f"{self.id}: devices of kind '{self.kind}' follow no paths")
 
 
 def read_mobile(individual: Individual) -> tuple[Pose, tuple[tuple[float, float], ...]]:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from skiros_py.geometry import Array, Pose, Solid
+from skiros_py.ports.paths import Path
 from skiros_py.ports.values import Pending
 
 
@@ -153,26 +154,9 @@ class BasePathRequest:
     base: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class BaseLeg:
-    """Turn towards a point in the map (or away from it, to reverse), then drive straight to it [m]."""
-
-    x: float
-    y: float
-    backwards: bool = False
-
-
-@dataclass(frozen=True, slots=True)
-class BasePath:
-    """Legs one after the other, then a turn on the spot to ``heading`` [rad]."""
-
-    legs: tuple[BaseLeg, ...]
-    heading: float
-
-
 class BasePlanner(Protocol):
-    """Paths of a differential-drive base among obstacles."""
+    """Paths of a base among obstacles; what a base can follow depends on its kind."""
 
-    def plan(self, request: BasePathRequest) -> Pending[BasePath | NoMotion]:
+    def plan(self, request: BasePathRequest) -> Pending[Path | NoMotion]:
         """Plans one path."""
         ...

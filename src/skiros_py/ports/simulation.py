@@ -499,15 +499,6 @@ class EngineFactory(Protocol):
 
 
 @runtime_checkable
-class SimulatedCarrier(Protocol):
-    """A simulated device that carries its robot through the map."""
-
-    def true_pose(self) -> Pose:
-        """Returns the real pose of its frame in the map; for the truth only."""
-        ...
-
-
-@runtime_checkable
 class SimulatedHolder(Protocol):
     """A simulated device that holds what all its fingers touch.
 

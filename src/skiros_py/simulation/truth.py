@@ -13,7 +13,7 @@ from skiros_py.errors import UnknownName
 from skiros_py.geometry import Pose
 from skiros_py.ports.cell import BodySpec
 from skiros_py.ports.kinematics import BASE_LINK
-from skiros_py.ports.simulation import FLOOR, SimulatedCarrier, SimulatedHolder
+from skiros_py.ports.simulation import FLOOR, SimulatedHolder
 from skiros_py.simulation.cell import SimulatedCell
 
 _WALL_TOLERANCE = 0.002  # how much nearer than its wall a part's origin must be to be inside a compartment [m]
@@ -128,12 +128,16 @@ class Truth:
         return self.glance().poses
 
     def base_pose(self, base_id: str) -> Pose:
-        """Returns where a base is in the map, without its localiser's error."""
-        devices = {id_: device for robot in self._scene.robots for id_, device in robot.devices.items()}
-        carriers = {id_: device for id_, device in devices.items() if isinstance(device, SimulatedCarrier)}
-        if base_id not in carriers:
-            raise UnknownName("base", base_id, carriers)
-        return carriers[base_id].true_pose()
+        """Returns the real pose of a base of any kind in the map.
+
+        Raises:
+            UnknownName: There is no such base.
+        """
+        robots = ((robot.spec.carrier, robot.model) for robot in self._scene.robots)
+        bases = {carrier.id: model.link(carrier.platform_link) for carrier, model in robots if carrier is not None}
+        if base_id not in bases:
+            raise UnknownName("base", base_id, bases)
+        return bases[base_id].pose()
 
     def placements(self) -> Mapping[str, str]:
         """Returns the place of every movable body, by body id.

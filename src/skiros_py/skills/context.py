@@ -6,7 +6,7 @@ The way of a base is its own until it has driven it, or until it stands again; t
 from __future__ import annotations
 
 import enum
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field
 from itertools import count
@@ -21,7 +21,7 @@ from skiros_py.ports.adapters import Ports
 from skiros_py.ports.board import DeviceBoard
 from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.frames import Frames
-from skiros_py.ports.motion import BasePath
+from skiros_py.ports.paths import Outline, Path
 from skiros_py.ports.signals import NO_SIGNALS, SignalReader
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.conditions.effects import effects_of, write_effects
@@ -30,14 +30,6 @@ from skiros_py.world.world import World
 if TYPE_CHECKING:
     from skiros_py.skills.outcome import Outcome
     from skiros_py.skills.primitive import Execution
-
-
-Outline = Sequence[tuple[float, float]]
-"""Points on the floor in the frame of a base [m]; what is in their convex hull belongs to the robot."""
-
-
-Path = BasePath | Sequence[Pose]
-"""What a base wants to drive: turns and straight legs, or poses in close succession."""
 
 
 class Way(Protocol):
@@ -58,7 +50,7 @@ class Way(Protocol):
         ...
 
     def passed(self, legs: float) -> None:
-        """Gives back what lies behind: so many legs (or poses) have been driven, 1.5 being half of the second leg."""
+        """Gives back what lies behind: so many legs have been driven, 1.5 being half of the second."""
         ...
 
     def release(self) -> None:
@@ -84,8 +76,7 @@ class Floor(Protocol):
             robot: Id of the robot.
             outline: What it covers while it drives.
             start: Where its base stands.
-            path: The legs of a base that turns and drives straight, or the poses of any other base in the map: between
-                two of them it stays within the hull of its outline at both.
+            path: What it is going to drive.
         """
         ...
 

@@ -18,7 +18,7 @@ from skiros_py.geometry import Pose
 from skiros_py.ports.board import DeviceBoard
 from skiros_py.ports.cell import CellSpec, RobotSpec
 from skiros_py.ports.device import MobileSpec
-from skiros_py.ports.motion import BaseLeg, BasePath
+from skiros_py.ports.paths import BaseLeg, BasePath, PosePath
 from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.testing.tiny import world_of
@@ -251,7 +251,7 @@ def test_giving_back_what_lies_behind_never_adds_to_a_way(legs: float) -> None:
 
 def test_a_base_that_drives_sideways_claims_what_it_sweeps_on_the_way_and_nothing_else() -> None:
     floor = floor_with((0.0, 0.0), (2.0, 0.0), (2.0, 4.0))
-    sideways = [Pose((0.2 * step, 0.2 * step, 0.0)) for step in range(1, 11)]
+    sideways = PosePath(tuple(Pose((0.2 * step, 0.2 * step, 0.0)) for step in range(1, 11)))
 
     way = floor.ask("robot_1", OUTLINE, Pose(), sideways)
 
@@ -264,7 +264,7 @@ def test_a_base_that_drives_sideways_claims_what_it_sweeps_on_the_way_and_nothin
 
 def test_a_base_that_touches_no_floor_claims_none_and_blocks_nobody() -> None:
     floor = floor_with((0.0, 0.0), (1.0, 0.0))
-    way = floor.ask("robot_2", (), Pose((1.0, 0.0, 1.0)), [Pose((0.0, 0.0, 1.0)), Pose((3.0, 0.0, 1.0))])
+    way = floor.ask("robot_2", (), Pose((1.0, 0.0, 1.0)), PosePath((Pose((0.0, 0.0, 1.0)), Pose((3.0, 0.0, 1.0)))))
 
     assert way.free
     assert straight(floor, 1, (0.0, 0.0), (4.0, 0.0)).free

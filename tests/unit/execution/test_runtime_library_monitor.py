@@ -10,7 +10,8 @@ from skiros_py.execution.runtime import LibraryCall, LibraryMonitor
 from skiros_py.geometry import Pose, Solid
 from skiros_py.ports.adapters import NO_PORTS, GivenPorts
 from skiros_py.ports.kinematics import Kinematics
-from skiros_py.ports.motion import ArmPlanner, BasePath, BasePathRequest, BasePlanner, MotionPlan, MotionRequest
+from skiros_py.ports.motion import ArmPlanner, BasePathRequest, BasePlanner, MotionPlan, MotionRequest
+from skiros_py.ports.paths import BasePath
 from skiros_py.ports.perception import (
     LookRequest,
     LookResult,

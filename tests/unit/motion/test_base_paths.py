@@ -14,8 +14,9 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from skiros_py.geometry import Pose, Primitive, Solid, wrap_angle
-from skiros_py.motion.base_paths import BasePaths, ShapelyBasePlanner, floor_outline
-from skiros_py.ports.motion import BasePath, BasePathRequest, BasePlanner, NoMotion, Obstacle
+from skiros_py.motion.base_paths import BasePaths, ShapelyBasePlanner
+from skiros_py.ports.motion import BasePathRequest, BasePlanner, NoMotion, Obstacle
+from skiros_py.ports.paths import BasePath, floor_area
 
 FOOTPRINT = ((-0.50, -0.28), (0.32, -0.28), (0.32, 0.28), (-0.50, 0.28))
 HALF_TABLE, DOCK = 0.30, 0.30 + 0.26 + 0.22  # middle of the table to the base docked at it [m]
@@ -190,9 +191,9 @@ def test_what_hangs_above_is_no_obstacle_and_a_lying_cylinder_covers_its_length(
     lamp = Obstacle("lamp", Solid.box(1.0, 1.0, 0.1), Pose((0.0, 0.0, 1.7)))
     roll = Solid((Primitive("cylinder", (0.1, 1.0), Pose.of(0, 0, 0.1, pitch=math.pi / 2)),))
 
-    assert floor_outline(lamp).is_empty
+    assert floor_area(lamp.solid, lamp.pose).is_empty
     expected = (2.0 - 0.5, 3.0 - 0.1, 2.0 + 0.5, 3.0 + 0.1)
-    assert floor_outline(Obstacle("roll", roll, Pose((2.0, 3.0, 0.0)))).bounds == pytest.approx(expected, abs=0.002)
+    assert floor_area(roll, Pose((2.0, 3.0, 0.0))).bounds == pytest.approx(expected, abs=0.002)
 
 
 def test_the_port_answers_from_a_worker_with_its_latency() -> None:

@@ -15,11 +15,12 @@ from skiros_py.devices.arm import ArmSpec, ArmState
 from skiros_py.errors import SkirosError
 from skiros_py.execution.runtime import LibraryCall
 from skiros_py.execution.task import Task
-from skiros_py.geometry import wrap_angle
+from skiros_py.geometry import Pose, wrap_angle
 from skiros_py.ports.board import Commander
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.kinematics import Kinematics
-from skiros_py.ports.motion import BasePath, BasePathRequest, MotionPlan, MotionRequest
+from skiros_py.ports.motion import BasePathRequest, MotionPlan, MotionRequest, NoMotion
+from skiros_py.ports.paths import Path
 from skiros_py.ports.values import Snapshot
 from skiros_py.station.session import Session
 
@@ -54,7 +55,7 @@ class _Way:
         if isinstance(self.asker, Task) and self.asker.done:
             return True
         answer = self.call.answer.result()
-        if isinstance(answer, BasePath):
+        if not isinstance(answer, MotionPlan):
             return _base_arrived(self.robot, snapshot, self.call.request)
         samples = sum(len(leg.positions) for leg in answer.legs)
         if snapshot.time < self.time + samples * period:  # a pose on the way may equal that at the end
@@ -113,7 +114,7 @@ class Motions:
         for way in ways:
             request, answer = way.call.request, way.call.answer.result()
             if isinstance(request, BasePathRequest):
-                base = _waypoints(request, answer)
+                base = _waypoints(request.start, answer)
             elif isinstance(request, MotionRequest):
                 arms.append(ArmWay(arm=way.device, points=self._tips(request, answer)))
         return RobotMotion(number=number, base=base, arms=tuple(arms))
@@ -158,7 +159,7 @@ class Motions:
 
 def _is_plan(call: LibraryCall) -> bool:
     try:
-        return isinstance(call.answer.result(), BasePath | MotionPlan)
+        return not isinstance(call.answer.result(), NoMotion)
     except SkirosError:  # reported by the caller of the request
         return False
 
@@ -178,16 +179,13 @@ def _arm_arrived(snapshot: Snapshot, arm: str, plan: MotionPlan) -> bool:
     return bool(np.abs(np.asarray(state.positions) - last).max() < _BENT)
 
 
-def _waypoints(request: BasePathRequest, path: BasePath) -> tuple[Waypoint, ...]:
+def _waypoints(start: Pose, path: Path) -> tuple[Waypoint, ...]:
     """Returns the start of a base path, the end of each leg, and the final heading."""
-    x, y, _ = request.start.position
-    points = [Waypoint(x=x, y=y, heading=request.start.yaw)]
-    for leg in path.legs:
-        heading = math.atan2(leg.y - y, leg.x - x) + (math.pi if leg.backwards else 0.0)
-        x, y = leg.x, leg.y
-        points.append(Waypoint(x=x, y=y, heading=wrap_angle(heading)))
-    points.append(Waypoint(x=x, y=y, heading=path.heading))
-    return tuple(points)
+    ends: dict[float, Pose] = {}
+    for driven, pose in path.poses(start):
+        ends.setdefault(driven, pose)
+    shown = [*(end for driven, end in ends.items() if driven.is_integer()), pose]
+    return tuple(Waypoint(x=one.position[0], y=one.position[1], heading=one.yaw) for one in shown)
 
 
 def _spread(count: int) -> list[int]:

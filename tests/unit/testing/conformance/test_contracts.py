@@ -192,7 +192,8 @@ def test_each_wrong_driver_fails_exactly_the_claims_that_it_breaks(pytester: pyt
 
 OTHERS = '''
 from skiros_py.planning.planners.planner import Solved, Unsolvable
-from skiros_py.ports.motion import BasePath, BaseLeg, NoMotion
+from skiros_py.ports.motion import NoMotion
+from skiros_py.ports.paths import BasePath, BaseLeg
 from skiros_py.ports.values import Done
 
 class TestStraight(BasePlannerContract):

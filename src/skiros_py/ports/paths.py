@@ -1,0 +1,141 @@
+"""Paths of bases over the floor, and the areas that robots and things cover there."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Protocol
+
+import numpy as np
+import shapely
+from shapely.geometry.base import BaseGeometry
+
+from skiros_py.geometry import Array, Pose, Primitive, Solid, wrap_angle
+
+Outline = Sequence[tuple[float, float]]
+"""Points on the floor in the frame of a base [m]; what is in their convex hull belongs to the robot."""
+
+_WAY, _TURN = 0.5, math.radians(10.0)
+"""Greatest distance [m] and turn [rad] between two poses of a path, unless more are wanted."""
+_TALLEST = 1.6
+"""What begins higher does not obstruct a base with its arm folded [m]."""
+_CORNERS = 24
+"""Of the polygon around a circle."""
+
+
+class Path(Protocol):
+    """A way of a base through the map, made of legs."""
+
+    @property
+    def legs(self) -> Sequence[object]:
+        """Its legs."""
+        ...
+
+    def poses(self, start: Pose, *, way: float = _WAY, turn: float = _TURN) -> Iterator[tuple[float, Pose]]:
+        """Yields the poses on the way from the start on, each with the number of legs driven there.
+
+        1.5 is half of the second leg. Between two poses the base stays within the hull of its outline at both.
+
+        Args:
+            start: Where the base stands, in the map.
+            way: Greatest distance between two poses [m].
+            turn: Greatest turn between two poses [rad].
+        """
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class BaseLeg:
+    """Turn towards a point in the map (or away from it, to reverse), then drive straight to it [m]."""
+
+    x: float
+    y: float
+    backwards: bool = False
+
+    def heading(self, start: Pose) -> float:
+        """Returns the heading in which it is driven from a pose [rad]."""
+        x, y, _ = start.position
+        return math.atan2(self.y - y, self.x - x) + (math.pi if self.backwards else 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class BasePath:
+    """Legs one after the other, then a turn on the spot to ``heading`` [rad]; a :class:`Path`."""
+
+    legs: tuple[BaseLeg, ...]
+    heading: float
+
+    def poses(self, start: Pose, *, way: float = _WAY, turn: float = _TURN) -> Iterator[tuple[float, Pose]]:
+        """Yields the poses on the way, each with the number of legs driven there."""
+        yield 0.0, start
+        here = start
+        for number, leg in enumerate(self.legs):
+            aligned = Pose.of(*here.position, yaw=leg.heading(here))
+            there = Pose.of(leg.x, leg.y, here.position[2], yaw=aligned.yaw)
+            yield from ((float(number), pose) for pose in _between(here, aligned, way, turn))
+            stops = list(_between(aligned, there, way, turn))
+            yield from ((number + step / len(stops), pose) for step, pose in enumerate(stops, start=1))
+            here = there
+        last = Pose.of(*here.position, yaw=self.heading)
+        yield from ((float(len(self.legs)), pose) for pose in _between(here, last, way, turn))
+
+
+@dataclass(frozen=True, slots=True)
+class PosePath:
+    """Straight from pose to pose, turning on the way, for a base that drives in any direction; a :class:`Path`."""
+
+    legs: tuple[Pose, ...]
+
+    def poses(self, start: Pose, *, way: float = _WAY, turn: float = _TURN) -> Iterator[tuple[float, Pose]]:
+        """Yields the poses on the way, each with the number of legs driven there."""
+        yield 0.0, start
+        for number, (here, there) in enumerate(pairwise((start, *self.legs))):
+            stops = list(_between(here, there, way, turn))
+            yield from ((number + step / len(stops), pose) for step, pose in enumerate(stops, start=1))
+
+
+def _between(here: Pose, there: Pose, way: float, turn: float) -> Iterator[Pose]:
+    """Yields poses from one to another, the last one included."""
+    angle = wrap_angle(there.yaw - here.yaw)
+    count = max(1, math.ceil(here.distance(there) / way), math.ceil(abs(angle) / turn))
+    start, end = np.array(here.position), np.array(there.position)
+    for step in range(1, count):
+        share = step / count
+        yield Pose.of(*(start + share * (end - start)), yaw=here.yaw + share * angle)
+    yield there
+
+
+# ---------------------------------------------------------------------- areas
+
+
+def placed(outline: Outline, pose: Pose) -> BaseGeometry:
+    """Returns the area of an outline at a pose [m, map]; empty for a robot that does not touch the floor."""
+    return swept(outline, (pose, pose))[0]
+
+
+def swept(outline: Outline, poses: Iterable[Pose]) -> list[BaseGeometry]:
+    """Returns the area that an outline covers from each pose to the next: the hull at both [m, map]."""
+    corners = np.array([(x, y, 0.0) for x, y in outline]).reshape(-1, 3)
+    points = [pose.apply(corners)[:, :2] for pose in poses]
+    return [shapely.MultiPoint(np.vstack(pair)).convex_hull for pair in pairwise(points)]
+
+
+def floor_area(solid: Solid, pose: Pose) -> BaseGeometry:
+    """Returns the floor area of a solid [m, map]: the union of its blocks' outlines below 1.6 m."""
+    blocks = [_corners(pose @ block.pose, block) for block in solid.primitives]
+    outlines = [shapely.MultiPoint(points[:, :2]).convex_hull for points in blocks if points[:, 2].min() < _TALLEST]
+    return shapely.union_all(outlines)
+
+
+def _corners(pose: Pose, block: Primitive) -> Array:
+    if block.kind == "box":
+        half = np.array(block.size) / 2.0
+        signs = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T
+        return pose.apply(signs * half)
+    radius, length = block.size
+    angles = np.linspace(0.0, 2.0 * np.pi, _CORNERS, endpoint=False)
+    rim = radius / np.cos(np.pi / _CORNERS) * np.column_stack([np.cos(angles), np.sin(angles)])
+    ends = [np.column_stack([rim, np.full(_CORNERS, z)]) for z in (-length / 2.0, length / 2.0)]
+    return pose.apply(np.vstack(ends))
