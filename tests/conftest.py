@@ -1,7 +1,8 @@
 """What all tests share.
 
 Numerics run on one thread, as in the worker processes: results do not depend on the number of cores. That is set before
-any test module loads a numerical library, which read it once.
+any test module loads a numerical library, which read it once. Compiled modules are kept, even if the environment
+says otherwise: hundreds of child processes would compile the platform again.
 
 ``pytest`` alone runs the whole suite on several cores: a file with the fixtures of its module stays in one process, and
 so do all tests with physics and all tests in a browser, which would take each other's time. A run of named files or
@@ -9,6 +10,7 @@ folders stays in one process unless ``-n`` is given.
 """
 
 import os
+import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -17,6 +19,8 @@ from xdist.remote import Producer
 from xdist.scheduler import LoadScopeScheduling
 
 os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"))
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 
 _MOST_WORKERS = 4
 """Each has servers and simulations of its own, with up to 2 GB."""
