@@ -358,13 +358,18 @@ scene:ball_1 a tiny:Ball ; sk:on scene:floor ; sk:mass 0.1 ; sk:pose "0.5 0 0 0 
 """
 
 
-@pytest.fixture
-def lab(site, tmp_path: Path) -> Path:
-    """The distribution, installed; returns its ontology."""
+def install_devices(site: Any) -> None:
+    """Installs the kinds of device."""
     names = {"wrench": "Wrench", "turntable": "Turntable", "omni": "Omni", "hand": "Hand"}
     site.install(
         "lab-devices", {"devices": {n: f"lab_devices:{c}" for n, c in names.items()}}, {"lab_devices.py": DEVICES}
     )
+
+
+@pytest.fixture
+def lab(site, tmp_path: Path) -> Path:
+    """The distribution, installed; returns its ontology."""
+    install_devices(site)
     file = tmp_path / "lab.ttl"
     file.write_text(ONTOLOGY, encoding="utf-8")
     return file
@@ -600,18 +605,23 @@ CARRIER, TURNTABLE = (RobotModel(n, Path(__file__).with_name(n + ".urdf")) for n
 """
 
 
-@pytest.fixture(params=["kinematic", pytest.param("pybullet", marks=pytest.mark.physics)])
-def cell(request: Any, lab: Path, site: Any, tmp_path: Path) -> Iterator[Session]:
-    """A session of the laboratory, in physics: every kind of its devices, and its robots, come from outside."""
+def install_cell(site: Any, form: str = LINK, ontology: str = ONTOLOGY + CUBE) -> None:
+    """Installs the laboratory's robots, engine and ontology; its devices are a distribution of their own.
+
+    Args:
+        site: Where.
+        form: A link of its models, with its name and mass to be filled in.
+        ontology: Its ontology.
+    """
     urdfs = {
         f"lab_cell/{name}.urdf": f'<robot name="{name}">'
-        + "".join(LINK.format(*link) if link[1] else f'<link name="{link[0]}"/>' for link in links)
+        + "".join(form.format(*link) if link[1] else f'<link name="{link[0]}"/>' for link in links)
         + "".join(JOINT.format(*joint) for joint in joints)
         + "</robot>"
         for name, (links, joints) in URDFS.items()
     }
     files = {"lab_cell/__init__.py": MODELS, "lab_engine.py": ENGINE, "lab_onto/__init__.py": ""}
-    files["lab_onto/ontologies/lab.ttl"] = ONTOLOGY + CUBE
+    files["lab_onto/ontologies/lab.ttl"] = ontology
     site.install(
         "lab-cell",
         {
@@ -621,6 +631,12 @@ def cell(request: Any, lab: Path, site: Any, tmp_path: Path) -> Iterator[Session
         },
         files | urdfs,
     )
+
+
+@pytest.fixture(params=["kinematic", pytest.param("pybullet", marks=pytest.mark.physics)])
+def cell(request: Any, lab: Path, site: Any, tmp_path: Path) -> Iterator[Session]:
+    """A session of the laboratory, in physics: every kind of its devices, and its robots, come from outside."""
+    install_cell(site)
     scene = tmp_path / "lab_scene.ttl"
     scene.write_text(LAB, encoding="utf-8")
     with Session(str(scene), Options(engine=request.param, seed=1)) as session:

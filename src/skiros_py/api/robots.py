@@ -101,6 +101,8 @@ class RobotInfo(Answer):
     """Name of its model."""
     base: BaseDescription | None
     """Its base; null for a robot that stands still, or that something else moves."""
+    carrier: str | None = Field(examples=["base_1"])
+    """Id of the device that moves it through the map, of whatever kind; null for a robot that stands still."""
     place: PoseInfo | None
     """Where in the map a robot stands that nothing moves; null for others."""
     footprint: tuple[tuple[float, float], ...]

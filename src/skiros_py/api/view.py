@@ -96,8 +96,12 @@ class StationState(Answer):
     """The grippers by id."""
     bases: dict[str, BaseInfo]
     """The bases by id."""
-    platforms: dict[str, PoseInfo] = Field(default_factory=dict)
+    platforms: dict[str, PoseInfo]
     """The frames of all devices that carry bodies (bases, turntables), in the map, by device."""
+    frames: dict[str, PoseInfo]
+    """The frames of all other devices that have one (tips of arms, grippers, cameras), in the map, by device."""
+    joints: dict[str, dict[str, float]] = Field(examples=[{"robot_1": {"panda_joint1": 0.0}}])
+    """Positions of the joints of each robot's model, by robot and name [rad or m]."""
     modules: tuple[ModuleAtWork, ...]
     """What runs."""
     tasks: tuple[TaskAtWork, ...]

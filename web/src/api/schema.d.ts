@@ -3554,6 +3554,7 @@ export interface components {
             label: string;
             model: string;
             base: components["schemas"]["BaseDescription"] | null;
+            carrier: string | null;
             place: components["schemas"]["PoseInfo"] | null;
             footprint: [
                 number,
@@ -3787,8 +3788,16 @@ export interface components {
             bases: {
                 [key: string]: components["schemas"]["BaseInfo"];
             };
-            platforms?: {
+            platforms: {
                 [key: string]: components["schemas"]["PoseInfo"];
+            };
+            frames: {
+                [key: string]: components["schemas"]["PoseInfo"];
+            };
+            joints: {
+                [key: string]: {
+                    [key: string]: number;
+                };
             };
             modules: components["schemas"]["ModuleAtWork"][];
             tasks: components["schemas"]["TaskAtWork"][];

@@ -1,32 +1,30 @@
-/** Where the robots' devices are in the frame that is drawn: between two states of the present, or in a replay. */
+/** Where devices are in the picture that is drawn: between two states of the present, or in a replay. */
 
-import type { Schema } from "../api/client";
 import { type StationState, useStation } from "../live/station";
-import { headingOf } from "./pose";
 import { useReplay } from "./replay";
 import { framesAt } from "./replayFrames";
 import { wake } from "./ticker";
 
-/** Numbers of all devices by their ids. */
+/** Where devices are, whatever their kinds are. */
 export interface Devices {
-  /** Joint angles [rad]. */
-  arms: Record<string, number[]>;
-  /** Distance between the fingers [m]. */
-  grippers: Record<string, number[]>;
-  /** x [m], y [m], heading [rad] in the map. */
-  bases: Record<string, number[]>;
+  /** Frames in the map by device: position [m], and a quaternion x, y, z, w. */
+  frames: Record<string, number[]>;
+  /** Positions of joints by "robot/joint" [rad or m]. */
+  joints: Record<string, number[]>;
 }
 
 type Numbers = readonly number[];
 
 const NONE: Numbers = [];
-const KINDS = ["arms", "grippers", "bases"] as const;
+const SORTS = ["frames", "joints"] as const;
 const LONGEST = 120; // ms
 const SHORTEST = 30; // ms
 const STILL = 2e-4; // rad or m: less is not visible
 
 /** As they are drawn now; read only. */
 export const devices: Devices = nothing();
+/** Ids of the devices that carry bodies: what is drawn of them moves with their frames. */
+export const platforms = new Set<string>();
 
 let from: Devices = nothing();
 let to: Devices = nothing();
@@ -51,35 +49,48 @@ export function moveDevices(now: number): void {
 
 export function devicesOf(state: StationState): Devices {
   const found = nothing();
-  for (const [id, arm] of Object.entries(state.arms)) found.arms[id] = arm.positions;
-  for (const [id, gripper] of Object.entries(state.grippers)) found.grippers[id] = [gripper.gap];
-  for (const [id, base] of Object.entries(state.bases)) found.bases[id] = planar(base.pose);
+  for (const id of Object.keys(state.platforms)) platforms.add(id);
+  for (const [id, pose] of Object.entries({ ...state.frames, ...state.platforms })) {
+    found.frames[id] = [...pose.position, ...pose.orientation];
+  }
+  for (const [robot, joints] of Object.entries(state.joints)) {
+    for (const [name, position] of Object.entries(joints)) found.joints[`${robot}/${name}`] = [position];
+  }
   return found;
 }
 
-/** Writes what is a share of the way from one to the other; headings go the short way round. */
+/** Writes what is a share of the way from one to the other. */
 export function between(one: Devices, other: Devices, share: number, into: Devices): void {
-  for (const kind of KINDS) {
-    for (const id in other[kind]) {
-      const end = other[kind][id] ?? NONE;
-      blend(kind, one[kind][id] ?? end, end, share, (into[kind][id] ??= [...end]));
+  for (const sort of SORTS) {
+    for (const id in other[sort]) {
+      const end = other[sort][id] ?? NONE;
+      blend(one[sort][id] ?? end, end, share, (into[sort][id] ??= [...end]));
     }
   }
 }
 
-/** Writes what is a share of the way from some numbers of a device to others. */
-export function blend(kind: keyof Devices, one: Numbers, other: Numbers, share: number, into: number[]): void {
+const POSE = 7; // numbers: position and quaternion
+
+/** Writes what is a share of the way from some numbers of a device to others; frames turn the short way round. */
+export function blend(one: Numbers, other: Numbers, share: number, into: number[]): void {
+  const turns = other.length === POSE;
+  const sign = turns && dot(one, other) < 0 ? -1 : 1;
   for (let i = 0; i < other.length; i++) {
     const end = other[i] ?? 0;
-    const start = one[i] ?? end;
-    into[i] = start + way(kind, i, start, end) * share;
+    const start = (one[i] ?? end) * (turns && i > 2 ? sign : 1);
+    into[i] = start + (end - start) * share;
   }
+  if (turns) normalise(into);
 }
 
-/** How far it is from one number to the other. */
-function way(kind: keyof Devices, index: number, start: number, end: number): number {
-  if (kind !== "bases" || index !== 2) return end - start;
-  return Math.atan2(Math.sin(end - start), Math.cos(end - start));
+/** How much two orientations are alike: below 0, one is written with the other sign. */
+function dot(one: Numbers, other: Numbers): number {
+  return [3, 4, 5, 6].reduce((sum, i) => sum + (one[i] ?? 0) * (other[i] ?? 0), 0);
+}
+
+function normalise(pose: number[]): void {
+  const length = Math.sqrt(dot(pose, pose)) || 1;
+  for (let i = 3; i < POSE; i++) pose[i] = (pose[i] ?? 0) / length;
 }
 
 function take(next: Devices, at: number): void {
@@ -100,18 +111,14 @@ function begin(first: Devices): void {
 }
 
 function differ(one: Devices, other: Devices): boolean {
-  return KINDS.some((kind) =>
-    Object.entries(other[kind]).some(([id, numbers]) => {
-      const before = one[kind][id];
+  return SORTS.some((sort) =>
+    Object.entries(other[sort]).some(([id, numbers]) => {
+      const before = one[sort][id];
       return numbers.some((value, i) => Math.abs(value - (before?.[i] ?? Number.NaN)) > STILL || before === undefined);
     }),
   );
 }
 
 function nothing(): Devices {
-  return { arms: {}, grippers: {}, bases: {} };
-}
-
-function planar(pose: Schema<"PoseInfo">): number[] {
-  return [pose.position[0], pose.position[1], headingOf(pose)];
+  return { frames: {}, joints: {} };
 }

@@ -1,11 +1,11 @@
 /** What tests and measurements ask about the picture: it is drawn, not in the page's text. */
 
 import { type Camera, Matrix4, Vector3, type WebGLRenderer } from "three";
-import { devices } from "./devices";
 import { crowd } from "./elements/crowd";
-import { planarMatrix, poseOf } from "./pose";
+import { deviceInMap } from "./frames";
+import { poseOf } from "./pose";
 import { onPicture, pointOf, type Spot } from "./pointing";
-import { baseOf, models } from "./robots/models";
+import { carrierOf, models } from "./robots/models";
 
 export interface Hook {
   /** CSS pixels of an element's middle in the page; null for what is not seen. */
@@ -61,9 +61,7 @@ function screenOf(id: string, canvas: HTMLElement, camera: Camera): Spot | null 
 }
 
 function poseNow(id: string): number[] | null {
-  const base = devices.bases[baseOf.get(id) ?? ""];
-  if (base !== undefined) planarMatrix(base, matrix);
-  else if (!crowd.poseOf(id, matrix)) return null;
+  if (!deviceInMap(carrierOf.get(id) ?? "", matrix) && !crowd.poseOf(id, matrix)) return null;
   const { position, orientation } = poseOf(matrix);
   return [...position, ...orientation];
 }

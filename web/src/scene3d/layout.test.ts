@@ -22,7 +22,17 @@ describe("a layout", () => {
   it("puts things where they are, in the map or on the base that carries them", () => {
     const items = laidOut(TABLE, element("deck", { pose: at(0, 0, 0.3), carrier: "base_1" }));
     expect(items.get("table")?.frame.on).toBe("map");
-    expect(items.get("deck")?.frame).toEqual({ on: "base", id: "base_1" });
+    expect(items.get("deck")?.frame).toEqual({ on: "carrier", id: "base_1" });
+  });
+
+  it("draws a device that carries bodies where its frame is, also while nothing else changes", () => {
+    const view = viewFrom(world([element("turntable", { kind: "device", shape: "table", pose: at(1, 0, 0) })]));
+    const items = layout(
+      view,
+      () => null,
+      (id) => id === "turntable",
+    );
+    expect(items.get("turntable")?.frame).toEqual({ on: "carrier", id: "turntable" });
   });
 
   it("puts what is held in the hand", () => {
@@ -33,7 +43,7 @@ describe("a layout", () => {
   it("puts a robot on its base", () => {
     const base = element("base_1", { kind: "device", owner: "robot", pose: at(1, 0, 0) });
     const items = laidOut(element("robot", { kind: "robot", pose: at(1, 0, 0) }), base);
-    expect(items.get("robot")?.frame).toEqual({ on: "base", id: "base_1" });
+    expect(items.get("robot")?.frame).toEqual({ on: "carrier", id: "base_1" });
   });
 
   it("lays out above its place, apart from each other, what nobody knows the place of", () => {

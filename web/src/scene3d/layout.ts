@@ -1,12 +1,12 @@
-/** Where everything is drawn: in the map, on a robot's base, in its hand; or above its place where its pose is unknown. */
+/** Where everything is drawn: in the map, on a device that carries it, in a hand; or above its place where its pose is unknown. */
 
 import { type Box3, Matrix4, Vector3 } from "three";
 import { matrixOf } from "./pose";
 import type { View, ViewElement } from "./view";
 
-/** What something moves with: "map" never moves; the others have the id of a base or a gripper. */
+/** What something moves with: "map" never moves; the others have the id of a device, such as a base or a gripper. */
 export interface Frame {
-  on: "map" | "base" | "tool";
+  on: "map" | "carrier" | "tool";
   id: string;
 }
 
@@ -25,16 +25,18 @@ const APART = 0.04; // m between stand-ins
 const SMALL = 0.05; // m, width of what has no shape
 
 type Bounds = (element: ViewElement) => Box3 | null;
+type Carries = (id: string) => boolean;
 
 /** Lays out a view.
  *
  * @param bounds - Returns how large the shape of an element is, in its frame; null for none.
+ * @param carries - Returns whether an element is a device that carries bodies: it is drawn where its frame is.
  */
-export function layout(view: View, bounds: Bounds): Map<string, Item> {
+export function layout(view: View, bounds: Bounds, carries: Carries = () => false): Map<string, Item> {
   const items = new Map<string, Item>();
   const waiting = new Map<string, ViewElement[]>();
   for (const element of view.elements.values()) {
-    const item = known(element, view);
+    const item = known(element, view, carries);
     if (item !== null) items.set(element.id, item);
     else if (element.place !== null) put(waiting, element.place, element);
   }
@@ -57,21 +59,24 @@ function placesInOrder(waiting: ReadonlyMap<string, ViewElement[]>): string[] {
   return [...waiting.keys()].sort((one, other) => depth(one) - depth(other));
 }
 
-function known(element: ViewElement, view: View): Item | null {
+function known(element: ViewElement, view: View, carries: Carries): Item | null {
   if (element.kind === "robot") return onRobot(element, view);
   if (element.held_by !== null) {
     const matrix = element.in_hand ? matrixOf(element.in_hand) : new Matrix4();
     return { element, frame: { on: "tool", id: element.held_by }, matrix, sure: true };
   }
+  if (carries(element.id)) {
+    return { element, frame: { on: "carrier", id: element.id }, matrix: new Matrix4(), sure: true };
+  }
   if (element.pose === null) return null;
-  const frame: Frame = element.carrier ? { on: "base", id: element.carrier } : MAP;
+  const frame: Frame = element.carrier ? { on: "carrier", id: element.carrier } : MAP;
   return { element, frame, matrix: matrixOf(element.pose), sure: true };
 }
 
 function onRobot(element: ViewElement, view: View): Item | null {
   for (const { id, owner, kind, shape, pose, carrier } of view.elements.values()) {
     const isBase = owner === element.id && kind === "device" && shape === null && pose !== null && !carrier;
-    if (isBase) return { element, frame: { on: "base", id }, matrix: new Matrix4(), sure: true };
+    if (isBase) return { element, frame: { on: "carrier", id }, matrix: new Matrix4(), sure: true };
   }
   return element.pose === null ? null : { element, frame: MAP, matrix: matrixOf(element.pose), sure: true };
 }

@@ -2,8 +2,7 @@
 
 import { type Camera, type Intersection, type Object3D, Matrix4, Raycaster, Vector2, Vector3 } from "three";
 import { crowd } from "./elements/crowd";
-import { devices } from "./devices";
-import { robotPose } from "./robots/models";
+import { robotPoint } from "./robots/models";
 
 const raycaster = new Raycaster();
 const point = new Vector2();
@@ -50,7 +49,7 @@ function idOf({ object, instanceId }: Intersection): string | null {
 
 /** Writes a point of an element in the map: its middle, or the middle of its upper side; false for what is nowhere. */
 export function pointOf(id: string, at: "middle" | "top", into: Vector3): boolean {
-  if (robotPose(id, devices.bases, into, at === "top")) return true;
+  if (robotPoint(id, into, at === "top")) return true;
   if (!crowd.poseOf(id, place)) return false;
   const bounds = crowd.shapeOf(id)?.bounds;
   if (bounds === undefined) into.set(0, 0, 0);

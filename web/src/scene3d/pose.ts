@@ -31,15 +31,15 @@ export function poseOf(matrix: Matrix4): MapPose {
   return { position: [position.x, position.y, position.z], orientation: [x, y, z, w] };
 }
 
-/** Where something on the floor is: x, y [m], heading [rad]. */
-export function planarMatrix([x = 0, y = 0, heading = 0]: readonly number[], into = new Matrix4()): Matrix4 {
-  return into.makeRotationZ(heading).setPosition(x, y, 0);
+/** A pose as seven numbers: position [m], and a quaternion x, y, z, w. */
+export function poseMatrix([x = 0, y = 0, z = 0, ...turned]: readonly number[], into = new Matrix4()): Matrix4 {
+  return into.compose(position.set(x, y, z), orientation.fromArray(turned), ONE);
 }
 
-/** Heading of what stands upright [rad]. */
-export function headingOf(pose: PoseInfo): number {
-  const [, , z, w] = pose.orientation;
-  return 2 * Math.atan2(z, w);
+/** Heading of a pose on the floor [rad]. */
+export function headingOf(pose: PoseInfo | MapPose): number {
+  const [x, y, z, w] = pose.orientation;
+  return Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z));
 }
 
 export function numbersOf(pose: MapPose): PoseNumbers {

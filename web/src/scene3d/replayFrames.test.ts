@@ -1,7 +1,9 @@
-import { describe, expect, it } from "vitest";
+import { beforeEach, describe, expect, it } from "vitest";
 import type { Schema } from "../api/client";
 import type { Devices } from "./devices";
 import { framesAt, PastViews } from "./replayFrames";
+import { noteRobot } from "./robots/models";
+import type { RobotInfo } from "./robots/useRobots";
 import { element, world } from "./testing";
 
 const FRAMES: Schema<"ReplayFrames"> = {
@@ -15,28 +17,60 @@ const FRAMES: Schema<"ReplayFrames"> = {
       [1, 0, -3],
     ],
   },
+  devices: {
+    table: {
+      states: [{}, {}, {}],
+      poses: [
+        [0, 2, 0.5, 0, 0, 0, 1],
+        [0, 2, 0.5, 0, 0, -1, 0],
+        [0, 2, 0.5, 0, 0, -1, 0],
+      ],
+    },
+  },
 };
 
+const ROBOT = {
+  id: "robot",
+  carrier: "base",
+  arms: [{ id: "arm", joints: [{ name: "shoulder" }] }],
+  grippers: [{ id: "gripper", joints: ["left", "right"] }],
+} as unknown as RobotInfo;
+
+beforeEach(() => noteRobot(ROBOT));
+
 function devicesAt(time: number): Devices {
-  const into: Devices = { arms: {}, grippers: {}, bases: {} };
+  const into: Devices = { frames: {}, joints: {} };
   framesAt({ frames: FRAMES, changes: [] } as unknown as Schema<"Replay">, time, into);
   return into;
 }
 
 describe("devices between two frames of a replay", () => {
   it("are on the straight way between them", () => {
-    expect(devicesAt(1.5).arms["arm"]).toEqual([0.5]);
-    expect(devicesAt(3).arms["arm"]).toEqual([2]);
-    expect(devicesAt(1.25).grippers["gripper"]?.[0]).toBeCloseTo(0.07);
+    expect(devicesAt(1.5).joints["robot/shoulder"]).toEqual([0.5]);
+    expect(devicesAt(3).joints["robot/shoulder"]).toEqual([2]);
+    for (const finger of ["left", "right"]) {
+      expect(devicesAt(1.25).joints[`robot/${finger}`]?.[0]).toBeCloseTo(0.035);
+    }
   });
 
   it("turn the short way round", () => {
-    expect(Math.cos(devicesAt(1.5).bases["base"]?.[2] ?? 0)).toBeCloseTo(-1);
+    const [x, , , , , z, w] = devicesAt(1.5).frames["base"] ?? [];
+    expect(x).toBeCloseTo(0.5);
+    expect(Math.cos(2 * Math.atan2(z ?? 0, w ?? 0))).toBeCloseTo(-1);
+  });
+
+  it("of any kind stand and turn where their frames were", () => {
+    const [, y, height, , , z, w] = devicesAt(1.5).frames["table"] ?? [];
+    expect([y, height]).toEqual([2, 0.5]);
+    expect([z, w].map(Math.abs as (part?: number) => number)).toEqual([
+      expect.closeTo(Math.SQRT1_2),
+      expect.closeTo(Math.SQRT1_2),
+    ]);
   });
 
   it("stay where they were before the first and after the last", () => {
-    expect(devicesAt(0).arms["arm"]).toEqual([0]);
-    expect(devicesAt(9).arms["arm"]).toEqual([3]);
+    expect(devicesAt(0).joints["robot/shoulder"]).toEqual([0]);
+    expect(devicesAt(9).joints["robot/shoulder"]).toEqual([3]);
   });
 });
 
@@ -44,9 +78,9 @@ describe("devices while a job was cut off", () => {
   const anew = { time: 4.00001, author: "", anew: true, view: world([]) };
   const replay = { frames: FRAMES, changes: [anew] } as unknown as Schema<"Replay">;
   const angleAt = (time: number) => {
-    const into: Devices = { arms: {}, grippers: {}, bases: {} };
+    const into: Devices = { frames: {}, joints: {} };
     framesAt(replay, time, into);
-    return into.arms["arm"]?.[0];
+    return into.joints["robot/shoulder"]?.[0];
   };
 
   it("stay where they were last seen, and then are where they were found", () => {

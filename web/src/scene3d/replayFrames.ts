@@ -2,6 +2,7 @@
 
 import type { Schema } from "../api/client";
 import { blend, type Devices } from "./devices";
+import { movedBy } from "./robots/models";
 import { merged, type View, viewFrom } from "./view";
 
 type Replay = Schema<"Replay">;
@@ -12,19 +13,33 @@ type Replay = Schema<"Replay">;
  * While the job was held, or no server ran, their way is unknown: they stay where they were, then jump.
  */
 export function framesAt(replay: Replay, time: number, into: Devices): void {
-  const { times, arms, bases, grippers } = replay.frames;
+  const { times, arms, bases, grippers, devices = {} } = replay.frames;
   const after = Math.min(firstAfter(times, time), times.length - 1);
   const before = Math.max(after - 1, 0);
   const [start, end] = [times[before] ?? 0, times[after] ?? 0];
   const gap = gapWithin(gapsOf(replay), start, end);
   const share = gap === undefined ? shareOf(start, end, time) : Number(time >= gap);
-  for (const [id, track] of Object.entries(arms)) at("arms", id, track[before], track[after]);
-  for (const [id, track] of Object.entries(bases)) at("bases", id, track[before], track[after]);
-  for (const [id, track] of Object.entries(grippers)) at("grippers", id, [track[before] ?? 0], [track[after] ?? 0]);
-
-  function at(kind: keyof Devices, id: string, start: readonly number[] = [], end: readonly number[] = []): void {
-    blend(kind, start, end, share, (into[kind][id] ??= [...end]));
+  for (const [id, track] of Object.entries(arms)) moved(id, track[before], track[after]);
+  for (const [id, track] of Object.entries(grippers)) moved(id, [track[before] ?? 0], [track[after] ?? 0]);
+  for (const [id, track] of Object.entries(bases)) at("frames", id, upright(track[before]), upright(track[after]));
+  for (const [id, { poses }] of Object.entries(devices)) {
+    if (poses !== null) at("frames", id, poses[before], poses[after]);
   }
+
+  function at(sort: keyof Devices, id: string, start: readonly number[] = [], end: readonly number[] = []): void {
+    blend(start, end, share, (into[sort][id] ??= [...end]));
+  }
+
+  function moved(device: string, start: readonly number[] = [], end: readonly number[] = []): void {
+    movedBy.get(device)?.forEach(({ joints, share }, i) => {
+      for (const joint of joints) at("joints", joint, [(start[i] ?? 0) * share], [(end[i] ?? 0) * share]);
+    });
+  }
+}
+
+/** The frame of what stands upright on the floor, of x, y [m] and heading [rad]. */
+function upright([x = 0, y = 0, heading = 0]: readonly number[] = []): number[] {
+  return [x, y, 0, 0, 0, Math.sin(heading / 2), Math.cos(heading / 2)];
 }
 
 const ROUNDED = 1e-4; // s: times of frames are rounded, those of changes are not

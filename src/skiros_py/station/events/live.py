@@ -68,6 +68,7 @@ def _live_state(session: Session) -> dict[str, Any]:
     cycle, index = session.cycle, session.world.snapshot()
     snapshot = cycle.board.snapshot
     frames = session.runtime.context.frames.at(snapshot)
+    platforms = frames.platforms()
     return {
         "time": snapshot.time,
         "cycle": snapshot.cycle,
@@ -96,7 +97,13 @@ def _live_state(session: Session) -> dict[str, Any]:
             }
             for name, base in snapshot.of(BaseState).items()
         },
-        "platforms": {name: _pose(pose) for name, pose in frames.platforms().items()},
+        "platforms": {name: _pose(pose) for name, pose in platforms.items()},
+        "frames": {
+            name: _pose(pose)
+            for name in cycle.board.devices
+            if name not in platforms and (pose := frames.device(name)) is not None
+        },
+        "joints": {robot.id: frames.joints(robot) for robot in session.spec.robots},
         "modules": [
             {"agent": agent, "module": name, "status": running.status}
             for agent in session.managers

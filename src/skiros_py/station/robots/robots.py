@@ -59,6 +59,7 @@ def info(session: Session, robot: RobotSpec) -> RobotInfo:
         label=view.element(robot.id).label if view.has(robot.id) else "",
         model=robot.model,
         base=_base(robot, model),
+        carrier=None if robot.carrier is None else robot.carrier.id,
         place=_pose(robot.place) if robot.carrier is None else None,
         footprint=robot.outline,
         arms=tuple(_arm(arm, model) for arm in robot.of(ArmSpec)),

@@ -4,7 +4,7 @@ import { type RefObject, useEffect, useRef } from "react";
 import { PerspectiveCamera, Vector3 } from "three";
 import { useSelection } from "../../selection/selection";
 import { pointOf } from "../pointing";
-import { baseOf } from "../robots/models";
+import { carrierOf } from "../robots/models";
 import { wake } from "../ticker";
 import { useShownView } from "../useShownView";
 import { useCamera, type Viewpoint } from "./camera";
@@ -42,8 +42,8 @@ function useFlights(controls: RefObject<Orbit | null>): void {
 function focusOf(viewpoint: Viewpoint): string | null {
   const { selected } = useSelection.getState();
   if (viewpoint === "selection") return selected;
-  if (selected !== null && baseOf.has(selected)) return selected;
-  return baseOf.keys().next().value ?? null;
+  if (selected !== null && carrierOf.has(selected)) return selected;
+  return carrierOf.keys().next().value ?? null;
 }
 
 function calm(): boolean {

@@ -1,6 +1,7 @@
 import { useFrame } from "@react-three/fiber";
 import { useEffect, useMemo } from "react";
 import { Color } from "three";
+import { useStation } from "../../live/station";
 import { type Pick, useSelection } from "../../selection/selection";
 import { useLayers } from "../layers";
 import { colourOf, type Palette, partColours } from "../palette";
@@ -16,6 +17,7 @@ const TINT = 0.55; // of what is selected
 /** All elements that are not robots. */
 export function Elements({ palette }: { palette: Palette }) {
   const view = useShownView();
+  const heard = useStation(({ state }) => state !== null); // only then it is known which devices carry something
   const rooms = useLayers(({ shown }) => shown.rooms);
   const selected = useSelection((state) => state.selected);
   const hovered = useSelection((state) => state.hovered);
@@ -23,12 +25,12 @@ export function Elements({ palette }: { palette: Palette }) {
   const parts = useMemo(() => (view === null ? new Map<string, Color>() : partColours(view)), [view]);
   useEffect(() => {
     if (view !== null) crowd.show(view, ({ hollow }) => hollow && !rooms);
-  }, [view, rooms]);
+  }, [view, rooms, heard]);
   useEffect(() => {
     const paint = painter(palette, { selected, hovered, pick });
     crowd.paint((element, sure) => paint(element, colourOf(element, palette, parts), sure));
     wake();
-  }, [view, rooms, palette, parts, selected, hovered, pick]);
+  }, [view, rooms, heard, palette, parts, selected, hovered, pick]);
   useEffect(() => () => crowd.dispose(), []);
   useFrame(() => crowd.follow(), -1);
   return <primitive object={crowd.group} />;

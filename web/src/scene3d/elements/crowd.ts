@@ -2,6 +2,7 @@
 
 import { Box3, type Color, Group, Matrix4 } from "three";
 import { create } from "zustand";
+import { platforms } from "../devices";
 import { frameInMap } from "../frames";
 import { type Item, layout } from "../layout";
 import { type Shape, shapeIn } from "../shapes";
@@ -27,7 +28,8 @@ class Crowd {
   /** Shows a view; what is hidden has a place but no picture. */
   show(view: View, hidden: (element: ViewElement) => boolean): void {
     this.shapes = view.shapes;
-    const items = layout(view, (element) => this.shape(element)?.bounds ?? null);
+    const bounds = (element: ViewElement) => this.shape(element)?.bounds ?? null;
+    const items = layout(view, bounds, (id) => platforms.has(id));
     const visible = [...items.values()].filter((item) => !hidden(item.element));
     this.makeRoom(visible);
     this.drawn = new Map([...items].map(([id, item]) => [id, { item, batch: null, number: 0 }]));
@@ -133,7 +135,7 @@ class Crowd {
 function lookOf({ element, sure, frame }: Item): Look {
   if (!sure) return "unsure";
   if (element.hollow) return "room";
-  return frame.on === "base" ? "borne" : "solid";
+  return frame.on === "carrier" ? "borne" : "solid";
 }
 
 function keyOf(item: Item): string {

@@ -5,11 +5,12 @@ import { useSelection } from "../../selection/selection";
 import { crowd } from "../elements/crowd";
 import { frameInMap } from "../frames";
 import { useLayers } from "../layers";
+import { robotInMap } from "../robots/models";
 import { useRobots } from "../robots/useRobots";
 
 const LONG = 0.25; // m
 
-/** Axes of the map, of bases and tools, and of what is selected: x red, y green, z blue. */
+/** Axes of the map, of robots and their tools, and of what is selected: x red, y green, z blue. */
 export function Axes() {
   const shown = useLayers((layers) => layers.shown.axes);
   const selected = useSelection((state) => state.selected);
@@ -18,9 +19,9 @@ export function Axes() {
   return (
     <>
       <axesHelper args={[2 * LONG]} />
-      {robots.map(
-        ({ base }) => base && <Cross key={base.id} where={(into) => frameInMap({ on: "base", id: base.id }, into)} />,
-      )}
+      {robots.map((robot) => (
+        <Cross key={robot.id} where={(into) => robotInMap(robot, into)} />
+      ))}
       {robots.flatMap(({ grippers }) =>
         grippers.map(({ id }) => <Cross key={id} where={(into) => frameInMap({ on: "tool", id }, into)} />),
       )}

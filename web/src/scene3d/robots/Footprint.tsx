@@ -1,10 +1,11 @@
 import { Line } from "@react-three/drei";
 import { useFrame } from "@react-three/fiber";
 import { useMemo, useRef } from "react";
-import { ExtrudeGeometry, type Group, Shape, Vector2 } from "three";
+import { ExtrudeGeometry, type Group, Matrix4, Shape, Vector2 } from "three";
 import { useSelection } from "../../selection/selection";
-import { devices } from "../devices";
 import type { Palette } from "../palette";
+import { headingOf, poseOf } from "../pose";
+import { robotInMap } from "./models";
 import type { RobotInfo } from "./useRobots";
 
 const HEIGHT = 0.35; // m, of a robot of which only the outline is known
@@ -24,9 +25,10 @@ export function Footprint({ robot, palette, solid }: Props) {
   const hovered = useSelection((state) => state.hovered === robot.id);
   const corners = useMemo(() => outline(robot), [robot]);
   useFrame(() => {
-    const [x = 0, y = 0, heading = 0] = whereabouts(robot);
-    group.current?.position.set(x, y, 0);
-    group.current?.rotation.set(0, 0, heading);
+    if (!robotInMap(robot, where)) return;
+    const pose = poseOf(where);
+    group.current?.position.set(pose.position[0], pose.position[1], 0);
+    group.current?.rotation.set(0, 0, headingOf(pose));
   }, -2);
   return (
     <group ref={group} userData={{ element: robot.id }}>
@@ -38,14 +40,7 @@ export function Footprint({ robot, palette, solid }: Props) {
   );
 }
 
-/** Where a robot is on the floor: x, y [m] and heading [rad]. */
-function whereabouts({ base, place }: RobotInfo): readonly number[] {
-  if (base) return devices.bases[base.id] ?? [];
-  if (!place) return [];
-  const [x, y] = place.position;
-  const [qx, qy, qz, qw] = place.orientation;
-  return [x, y, Math.atan2(2 * (qw * qz + qx * qy), 1 - 2 * (qy * qy + qz * qz))];
-}
+const where = new Matrix4();
 
 function Body({ robot, palette }: { robot: RobotInfo; palette: Palette }) {
   const geometry = useMemo(() => {

@@ -1,6 +1,7 @@
 import { useFrame } from "@react-three/fiber";
 import { useQuery } from "@tanstack/react-query";
 import { useEffect } from "react";
+import { Matrix4 } from "three";
 import type { URDFRobot } from "urdf-loader";
 import { keys } from "../../api/keys";
 import { devices } from "../devices";
@@ -9,7 +10,7 @@ import type { Palette } from "../palette";
 import { wake } from "../ticker";
 import { Footprint } from "./Footprint";
 import { disposeModel, loadModel } from "./model";
-import { baseOf, models } from "./models";
+import { models, noteRobot, robotInMap } from "./models";
 import type { RobotInfo } from "./useRobots";
 
 /** A robot as its model draws it, moving live; its outline where there is no model. */
@@ -20,11 +21,7 @@ export function Robot({ robot, palette }: { robot: RobotInfo; palette: Palette }
     gcTime: 0,
   });
   useEffect(() => bearTools(robot, model ?? null), [robot, model]);
-  useEffect(() => {
-    if (!robot.base) return;
-    baseOf.set(robot.id, robot.base.id);
-    return () => void baseOf.delete(robot.id);
-  }, [robot]);
+  useEffect(() => noteRobot(robot), [robot]);
   useEffect(() => {
     if (!model) return;
     models.set(robot.id, model);
@@ -45,31 +42,24 @@ export function Robot({ robot, palette }: { robot: RobotInfo; palette: Palette }
   );
 }
 
-function bearTools(robot: RobotInfo, model: URDFRobot | null): () => void {
-  const endings = robot.grippers.map(({ id, arm }) => {
-    const tip = robot.arms.find((one) => one.id === arm)?.tip ?? "";
-    return bearTool(id, arm, model?.links[tip] ?? null);
+function bearTools({ arms, grippers }: RobotInfo, model: URDFRobot | null): () => void {
+  const endings = grippers.map(({ id, arm }) => {
+    const link = model?.links[arms.find((one) => one.id === arm)?.tip ?? ""];
+    return link === undefined ? () => undefined : bearTool(id, link);
   });
   return () => {
     for (const end of endings) end();
   };
 }
 
-/** Puts the joints of a model where the devices are. */
-function pose(model: URDFRobot, { arms, base, grippers, place }: RobotInfo): void {
-  for (const { id, joints } of arms) {
-    const angles = devices.arms[id];
-    if (angles !== undefined) joints.forEach(({ name }, i) => model.setJointValue(name, angles[i] ?? 0));
+const where = new Matrix4();
+
+/** Puts a model and its joints where the devices say, whatever their kinds are. */
+function pose(model: URDFRobot, robot: RobotInfo): void {
+  for (const name in model.joints) {
+    const position = devices.joints[`${robot.id}/${name}`]?.[0];
+    if (position !== undefined) model.setJointValue(name, position);
   }
-  for (const { id, joints = [] } of grippers) {
-    const gap = devices.grippers[id]?.[0] ?? 0;
-    for (const name of joints) model.setJointValue(name, gap / 2);
-  }
-  const localised = base ? devices.bases[base.id] : undefined;
-  if (localised !== undefined) base?.joints?.forEach((name, i) => model.setJointValue(name, localised[i] ?? 0));
-  if (place) {
-    model.position.fromArray(place.position);
-    model.quaternion.fromArray(place.orientation);
-  }
+  if (robotInMap(robot, where)) where.decompose(model.position, model.quaternion, model.scale);
   model.updateMatrixWorld();
 }
