@@ -35,6 +35,13 @@ _SOFTWARE = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 _PATIENCE = 30_000
 """How long anything on a page may take [ms]: machines that test are busy."""
 _GRAVE = {"serious", "critical"}
+_AT_REST = """() => {
+  const sheet = new CSSStyleSheet();
+  sheet.replaceSync("* { transition: none !important; animation: none !important }");
+  document.adoptedStyleSheets = [sheet];
+  return new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn)));
+}"""
+"""Ends all transitions of a page, those under way and those to come."""
 _PATIENT = 5.0
 """For how long a module may hold the control cycle [s]: browser, server and physics share the machine."""
 _USUAL = ServerSettings()
@@ -157,10 +164,14 @@ def visit(browser: Browser) -> Iterator[Visit]:
 
 @pytest.fixture
 def axe() -> Axe:
-    """Returns the serious findings of axe on a page: accessibility that it lacks."""
+    """Returns the serious findings of axe on a page: accessibility that it lacks.
+
+    What slides or fades, in or out, is taken where that ends: axe takes what is half transparent for pale.
+    """
     sync = pytest.importorskip("axe_playwright_python.sync_playwright")
 
     def findings(page: Page) -> list[str]:
+        page.evaluate(_AT_REST)
         found = sync.Axe().run(page).response["violations"]
         return [_finding(one) for one in found if one["impact"] in _GRAVE]
 

@@ -72,12 +72,10 @@ def test_axe_finds_nothing_serious_in_banners_dialogs_and_alarms(station, visit,
         found = {"banners": axe(page)}
         page.get_by_role("button", name="Alarms").click()
         expect(page.get_by_role("button", name="Acknowledge").first).to_be_visible()
-        page.wait_for_timeout(300)  # until it has slid in: axe takes what is half transparent for pale
         found["alarms"] = axe(page)
     page.keyboard.press("Escape")
     page.keyboard.press("Control+k")
     expect(page.get_by_role("textbox", name=re.compile("Tabs, commands"))).to_be_visible()
-    page.wait_for_timeout(300)
     found["palette"] = axe(page)
     assert found == {"banners": [], "alarms": [], "palette": []}
 
