@@ -308,6 +308,45 @@ def test_a_fault_is_refused_with_its_place_and_changes_nothing(cell: Cell) -> No
     assert [fault.place for fault in faults] == ["children[1]"]
 
 
+MOVER = {"key": "Mover", "type": "sk:Base", "help": "What drives."}
+DRIVE = {"type": "do", "module": "drive_base"}
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ({"type": "do", "module": "fly"}, "there is no primitive or skill 'fly'"),
+        ({"type": "do", "module": "note", "arguments": {"texts": "a"}}, "primitive 'note' has no parameter texts"),
+        ({"type": "parallel", "children": [DRIVE, DRIVE]}, "parallel branches 1 and 2 both take"),
+        (
+            {"type": "wait_until", "conditions": [{"expression": 'Mover.still > "x"'}]},
+            "'>' takes a number, and 'x' is a text",
+        ),
+        (
+            {"type": "wait_until", "conditions": [{"expression": "Mover.stil"}]},
+            "no device has a signal 'stil'",
+        ),
+    ],
+    ids=["unknown module", "unknown parameter", "one device twice", "impossible expression", "unknown signal"],
+)
+def test_what_the_station_does_not_offer_is_refused_with_its_place(cell: Cell, wrong: Any, said: str) -> None:
+    tree = {"parameters": [MOVER], "body": {"type": "sequence", "children": [note("a"), wrong]}}
+
+    faults = cell.documents.check("tree", tree)
+
+    assert [fault.place for fault in faults] == ["1"]
+    assert said in faults[0].text
+    with pytest.raises(UsageError, match="tree 'wrong': "):
+        cell.documents.write("tree", "wrong", tree)
+    assert cell.documents.all("tree") == ()
+
+
+def test_a_document_may_call_itself_where_a_condition_ends_it(cell: Cell) -> None:
+    again = {"type": "sequence", "children": [note("again"), {"type": "do", "module": "tree:again"}]}
+
+    assert cell.documents.write("tree", "again", again).version
+
+
 def test_a_reactive_node_in_a_tree_is_edited_while_the_session_runs(cell: Cell) -> None:
     tree = {"type": "react", "place": "box_a", "child": note("there"), "otherwise": note("away")}
     first = cell.documents.write("tree", "watch", tree)

@@ -15,6 +15,8 @@ from skiros_py.behaviours import Behaviour, DocumentFault, DocumentKind, Interfa
 from skiros_py.database import Database, Schema
 from skiros_py.errors import FileError, SkirosError, StaleVersion, UnknownName, UsageError
 from skiros_py.execution.running import RunnableDocument
+from skiros_py.skills.lint.checking import faults_of_document
+from skiros_py.skills.lint.rule import Known
 from skiros_py.skills.plain import Reader
 from skiros_py.station.requests import ANY_VERSION, Seen, addressed, require_seen
 from skiros_py.station.session import Session
@@ -248,7 +250,9 @@ class RunnableDocuments:
         Raises:
             UnknownName: There is no such kind.
         """
-        return self._kind(kind).check(data, self._reader)
+        maker = self._kind(kind)
+        faults = maker.check(data, self._reader)
+        return faults or self._wrong_uses(maker.behaviour(data, self._reader), maker.interface(data), set())
 
     def all(self, kind: str) -> tuple[Document, ...]:
         """Returns the documents of a kind, by name.
@@ -300,7 +304,9 @@ class RunnableDocuments:
             UsageError: Something is wrong with it; the text names each place.
             StaleVersion: Another revision is there.
         """
-        made = self._made(kind, name, data)
+        made = behaviour, _, interface = self._made(kind, name, data)
+        if faults := self._wrong_uses(behaviour, interface, {f"{kind}:{name}"}):
+            raise UsageError(f"{kind} '{name}': {'; '.join(map(str, faults))}")
         document = self._store.put(kind, name, data, expects=expects)
         self._offer(document, *made)
         return document
@@ -346,6 +352,13 @@ class RunnableDocuments:
         except Exception as error:
             raise UsageError(f"{kind} '{name}': {type(error).__name__}: {error}") from error
         raise UsageError(f"{kind} '{name}': {'; '.join(map(str, faults))}")
+
+    def _wrong_uses(self, body: Behaviour, interface: Interface, modules: set[str]) -> tuple[DocumentFault, ...]:
+        """Returns what a document asks of this station that it does not offer; it may call the given modules, too."""
+        catalogue, ontology = self._session.catalogue, self._session.world.ontology
+        known = Known(ontology, catalogue.primitives, tuple(catalogue.skills.values()), catalogue.reasoners)
+        documents = modules | {f"{kind}:{one.name}" for kind in self._kinds for one in self._store.all(kind)}
+        return tuple(DocumentFault(*fault) for fault in faults_of_document(body, interface.params, known, documents))
 
     def _offer(self, document: Document, behaviour: Behaviour, title: str, interface: Interface) -> None:
         module = f"{document.kind}:{document.name}"

@@ -226,3 +226,45 @@ def test_a_pattern_is_sensed_wherever_in_it_an_expression_is() -> None:
 def test_the_world_of_a_bench_is_sensed() -> None:
     with Bench(tiny_world()) as bench:
         assert STILL.evaluate(bench.world, {"device": "gripper_1"})
+
+
+# ---------------------------------------------------------------------- without values
+
+
+def kinds(name: str) -> frozenset[str]:
+    return {"any": frozenset({"number", "truth value", "vector", "text"}), "id": frozenset({"text"})}.get(
+        name, frozenset({"number", "truth value", "vector"})
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        ('Arm.force > "x"', "'>' takes a number, and 'x' is a text"),
+        ('Arm.force == "x"', "Arm.force (number or truth value or vector) cannot be compared with 'x' (text)"),
+        ("id + 1 > 2", "'+' takes a number, and id is a text"),
+        ("Arm.still or norm(1) > 2", "norm takes a vector, and 1 is a number"),
+        ("not (Arm.force + 1)", "'not' takes a truth value, and a number is a number"),
+        ("Arm.force + 1", "'Arm.force + 1' as a condition takes a truth value, and a number is a number"),
+        ("(Arm.force > 1) > 2", "'>' takes a number, and a truth value is a truth value"),
+        ("1 / 0 > 1", "'1 / 0 > 1' divides by zero"),
+    ],
+)
+def test_an_expression_that_can_never_hold_says_why_without_values(text: str, problem: str) -> None:
+    assert Expression(text).problem(kinds) == problem
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Arm.still",
+        "not Arm.still and Arm.force > 2",
+        "any == id",
+        "abs(Arm.force - any) / any < max(1, any)",
+        "norm(Arm.wrench) > 1 or Arm.wrench[2] > 1 or Arm.wrench[9] > 1",
+        "`kit distance` >= 0.1 and any",
+        "1 > 2",
+    ],
+)
+def test_an_expression_whose_values_may_fit_has_no_problem(text: str) -> None:
+    assert Expression(text).problem(kinds) is None

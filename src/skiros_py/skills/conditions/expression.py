@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache, lru_cache
 from pathlib import Path
@@ -31,6 +31,19 @@ Term = Callable[[Lookup], Any]
 
 class _Unknown(Exception):
     """An expression has no value; the text says why."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sample:
+    """Stands for the value of a name where an expression is checked without values.
+
+    Attributes:
+        name: The name.
+        kinds: What its value can be: "number", "truth value", "text", "vector".
+    """
+
+    name: str
+    kinds: frozenset[str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +88,21 @@ class Expression:
             return Verdict(False, f"'{self.text}' divides by zero")
         values = ", ".join(f"{name} is {value}" for name, value in said.items())
         return Verdict(holds, f"{values or self.text}{'' if holds else f', not {self.text}'}")
+
+    def problem(self, kinds_of: Callable[[str], frozenset[str]]) -> str | None:
+        """Returns why it can never hold, whatever its names stand for, or None.
+
+        Args:
+            kinds_of: Returns what the value of a name can be; see :class:`Sample`.
+        """
+        try:
+            found = _parsed(self.text).term(lambda name: Sample(name.strip("`"), kinds_of(name)))
+            _needs("truth value", f"'{self.text}' as a condition", found)
+        except _Unknown as error:
+            return str(error)
+        except ZeroDivisionError:
+            return f"'{self.text}' divides by zero"
+        return None
 
     def rename(self, names: Mapping[str, str]) -> Expression:
         """Returns the same expression with other names of parameters."""
@@ -157,12 +185,16 @@ def _value_of(name: str, view: WorldView, binding: Mapping[str, Any], said: dict
 
 
 def _said(value: Any) -> str:
+    if isinstance(value, Sample):
+        return value.name
     if isinstance(value, bool):
         return str(value).lower()
     return f"{value:g}" if isinstance(value, float) else shown(value)
 
 
 def _kind(value: Any) -> str:
+    if isinstance(value, Sample):
+        return " or ".join(sorted(value.kinds))
     if isinstance(value, bool):
         return "truth value"
     if isinstance(value, int | float):
@@ -170,26 +202,38 @@ def _kind(value: Any) -> str:
     return "text" if isinstance(value, str) else "vector" if isinstance(value, tuple) else type(value).__name__
 
 
+def _kinds(value: Any) -> frozenset[str]:
+    return value.kinds if isinstance(value, Sample) else frozenset({_kind(value)})
+
+
+def _sampled(values: Iterable[Any]) -> bool:
+    return any(isinstance(value, Sample) for value in values)
+
+
 def _needs(kind: str, what: str, *values: Any) -> None:
     for value in values:
-        if _kind(value) != kind:
+        if kind not in _kinds(value):
             raise _Unknown(f"{what} takes a {kind}, and {_said(value)} is a {_kind(value)}")
 
 
-def _norm(vector: Any) -> float:
+def _norm(vector: Any) -> Any:
     _needs("vector", "norm", vector)
-    return math.hypot(*vector)
+    return _NUMBER if isinstance(vector, Sample) else math.hypot(*vector)
 
 
-def _numeric(name: str, function: Callable[..., float]) -> Callable[..., float]:
-    def apply(*values: Any) -> float:
+_NUMBER = Sample("a number", frozenset({"number"}))
+_TRUTH = Sample("a truth value", frozenset({"truth value"}))
+
+
+def _numeric(name: str, function: Callable[..., float]) -> Callable[..., Any]:
+    def apply(*values: Any) -> Any:
         _needs("number", name, *values)
-        return function(*values)
+        return _NUMBER if _sampled(values) else function(*values)
 
     return apply
 
 
-_FUNCTIONS: Mapping[str, Callable[..., float]] = MappingProxyType(
+_FUNCTIONS: Mapping[str, Callable[..., Any]] = MappingProxyType(
     {
         "abs": _numeric("abs", abs),
         "max": _numeric("max", lambda *values: max(values)),
@@ -228,7 +272,12 @@ class _Terms(Transformer[Token, Term]):
         return lambda look_up: all(_truth("and", part(look_up)) for part in parts)
 
     def negation(self, parts: Sequence[Term]) -> Term:
-        return lambda look_up: not _truth("not", parts[0](look_up))
+        def negation(look_up: Lookup) -> Any:
+            value = parts[0](look_up)
+            _needs("truth value", "'not'", value)
+            return value if isinstance(value, Sample) else not value
+
+        return negation
 
     def comparison(self, parts: Sequence[Any]) -> Term:
         left, sign, right = parts
@@ -261,6 +310,8 @@ class _Terms(Transformer[Token, Term]):
         def item(look_up: Lookup) -> Any:
             value = vector(look_up)
             _needs("vector", f"[{number}]", value)
+            if isinstance(value, Sample):
+                return _NUMBER
             if number >= len(value):
                 raise _Unknown(f"there is no [{number}] in {len(value)} values")
             return value[number]
@@ -293,16 +344,17 @@ class _Terms(Transformer[Token, Term]):
 
 def _truth(word: str, value: Any) -> bool:
     _needs("truth value", f"'{word}'", value)
-    return bool(value)
+    return word != "or" if isinstance(value, Sample) else bool(value)  # so that all parts are looked at
 
 
-def _compare(left: Any, sign: str, right: Any) -> bool:
+def _compare(left: Any, sign: str, right: Any) -> Any:
+    sampled = _sampled((left, right))
     if sign in _COMPARE:
         _needs("number", f"'{sign}'", left, right)
-        return _COMPARE[sign](left, right)
-    if _kind(left) != _kind(right):
+        return _TRUTH if sampled else _COMPARE[sign](left, right)
+    if _kinds(left).isdisjoint(_kinds(right)):
         raise _Unknown(f"{_said(left)} ({_kind(left)}) cannot be compared with {_said(right)} ({_kind(right)})")
-    return bool(left != right if sign == "!=" else left == right)
+    return _TRUTH if sampled else bool(left != right if sign == "!=" else left == right)
 
 
 def _operation(sign: str, function: Callable[..., float], parts: Sequence[Term]) -> Term:

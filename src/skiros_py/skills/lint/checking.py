@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from itertools import chain
 from types import MappingProxyType
 
 from skiros_py.errors import UnknownName
+from skiros_py.skills.behaviour import Behaviour, nodes_of
 from skiros_py.skills.lint.rule import (
     Finding,
     Known,
@@ -17,14 +19,24 @@ from skiros_py.skills.lint.rule import (
     Source,
     Spot,
     Subject,
+    leaves,
     title,
+    uses_of_node,
+    walk_scoped,
 )
-from skiros_py.skills.lint.rules.calls import MISSING_ARGUMENT, MISSING_PARAMETER, RECURSIVE_SKILL, UNKNOWN_MODULE
+from skiros_py.skills.lint.rules.calls import (
+    MISSING_ARGUMENT,
+    MISSING_PARAMETER,
+    RECURSIVE_SKILL,
+    UNKNOWN_MODULE,
+    wrong_call,
+)
 from skiros_py.skills.lint.rules.code import BLOCKING_CALL, MOTION_IN_FINALLY, PRETENDS, PRIVATE_IMPORT, YIELD_NEVER
-from skiros_py.skills.lint.rules.devices import NO_MIX_RULE, SAME_DEVICE
-from skiros_py.skills.lint.rules.ranges import WRONG_RANGE
+from skiros_py.skills.lint.rules.devices import NO_MIX_RULE, SAME_DEVICE, taken_twice
+from skiros_py.skills.lint.rules.ranges import WRONG_RANGE, wrong_ends
 from skiros_py.skills.lint.rules.reach import IMPOSSIBLE_EFFECT, MOVES_BY_STRUCTURE, UNPLACED, UNREACHABLE_PRECONDITION
-from skiros_py.skills.lint.rules.words import MISSING_HELP, MISSING_UNIT, NOT_COMPUTED, UNKNOWN_WORD
+from skiros_py.skills.lint.rules.words import MISSING_HELP, MISSING_UNIT, NOT_COMPUTED, UNKNOWN_WORD, undeclared_in
+from skiros_py.skills.parameters import Param
 from skiros_py.skills.skill import Skill
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners
@@ -136,3 +148,32 @@ def problems_of(
 
 def _asked(rule: Rule, subject: Subject, known: Known) -> Iterator[Problem]:
     return rule.check(subject, known) if rule.check is not None else iter(())
+
+
+def faults_of_document(
+    root: Behaviour, params: Sequence[Param], known: Known, documents: Collection[str]
+) -> Iterator[tuple[str, str]]:
+    """Yields what is wrong with what a document does, with the path of the node in it.
+
+    These are calls of modules that are not there, words that are not declared, expressions that can never hold, and
+    branches that run at the same time and both take one device.
+
+    Args:
+        root: What it does.
+        params: Its parameters.
+        known: The modules.
+        documents: Names of the documents that it may call as modules.
+    """
+    classes = {param.key: param.element_class for param in params if param.is_element}
+    paths = (node.path.lstrip("/") for node in nodes_of(root, ""))
+    for path, (node, scope) in zip(paths, walk_scoped(root, classes), strict=True):
+        calls = (call for call in node.uses().calls if call.module not in documents)
+        uses = list(uses_of_node(node, scope))
+        patterns = (leaf for use in uses for leaf in leaves(use.pattern, use.classes))
+        found = chain(
+            (text for call in calls for text in wrong_call(call, known)),
+            (text for leaf in patterns for text in undeclared_in(*leaf, known.ontology)),
+            (text for use in uses for text in wrong_ends(use, known.ontology)),
+            taken_twice(node, scope, known),
+        )
+        yield from ((path, text) for text in found)

@@ -280,12 +280,17 @@ def _of_conditions(conditions: tuple[Condition, ...], classes: Classes) -> Itera
     yield from (Use(f"condition {c}", c.pattern, classes, c) for c in conditions)
 
 
-def _of_body(node: Behaviour, classes: Classes) -> Iterator[Use]:
-    for below, scope in walk_scoped(node, classes):
-        uses = below.uses()
-        yield from _of_conditions(uses.conditions, scope)
-        for where, pattern in uses.patterns:
-            yield Use(where, pattern, {**scope, **uses.binds})
+def _of_body(root: Behaviour, classes: Classes) -> Iterator[Use]:
+    for node, scope in walk_scoped(root, classes):
+        yield from uses_of_node(node, scope)
+
+
+def uses_of_node(node: Behaviour, classes: Classes) -> Iterator[Use]:
+    """Yields every pattern that a node uses itself, without its children."""
+    uses = node.uses()
+    yield from _of_conditions(uses.conditions, classes)
+    for where, pattern in uses.patterns:
+        yield Use(where, pattern, {**classes, **uses.binds})
 
 
 def walk_scoped(node: Behaviour, classes: Classes = _NONE) -> Iterator[tuple[Behaviour, Classes]]:

@@ -165,6 +165,8 @@ def test_words_are_looked_up_in_partial_descriptions_requirements_and_bodies() -
         Compare("sk:model", "<", "a", 1.0),
         IsA("a", "tiny:Box"),
         Exists("x", "tiny:Ball", Related("sk:at", "a", "x")),
+        Expression('a.force > "x"'),
+        Expression("a > 1"),
     ],
     ids=_named,
 )

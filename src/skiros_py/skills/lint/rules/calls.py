@@ -16,13 +16,18 @@ from skiros_py.skills.skill import Skill, SkillDescription
 
 def _calls(subject: Subject, known: Known) -> Iterator[Problem]:
     for call in _calls_of(subject):
-        if call.module in known.primitives:
-            yield from _unknown(f"primitive '{call.module}'", call.inputs, known.params(call.module) or ())
-        elif known.implementations(call.module):
-            yield from _unknown(f"skill '{call.module}'", call.inputs, known.params(call.module) or ())
-        else:
-            names = sorted({*known.primitives, *(s.description.name for s in known.skills)})
-            yield Problem(f"there is no primitive or skill '{call.module}'; there is {', '.join(names) or 'none'}")
+        yield from map(Problem, wrong_call(call, known))
+
+
+def wrong_call(call: Call, known: Known) -> Iterator[str]:
+    """Yields what is wrong with a call: the module that is not there, or parameters that it has not."""
+    if call.module in known.primitives:
+        yield from _unknown(f"primitive '{call.module}'", call.inputs, known.params(call.module) or ())
+    elif known.implementations(call.module):
+        yield from _unknown(f"skill '{call.module}'", call.inputs, known.params(call.module) or ())
+    else:
+        names = sorted({*known.primitives, *(s.description.name for s in known.skills)})
+        yield f"there is no primitive or skill '{call.module}'; there is {', '.join(names) or 'none'}"
 
 
 def _gaps(subject: Subject, known: Known) -> Iterator[Problem]:
@@ -43,13 +48,13 @@ def _is_filled_in(param: Param, kind: str) -> bool:
     return param.is_inferred and (kind == "skill" or param.kind in (Kind.HARDWARE, Kind.PLANNING))
 
 
-def _unknown(module: str, given: Iterable[str], params: Iterable[Param]) -> Iterator[Problem]:
+def _unknown(module: str, given: Iterable[str], params: Iterable[Param]) -> Iterator[str]:
     by_key = {param.key: param for param in params}
     for key in given:
         if key not in by_key:
-            yield Problem(f"{module} has no parameter {key}{_nearest(key, by_key)}")
+            yield f"{module} has no parameter {key}{_nearest(key, by_key)}"
         elif by_key[key].kind is Kind.CONFIG:
-            yield Problem(f"{module} has {key} fixed when it is loaded: it cannot be given at a call")
+            yield f"{module} has {key} fixed when it is loaded: it cannot be given at a call"
 
 
 def _nearest(name: str, known: Iterable[str]) -> str:

@@ -39,16 +39,30 @@ def _taken_twice(subject: Subject, known: Known) -> Iterator[Problem]:
         return
     own = classes_of(subject.description)
     for node, classes in (found for root in subject.nodes for found in walk_scoped(root, own)):
-        if node.uses().concurrent:
-            children = node.named_children().values()
-            branches = [_devices(child, classes, subject.description, known) for child in children]
-            for (i, one), (j, other) in combinations(enumerate(branches, start=1), 2):
-                both = ((a, b) for a in one for b in other if not (a.shared and b.shared) and _may_be_one(a, b, known))
-                for device in sorted({str(a if a.name else b) for a, b in both}):
-                    yield Problem(
-                        f"parallel branches {i} and {j} both take {device} exclusively: one would wait for the other; "
-                        "run them in sequence, or let both share it (access=Access.SHARED)"
-                    )
+        yield from map(Problem, taken_twice(node, classes, known, subject.description))
+
+
+def taken_twice(
+    node: Behaviour, classes: Classes, known: Known, description: SkillDescription | None = None
+) -> Iterator[str]:
+    """Yields what is wrong with a node that runs children at the same time, of which two take one device.
+
+    Args:
+        node: The node.
+        classes: Classes of the elements that it can refer to.
+        known: The modules.
+        description: Of the skill that it is part of, whose subsystem is taken where a call names none; or None.
+    """
+    if node.uses().concurrent:
+        children = node.named_children().values()
+        branches = [_devices(child, classes, description, known) for child in children]
+        for (i, one), (j, other) in combinations(enumerate(branches, start=1), 2):
+            both = ((a, b) for a in one for b in other if not (a.shared and b.shared) and _may_be_one(a, b, known))
+            for device in sorted({str(a if a.name else b) for a, b in both}):
+                yield (
+                    f"parallel branches {i} and {j} both take {device} exclusively: one would wait for the other; "
+                    "run them in sequence, or let both share it (access=Access.SHARED)"
+                )
 
 
 def _may_be_one(one: _Device, other: _Device, known: Known) -> bool:
@@ -58,13 +72,13 @@ def _may_be_one(one: _Device, other: _Device, known: Known) -> bool:
     return overlap(known.ontology, one.class_, other.class_)
 
 
-def _devices(node: Behaviour, classes: Classes, description: SkillDescription, known: Known) -> set[_Device]:
+def _devices(node: Behaviour, classes: Classes, description: SkillDescription | None, known: Known) -> set[_Device]:
     """Returns what the modules of a branch take."""
     calls = ((call, scope) for below, scope in walk_scoped(node, classes) for call in below.uses().calls)
     return {device for call, scope in calls for device in _taken(call, scope, description, known)}
 
 
-def _taken(call: Call, classes: Classes, description: SkillDescription, known: Known) -> Iterator[_Device]:
+def _taken(call: Call, classes: Classes, description: SkillDescription | None, known: Known) -> Iterator[_Device]:
     if call.module in known.primitives and known.primitives[call.module].watches:
         return  # a watching primitive takes nothing
     taken = known.takes(call.module)
@@ -85,10 +99,12 @@ def _given(value: Any, param: Param, classes: Classes) -> _Device:
     return _Device(param.element_class, str(value), param.access is Access.SHARED)
 
 
-def _left_out(param: Param, description: SkillDescription, known: Known) -> _Device:
+def _left_out(param: Param, description: SkillDescription | None, known: Known) -> _Device:
     """Returns what a run fills in: the subsystem itself where it is of that class, for nothing is nearer."""
-    is_agent = overlap(known.ontology, description.agent_class, param.element_class)
-    return _Device(param.element_class, description.agent if is_agent else "", param.access is Access.SHARED)
+    is_agent = description is not None and overlap(known.ontology, description.agent_class, param.element_class)
+    return _Device(
+        param.element_class, description.agent if description and is_agent else "", param.access is Access.SHARED
+    )
 
 
 def _unmixed(subject: Subject, known: Known) -> Iterator[Problem]:

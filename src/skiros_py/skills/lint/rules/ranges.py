@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 from skiros_py.skills.behaviour import Call, P
 from skiros_py.skills.conditions import (
@@ -10,6 +11,7 @@ from skiros_py.skills.conditions import (
     Compare,
     Computed,
     Condition,
+    Expression,
     Has,
     IsA,
     Nothing,
@@ -38,7 +40,7 @@ from skiros_py.world.terms import End
 def _misfits(subject: Subject, known: Known) -> Iterator[Problem]:
     for use in uses_of(subject):
         wrong = list(_roles(use.condition, use.classes, known.ontology)) if use.condition is not None else []
-        wrong = wrong or list(_ends(use, known.ontology))
+        wrong = wrong or list(wrong_ends(use, known.ontology))
         yield from (Problem(f"{use.where}: {text}") for text in wrong)
     if isinstance(subject, Skill):
         yield from map(Problem, _passed(subject, known))
@@ -58,7 +60,8 @@ def overlap(ontology: Ontology, one: str, other: str) -> bool:
     return any(ontology.is_a(below, other) for below in ontology.subclasses(one))
 
 
-def _ends(use: Use, ontology: Ontology) -> Iterator[str]:
+def wrong_ends(use: Use, ontology: Ontology) -> Iterator[str]:
+    """Yields what a pattern asks of things that can never have it."""
     for leaf, classes in leaves(use.pattern, use.classes):
         match leaf:
             case Related(relation, subject, object_) | Computed(relation, subject, object_):
@@ -71,10 +74,22 @@ def _ends(use: Use, ontology: Ontology) -> Iterator[str]:
                 yield from _end("object", relation, object_, classes, ontology)
             case Has() | Compare():
                 yield from _property(leaf, classes, ontology)
+            case Expression() if problem := leaf.problem(partial(_kinds_of, classes)):
+                yield problem
             case IsA(subject, class_) if not overlap(ontology, classes.get(subject, class_), class_):
                 yield f"{subject} is a {classes[subject]}, and can never be a {class_}"
             case _:
                 pass
+
+
+_SIGNAL = frozenset({"number", "truth value", "vector"})
+
+
+def _kinds_of(classes: Classes, name: str) -> frozenset[str]:
+    """Returns what the value of a name in an expression can be; of a value parameter nothing is known here."""
+    if "." in name or name.startswith("`"):
+        return _SIGNAL
+    return frozenset({"text"}) if name in classes else _SIGNAL | {"text"}
 
 
 def _end(end: str, relation: str, variable: str, classes: Classes, ontology: Ontology) -> Iterator[str]:

@@ -37,7 +37,7 @@ def _undeclared(subject: Subject, known: Known) -> Iterator[Problem]:
         yield from (Problem(f"{where}: {text}") for text in _missing("class", class_, ontology.classes))
     for use in uses_of(subject):
         for leaf, classes in leaves(use.pattern, use.classes):
-            yield from (Problem(f"{use.where}: {text}") for text in _in_leaf(leaf, classes, ontology))
+            yield from (Problem(f"{use.where}: {text}") for text in undeclared_in(leaf, classes, ontology))
 
 
 def _named_classes(subject: Subject) -> Iterator[tuple[str, str]]:
@@ -68,7 +68,8 @@ def own_params(subject: Subject) -> tuple[Param, ...]:
                 return ()  # another rule says so
 
 
-def _in_leaf(leaf: Pattern, classes: Classes, ontology: Ontology) -> Iterator[str]:
+def undeclared_in(leaf: Pattern, classes: Classes, ontology: Ontology) -> Iterator[str]:
+    """Yields the words of a pattern that are not declared."""
     match leaf:
         case Related(relation) | Nothing(relation) | Computed(relation) | ClassRelated(relation):
             yield from _missing("relation", relation, ontology.relations)
