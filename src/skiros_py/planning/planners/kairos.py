@@ -22,6 +22,9 @@ from skiros_py.planning.planners.programs import Ended, Limits
 _SOLVED, _PROVED_UNSOLVABLE, _OUT_OF_TIME, _OUT_OF_MEMORY, _UNSUPPORTED, _NO_PLAN_FOUND = 0, 10, 11, 12, 13, 14
 _PLAN = "plan"
 
+OPTIONS = ("--no-anytime", "--threads", "1", "--seed", "0")
+"""One thread, until the first plan."""
+
 
 def program_path() -> Path:
     """Returns the path of the program.
@@ -67,7 +70,7 @@ class Kairos(CommandLinePlanner):
 
     def __init__(
         self,
-        options: tuple[str, ...] = ("--no-anytime", "--threads", "1", "--seed", "0"),
+        options: tuple[str, ...] = OPTIONS,
         time_limit: float = 120.0,
         memory: int = 4 << 30,
     ) -> None:
