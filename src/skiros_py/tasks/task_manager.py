@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from itertools import count
 from typing import Self
 
 from skiros_py.errors import SkirosError, UsageError
-from skiros_py.execution.cycle import ControlCycle
-from skiros_py.execution.monitor import Monitor
 from skiros_py.execution.runtime import Runtime
-from skiros_py.execution.skill_manager import Transport
 from skiros_py.planning.durations import observe
 from skiros_py.planning.problem.task import Capability
 from skiros_py.planning.requests import PlanningHost, PlanRequest
-from skiros_py.planning.service import USUAL, Planned, PlanningOptions
+from skiros_py.planning.service import Planned, PlanningOptions
 from skiros_py.skills.conditions import Condition
-from skiros_py.skills.context import Questions
 from skiros_py.skills.outcome import Failure, Outcome
 from skiros_py.skills.primitive import Execution
 from skiros_py.tasks.context import TaskContext
@@ -29,7 +25,6 @@ from skiros_py.tasks.sequence_executor import SequenceExecutor
 from skiros_py.tasks.sequences import StepSequence
 from skiros_py.tasks.trace import TraceEventKind
 from skiros_py.tasks.trace_writer import TraceWriter
-from skiros_py.world.world import World
 
 _TRIES = {False: (1.0, 4.0), True: (5.0, 10.0)}
 """Time limits for trying repairs (per planner, in total) [s], by whether simulated time stands still."""
@@ -39,46 +34,12 @@ class TaskManager:
     """Pursues goals with the available skill managers.
 
     Args:
-        world: The live world model.
-        managers: Skill managers by agent id.
-        planning: The planning service.
-        cycle: The control cycle that runs the tasks.
-        on_plan: Called with every new plan.
+        context: The environment of the tasks.
         attempts: How often a skill may fail on one target, unless the policy says otherwise.
-        monitor: Notified of steps that have to wait; None for no monitoring.
-        questions: Where questions to the user are posted; None for no questions.
-        leaving: Returns True once a shutdown is requested; planners are then no longer waited for.
-        options: Planning options.
-        lockstep: True if simulated time stands still during planning.
     """
 
-    def __init__(
-        self,
-        world: World,
-        managers: Mapping[str, Transport],
-        planning: PlanningHost,
-        cycle: ControlCycle,
-        *,
-        on_plan: Callable[[Planned], None] = lambda _planned: None,
-        attempts: int = 3,
-        monitor: Monitor | None = None,
-        questions: Questions | None = None,
-        leaving: Callable[[], bool] = lambda: False,
-        options: PlanningOptions = USUAL,
-        lockstep: bool = True,
-    ) -> None:
-        self._context = TaskContext(
-            world,
-            managers,
-            planning,
-            cycle,
-            on_plan,
-            monitor,
-            questions or Questions(),
-            leaving=leaving,
-            options=options,
-            lockstep=lockstep,
-        )
+    def __init__(self, context: TaskContext, *, attempts: int = 3) -> None:
+        self._context = context
         self._policy = Policy(attempts=attempts)
         self._names = count(1)
         self._active: dict[str, TaskHandle] = {}
@@ -109,19 +70,19 @@ class TaskManager:
             temporal: True for temporal planning, with a planner that supports durative actions.
         """
         cycle = runtime.cycle
-        return cls(
+        context = TaskContext(
             runtime.world,
             runtime.managers,
             planning,
             cycle,
             on_plan=on_plan,
-            attempts=attempts,
             monitor=runtime.monitor,
             questions=runtime.questions,
             leaving=leaving,
             options=PlanningOptions(name, temporal, *_TRIES[cycle.pace is None]),
             lockstep=cycle.pace is None,
         )
+        return cls(context, attempts=attempts)
 
     @property
     def steps(self) -> tuple[StepReport, ...]:

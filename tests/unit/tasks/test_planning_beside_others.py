@@ -10,6 +10,7 @@ from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.planner import Answer
 from skiros_py.planning.process import ThreadHost
 from skiros_py.ports.values import Pending
+from skiros_py.tasks.context import TaskContext
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.report import Outcome
 from skiros_py.tasks.task_manager import TaskManager
@@ -60,7 +61,9 @@ class Withholding(FastDownward):
 
 def not_in_lockstep(bench: Bench, planner: Withholding) -> TaskManager:
     """Returns a task manager for which time goes on while a planner works."""
-    return TaskManager(bench.world, bench.managers, ThreadHost(bench.world, planner), bench.cycle, lockstep=False)
+    return TaskManager(
+        TaskContext(bench.world, bench.managers, ThreadHost(bench.world, planner), bench.cycle, lockstep=False)
+    )
 
 
 def slept() -> bool:

@@ -260,7 +260,7 @@ def test_a_sequence_is_stopped_while_its_steps_are_checked() -> None:
 
 def _not_in_lockstep(bench: Bench) -> TaskManager:
     planning = ThreadHost(bench.world, GivenPlanner())
-    return TaskManager(bench.world, bench.managers, planning, bench.cycle, lockstep=False)
+    return TaskManager(TaskContext(bench.world, bench.managers, planning, bench.cycle, lockstep=False))
 
 
 def _drives(bench: Bench, count: int) -> StepSequence:
