@@ -177,9 +177,10 @@ class Property:
     Attributes:
         curie: Its name ("sk:mass").
         label: Its display name.
-        comment: What it means, with its unit.
+        comment: What it means.
         domains: The classes that may have it.
         range: CURIE of its data type, one of :data:`~skiros_py.world.literals.DATATYPES`.
+        unit: Unit of its values (``sk:unit``), such as "kg"; empty if it has none.
     """
 
     curie: str
@@ -187,6 +188,7 @@ class Property:
     comment: str
     domains: End
     range: str
+    unit: str = ""
 
     @property
     def domain(self) -> str | None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Iterator, Mapping
 
 from skiros_py.api import ontology as api
@@ -17,9 +16,6 @@ from skiros_py.world.vocabulary import ELEMENT
 
 _MOST_SHOWN = 100
 """Maximum number of individuals returned with a class."""
-
-_UNIT = re.compile(r"\[([^\[\]]{1,30})\]")
-"""Comments give units in brackets, as in "Mass [kg]; 0 for what never moves"."""
 
 
 # ------------------------------------------------------------------ classes
@@ -125,13 +121,11 @@ def _class_property(view: Index, class_: str, property_: Property) -> api.ClassP
 
 def property_info(property_: Property) -> api.PropertyInfo:
     """Describes a property."""
-    unit = _UNIT.search(property_.comment)
     return api.PropertyInfo.view_of(
         property_,
         name=property_.curie,
         datatype=property_.range,
         says=DATATYPES[property_.range].says,
-        unit=unit[1] if unit else "",
         borne_by=_end(property_.domains),
     )
 

@@ -401,7 +401,8 @@ class _Reader:
         ranges = {self._data_range(term, node) for node in self._objects(term, "rdfs:range")}
         # Several ranges must all be met: too rare to check more than that it is a literal.
         range_ = ranges.pop() if len(ranges) == 1 else ANY_LITERAL
-        return Property(term, self._label(term), self._comment(term), self._end(term, "rdfs:domain"), range_)
+        unit = self._statements.text(term, "sk:unit")
+        return Property(term, self._label(term), self._comment(term), self._end(term, "rdfs:domain"), range_, unit)
 
     def _data_range(self, term: str, node: Node) -> str:
         """A data type that values can be checked by; one that files define themselves stands for any literal."""
