@@ -100,3 +100,16 @@ def test_a_page_that_cannot_be_written_is_said(folder: Path) -> None:
 
     assert result.returncode == 2
     assert "no/such/folder.html: cannot be written: No such file or directory" in result.stderr
+
+
+def test_a_run_says_that_the_file_of_its_scene_was_changed_since(tmp_path: Path) -> None:
+    scene = tmp_path / "mine.ttl"
+    skiros(tmp_path, "scene", "save", "kitting", "mine.ttl")
+    run = ("run", "mine.ttl", "--fake", "--data", "data", "--goal", "EmptyHanded(gripper_1)")
+    first = skiros(tmp_path, *run)
+    scene.write_text(scene.read_text() + "\n# edited\n")
+
+    second = skiros(tmp_path, *run)
+
+    assert "earlier version" not in first.stderr
+    assert "in data lives an earlier version of mine.ttl, whose file was changed since" in second.stderr

@@ -13,6 +13,7 @@ from support.serving import Served, serving
 
 from skiros_py.client.calls import scenes as calls
 from skiros_py.client.client import Client
+from skiros_py.errors import DeviceError
 from skiros_py.station.session import Session
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.world.change import Writer
@@ -256,6 +257,23 @@ def test_where_the_station_cannot_be_brought_up_the_old_scene_comes_back(
 
     assert answer.status_code == 500
     assert now(served) == before
+    assert http.get("/scene").json()["name"] == "kitting"
+
+
+def test_a_scene_whose_driver_breaks_is_refused_with_the_name_of_the_driver(
+    served: Served, http: httpx2.Client, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    control = served.services.station.control
+
+    def refuse_two_robots(session: object) -> None:
+        if len(session.managers) > 2:  # type: ignore[attr-defined]
+            raise DeviceError("driver 'toy' of toy-robots 1.0 breaks: OSError: no route to host")
+
+    monkeypatch.setattr(control, "_on_open", [*control._on_open, refuse_two_robots])
+    answer = http.put("/scene", json={"name": "kitting_two"}, headers=ANY)
+
+    assert answer.status_code == 422
+    assert "driver 'toy' of toy-robots 1.0 breaks" in answer.json()["detail"]
     assert http.get("/scene").json()["name"] == "kitting"
 
 

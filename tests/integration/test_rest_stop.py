@@ -12,7 +12,7 @@ import pytest
 from support.serving import serving
 
 from skiros_py.devices.base import BaseState
-from skiros_py.errors import WrongState
+from skiros_py.errors import DeviceError, WrongState
 from skiros_py.skills.context import QuestionKind
 from skiros_py.station.session import Options
 from skiros_py.tasks.jobs import JobOrder, JobState
@@ -313,6 +313,41 @@ def test_a_broken_control_cycle_is_an_alarm_until_the_station_is_opened_anew(ser
     assert alarm["severity"] == "critical"
     served.services.station.control.reopen()
     assert active(http, "station") == []
+
+
+def test_a_reset_opens_the_station_again_after_a_fault_of_a_device(served, http):
+    def breaks():
+        raise DeviceError("arm_1: no answer")
+
+    control = served.services.station.control
+    control.call(lambda session: session.cycle.observe(breaks))
+    until(lambda: active(http, "station"))
+    assert http.get("/robots").status_code == 503
+
+    answer = http.post("/reset")
+
+    assert (answer.status_code, answer.json()["halted"]) == (200, False)
+    assert http.get("/robots").status_code == 200
+    assert active(http, "station") == []
+
+
+def test_a_reset_says_why_the_station_cannot_be_opened_again(served, http, monkeypatch):
+    control = served.services.station.control
+    opening = control._opening
+
+    def breaks():
+        raise DeviceError("arm_1: no answer")
+
+    control.call(lambda session: session.cycle.observe(breaks))
+    until(lambda: active(http, "station"))
+    monkeypatch.setattr(control, "_opening", breaks)
+
+    refused = http.post("/reset")
+    monkeypatch.setattr(control, "_opening", opening)
+
+    assert refused.status_code == 409
+    assert refused.json()["detail"] == "the station cannot be opened again: arm_1: no answer"
+    assert http.post("/reset").status_code == 200
 
 
 def test_pages_of_alarms_go_on_where_the_one_before_ended(served, http):

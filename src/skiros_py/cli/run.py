@@ -20,7 +20,7 @@ from rich.text import Text
 
 from skiros_py.cli.ending import STOPS, end_unless, heard_at_once, ignore_stops, raise_interrupt
 from skiros_py.cli.options import GUI, SKILLS, cell_options, data_option, planner_options
-from skiros_py.cli.output import NO_PLAN, NOT_REACHED, REACHED, STOPPED, answer
+from skiros_py.cli.output import NO_PLAN, NOT_REACHED, REACHED, STOPPED, answer, escaped
 from skiros_py.errors import UsageError
 from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.planning.plan import NoPlan
@@ -223,8 +223,11 @@ def command(scene: str, record: Path | None, ask: bool | None, as_json: bool, **
     if options["gui"]:
         check_display(os.environ.get("DISPLAY"))
     from skiros_py.station.session import Options, Session
+    from skiros_py.station.worlds import why_not_loaded
 
     with Session(scene, Options(**options)) as session:
+        if session.options.data is not None and (why := why_not_loaded(session.options.data, session.world, scene)):
+            click.echo(f"world   {escaped(why)}; choose another --data to begin it", err=True)
         status = _run(session, record, ask=ask, as_json=as_json)
         ignore_stops()  # closing is quick and must not be torn apart
         return status

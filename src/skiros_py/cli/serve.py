@@ -229,15 +229,11 @@ def _serve(
 
 
 def _say_what_lives(services: Services, scene: str, data: Path) -> None:
-    """Warns if another scene was asked for than the one in the data directory."""
-    from skiros_py.config import find_scene
-    from skiros_py.station.scenes.loading import scene_of
+    """Warns if the scene, or the present version of its file, is not the one in the data directory."""
+    from skiros_py.station.worlds import why_not_loaded
 
-    found, _ = scene_of(services.station.session.world)
-    if found == find_scene(scene).stem:
-        return
-    name = escaped(found) if found else "another one, of no name"
-    click.echo(f"world   in {data} lives {name}: {scene} was not loaded; choose another --data to begin it", err=True)
+    if why := why_not_loaded(data, services.station.session.world, scene):
+        click.echo(f"world   {escaped(why)}; choose another --data to begin it", err=True)
 
 
 def _expect_people(services: Services, url: str) -> None:

@@ -212,6 +212,11 @@ class ControlThread:
         """True while a session is being opened or reopened."""
         return self._session is None and self.fault is None and self._thread.is_alive()
 
+    @property
+    def failed(self) -> bool:
+        """True if the session was closed after a fault; :meth:`reopen` opens it again."""
+        return self.fault is not None and self._session is None and not self._ending
+
     def stuck_for(self) -> float:
         """Returns the time since an open session last completed a cycle [s]; 0 while no session is open."""
         return time.monotonic() - self._stepped if self._session is not None else 0.0

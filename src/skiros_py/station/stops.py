@@ -216,12 +216,14 @@ class Stops:
     def reset(self, by: str) -> Stopped:
         """Lets motions start again; has no effect if nothing is halted.
 
+        If the station was closed after a fault, such as one of a device, it is opened, and its drivers connected, again.
+
         Args:
             by: Name of the caller, who has examined the reason of the halt.
 
         Raises:
-            WrongState: A device still moves.
-            Busy: There is no station, or the control thread does not run.
+            WrongState: A device still moves, or the fault of the station persists.
+            Busy: The control thread does not run.
         """
 
         def do(session: Session) -> bool:
@@ -234,8 +236,14 @@ class Stops:
             self._forget()
             return True
 
+        failed = self._control.failed
+        if failed:
+            try:
+                self._control.reopen()
+            except SkirosError as error:
+                raise WrongState(f"the station cannot be opened again: {error}") from None
         done = self._control.call(do, urgent=True)
-        if done:
+        if done or failed:
             self._events.append(Kind.SYSTEM, "reset", data={"by": by})
         return self.now()
 

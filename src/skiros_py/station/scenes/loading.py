@@ -8,13 +8,13 @@ from collections import OrderedDict
 from pathlib import Path
 
 from skiros_py.config import ontology_paths
-from skiros_py.errors import DescriptionError, FileError, UsageError, WrongState
+from skiros_py.errors import DescriptionError, DeviceError, FileError, UsageError, WrongState
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.skills.surroundings import respawn
 from skiros_py.station.control import ControlThread
 from skiros_py.station.scenes.scenes import SceneFile, changes_to, scene_only
 from skiros_py.station.session import Session
-from skiros_py.station.worlds import open_data
+from skiros_py.station.worlds import LoadedScene, open_data, remember_scene
 from skiros_py.tasks.goals import parse_goal
 from skiros_py.world.change import Change, Edit, Writer
 from skiros_py.world.index import Index
@@ -25,14 +25,16 @@ from skiros_py.world.scene import diff, load_scene
 from skiros_py.world.view import WorldView
 from skiros_py.world.world import World
 
-LOADED = "loaded scene "
-"""Prefix of the reasons of such changes, followed by the name of the scene, or "(upload)"."""
-_UPLOAD = "(upload)"
-_FIRST = "read from "
-
 
 def load(
-    control: ControlThread, data: Path, scene: Index, name: str, *, author: str, holder: str = "", seen: int | None
+    control: ControlThread,
+    data: Path,
+    scene: Index,
+    file: SceneFile | None,
+    *,
+    author: str,
+    holder: str = "",
+    seen: int | None,
 ) -> None:
     """Replaces the scene of the live world, keeping learned concepts. Returns when the station is up again.
 
@@ -43,7 +45,7 @@ def load(
         control: Runs the session.
         data: The data directory.
         scene: The new scene.
-        name: Its name; empty for an upload.
+        file: Its file; None for an upload.
         author: The author of the change.
         holder: Owner of the locks that permit it, if not the author.
         seen: Version of the world that the author has seen; None for any.
@@ -55,7 +57,8 @@ def load(
         SkirosError: The station cannot be brought up in that scene; it is up in the old one.
     """
     before: list[tuple[Index, Change | None]] = []
-    reason = LOADED + (name or _UPLOAD)
+    name, content = (file.name, file.version) if file is not None else ("", 0)
+    reason = f"loaded scene {name or '(upload)'}"
 
     def prepare(session: Session) -> None:
         require_rest(session)
@@ -67,10 +70,13 @@ def load(
 
     try:
         control.reopen(prepare, lambda: _take_back(data, *before[0]))
-    except (DescriptionError, FileError) as error:
+    except (DescriptionError, DeviceError, FileError) as error:
         if not before:
             raise
         raise UsageError(f"the station cannot be brought up in that scene, and is in the old one: {error}") from error
+    change = before[0][1] if before else None
+    if change is not None:  # the present scene may have been that one already
+        remember_scene(data, LoadedScene(name, change.number, content))
 
 
 def check_scene(session: Session, scene: WorldView) -> None:
@@ -125,28 +131,6 @@ def _take_back(data: Path, old: Index, change: Change | None) -> None:
         undoes = None if change is None else change.number
         with world.transaction("server", reason, writer=Writer.PERSON, undoes=undoes) as tx:
             tx.apply(changes_to(old, world.snapshot()))
-
-
-def scene_of(world: World) -> tuple[str, int]:
-    """Returns the name of the scene loaded last, and the number of the change that loaded it.
-
-    The name is empty for an upload, and if it is no longer known.
-    """
-    undone: set[int] = set()
-    for change in world.log.by_people():
-        if change.undoes is not None:
-            undone.add(change.undoes)
-        elif change.number not in undone and change.reason.startswith(LOADED):
-            return change.reason.removeprefix(LOADED).removeprefix(_UPLOAD), change.number
-    first = _first(world)
-    if first is None or not first.reason.startswith(_FIRST):
-        return "", 0
-    return Path(first.reason.removeprefix(_FIRST)).stem, first.number
-
-
-def _first(world: World) -> Change | None:
-    log = world.log
-    return log.since(0)[0] if log.first == 1 and log.version else None
 
 
 _KEPT = 8

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import threading
-import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -13,6 +12,7 @@ from pathlib import Path
 from skiros_py.api.scenes import SCENE_NAME
 from skiros_py.config import named_scene, scene_names
 from skiros_py.errors import FileError, StaleVersion, UnknownName, UsageError
+from skiros_py.station.worlds import checksum
 from skiros_py.world.change import Edit, ElementEdit
 from skiros_py.world.index import Index
 from skiros_py.world.scene import diff
@@ -75,10 +75,7 @@ class SceneFile:
         Raises:
             FileError: It cannot be read.
         """
-        try:
-            return zlib.crc32(self.path.read_bytes())
-        except OSError as error:
-            raise FileError(self.path, f"cannot be read: {error.strerror}") from error
+        return checksum(self.path)
 
     @property
     def written(self) -> datetime | None:

@@ -9,8 +9,9 @@ from typing import Any
 from skiros_py.api.scenes import PresentScene, Scene, SceneDifference, SceneEntry, SceneRobot, Scenes
 from skiros_py.errors import FileError, Refused, UsageError
 from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, Service, addressed, require_seen
-from skiros_py.station.scenes.loading import load, require_rest, scene_of, shown
+from skiros_py.station.scenes.loading import load, require_rest, shown
 from skiros_py.station.scenes.scenes import SceneFile, scene_only
+from skiros_py.station.worlds import present_scene
 from skiros_py.world.element import is_learned
 from skiros_py.world.index import Index
 from skiros_py.world.scene import describe
@@ -118,8 +119,8 @@ class SceneService(Service):
         session = station.session
         require_seen(seen, session.world.version)
         station.control.call(require_rest)
-        if name:
-            file = self._file(name)
+        file = self._file(name) if name else None
+        if file is not None:
             with _broken("SceneBroken", name):
                 scene = station.stage.read(session, file)
         else:
@@ -127,7 +128,7 @@ class SceneService(Service):
                 scene = station.stage.read_text(session, turtle)
         station.stage.check(session, scene)
         version = None if seen is None else seen.version
-        load(station.control, station.data, scene, name, author=author.name, holder=author.holder, seen=version)
+        load(station.control, station.data, scene, file, author=author.name, holder=author.holder, seen=version)
         return self.present()
 
     def turtle(self) -> tuple[str, int]:
@@ -164,9 +165,9 @@ class SceneService(Service):
     # ------------------------------------------------------------------ parts
 
     def _name(self) -> str:
-        name, number = scene_of(self._station.session.world)
+        loaded = present_scene(self._station.data, self._station.session.world)
         saved = self._station.documents.get("scene", _SAVED_AS)
-        return str(saved.data["name"]) if saved is not None and saved.data["version"] >= number else name
+        return str(saved.data["name"]) if saved is not None and saved.data["version"] >= loaded.change else loaded.name
 
     def _is_changed(self, name: str) -> bool | None:
         station = self._station

@@ -25,7 +25,6 @@ from skiros_py.api.world import (
 )
 from skiros_py.errors import Locked, Refused, StaleVersion, UnknownName, WorldError
 from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, Service, addressed, require_seen
-from skiros_py.station.scenes.loading import LOADED
 from skiros_py.station.world.editing import (
     change_page,
     change_view,
@@ -38,6 +37,7 @@ from skiros_py.station.world.editing import (
 )
 from skiros_py.station.world.values import plain
 from skiros_py.station.world.view import view_of
+from skiros_py.station.worlds import present_scene
 from skiros_py.world.element import is_learned
 from skiros_py.world.index import Index
 from skiros_py.world.locks import Lock as WorldLock
@@ -239,7 +239,7 @@ class WorldService(Service):
             raise
         except WorldError as error:
             last = last_undoable(world.log)
-            was_loaded = last is not None and last.reason.startswith(LOADED)
+            was_loaded = last is not None and last.number == present_scene(self._station.data, world).change
             hint = "; load the former scene instead: PUT /scene" if was_loaded else ""
             raise Refused("CannotUndo", f"{error}{hint}") from None
 
