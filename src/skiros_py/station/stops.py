@@ -216,7 +216,7 @@ class Stops:
     def reset(self, by: str) -> Stopped:
         """Lets motions start again; has no effect if nothing is halted.
 
-        If the station was closed after a fault, such as one of a device, it is opened, and its drivers connected, again.
+        If the station was closed after a fault, such as one of a device, it is opened, its drivers connected again.
 
         Args:
             by: Name of the caller, who has examined the reason of the halt.
