@@ -15,6 +15,7 @@ from skiros_py.ports.cell import BodySpec, CellSpec, RobotSpec
 from skiros_py.ports.device import DeviceKinds, DeviceSpec, MobileSpec, load_device_kinds, read_footprint
 from skiros_py.skills.surroundings import owner, solid_of
 from skiros_py.world import vocabulary as v
+from skiros_py.world.poses import pose_on
 from skiros_py.world.stock import Stocked, stocks
 from skiros_py.world.view import WorldView
 
@@ -117,7 +118,7 @@ def _is_held(view: WorldView, element: str) -> bool:
 def _body(view: WorldView, element: str) -> BodySpec:
     solid = solid_of(view, element)
     assert solid is not None
-    pose, carrier = _pose(view, element)
+    carrier, pose = _pose(view, element) or (None, None)
     place = _place(view, element)
     _check_start(view, element, pose, place)
     half, offset = view.value(element, v.SUPPORT_HALF_EXTENTS), view.value(element, v.SUPPORT_OFFSET)
@@ -192,17 +193,14 @@ def _is_compartment(view: WorldView, element: str) -> bool:
     return view.value(element, v.HOLLOW) is True
 
 
-def _pose(view: WorldView, element: str) -> tuple[Pose | None, str | None]:
-    """Returns the pose in the map, or in the frame of the device that carries it, and that device's id."""
-    pose = view.value(element, v.POSE)
-    frames = view.objects(element, v.POSE_FRAME)
-    if not isinstance(pose, Pose) or not frames:
-        return (pose if isinstance(pose, Pose) else None), None
-    kind = _kind(view, frames[0], load_device_kinds()[0]) if _is_device(view, frames[0]) else None
-    if kind is not None and kind.carries:
-        return pose, frames[0]
-    frame, carrier = _pose(view, frames[0])
-    return (frame @ pose if frame is not None else None), carrier
+def _pose(view: WorldView, element: str) -> tuple[str | None, Pose] | None:
+    """Returns the id of the device that carries an element, and the pose in its frame; None and the pose in the map."""
+
+    def known(frame: str) -> Pose | None:
+        kind = _kind(view, frame, load_device_kinds()[0]) if _is_device(view, frame) else None
+        return Pose() if kind is not None and kind.carries else None
+
+    return pose_on(view, element, known)
 
 
 def _robot(view: WorldView, robot: str, kinds: DeviceKinds) -> RobotSpec:
@@ -217,11 +215,11 @@ def _robot(view: WorldView, robot: str, kinds: DeviceKinds) -> RobotSpec:
 
 def _standing(view: WorldView, spec: RobotSpec) -> RobotSpec:
     individual = _Individual(view, spec.id)
-    place, _ = _pose(view, spec.id)
-    if place is None:
+    found = _pose(view, spec.id)
+    if found is None:
         raise DescriptionError(f"{spec.id} has no sk:pose, and no device that moves it: say where it stands")
     outline = read_footprint(individual) if view.value(spec.id, v.FOOTPRINT) is not None else ()
-    return replace(spec, place=place, footprint=outline)
+    return replace(spec, place=found[1], footprint=outline)
 
 
 def _single(view: WorldView, kinds: DeviceKinds) -> tuple[RobotSpec, ...]:

@@ -16,7 +16,7 @@ from skiros_py.world import vocabulary as v
 from skiros_py.world.change import PlacementEdit, Writer
 from skiros_py.world.element import Placement, Value
 from skiros_py.world.journal import Journal
-from skiros_py.world.poses import write_pose
+from skiros_py.world.poses import pose_on, write_pose
 from skiros_py.world.view import WorldView
 from skiros_py.world.world import World
 
@@ -26,17 +26,11 @@ def map_pose(context: RunContext, element: str) -> Pose | None:
 
     A pose may be given in the frame of another element; where a device is, its sensors say.
     """
-    device = context.frames.at(context.board.snapshot).device(element)
-    if device is not None:
+    tree = context.frames.at(context.board.snapshot)
+    if (device := tree.device(element)) is not None:
         return device
-    pose = context.world.value(element, v.POSE)
-    if not isinstance(pose, Pose):
-        return None
-    frames = context.world.objects(element, v.POSE_FRAME)
-    if not frames:
-        return pose
-    frame = map_pose(context, frames[0])
-    return frame @ pose if frame is not None else None
+    found = pose_on(context.world, element, tree.device)
+    return None if found is None else found[1]
 
 
 def solid_of(view: WorldView, element: str) -> Solid | None:

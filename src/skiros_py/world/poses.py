@@ -6,7 +6,10 @@ element (``sk:poseFrame``), and so on: frames are trees.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterator
+from functools import reduce
+from operator import matmul
+from typing import TYPE_CHECKING, Final
 
 from skiros_py.errors import WorldError
 from skiros_py.geometry import Pose
@@ -17,13 +20,47 @@ if TYPE_CHECKING:
     from skiros_py.world.view import WorldView
 
 
+_AT: Final = Pose()
+
+
+def pose_on(
+    view: WorldView, element: str, known: Callable[[str], Pose | None] = lambda _frame: None
+) -> tuple[str | None, Pose] | None:
+    """Returns the first frame above an element whose pose is known otherwise, and the element's pose by way of it.
+
+    Args:
+        view: The world.
+        element: Id of the element.
+        known: Returns the pose of a frame where it is known otherwise, as that of a device; None to go on upwards.
+
+    Returns:
+        The frame (None: the map), and the known pose of that frame times the element's pose in it; None if the
+        element's pose, or that of a frame on the way, is unknown.
+
+    Raises:
+        UnknownName: There is no such element.
+    """
+    steps: list[Pose] = []
+    for current in _frames(view, element):
+        start = known(current) if steps else None
+        if start is not None:
+            return current, reduce(matmul, reversed(steps), start)
+        step = view.value(current, POSE)
+        if not isinstance(step, Pose):
+            return None
+        steps.append(step)
+    above = view.objects(current, POSE_FRAME)
+    return None if above else (None, reduce(matmul, reversed(steps)))  # frames may hang on each other in an overlay
+
+
 def map_pose(view: WorldView, element: str) -> Pose | None:
     """Returns an element's pose in the map, or None if its pose, or that of a parent frame, is unknown.
 
     Raises:
         UnknownName: There is no such element.
     """
-    return _way_up(view, element).get(None)
+    found = pose_on(view, element)
+    return None if found is None else found[1]
 
 
 def pose_in(view: WorldView, element: str, frame: str | None) -> Pose | None:
@@ -36,9 +73,15 @@ def pose_in(view: WorldView, element: str, frame: str | None) -> Pose | None:
     """
     if frame is None:
         return map_pose(view, element)
-    own, other = _way_up(view, element), _way_up(view, frame)
-    common = next(((other[name], pose) for name, pose in own.items() if name in other), None)
-    return None if common is None else common[0].inverse() @ common[1]
+    others = set(_frames(view, frame))
+    own = (element, Pose()) if element in others else pose_on(view, element, lambda one: _AT if one in others else None)
+    if own is None:
+        return None
+    common, pose = own
+    if common == frame:
+        return pose
+    other = pose_on(view, frame, lambda one: _AT if one == common else None)
+    return None if other is None else other[1].inverse() @ pose
 
 
 def write_pose(tx: Transaction, element: str, pose: Pose | None, frame: str | None = None) -> None:
@@ -63,19 +106,11 @@ def attach(tx: Transaction, element: str, frame: str | None) -> None:
     write_pose(tx, element, pose, frame)
 
 
-def _way_up(view: WorldView, element: str) -> dict[str | None, Pose]:
-    """The element's pose in its own frame, in the one that is given in, and so on; under None that in the map."""
-    poses: dict[str | None, Pose] = {element: Pose()}
-    current = element
-    while True:
-        step = view.value(current, POSE)
-        if not isinstance(step, Pose):
-            return poses
-        pose = step @ poses[current]
-        above = next(iter(view.objects(current, POSE_FRAME)), None)
-        if above in poses:  # frames that hang on each other: a world refuses them, an overlay may suppose them
-            return poses
-        poses[above] = pose
-        if above is None:
-            return poses
-        current = above
+def _frames(view: WorldView, element: str) -> Iterator[str]:
+    """Yields an element, the frame in which its pose is given, and so on; each once."""
+    seen: set[str] = set()
+    current: str | None = element
+    while current is not None and current not in seen:
+        seen.add(current)
+        yield current
+        current = next(iter(view.objects(current, POSE_FRAME)), None)

@@ -14,7 +14,7 @@ from skiros_py.geometry import Array, Pose
 from skiros_py.world.element import Placement
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.overlay import Overlay
-from skiros_py.world.poses import attach, map_pose, pose_in, write_pose
+from skiros_py.world.poses import attach, map_pose, pose_in, pose_on, write_pose
 from skiros_py.world.world import World
 
 ONTOLOGY = Ontology.load([Path(__file__).parents[3] / "ontologies" / "core.ttl"])
@@ -135,3 +135,13 @@ def test_an_unknown_element_or_frame_is_said_to_be_unknown() -> None:
         pose_in(world, "thing_9", None)
     with pytest.raises(UnknownName, match="unknown element 'thing_9'"):
         pose_in(world, "thing_0", "thing_9")
+
+
+def test_a_frame_whose_pose_is_known_otherwise_ends_the_way_up() -> None:
+    one, two, three = Pose((1.0, 0.0, 0.0)), Pose((0.0, 2.0, 0.0)), Pose((0.0, 0.0, 3.0))
+    world = world_of([(None, one), (0, two), (1, three)])
+    sensed = {"thing_0": Pose((9.0, 0.0, 0.0)), "thing_2": Pose((7.0, 7.0, 7.0))}
+
+    assert pose_on(world, "thing_2", sensed.get) == ("thing_0", Pose((9.0, 2.0, 3.0)))  # its own is not asked for
+    assert pose_on(world, "thing_2") == (None, Pose((1.0, 2.0, 3.0)))
+    assert pose_on(world, "floor", sensed.get) is None

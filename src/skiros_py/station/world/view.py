@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Literal
@@ -12,6 +12,7 @@ from skiros_py.api.view import Block, PoseInfo, ViewElement, WorldView
 from skiros_py.geometry import Pose, Primitive, Solid
 from skiros_py.world.element import Element, Value, is_abstract
 from skiros_py.world.index import Index
+from skiros_py.world.poses import pose_on
 from skiros_py.world.vocabulary import (
     BASE,
     DEVICE,
@@ -28,57 +29,7 @@ from skiros_py.world.vocabulary import (
     STRUCTURE,
 )
 
-_Place = tuple[str | None, Pose]
-"""A base (None for the map), and the pose in its frame."""
-
-
-class Frames:
-    """Computes poses through chains of frames, each frame only once.
-
-    The world model does not track bases while they drive, so poses of elements on a base are in the frame of the base.
-
-    Args:
-        view: The state.
-        is_base: Returns whether an element is a robot base.
-    """
-
-    def __init__(self, view: Index, is_base: Callable[[str], bool]) -> None:
-        self._view = view
-        self._is_base = is_base
-        self._known: dict[str, _Place | None] = {}
-
-    def of(self, name: str) -> _Place | None:
-        """Returns the pose of an element; None if it or that of a frame in its chain is unknown.
-
-        Raises:
-            UnknownName: There is no such element.
-        """
-        way: list[str] = []
-        current: str | None = name
-        while current is not None and current not in self._known:
-            self._known[current] = None  # terminates cycles of frames
-            way.append(current)
-            current = self._above(current)
-        for one in reversed(way):  # from the top down, without recursion
-            self._known[one] = self._below(one)
-        return self._known[name]
-
-    def _frame(self, name: str) -> str | None:
-        return next(iter(self._view.objects(name, POSE_FRAME)), None)
-
-    def _above(self, name: str) -> str | None:
-        frame = self._frame(name)
-        return None if frame is None or self._is_base(frame) else frame
-
-    def _below(self, name: str) -> _Place | None:
-        pose, frame = self._view.value(name, POSE), self._frame(name)
-        if not isinstance(pose, Pose):
-            return None
-        if frame is None or self._is_base(frame):
-            return frame, pose
-        above = self._known[frame]
-        return None if above is None else (above[0], above[1] @ pose)
-
+_AT = Pose()
 
 _SHEET = 0.01
 """Drawn thickness, below the frame, of elements with only length and width [m]: floors, decks."""
@@ -224,7 +175,6 @@ class _Observer:
         self._view = view
         self._platforms = platforms
         self._sorts: dict[str, _Sort] = {}
-        self._frames = Frames(view, self._carries)
 
     def told(self, name: str) -> ViewElement | None:
         """Describes an element; None if it is not visible: abstract, or without shape, pose and placement."""
@@ -259,8 +209,9 @@ class _Observer:
         if self._sort(self._view.element(name).type).kind == "robot":
             pieces = self._view.objects(name, STRUCTURE)
             moved = next((self._platforms[piece] for piece in pieces if piece in self._platforms), None)
-            return self._frames.of(name) or (None, None) if moved is None else (None, moved)
-        return self._frames.of(name) or (None, None)
+            if moved is not None:
+                return None, moved
+        return pose_on(self._view, name, lambda frame: _AT if self._carries(frame) else None) or (None, None)
 
     def _in_hand(self, name: str, gripper: str) -> PoseInfo | None:
         pose = self._view.value(name, POSE)
