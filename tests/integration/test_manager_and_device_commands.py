@@ -68,3 +68,18 @@ def test_what_does_not_exist_is_named(client: Client) -> None:
         client.devices.close("griper_1")
 
     assert refused.value.status == 404
+
+
+def test_signals_are_listed_read_and_refused_from_the_shell(said: Ask, served: Served) -> None:
+    listed = {line.split()[0]: line for line in said("signal", "list").splitlines()}
+    name, value = said("signal", "get", "gripper_1.gap").split()
+    both = json.loads(said("signal", "get", "gripper_1.gap", "localiser_1.x", "--json"))
+    refused = CliRunner().invoke(cli, ("signal", "set", "gripper_1.gap", "0.1", "--url", served.url))
+    malformed = CliRunner().invoke(cli, ("signal", "set", "gripper_1.gap", "wide", "--url", served.url))
+
+    assert " m " in listed["gripper_1.gap"]
+    assert (name, float(value)) == ("gripper_1.gap", both["signals"]["gripper_1.gap"]["value"])
+    assert set(both["signals"]) == {"gripper_1.gap", "localiser_1.x"}
+    assert "'gripper_1.gap' comes from gripper_1: only inputs can be set" in str(refused.exception)
+    assert malformed.exit_code == 2
+    assert "wide is no number" in malformed.output

@@ -8,9 +8,11 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
+from click.testing import CliRunner
 from support.serving import serving
 
 from skiros_py.catalogue.loading import load_catalogue
+from skiros_py.cli.main import cli
 from skiros_py.client import Client
 from skiros_py.client.request import ProblemError
 from skiros_py.ports.signals import Input, Request, Signal, Value
@@ -75,6 +77,15 @@ def test_an_input_that_is_set_counts_for_what_is_computed_from_it(client: Client
     while (read := client.signals.read("speed_limit", "half_limit")).signals["speed_limit"].value != 0.3:
         assert time.monotonic() < deadline
     assert read.signals["half_limit"].value == pytest.approx(0.15)
+
+
+def test_an_input_is_set_from_the_shell(client: Client) -> None:
+    said = CliRunner().invoke(cli, ("signal", "set", "speed_limit", "0.4", "--url", client.url), catch_exceptions=False)
+
+    assert said.output == "speed_limit is 0.4\n"
+    deadline = time.monotonic() + 20.0
+    while client.signals.read("speed_limit").signals["speed_limit"].value != 0.4:
+        assert time.monotonic() < deadline
 
 
 def test_a_signal_without_a_value_says_why(client: Client) -> None:

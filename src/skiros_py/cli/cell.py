@@ -1,7 +1,8 @@
-"""``skiros manager|device|stop|reset``: the skill managers and devices of a server; everything halts, and goes on."""
+"""``skiros manager|device|signal|stop|reset``: managers, devices and signals of a server; a halt and its end."""
 
 from __future__ import annotations
 
+import json
 from typing import TYPE_CHECKING
 
 import click
@@ -13,10 +14,22 @@ from skiros_py.cli.reaching import Found, served, with_client
 if TYPE_CHECKING:
     from skiros_py.api.alarms import StopInfo
     from skiros_py.api.modules import ManagerInfo
+    from skiros_py.api.robots import SignalValue
     from skiros_py.client import Client
 
 _TIMEOUT, _TRIES = 3.0, 3
 """A stop that does not work must be known soon [s], [tries]."""
+
+
+def _value(_context: click.Context, _parameter: click.Parameter, text: str) -> SignalValue:
+    from pydantic import TypeAdapter
+
+    from skiros_py.api.robots import SignalValue
+
+    try:
+        return TypeAdapter[SignalValue](SignalValue).validate_json(text)
+    except ValueError:
+        raise click.BadParameter(f"{text} is no number, truth value or list of numbers") from None
 
 
 @click.group("manager")
@@ -78,6 +91,38 @@ def open_device(client: Client, device: str) -> Found:
 def close_device(client: Client, device: str) -> Found:
     """Closes DEVICE, if nothing uses it: no module may use it until it is opened."""
     return client.devices.close(device), [f"{device} is closed"]
+
+
+@click.group("signal")
+def signal() -> None:
+    """Lists, reads and sets the signals of a server: of devices, computed ones, and inputs."""
+
+
+@served(signal, "signal list --data cell")
+def list_signals(client: Client) -> Found:
+    """Lists the signals, with their unit, source and meaning."""
+    signals = client.signals.list()
+    return signals, (f"{s.name:24} {s.unit or '-':8} {'input' if s.input else s.source:20} {s.help}" for s in signals)
+
+
+@served(signal, "signal get gripper_1.gap --data cell")
+@click.argument("names", nargs=-1, required=True)
+def get_signals(client: Client, names: tuple[str, ...]) -> Found:
+    """Reads the signals NAMES, all in the same control cycle."""
+    readings = client.signals.read(*names)
+    lines = []
+    for name, one in readings.signals.items():
+        lines.append(f"{name:24} {one.reason if one.value is None else json.dumps(one.value)}")
+    return readings, lines
+
+
+@served(signal, "signal set speed_limit 0.3 --data cell")
+@click.argument("name")
+@click.argument("value", callback=_value)
+def set_signal(client: Client, name: str, value: SignalValue) -> Found:
+    """Sets the input NAME to VALUE (a number, true or false, or [numbers]) from the next control cycle on."""
+    client.signals.set(name, value)
+    return {name: value}, [f"{name} is {json.dumps(value)}"]
 
 
 @click.command("stop", epilog="Example: skiros stop --data cell --reason 'a person is in the cell'")

@@ -22,6 +22,7 @@ _COMMANDS = {
     "stop": ("cell:stop", "Halt all robots of a server at once."),
     "reset": ("cell:reset", "Let them start again after that."),
     "manager": ("cell:manager", "Open and close the skill managers of a server while it runs."),
+    "signal": ("cell:signal", "List, read and set the signals of a server."),
     "device": ("cell:device", "List, open and close the devices of a server while it runs."),
     "document": ("document", "Write, run and debug the documents of a server: trees, nets and graphs."),
     "report": ("report", "Make a page about a run: timeline, pictures, what happened and why."),

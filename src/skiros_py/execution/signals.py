@@ -190,11 +190,11 @@ class Signals:
 
         Raises:
             UnknownName: There is no such signal.
-            UsageError: It is computed, or the value is not of its shape or not finite.
+            UsageError: It is no input, or the value is not of its shape or not finite.
         """
-        provider = self._known(name).provider
+        provider = self._of[name].provider if name in self._of else None
         if not isinstance(provider, Input):
-            raise UsageError(f"signal '{name}' is computed by {provider.name}: only inputs can be set")
+            raise UsageError(f"signal '{name}' comes from {self.source(name)}: only inputs can be set")
         if (wrong := _wrong(value, provider.provides[0])) is not None:
             raise UsageError(f"signal '{name}': {wrong}")
         self._set[name] = value

@@ -173,7 +173,7 @@ def jog(robot: RobotSpec, wanted: Jog) -> tuple[str, dict[str, Any]]:
     if wanted.base is not None:
         _require_short("dx, dy", (wanted.base.dx, wanted.base.dy), 0.2, "m")
         return "jog_base", {
-            "base": _one("base", None, [base.id for base in robot.of(BaseSpec)]),
+            "base": _one("base", None, [] if robot.carrier is None else [robot.carrier.id]),
             "robot": robot.id,
             **wanted.base.model_dump(),
         }
