@@ -245,7 +245,7 @@ def test_an_input_takes_only_finite_values_of_its_shape(board: DeviceBoard, valu
 def test_what_is_computed_cannot_be_set_and_what_is_not_there_neither(board: DeviceBoard) -> None:
     signals = Signals(board, [Provider("one", lambda _: 1.0)])
 
-    with pytest.raises(UsageError, match="computed by maker of one"):
+    with pytest.raises(UsageError, match="comes from maker of one: only inputs"):
         signals.set("one", 2.0)
     with pytest.raises(UnknownName):
         signals.set("two", 2.0)
