@@ -206,7 +206,7 @@ def test_what_breaks_in_one_branch_stops_the_other() -> None:
 # ------------------------------------------------------------------ without end
 
 
-def test_what_yields_for_ever_is_broken_off_by_a_timeout() -> None:
+def test_what_yields_for_ever_is_cancelled_by_a_timeout() -> None:
     skill = Skill(DRIVE, Timeout(Do.of("bad", base=P("Base")), 1.0))
     with Bench(tiny_world(), (skill,), [bad(yielding(None)), Moving], driver="any") as bench:
         outcome = bench.run("drive", Location="box_a")
@@ -296,12 +296,10 @@ def test_whatever_it_does_when_it_is_stopped_the_robot_halts(behaviour: Behaviou
 
 
 @pytest.mark.parametrize("behaviour", CLOSING_BADLY)
-def test_whatever_it_does_when_it_is_broken_off_the_skill_ends_and_the_robot_halts(behaviour: Behaviour) -> None:
+def test_whatever_it_does_when_it_is_cancelled_the_skill_ends_and_the_robot_halts(behaviour: Behaviour) -> None:
     skill = Skill(DRIVE, Do.of("bad", base=P("Base")))
     with Bench(tiny_world(), (skill,), [bad(behaviour), Moving], driver="any") as bench:
-        outcome = bench.run(
-            "drive", Location="box_a", break_off=lambda: "the world changed" if bench.time > 0.3 else ""
-        )
+        outcome = bench.run("drive", Location="box_a", cancel=lambda: "the world changed" if bench.time > 0.3 else "")
 
         assert isinstance(outcome, Failure)
         assert bench.time < 1.0
@@ -345,7 +343,7 @@ def test_bad_recovery_ends_and_the_robot_halts(primitive: type[Bad]) -> None:
     with Bench(tiny_world(), (skill,), [primitive, Moving], driver="any") as bench:
         running = bench.start("drive", Location="box_a")
         bench.advance(0.3)
-        running.break_off("the world changed")
+        running.cancel("the world changed")
 
         bench.until(lambda: running.done, limit=30.0)
         assert "the world changed" in str(running.result)
@@ -459,7 +457,7 @@ def test_what_holds_the_cycle_outside_its_execution_is_interrupted_too(where: st
     with Bench(tiny_world(), (skill,), [primitive, Moving], driver="any", overrun=0.2) as bench:
         running = bench.start("drive", Location="box_a")
         bench.advance(0.3)
-        running.break_off("the world changed")
+        running.cancel("the world changed")
         bench.until(lambda: running.done, limit=30.0)
 
         assert "bad (of drive of base_1) held the control cycle" in str(running.result)

@@ -149,7 +149,7 @@ def test_after_a_stop_in_the_middle_of_a_grasp_the_arm_is_stowed_before_the_base
     assert max(driven_with) < 0.06
 
 
-def test_a_pick_broken_off_while_lifting_puts_the_part_back_instead_of_dropping_it(open_session):
+def test_a_pick_cancelled_while_lifting_puts_the_part_back_instead_of_dropping_it(open_session):
     session = open_session("kitting_carried", seed=6)
     session.run(["RobotAtLocation(robot_1, pallet_a)"])
     truth, texts, heights = Truth(session.simulation), [], []
@@ -161,7 +161,7 @@ def test_a_pick_broken_off_while_lifting_puts_the_part_back_instead_of_dropping_
         session.cycle.step()
         heights.append(truth.pose("starter_1").position[2])
         if "lifting" in texts and heights[-1] > 0.51:
-            running.break_off("somebody wants it so")
+            running.cancel("somebody wants it so")
 
     falls = [(before - after) / session.cell.period for before, after in pairwise(heights)]
     assert max(heights) > 0.51

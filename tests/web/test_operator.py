@@ -118,7 +118,7 @@ def looks_at_a_past_job(anna: Person, job: str) -> None:
     jobs = anna.page.get_by_role("list", name="Jobs")
     jobs.get_by_role("listitem").filter(has_text=job).get_by_role("button").click()
     shown = anna.page.get_by_role("article", name=f"Job {job}")
-    anna.expect(shown.get_by_role("button", name=re.compile("drive.*: broken off, attempt 1"))).to_be_visible()
+    anna.expect(shown.get_by_role("button", name=re.compile("drive.*: cancelled, attempt 1"))).to_be_visible()
     anna.expect(shown.get_by_role("button", name=re.compile("drive.*: done, attempt 2"))).to_be_visible()
     anna.open("Report")
     report = shown.get_by_role("tabpanel", name="Report")

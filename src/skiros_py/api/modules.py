@@ -358,7 +358,7 @@ class ModuleRunInfo(Answer):
     succeeded: int = Field(examples=[1])
     """How often it worked."""
     cut_off: bool = False
-    """Whether the last round was broken off by a stop: it says nothing of the module."""
+    """Whether the last round was cancelled by a stop: it says nothing of the module."""
     rounds: list[ModuleRound]
     """How it ended each time; of very many the last 100."""
     progress: list[ModuleProgress]

@@ -73,7 +73,7 @@ class TaskStep(Answer):
     end: float | None = Field(examples=[17.2])
     """Run time [s]; null while it runs."""
     ended: str | None = Field(examples=["ended"])
-    """ended, failed or broken off; null while it runs."""
+    """ended, failed or cancelled; null while it runs."""
     text: str = Field(examples=["drive pallet_a: done"])
     """What came of it, in a sentence."""
 

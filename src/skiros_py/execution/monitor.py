@@ -9,7 +9,7 @@ from itertools import count
 from typing import Any
 
 from skiros_py.listeners import Listeners
-from skiros_py.skills.outcome import BROKEN_OFF, Outcome, Success
+from skiros_py.skills.outcome import CANCELLED, Outcome, Success
 
 
 class Status(enum.Enum):
@@ -127,6 +127,6 @@ def end_of(outcome: Outcome) -> tuple[Status, int, str]:
     """Returns the state, progress code and text by which the end of a run is reported."""
     if isinstance(outcome, Success):
         return Status.TERMINATED, 1, outcome.message
-    if outcome.code == BROKEN_OFF:
+    if outcome.code == CANCELLED:
         return Status.PREEMPTED, 0, outcome.reason
     return Status.ERROR, outcome.code, outcome.reason

@@ -150,7 +150,7 @@ class Running(Protocol):
         """
         ...
 
-    def break_off(self, reason: str) -> None:
+    def cancel(self, reason: str) -> None:
         """Cancels it because the world changed; finishing motion, such as stowing the arm, still runs."""
         ...
 
@@ -179,7 +179,7 @@ class RunningModule:
         id: Id of this run.
         task: Its task.
         scope: Its outermost scope; its devices are kept until all stands.
-        break_off: Ends it so that what must follow is still done; None for what can only be stopped.
+        cancel: Ends it so that what must follow is still done; None for what can only be stopped.
         arguments: Its parameters; those that are inferred come in the first cycle.
         account: Gives what it was run with and what was found of its conditions; None where it has none.
 
@@ -193,7 +193,7 @@ class RunningModule:
         id: str,  # noqa: A002 - as in module events
         task: Task[Outcome],
         scope: Scope,
-        break_off: Callable[[str], None] | None = None,
+        cancel: Callable[[str], None] | None = None,
         *,
         arguments: Mapping[str, Any] = MappingProxyType({}),
         account: Callable[[], Mapping[str, Any]] | None = None,
@@ -204,7 +204,7 @@ class RunningModule:
         self.scope = scope
         self.arguments = arguments
         self.changes: list[int] = []
-        self._break_off = break_off
+        self._cancel = cancel
         self._account = account
 
     @property
@@ -249,12 +249,12 @@ class RunningModule:
             return Failure(f"{self.name} was stopped{': ' + task.reason if task.reason else ''}")
         return task.result
 
-    def break_off(self, reason: str) -> None:
+    def cancel(self, reason: str) -> None:
         """Cancels it because the world changed; finishing motion, such as stowing the arm, still runs."""
-        if self._break_off is None:
+        if self._cancel is None:
             self.task.stop(reason)
         else:
-            self._break_off(reason)
+            self._cancel(reason)
             self.task.resume()  # what was paused must be able to end
 
     def pause(self) -> None:

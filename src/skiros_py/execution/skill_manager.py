@@ -400,7 +400,7 @@ class SkillManager:
             run = self._modules.skill_run(module, arguments, scope, run_id)
             ticked = self._cycle.start(run.execute(), name=name, clock=clock)
             started = RunningModule(
-                module, run_id, ticked, scope, run.break_off, arguments=run.arguments, account=run.account
+                module, run_id, ticked, scope, run.cancel, arguments=run.arguments, account=run.account
             )
         else:
             ticked = self._cycle.start(self._modules.run(module, arguments, scope, run_id), name=name, clock=clock)

@@ -20,7 +20,7 @@ from skiros_py.skills.behaviour import Behaviour
 from skiros_py.skills.conditions import Condition, Verdict
 from skiros_py.skills.context import Effects
 from skiros_py.skills.inference import Inferred, Missing, applying, infer
-from skiros_py.skills.outcome import BROKEN_OFF, Execution, Failure, Outcome, Success, tick
+from skiros_py.skills.outcome import CANCELLED, Execution, Failure, Outcome, Success, tick
 from skiros_py.skills.parameters import as_shown, read_arguments
 from skiros_py.skills.skill import Skill, SkillDescription
 
@@ -51,7 +51,7 @@ class SkillRun:
         self._given = given
         self._outer = scope
         self._take = take
-        self._broken_off = ""
+        self._cancelled = ""
         self.started = False
         self._claim: Claim | None = None
         self._finish: Behaviour | None = None
@@ -72,9 +72,9 @@ class SkillRun:
             callers=(*scope.callers, self.description.name),
         )
 
-    def break_off(self, reason: str) -> None:
+    def cancel(self, reason: str) -> None:
         """Ends it in the coming tick; what must follow (recovery, finishing motion) is done all the same."""
-        self._broken_off = reason
+        self._cancelled = reason
 
     def account(self) -> dict[str, Any]:
         """Returns how it was done, with what, and what was found last of its conditions, as plain data."""
@@ -148,7 +148,7 @@ class SkillRun:
         """Waits for its devices, or until it is cancelled."""
         if not claim.granted:
             self._tell(Status.RUNNING, 0, f"waits for {', '.join(claim.waits_for())}")
-        while not claim.granted and not self._broken_off:
+        while not claim.granted and not self._cancelled:
             yield
         return self._interruption()
 
@@ -165,7 +165,7 @@ class SkillRun:
                 self._way = skill
                 self._tell(Status.RUNNING, 0, f"{failures[-1].reason}; trying {_label(skill)}")
             outcome = yield from self._with_devices(skill)
-            if isinstance(outcome, Success) or outcome.code == BROKEN_OFF:
+            if isinstance(outcome, Success) or outcome.code == CANCELLED:
                 return outcome
             failures.append(outcome)
         reasons = dict.fromkeys(failure.reason for failure in failures)
@@ -213,7 +213,7 @@ class SkillRun:
         return outcome
 
     def _interruption(self) -> Failure | None:
-        return Failure(self._broken_off, BROKEN_OFF) if self._broken_off else None
+        return Failure(self._cancelled, CANCELLED) if self._cancelled else None
 
     def _check(self, kind: str, conditions: Sequence[Condition]) -> Failure | None:
         world = self._scope.context.world

@@ -60,7 +60,7 @@ class Task(Generic[T]):
         self._pulse = pulse
         self._ended = ended
         self._result: T | None = None
-        self._broken_off = False
+        self._aborted = False
         self._deadline: float | None = None
         self._runs_away = False
         self._steps = 0
@@ -83,7 +83,7 @@ class Task(Generic[T]):
             raise
         except BaseException as fault:  # noqa: BLE001 - an author's code: whatever it raises ends this task only
             self.fail(fault)
-        if self._broken_off:
+        if self._aborted:
             self._close()
 
     def pause(self) -> None:
@@ -136,7 +136,7 @@ class Task(Generic[T]):
         if self.done:
             return
         self._ended(self)
-        self.done = self._broken_off = True
+        self.done = self._aborted = True
         self.reason = reason
         if not getattr(self._generator, "gi_running", False):  # else it stops itself: closed when this tick is over
             self._close()
@@ -148,7 +148,7 @@ class Task(Generic[T]):
             self.fault = fault if before is None else fault.with_traceback(before.__traceback__)
         if not self.done:
             self._ended(self)
-            self.done = self._broken_off = True
+            self.done = self._aborted = True
             self._close()
 
     def settle(self) -> None:
@@ -174,7 +174,7 @@ class Task(Generic[T]):
 
         A device that does not stand after its braking time is a fault; then the task never counts as stopped.
         """
-        return self._broken_off and self._deadline is None and not self._runs_away
+        return self._aborted and self._deadline is None and not self._runs_away
 
     @property
     def result(self) -> T:
@@ -189,9 +189,9 @@ class Task(Generic[T]):
             raise self.fault
         if self.fault is not None:
             raise ModuleError(f"{self.name}: {_words(self.fault)}") from self.fault
-        if self._broken_off and self.reason:
+        if self._aborted and self.reason:
             raise ModuleError(f"{self.name} was stopped: {self.reason}")
-        if not self.done or self._broken_off:
+        if not self.done or self._aborted:
             raise RuntimeError("a task has a result only after it ended by itself")
         return self._result  # type: ignore[return-value]  # T may include None
 

@@ -11,7 +11,7 @@ _NO_VALUES: Mapping[str, Any] = MappingProxyType({})
 
 BROKEN = -3
 """Code of a failure that is a mistake in a module's code: the log has the traceback."""
-BROKEN_OFF = -2
+CANCELLED = -2
 """Code of a failure that is not the skill's own: it was ended because the world changed."""
 
 

@@ -104,7 +104,7 @@ class _Command(Generic[T]):
         except Exception as error:  # noqa: BLE001 - raised in the thread that requested the work
             self._answer.set_exception(error)
         except BaseException as error:  # noqa: BLE001 - in that thread it would end more than the request
-            self._answer.set_exception(DeviceError(f"it was broken off: {error!r}"))
+            self._answer.set_exception(DeviceError(f"it was aborted: {error!r}"))
 
     def refuse(self, error: SkirosError) -> None:
         """Reports that it will not be executed."""

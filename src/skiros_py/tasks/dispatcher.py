@@ -10,7 +10,7 @@ from skiros_py.errors import UsageError, WorldError
 from skiros_py.execution.running import Running
 from skiros_py.planning.plan import Plan, Step
 from skiros_py.planning.problem.stock import tokens_of
-from skiros_py.skills.outcome import BROKEN_OFF, Failure, Outcome
+from skiros_py.skills.outcome import CANCELLED, Failure, Outcome
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.context import Mode, TaskContext
 from skiros_py.tasks.handle import StepRun, TaskHandle
@@ -213,7 +213,7 @@ class Dispatcher:
             same = [i for i in agenda.ready if i not in kept and agenda.steps[i] == one.step]
             if same and one in self._active:
                 kept[same[0]] = one
-        self.break_off([one for one in cancelled if one not in kept.values()], why)
+        self.cancel([one for one in cancelled if one not in kept.values()], why)
         self._skills = skills
         self._forget_coming()
         before = [one for one in self._active if one not in kept.values()]
@@ -240,12 +240,12 @@ class Dispatcher:
         later = self._agenda.waiting[step]
         return tuple(one for one in self._active if self._agenda.leads_to(one.index, later))
 
-    def break_off(self, steps: Collection[Active], reason: str) -> None:
+    def cancel(self, steps: Collection[Active], reason: str) -> None:
         """Cancels steps that are no longer useful; they still run their cleanup, such as stowing the arm."""
         for one in steps:
             if not one.leaving:
                 one.leaving = reason
-                one.running.break_off(reason)
+                one.running.cancel(reason)
 
     # ------------------------------------------------------------------ each cycle
 
@@ -285,7 +285,7 @@ class Dispatcher:
         for one in self._active:
             one.running.stop()
             data = {"reason": why, **one.running.account}
-            self._trace.write(TraceEventKind.BROKEN_OFF, f"{self._said(one.step)} is broken off: {why}", data, one.run)
+            self._trace.write(TraceEventKind.CANCELLED, f"{self._said(one.step)} is cancelled: {why}", data, one.run)
         braking = tuple(one.running for one in self._active)
         moving = {id_ for one in self._active for id_ in (one.robot, *one.step.arguments.values())}
         self._active.clear()
@@ -371,7 +371,7 @@ class Dispatcher:
         try:
             running = self._begin(run)
         except UsageError as refusal:
-            failure = Failure(str(refusal), BROKEN_OFF)  # not the target's fault
+            failure = Failure(str(refusal), CANCELLED)  # not the target's fault
             self._agenda.again(index)
             self._note_end(run, failure, {})
             self._failed.append((run.step, failure))
@@ -388,7 +388,7 @@ class Dispatcher:
     def _forget_coming(self) -> None:
         """Drops the steps that wait for the disk; they were never started."""
         for run, _ in self._coming.values():
-            self._task.ended(run, Failure("it was not started", BROKEN_OFF))
+            self._task.ended(run, Failure("it was not started", CANCELLED))
         self._coming.clear()
 
     def _take_from_stock(self, index: int) -> Failure | None:
@@ -401,7 +401,7 @@ class Dispatcher:
             with self._context.world.transaction(self._task.name, f"{self._said(step)} is next") as tx:
                 taken = {token: take(tx, token) for token in tokens}
         except WorldError as refusal:
-            return Failure(str(refusal), BROKEN_OFF)  # caused by the plan, not by the step
+            return Failure(str(refusal), CANCELLED)  # caused by the plan, not by the step
         self._agenda.rename(taken)
         if self._task.plan is not None:
             self._task.plan = self._task.plan.renamed(taken)
@@ -421,7 +421,7 @@ class Dispatcher:
         self._active.remove(one)
         self._used = None
         if isinstance(outcome, Failure) and one.leaving:
-            outcome = Failure(outcome.reason, BROKEN_OFF)
+            outcome = Failure(outcome.reason, CANCELLED)
         if isinstance(outcome, Failure) and not one.leaving:
             self._agenda.again(one.index)
             self._failed.append((one.step, outcome))
@@ -434,8 +434,8 @@ class Dispatcher:
         self._ended.append(StepEnd(run, self._skills[run.step.skill], outcome, now))
         said, data = self._said(run.step), {"start": run.start, "seconds": now - run.start, **account}
         if isinstance(outcome, Failure):
-            what = TraceEventKind.BROKEN_OFF if outcome.code == BROKEN_OFF else TraceEventKind.FAILED
-            verb = "is broken off" if outcome.code == BROKEN_OFF else "failed"
+            what = TraceEventKind.CANCELLED if outcome.code == CANCELLED else TraceEventKind.FAILED
+            verb = "is cancelled" if outcome.code == CANCELLED else "failed"
             more = {"reason": outcome.reason, "code": outcome.code}
             self._trace.write(what, f"{said} {verb}: {outcome.reason}", data | more, run)
         else:

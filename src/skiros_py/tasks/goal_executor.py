@@ -104,7 +104,7 @@ class GoalExecutor(TaskExecutor):
     def _wind_up(self) -> Execution[None]:
         """Ends the steps that still run although the task is done."""
         if self._progress.running:
-            self._dispatcher.break_off(self._progress.running, "nothing more is to be done")
+            self._dispatcher.cancel(self._progress.running, "nothing more is to be done")
             yield from self._let_end()
 
     def _let_end(self) -> Execution[None]:
@@ -162,7 +162,7 @@ class GoalExecutor(TaskExecutor):
             self.record.no_plan = answer.reasons
             self._context.on_plan(planned)
         self._trace.write(TraceEventKind.NO_PLAN, f"no plan: {'; '.join(answer.reasons)}", answer.as_json())
-        self._dispatcher.break_off(self._doubtful, self._why_cancelled)
+        self._dispatcher.cancel(self._doubtful, self._why_cancelled)
         self._doubtful = ()
         if self._progress.running:  # once the running steps have ended, the world model is more reliable
             yield from self._let_end()

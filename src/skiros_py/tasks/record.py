@@ -10,7 +10,7 @@ from skiros_py.planning.domain.actions import with_defaults
 from skiros_py.planning.problem.stock import believed
 from skiros_py.planning.sequence import Round
 from skiros_py.skills.conditions import Condition
-from skiros_py.skills.outcome import BROKEN_OFF, Failure
+from skiros_py.skills.outcome import CANCELLED, Failure
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.context import TaskContext
 from skiros_py.tasks.dispatcher import StepEnd
@@ -81,7 +81,7 @@ class TaskRecord:
         arguments = dict(step.arguments)
         self.steps.append(StepReport(step.skill, arguments, end.run.start, end.time, reason, arguments[skill.agent]))
         target = arguments.get(skill.target)  # the user may have left it open
-        if target is not None and isinstance(outcome, Failure) and outcome.code != BROKEN_OFF:
+        if target is not None and isinstance(outcome, Failure) and outcome.code != CANCELLED:
             self._failures[step.skill, target] += 1
             self._reasons[target] = reason
             if self._failures[step.skill, target] >= self._attempts:

@@ -31,7 +31,7 @@ class TraceEventKind(enum.StrEnum):
     """A step ended well."""
     FAILED = "failed"
     """A step failed."""
-    BROKEN_OFF = "broken off"
+    CANCELLED = "cancelled"
     """A step was cancelled because it was no longer useful or the task was stopped."""
     RETRIED = "retried"
     """The plan still leads to the goal: the failed step is repeated."""

@@ -141,19 +141,19 @@ class Bench:
         manager = fitting[0] if fitting else self.managers.who_runs(module)
         return manager.start(module, arguments)
 
-    def run(self, module: str, *, break_off: Callable[[], str] = lambda: "", **arguments: Any) -> Outcome:
+    def run(self, module: str, *, cancel: Callable[[], str] = lambda: "", **arguments: Any) -> Outcome:
         """Runs a skill or primitive to its end.
 
         Args:
             module: Its name.
-            break_off: Called in every cycle; returns a reason to cancel the run, or an empty text.
+            cancel: Called in every cycle; returns a reason to cancel the run, or an empty text.
             **arguments: Values by parameter key; omitted ones are inferred.
         """
         running = self.start(module, **arguments)
         while not running.done:
-            reason = break_off()
+            reason = cancel()
             if reason:
-                running.break_off(reason)
+                running.cancel(reason)
             self.cycle.step()
         return running.result
 

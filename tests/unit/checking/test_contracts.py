@@ -179,7 +179,7 @@ def test_values_that_nobody_says_are_made_up() -> None:
     assert contract.arguments["Speed"] == 1.0
 
 
-def test_a_skill_that_never_ends_is_broken_off() -> None:
+def test_a_skill_that_never_ends_is_cancelled() -> None:
     class Sleep(Meddle):
         name: ClassVar[str] = "snooze"
 

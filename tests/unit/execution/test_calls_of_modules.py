@@ -34,7 +34,7 @@ class WithGripper:
 
 
 class Grip(Primitive[WithGripper]):
-    """Holds the gripper until it is broken off, then takes three cycles to let go."""
+    """Holds the gripper until it is cancelled, then takes three cycles to let go."""
 
     name: ClassVar[str] = "grip"
     Params = WithGripper
@@ -107,10 +107,10 @@ def test_skills_of_a_manager_that_went_are_called_no_more() -> None:
         assert "unknown module 'drive'" in outcome.reason
 
 
-# ------------------------------------------------------------------ calls that are broken off, or forgotten
+# ------------------------------------------------------------------ calls that are cancelled, or forgotten
 
 
-def test_a_call_gets_the_devices_of_one_that_was_broken_off_beside_it() -> None:
+def test_a_call_gets_the_devices_of_one_that_was_cancelled_beside_it() -> None:
     def race(self: Any) -> Execution[Outcome]:
         held, waiting = (self.call(module, gripper=self.params.gripper) for module in ("grip", "tap"))
         tick(held), tick(waiting)
@@ -185,14 +185,14 @@ def test_each_implementation_takes_only_its_own_devices() -> None:
         assert isinstance(running.result, Success)
 
 
-def test_what_is_broken_off_before_it_has_its_devices_waits_for_nothing() -> None:
+def test_what_is_cancelled_before_it_has_its_devices_waits_for_nothing() -> None:
     ways = (Skill(AT_ONCE, AssertEffects(0.0), driver="fake", takes=("Robot",)),)
     with Bench(tiny_world(), ways, (Grip,)) as bench:
         holding = bench.start("grip")
         bench.advance(0.02)
         waiting = bench.start("drive", Location="box_a")
         bench.advance(0.02)
-        waiting.break_off("the plan changed")
+        waiting.cancel("the plan changed")
         bench.cycle.step()
 
         assert waiting.done
@@ -203,7 +203,7 @@ def test_breaking_off_is_told_as_such_and_not_as_an_error() -> None:
     with Bench(tiny_world(), (pretend(DRIVE, Wait(10.0)),)) as bench:
         running = bench.start("drive", Location="box_a")
         bench.advance(0.05)
-        running.break_off("the plan changed")
+        running.cancel("the plan changed")
         bench.until(lambda: running.done)
 
         last = bench.events[-1]

@@ -195,7 +195,7 @@ def _stops_all(bench: Bench, running: RunningModule) -> None:
         ({"cycles": 5, "ends": "slipped"}, _raises),
         ({"cycles": 5, "ends": "raises"}, _raises),
         ({"cycles": 999}, lambda _, running: running.stop()),
-        ({"cycles": 999}, lambda _, running: running.break_off("the plan changed")),
+        ({"cycles": 999}, lambda _, running: running.cancel("the plan changed")),
         ({"cycles": 999}, lambda bench, _: bench.managers.close("arm_1")),
         ({"cycles": 999}, _loses),
         ({"cycles": 999}, _stops_all),
@@ -254,7 +254,7 @@ _ENDINGS = st.sampled_from(["well", "slipped", "raises"])
 
 
 class Modules(RuleBasedStateMachine):
-    """Modules of four managers on the devices of two robots, started, stopped, paused and broken off in any order."""
+    """Modules of four managers on the devices of two robots, started, stopped, paused and cancelled in any order."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -297,10 +297,10 @@ class Modules(RuleBasedStateMachine):
         self.start(f"base_{number}", "shift", {**PLACE, "Arm": f"arm_{arm}", "Cycles": cycles})
 
     @precondition(lambda self: self.live)
-    @rule(data=st.data(), action=st.sampled_from(["stop", "pause", "resume", "step", "break_off"]))
+    @rule(data=st.data(), action=st.sampled_from(["stop", "pause", "resume", "step", "cancel"]))
     def disturb(self, data: st.DataObject, action: str) -> None:
         run = data.draw(st.sampled_from(self.live))
-        arguments = ("the plan changed",) if action == "break_off" else ()
+        arguments = ("the plan changed",) if action == "cancel" else ()
         getattr(run, action)(*arguments)
 
     @rule(cycles=st.sampled_from([1, 1, 2, 30]))

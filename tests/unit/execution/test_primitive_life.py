@@ -1,4 +1,4 @@
-"""The life of a primitive: loaded once, started, ticked, ended or broken off, made up for, reset."""
+"""The life of a primitive: loaded once, started, ticked, ended or cancelled, made up for, reset."""
 
 from __future__ import annotations
 
@@ -384,12 +384,12 @@ def test_stopping_the_caller_stops_the_called_and_each_story_ends_once(calls_for
     assert story(calls_for_long, "calls") == [Status.STARTED, Status.RUNNING, Status.PREEMPTED]
 
 
-def test_what_is_broken_off_with_its_caller_recovers_first_while_it_still_has_its_devices(
+def test_what_is_cancelled_with_its_caller_recovers_first_while_it_still_has_its_devices(
     calls_for_long: Bench,
 ) -> None:
     running = calls_for_long.start("drive", Location="box_a")
     calls_for_long.advance(0.05)
-    running.break_off("the world changed")
+    running.cancel("the world changed")
     calls_for_long.until(lambda: running.done)
 
     assert lived == ["load", "start", "stop", *["recover"] * 3, "the caller recovers"]

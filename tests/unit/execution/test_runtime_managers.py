@@ -321,7 +321,7 @@ def test_what_is_paused_is_stopped_at_once() -> None:
         assert running.result == Failure("roll was stopped")
 
 
-def test_what_is_paused_and_broken_off_does_what_must_follow() -> None:
+def test_what_is_paused_and_cancelled_does_what_must_follow() -> None:
     body = Do.of("roll", base=P("Base"), seconds=9.0)
     skill = pretend(replace(DRIVE, pre=(), post=(AT_LOCATION("Robot", "Location"),)), body)
     with bench_of(skills=(replace(skill, finish=Do.of("idle")),)) as bench:
@@ -329,7 +329,7 @@ def test_what_is_paused_and_broken_off_does_what_must_follow() -> None:
         bench.advance(0.05)
         running.pause()
         bench.advance(0.5)
-        running.break_off("the plan changed")
+        running.cancel("the plan changed")
         bench.until(lambda: running.done, limit=1.0)
 
     assert Idle.ticks

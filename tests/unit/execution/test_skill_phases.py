@@ -1,4 +1,4 @@
-"""A skill's run, phase by phase: parameters, implementations, conditions, effects, and being broken off in each."""
+"""A skill's run, phase by phase: parameters, implementations, conditions, effects, and being cancelled in each."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from skiros_py.behaviours import AssertEffects, Behaviour, Check, Do, Fallback, 
 from skiros_py.devices.gripper import Gripper, GripperState, GripperTarget
 from skiros_py.execution.monitor import Status
 from skiros_py.skills.conditions import Computed, ConditionType, Expression, Related, Role, Verdict
-from skiros_py.skills.outcome import BROKEN_OFF, Failure, Outcome, Success
+from skiros_py.skills.outcome import CANCELLED, Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, Param, param
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.skill import Skill, SkillDescription
@@ -201,15 +201,15 @@ def test_the_next_implementation_is_not_tried_when_the_last_one_spoilt_the_preco
     assert texts() == ["a"]
 
 
-def test_after_it_was_broken_off_no_other_implementation_is_tried() -> None:
+def test_after_it_was_cancelled_no_other_implementation_is_tried() -> None:
     with bench_of(way(note("a", cycles=99), label="a"), way(note("b"), label="b")) as bench:
-        outcome = bench.run("drive", Location="box_a", break_off=lambda: "the plan changed" if lived else "")
+        outcome = bench.run("drive", Location="box_a", cancel=lambda: "the plan changed" if lived else "")
 
-    assert outcome == Failure("the plan changed", BROKEN_OFF)
+    assert outcome == Failure("the plan changed", CANCELLED)
     assert texts() == ["a", "a recovers"]
 
 
-# ------------------------------------------------------------------ broken off in any phase
+# ------------------------------------------------------------------ cancelled in any phase
 
 
 @pytest.mark.parametrize(
@@ -220,7 +220,7 @@ def test_after_it_was_broken_off_no_other_implementation_is_tried() -> None:
         ("after", ["before", "body", "finish", "after", "after recovers"]),
     ],
 )
-def test_in_whichever_phase_it_is_broken_off_the_phase_ends_at_once_and_what_must_follow_is_done(
+def test_in_whichever_phase_it_is_cancelled_the_phase_ends_at_once_and_what_must_follow_is_done(
     phase: str, follows: list[str]
 ) -> None:
     long = {"before": 1, "body": 1, "after": 1, phase: 999}
@@ -233,33 +233,33 @@ def test_in_whichever_phase_it_is_broken_off_the_phase_ends_at_once_and_what_mus
     with bench_of(skill) as bench:
         running = bench.start("drive", Location="box_a")
         bench.until(lambda: phase in texts())
-        running.break_off("the plan changed")
+        running.cancel("the plan changed")
         bench.until(lambda: running.done, limit=0.1)
 
-    assert running.result == Failure("the plan changed", BROKEN_OFF)
+    assert running.result == Failure("the plan changed", CANCELLED)
     assert list(dict.fromkeys(texts())) == follows
 
 
-def test_a_finish_is_done_to_its_end_also_when_it_is_broken_off() -> None:
+def test_a_finish_is_done_to_its_end_also_when_it_is_cancelled() -> None:
     with bench_of(way(note("body", goes="box_a"), finish=note("finish", cycles=9))) as bench:
         running = bench.start("drive", Location="box_a")
         bench.until(lambda: "finish" in texts())
-        running.break_off("the plan changed")
+        running.cancel("the plan changed")
         bench.until(lambda: running.done)
 
     assert texts().count("finish") == 9
 
 
-def test_what_waits_for_its_devices_is_broken_off_at_once() -> None:
+def test_what_waits_for_its_devices_is_cancelled_at_once() -> None:
     with bench_of(way(note("body"))) as bench:
         claim = bench.managers.claims.request("somebody", ["base_1"])
         running = bench.start("drive", Location="box_a")
         bench.advance(0.1)
         assert bench.events[-1].text == "waits for base_1 (somebody)"
-        running.break_off("the plan changed")
+        running.cancel("the plan changed")
         bench.advance(0.02)
 
-        assert running.result == Failure("the plan changed", BROKEN_OFF)
+        assert running.result == Failure("the plan changed", CANCELLED)
         claim.release()
     assert lived == []
 

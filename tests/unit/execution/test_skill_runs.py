@@ -8,7 +8,7 @@ import pytest
 
 from skiros_py.behaviours import AssertEffects, Behaviour, Do, Fallback, P, Retry, Sequence
 from skiros_py.execution.monitor import Status
-from skiros_py.skills.outcome import BROKEN_OFF, Failure, Outcome, Success
+from skiros_py.skills.outcome import CANCELLED, Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, Param, param
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.skill import Skill, SkillDescription
@@ -186,9 +186,9 @@ def test_stopping_closes_the_generators_at_once() -> None:
 
 def test_breaking_off_closes_the_body_ticks_recover_and_then_finishes() -> None:
     with bench_with(Sequence.of(note("a", cycles=99), note("b")), finish=note("finish")) as bench:
-        outcome = bench.run("drive", break_off=lambda: "something changed" if len(Note.log) > 0 else "", **TO_A)
+        outcome = bench.run("drive", cancel=lambda: "something changed" if len(Note.log) > 0 else "", **TO_A)
 
-    assert outcome == Failure("something changed", BROKEN_OFF)
+    assert outcome == Failure("something changed", CANCELLED)
     assert [text for text, _ in Note.log] == ["a", "a ends", "a recovers", "a recovers", "finish", "finish ends"]
     recovering = [cycle for text, cycle in Note.log if text == "a recovers"]
     assert recovering == [recovering[0], recovering[0] + 1], "one tick per cycle"

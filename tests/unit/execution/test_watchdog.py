@@ -297,7 +297,7 @@ def test_devices_that_answer_late_halt_everything_and_are_named() -> None:
     assert cycle.halted.startswith("the exchange with the devices held the control cycle")
 
 
-def test_an_observer_that_takes_too_long_halts_everything_and_is_not_broken_off(
+def test_an_observer_that_takes_too_long_halts_everything_and_is_not_cancelled(
     cycle: ControlCycle, watchdog: Watchdog
 ) -> None:
     ended: list[bool] = []

@@ -71,7 +71,7 @@ def test_what_work_raises_is_raised_where_it_was_asked_for(start: Start) -> None
 def test_work_that_tries_to_end_the_program_ends_nothing(start: Start) -> None:
     control = start()
 
-    with pytest.raises(DeviceError, match="broken off: SystemExit"):
+    with pytest.raises(DeviceError, match="aborted: SystemExit"):
         control.call(lambda _: sys.exit(3))
     assert control.call(lambda session: session.resting)
 

@@ -81,8 +81,8 @@ def test_a_halt_in_a_long_step_tells_its_end_and_the_next_task_runs_after_a_rese
         task = begin(bench)
         bench.advance(1.0)
         bench.cycle.stop_all("a hand was seen")
-        assert what(task)[-2:] == [TraceEventKind.BROKEN_OFF, TraceEventKind.FINISHED]
-        assert task.trace.entries[-2].text == "base_1: drive box_a is broken off: a hand was seen"
+        assert what(task)[-2:] == [TraceEventKind.CANCELLED, TraceEventKind.FINISHED]
+        assert task.trace.entries[-2].text == "base_1: drive box_a is cancelled: a hand was seen"
         bench.cycle.reset()
         again = begin(bench, "At(robot_1, box_b)")
         bench.until(lambda: again.done)
@@ -100,7 +100,7 @@ def test_a_stop_in_a_long_step_ends_it_in_a_few_cycles_also_when_it_is_said_twic
         bench.until(lambda: task.done, limit=0.1)
 
     assert what(task).count(TraceEventKind.STOPPED) == 1
-    assert what(task).count(TraceEventKind.BROKEN_OFF) == 1
+    assert what(task).count(TraceEventKind.CANCELLED) == 1
 
 
 @pytest.mark.parametrize("before", range(4))
@@ -178,7 +178,7 @@ def test_a_planner_that_breaks_when_it_is_needed_again_is_the_reason_in_the_repo
 
     assert task.report is not None
     assert "the planner was killed" in task.report.conditions[0].reason
-    assert what(task).count(TraceEventKind.STARTED) == what(task).count(TraceEventKind.BROKEN_OFF) == 1
+    assert what(task).count(TraceEventKind.STARTED) == what(task).count(TraceEventKind.CANCELLED) == 1
     assert what(task)[-1] is TraceEventKind.FINISHED
 
 

@@ -208,7 +208,7 @@ def test_a_paused_task_stands_and_goes_on_where_it_was() -> None:
     ]
 
 
-def test_while_it_is_paused_no_step_starts_and_nothing_is_broken_off() -> None:
+def test_while_it_is_paused_no_step_starts_and_nothing_is_cancelled() -> None:
     with Bench(tiny_world(), SLOW) as bench:
         task = begin(bench)
         bench.until(lambda: running(bench, "drive"))

@@ -132,7 +132,7 @@ def test_a_goal_without_a_plan_is_answered_with_reasons_and_nothing_is_done() ->
     assert [c.reason for c in report.conditions] == ["; ".join(report.no_plan)] * 2
 
 
-def test_a_skill_is_broken_off_when_the_world_makes_its_plan_pointless() -> None:
+def test_a_skill_is_cancelled_when_the_world_makes_its_plan_pointless() -> None:
     world = tiny_world(BALLS)
 
     def take_it_away(event: ModuleEvent) -> None:
@@ -150,7 +150,7 @@ def test_a_skill_is_broken_off_when_the_world_makes_its_plan_pointless() -> None
     assert [s.arguments["Location"] for s in report.steps if s.skill == "drive"] == ["box_a", "box_b"]
 
 
-def test_being_broken_off_is_no_failure_of_the_target() -> None:
+def test_being_cancelled_is_no_failure_of_the_target() -> None:
     world = tiny_world()
     with Bench(world, attempts=1) as bench:
         moves = iter(["box_b", "box_a", "box_b"])

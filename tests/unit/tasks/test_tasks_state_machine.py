@@ -41,7 +41,7 @@ BALLS = ("ball_1", "ball_2", "red_ball_1")
 PLACES = (("sk:in", "box_a"), ("sk:in", "box_b"), ("sk:in", "slot_1"), ("sk:in", "slot_2"), ("sk:on", "floor"))
 SUBSYSTEMS = ("arm_1", "base_1", "arm_2", "base_2")
 STARTS = {TraceEventKind.STARTED}
-ENDS = {TraceEventKind.ENDED, TraceEventKind.FAILED, TraceEventKind.BROKEN_OFF}
+ENDS = {TraceEventKind.ENDED, TraceEventKind.FAILED, TraceEventKind.CANCELLED}
 SECONDS = 60.0
 
 
@@ -251,7 +251,7 @@ class SeveralTasks(RuleBasedStateMachine):
     def _nothing_is_left(self) -> None:
         self.all_come_back()
         Fumble.failures = 0
-        self.cycles(20)  # what was broken off at the very end may still have to brake
+        self.cycles(20)  # what was cancelled at the very end may still have to brake
         task = self.bench.tasks.begin(self.bench.goal("At(robot_1, box_a)", "At(robot_2, box_a)"))
         self.bench.until(lambda: task.done, limit=5.0)
         assert task.report is not None

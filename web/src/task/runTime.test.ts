@@ -41,8 +41,8 @@ test("what was cut off ends where it is last known, and so do its steps", () => 
   const run = readRun(BEFORE);
   expect(cutOff(run).end).toBe(30);
   expect(cutOff(run, 33).steps.map(({ end, ended }) => [end, ended])).toEqual([
-    [33, "broken off"],
-    [33, "broken off"],
+    [33, "cancelled"],
+    [33, "cancelled"],
   ]);
   expect(run.steps.at(-1)?.end).toBeNull(); // what was read stays as it was
 });

@@ -35,11 +35,11 @@ test("a run has the steps that were started, with their ends", () => {
   ]);
 });
 
-test("run time goes on after a restart of the server, and what ran then was broken off", () => {
+test("run time goes on after a restart of the server, and what ran then was cancelled", () => {
   const run = readRun([...GOOD, step(30, "started", 2, PICK), entry(2, "begun"), step(5, "started", 1, PICK)]);
   expect(run.steps.map(({ key, start, end, ended }) => [key, start, end, ended])).toEqual([
     ["1.1", 12, 30, "ended"],
-    ["1.2", 30, 30, "broken off"],
+    ["1.2", 30, 30, "cancelled"],
     ["2.1", 33, null, null],
   ]);
   expect(run.shift).toBe(28);

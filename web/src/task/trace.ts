@@ -29,7 +29,7 @@ export interface ConditionRow {
   why: string[];
 }
 
-export type StepEnd = "ended" | "failed" | "broken off";
+export type StepEnd = "ended" | "failed" | "cancelled";
 
 /** One step that was started; what is done once more is another one. */
 export interface Step {
@@ -79,7 +79,7 @@ export interface Run {
 
 export const NO_RUN: Run = { begun: 0, end: null, shift: 0, steps: [], plans: [], entries: [] };
 
-const ENDS: readonly string[] = ["ended", "failed", "broken off"];
+const ENDS: readonly string[] = ["ended", "failed", "cancelled"];
 
 /** Reads entries of the API: plain data, of which only the names are guaranteed. */
 export function readEntry(raw: Record<string, unknown>): TraceEntry {
@@ -183,7 +183,7 @@ function breakOff(steps: Step[], time: number): void {
   for (const step of steps) {
     if (step.end !== null) continue;
     step.end = time;
-    step.ended = "broken off";
+    step.ended = "cancelled";
   }
 }
 

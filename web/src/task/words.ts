@@ -5,7 +5,7 @@ import type { Schema } from "../api/client";
 import type { Step } from "./trace";
 import type { Skills } from "./schedule";
 
-export type StepState = "planned" | "running" | "paused" | "ended" | "failed" | "broken off";
+export type StepState = "planned" | "running" | "paused" | "ended" | "failed" | "cancelled";
 
 export const STEP_MOODS: Record<StepState, Mood> = {
   planned: "waiting",
@@ -13,7 +13,7 @@ export const STEP_MOODS: Record<StepState, Mood> = {
   paused: "paused",
   ended: "good",
   failed: "bad",
-  "broken off": "stopped",
+  cancelled: "stopped",
 };
 
 export function stepState(step: Step | undefined): StepState {

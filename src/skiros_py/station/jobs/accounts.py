@@ -21,7 +21,7 @@ from skiros_py.tasks.trace import TraceEventKind
 
 Trace = Sequence[Mapping[str, Any]]
 
-_ENDS = (TraceEventKind.ENDED.value, TraceEventKind.FAILED.value, TraceEventKind.BROKEN_OFF.value)
+_ENDS = (TraceEventKind.ENDED.value, TraceEventKind.FAILED.value, TraceEventKind.CANCELLED.value)
 
 
 def response_of(jobs: JobManager, job: Job, now: float) -> JobResponse:

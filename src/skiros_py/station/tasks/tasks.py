@@ -21,7 +21,7 @@ from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.sequences import StepSequence
 from skiros_py.tasks.trace import TraceEntry, TraceEventKind
 
-_ENDS = (TraceEventKind.ENDED, TraceEventKind.FAILED, TraceEventKind.BROKEN_OFF)
+_ENDS = (TraceEventKind.ENDED, TraceEventKind.FAILED, TraceEventKind.CANCELLED)
 
 
 def task_info(task: KeptTask, *, in_full: bool = True) -> TaskInfo:
