@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from skiros_py.devices.base import Base, BaseState, BaseTwist
+from skiros_py.devices.mobile_base import Base, BaseState, BaseTwist
 from skiros_py.skills.outcome import Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from skiros_py.behaviours import Do, P
-from skiros_py.devices.base import Base, BaseState, BaseTwist
+from skiros_py.devices.mobile_base import Base, BaseState, BaseTwist
 from skiros_py.errors import DescriptionError, SkirosError, UnknownName
 from skiros_py.ports.cell import CellSpec
 from skiros_py.simulation.fake import FakeCell

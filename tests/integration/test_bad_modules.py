@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from skiros_py.behaviours import Do, P, Parallel, Timeout
-from skiros_py.devices.base import Base, BaseTwist
+from skiros_py.devices.mobile_base import Base, BaseTwist
 from skiros_py.errors import UsageError
 from skiros_py.execution.monitor import Status
 from skiros_py.skills.outcome import Failure, Outcome, Success

@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from skiros_py.config import find_scene
-from skiros_py.devices.base import BaseTwist
 from skiros_py.devices.gripper import GripperTarget
+from skiros_py.devices.mobile_base import BaseTwist
 from skiros_py.station.session import Options, Session
 
 CODE = """

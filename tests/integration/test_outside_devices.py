@@ -49,7 +49,7 @@ import math
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
-from skiros_py.devices.base import BaseSpec
+from skiros_py.devices.mobile_base import BaseSpec
 from skiros_py.geometry import Pose
 from skiros_py.ports.device import DeviceSignal, DeviceSpec, MobileSpec, read_mobile, require_numbers
 from skiros_py.ports.paths import PosePath

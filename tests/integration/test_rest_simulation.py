@@ -15,7 +15,7 @@ from support.serving import Served, serving
 from skiros_py.api.alarms import AlarmKind
 from skiros_py.client.calls import simulation as calls
 from skiros_py.client.client import Client
-from skiros_py.devices.base import BaseState
+from skiros_py.devices.mobile_base import BaseState
 from skiros_py.errors import WrongState
 from skiros_py.geometry import Pose
 from skiros_py.station.alarms.alarms import Alarm

@@ -11,7 +11,7 @@ import httpx2
 import pytest
 from support.serving import serving
 
-from skiros_py.devices.base import BaseState
+from skiros_py.devices.mobile_base import BaseState
 from skiros_py.errors import DeviceError, WrongState
 from skiros_py.skills.context import QuestionKind
 from skiros_py.station.session import Options

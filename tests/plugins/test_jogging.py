@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from skiros_primitives.jogging import JogBase, JogJoints, JogTool, even
 from skiros_primitives.postures import MoveArm
 from skiros_py.devices.arm import ArmState
-from skiros_py.devices.base import BaseState
+from skiros_py.devices.mobile_base import BaseState
 from skiros_py.skills.outcome import Failure, Success
 from skiros_py.testing import Bench, tiny_world
 

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from skiros_py.devices.arm import ArmSpec, ArmState
-from skiros_py.devices.base import BaseState
 from skiros_py.devices.gripper import GripperState
+from skiros_py.devices.mobile_base import BaseState
 from skiros_py.geometry import Pose, Primitive, Solid
 from skiros_py.ports.cell import BodySpec
 from skiros_py.simulation.truth import Truth

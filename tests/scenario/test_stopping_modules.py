@@ -6,7 +6,7 @@ import itertools
 
 import pytest
 
-from skiros_py.devices.base import BaseState
+from skiros_py.devices.mobile_base import BaseState
 from skiros_py.execution.monitor import Status
 from skiros_py.skills.outcome import Failure
 

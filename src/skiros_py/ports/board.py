@@ -50,7 +50,7 @@ class DeviceBoard:
     """The snapshot of the present cycle and the commands collected for the next one.
 
     Commands for a device with one owner go straight to the driver. Commands for a shared device are collected by run;
-    :class:`~skiros_py.execution.cycle.Mix` merges them into one target before the exchange.
+    :class:`~skiros_py.execution.mix.Mix` merges them into one target before the exchange.
 
     Attributes:
         devices: The devices, by id.

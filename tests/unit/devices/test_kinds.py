@@ -8,10 +8,10 @@ from typing import Any
 import pytest
 
 from skiros_py.devices.arm import ArmSpec, ArmTarget
-from skiros_py.devices.base import BaseSpec, BaseTwist
 from skiros_py.devices.camera import CameraSpec
 from skiros_py.devices.gripper import GripperSpec, GripperTarget
 from skiros_py.devices.localiser import LocaliserSpec
+from skiros_py.devices.mobile_base import BaseSpec, BaseTwist
 from skiros_py.errors import DeviceError
 from skiros_py.ports.device import Contribution, DeviceSpec, FakeRobot, load_device_kinds
 from skiros_py.testing.conformance import DeviceKindContract, small_cell

@@ -10,8 +10,8 @@ from typing import Any, ClassVar
 import pytest
 
 from skiros_py.behaviours import AssertEffects, Behaviour, Do, Fallback, P, Parallel, Sequence, Wait
-from skiros_py.devices.base import Base, BaseTwist
 from skiros_py.devices.gripper import Gripper, GripperTarget
+from skiros_py.devices.mobile_base import Base, BaseTwist
 from skiros_py.errors import DescriptionError
 from skiros_py.execution.monitor import Status
 from skiros_py.skills.context import RunContext

@@ -9,7 +9,7 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
-from skiros_py.devices.base import Base, BaseState, BaseTwist
+from skiros_py.devices.mobile_base import Base, BaseState, BaseTwist
 from skiros_py.errors import ModuleError, UsageError
 from skiros_py.execution.cycle import ControlCycle, Task
 from skiros_py.ports.board import DeviceBoard

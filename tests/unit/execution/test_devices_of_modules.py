@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 
 from skiros_py.behaviours import Do, Fallback, P, Parallel, Policy, Timeout
-from skiros_py.devices.base import Base, BaseState, BaseTwist
+from skiros_py.devices.mobile_base import Base, BaseState, BaseTwist
 from skiros_py.errors import UsageError
 from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.execution.running import RunningModule

@@ -9,8 +9,8 @@ from typing import Any, ClassVar
 import pytest
 
 from skiros_py.behaviours import Behaviour, Do, Fallback, P, Timeout
-from skiros_py.devices.base import Base, BaseState, BaseTwist
 from skiros_py.devices.gripper import Gripper, GripperState, GripperTarget
+from skiros_py.devices.mobile_base import Base, BaseState, BaseTwist
 from skiros_py.errors import ModuleError, UnknownName, UsageError
 from skiros_py.execution.monitor import Status
 from skiros_py.skills.context import RunContext

@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import pytest
 
 from skiros_py.behaviours import Do, P
-from skiros_py.devices.base import Base, BaseState, BaseTwist
+from skiros_py.devices.mobile_base import Base, BaseState, BaseTwist
 from skiros_py.errors import UnknownName, UsageError
 from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.ports.values import Commands, Snapshot

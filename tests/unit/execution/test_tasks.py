@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from skiros_py.devices.arm import Arm, ArmTarget
-from skiros_py.devices.base import Base, BaseState, BaseTwist
+from skiros_py.devices.mobile_base import Base, BaseState, BaseTwist
 from skiros_py.errors import DeviceError, ModuleError
 from skiros_py.execution.cycle import ControlCycle, Task
 from skiros_py.execution.task import RunClock

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from skiros_py.devices.base import Base, BaseTwist
+from skiros_py.devices.mobile_base import Base, BaseTwist
 from skiros_py.errors import ModuleError, UsageError
 from skiros_py.execution.cycle import ControlCycle
 from skiros_py.execution.pulse import CycleOverrun, Overrun, Pulse, Watched

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from skiros_py.devices.arm import ArmSpec
-from skiros_py.devices.base import BaseSpec
 from skiros_py.devices.gripper import GripperSpec
+from skiros_py.devices.mobile_base import BaseSpec
 from skiros_py.geometry import Pose, Primitive, Solid
 from skiros_py.motion.pinocchio.arm_motion import ArmMotion
 from skiros_py.ports.cell import RobotSpec

@@ -6,7 +6,7 @@ import dataclasses
 
 import pytest
 
-from skiros_py.devices.base import BaseTwist
+from skiros_py.devices.mobile_base import BaseTwist
 from skiros_py.errors import DeviceError, UsageError
 from skiros_py.geometry import Pose, Solid
 from skiros_py.ports.cell import BodySpec, CellSpec

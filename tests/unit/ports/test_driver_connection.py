@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from skiros_py.devices.base import BaseTwist
+from skiros_py.devices.mobile_base import BaseTwist
 from skiros_py.errors import DeviceError
 from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.driver import CellDriver, Connection

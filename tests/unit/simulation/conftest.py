@@ -11,10 +11,10 @@ import pybullet
 import pytest
 
 from skiros_py.devices.arm import ArmSpec
-from skiros_py.devices.base import BaseSpec
 from skiros_py.devices.camera import CameraSpec
 from skiros_py.devices.gripper import GripperSpec
 from skiros_py.devices.localiser import LocaliserSpec
+from skiros_py.devices.mobile_base import BaseSpec
 from skiros_py.geometry import Array, Pose, Primitive, Solid
 from skiros_py.ports.cell import BodySpec, CellSpec, RobotSpec
 from skiros_py.ports.kinematics import write_robot_urdf

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from skiros_py.devices.base import BaseTwist
+from skiros_py.devices.mobile_base import BaseTwist
 from skiros_py.errors import DescriptionError, DeviceError, UnknownName, UsageError
 from skiros_py.geometry import Pose
 from skiros_py.simulation import spawn

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from skiros_py.devices.arm import ArmState
-from skiros_py.devices.base import BaseState, BaseTwist
+from skiros_py.devices.mobile_base import BaseState, BaseTwist
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
 from skiros_py.simulation.truth import Truth

@@ -3,7 +3,7 @@
 import numpy as np
 
 from skiros_py.devices.arm import ArmTarget
-from skiros_py.devices.base import BaseTwist
+from skiros_py.devices.mobile_base import BaseTwist
 from skiros_py.geometry import Pose
 
 

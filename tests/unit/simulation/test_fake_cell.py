@@ -7,8 +7,8 @@ from typing import Any, ClassVar
 import pytest
 
 from skiros_py.devices.arm import ArmState, ArmTarget
-from skiros_py.devices.base import BaseState, BaseTwist
 from skiros_py.devices.gripper import GripperState, GripperTarget
+from skiros_py.devices.mobile_base import BaseState, BaseTwist
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
 from skiros_py.ports.cell import CellSpec, RobotSpec

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from skiros_py.devices.arm import ArmState, ArmTarget
-from skiros_py.devices.base import BaseTwist
 from skiros_py.devices.gripper import GripperState, GripperTarget
+from skiros_py.devices.mobile_base import BaseTwist
 from skiros_py.geometry import Pose
 from skiros_py.simulation.truth import Truth
 

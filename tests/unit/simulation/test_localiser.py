@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from skiros_py.devices.base import BaseState, BaseTwist
 from skiros_py.devices.localiser import HEADING_NOISE, POSITION_NOISE, LocaliserSpec, LocaliserState
+from skiros_py.devices.mobile_base import BaseState, BaseTwist
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
 from skiros_py.ports.simulation import JointReadings

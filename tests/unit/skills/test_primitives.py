@@ -9,8 +9,8 @@ from typing import Any, ClassVar
 import pytest
 
 from skiros_py.devices.arm import Arm
-from skiros_py.devices.base import Base
 from skiros_py.devices.gripper import Gripper
+from skiros_py.devices.mobile_base import Base
 from skiros_py.errors import DescriptionError
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.primitive import Execution, Primitive

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 import pytest
 
 from skiros_py.behaviours import AssertEffects, Do, P, Sequence, Wait
-from skiros_py.devices.base import Base, BaseTwist
+from skiros_py.devices.mobile_base import Base, BaseTwist
 from skiros_py.errors import UsageError
 from skiros_py.execution.cycle import Task
 from skiros_py.planning.planners.fast_downward import FastDownward

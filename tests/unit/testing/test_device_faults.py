@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from skiros_py.devices.arm import ArmSpec, ArmState, ArmTarget
-from skiros_py.devices.base import BaseState, BaseTwist
 from skiros_py.devices.gripper import GripperState, GripperTarget
+from skiros_py.devices.mobile_base import BaseState, BaseTwist
 from skiros_py.errors import DeviceError, UnknownName
 from skiros_py.geometry import Pose
 from skiros_py.ports.driver import CellDriver

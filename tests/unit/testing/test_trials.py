@@ -8,7 +8,7 @@ from typing import ClassVar
 import pytest
 
 from skiros_py.behaviours import Do, P, Retry, Sequence
-from skiros_py.devices.base import Base, BaseTwist
+from skiros_py.devices.mobile_base import Base, BaseTwist
 from skiros_py.errors import DeviceError, UnknownName
 from skiros_py.execution.monitor import Status
 from skiros_py.skills.context import QuestionKind

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from skiros_py.devices.arm import ArmState
-from skiros_py.devices.base import BaseState
 from skiros_py.devices.gripper import GripperState
+from skiros_py.devices.mobile_base import BaseState
 from skiros_py.geometry import Pose
 from skiros_py.station.events.log import as_text
 from skiros_py.station.robots.looks import Looks

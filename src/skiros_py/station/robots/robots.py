@@ -19,9 +19,9 @@ from skiros_py.api.robots import (
 )
 from skiros_py.api.view import BaseInfo, GripperInfo, PoseInfo
 from skiros_py.devices.arm import ArmSpec, ArmState
-from skiros_py.devices.base import BaseSpec, BaseState
 from skiros_py.devices.camera import CameraSpec
 from skiros_py.devices.gripper import GripperSpec, GripperState
+from skiros_py.devices.mobile_base import BaseSpec, BaseState
 from skiros_py.errors import UnknownName, UsageError, WrongState
 from skiros_py.geometry import Pose
 from skiros_py.ports.cell import RobotSpec

@@ -15,9 +15,9 @@ from typing import ClassVar, TypeVar
 import pytest
 
 from skiros_py.devices.arm import ArmSpec, ArmState, ArmTarget
-from skiros_py.devices.base import BaseSpec, BaseState, BaseTwist
 from skiros_py.devices.camera import CameraSpec
 from skiros_py.devices.gripper import GripperSpec, GripperState, GripperTarget
+from skiros_py.devices.mobile_base import BaseSpec, BaseState, BaseTwist
 from skiros_py.errors import DeviceError
 from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.driver import CellDriver

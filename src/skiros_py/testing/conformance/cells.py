@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 
 from skiros_py.devices.arm import ArmSpec
-from skiros_py.devices.base import BaseSpec
 from skiros_py.devices.camera import CameraSpec
 from skiros_py.devices.gripper import GripperSpec
 from skiros_py.devices.localiser import LocaliserSpec
+from skiros_py.devices.mobile_base import BaseSpec
 from skiros_py.geometry import Pose
 from skiros_py.ports.cell import CellSpec, RobotSpec
 

@@ -10,8 +10,8 @@ import pytest
 
 from skiros_py.api.view import Replay
 from skiros_py.devices.arm import ArmState
-from skiros_py.devices.base import BaseState
 from skiros_py.devices.gripper import GripperState
+from skiros_py.devices.mobile_base import BaseState
 from skiros_py.geometry import Pose
 from skiros_py.ports.values import Snapshot
 from skiros_py.recording import Recording, RecordingWriter

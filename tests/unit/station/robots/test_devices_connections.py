@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from skiros_py.devices.base import BaseTwist
+from skiros_py.devices.mobile_base import BaseTwist
 from skiros_py.errors import DeviceError, Refused, UnknownName, WrongState
 from skiros_py.execution.claims import Claims
 from skiros_py.ports.board import DeviceBoard, DeviceHandle

@@ -10,7 +10,7 @@ import pytest
 
 from skiros_py.api.robots import RobotMotion
 from skiros_py.devices.arm import ArmState
-from skiros_py.devices.base import BaseState
+from skiros_py.devices.mobile_base import BaseState
 from skiros_py.execution.running import RunningModule
 from skiros_py.station.robots.motions import Motions
 from skiros_py.station.session import Options, Session

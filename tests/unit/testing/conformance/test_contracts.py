@@ -11,7 +11,7 @@ import pytest
 from dataclasses import replace
 from skiros_py.errors import DeviceError
 from skiros_py.devices.arm import *
-from skiros_py.devices.base import *
+from skiros_py.devices.mobile_base import *
 from skiros_py.devices.gripper import *
 from skiros_py.ports.values import *
 from skiros_py.simulation.fake import FakeCell

@@ -11,8 +11,8 @@ from typing import Any, ClassVar
 import pytest
 
 from skiros_py.behaviours import Do, P, Parallel
-from skiros_py.devices.base import Base, BaseSpec, BaseTwist
 from skiros_py.devices.gripper import Gripper, GripperTarget
+from skiros_py.devices.mobile_base import Base, BaseSpec, BaseTwist
 from skiros_py.ports.device import Contribution
 from skiros_py.skills.outcome import Failure, Outcome
 from skiros_py.skills.parameters import Access, Kind, Param, param

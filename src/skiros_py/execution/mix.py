@@ -1,0 +1,74 @@
+"""Mix: what several runs want of one device in a cycle is merged by the mix rule of the device's kind."""
+
+from __future__ import annotations
+
+import logging
+from typing import Any
+
+from skiros_py.execution.pulse import CycleOverrun, Pulse
+from skiros_py.ports.board import DeviceBoard
+from skiros_py.ports.device import Contribution, DeviceSpec
+
+_log = logging.getLogger(__name__)
+
+
+class _Rule:
+    """The mix rule of one device, as the watchdog sees it."""
+
+    interruptible = True
+
+    def __init__(self, spec: DeviceSpec[Any, Any], board: DeviceBoard) -> None:
+        self.name = f"the mix rule of kind '{spec.kind}'"
+        self.done = False
+        self._kind = spec.kind
+        self._board = board
+
+    def fail(self, fault: BaseException) -> None:
+        """Switches the rule off until the next reset."""
+        self.done = True
+        words = str(fault) if isinstance(fault, CycleOverrun) else f"it raised {type(fault).__name__}: {fault}"
+        why = f"{self.name} was switched off in cycle {self._board.snapshot.cycle}: {words}"
+        self._board.unmixed[self._kind] = why
+        _log.error("%s", why)
+
+
+class Mix:
+    """Merges the commands for shared devices before they are sent.
+
+    A rule that raises, gives no valid target (NaN, say) or holds the cycle too long is switched off: the devices of
+    that kind that are shared brake, the runs that share them fail with their next command, and the cycle goes on.
+
+    Args:
+        board: The devices.
+        pulse: What the watchdog looks at.
+    """
+
+    def __init__(self, board: DeviceBoard, pulse: Pulse) -> None:
+        self._board = board
+        self._pulse = pulse
+
+    def merge(self) -> None:
+        """Turns the contributions to each shared device into its target."""
+        shared, self._board.shared = self._board.shared, {}
+        for device, runs in shared.items():
+            contributions = [contribution for _, contribution in runs.values()]
+            if len(contributions) == 1:
+                self._board.set_target(device, contributions[0].target)
+            elif contributions:
+                self._apply(self._board.devices[device], contributions)
+
+    def _apply(self, spec: DeviceSpec[Any, Any], contributions: list[Contribution[Any]]) -> None:
+        if spec.kind in self._board.unmixed:
+            return
+        rule = _Rule(spec, self._board)
+        outer = self._pulse.enter(rule)
+        try:
+            target = spec.mixed(contributions)
+            spec.check(target)
+            self._board.set_target(spec.id, target)
+        except CycleOverrun:
+            pass  # leaving tells the rule, with all that the watchdog noticed
+        except Exception as error:  # noqa: BLE001 - a plug-in's code: an error in it switches the rule off
+            rule.fail(error)
+        finally:
+            self._pulse.leave(outer)
