@@ -6,7 +6,6 @@ runs, when a tick overruns.
 
 from __future__ import annotations
 
-import ctypes
 import logging
 import threading
 from collections.abc import Callable, Iterator
@@ -15,7 +14,7 @@ from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
 from skiros_py.errors import SkirosError
-from skiros_py.interruptions import Interruption
+from skiros_py.interruptions import Interruption, raise_in, take_back
 from skiros_py.skills.outcome import BROKEN, Failure
 
 
@@ -175,7 +174,7 @@ class Pulse:
             if self.task is not overrun.task or self.beat != overrun.beat:
                 self.overrun = known
                 return False
-            _raise_in(self.thread, CycleOverrun)
+            raise_in(self.thread, CycleOverrun)
             return True
 
     def settle(self) -> None:
@@ -190,15 +189,9 @@ class Pulse:
 
     def _take_back(self) -> Overrun | None:
         with self._guard:
-            _raise_in(self.thread, None)
+            take_back(CycleOverrun)
             overrun, self.overrun = self.overrun, None
             return overrun
-
-
-def _raise_in(thread: int, kind: type[BaseException] | None) -> None:
-    """Raises an exception in a thread at its next Python instruction; None takes back one that has not arrived yet."""
-    exception = None if kind is None else ctypes.py_object(kind)
-    ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), exception)
 
 
 T = TypeVar("T")

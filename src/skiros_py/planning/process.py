@@ -6,7 +6,6 @@ is answered in a forked worker. A process that dies is restarted and its request
 
 from __future__ import annotations
 
-import ctypes
 import pickle
 import signal
 import time
@@ -17,7 +16,7 @@ from threading import Event, Lock, Timer, get_ident
 from typing import Any, TypeVar
 
 from skiros_py.errors import DeviceError, PlanningError, SkirosError
-from skiros_py.interruptions import Interruption
+from skiros_py.interruptions import Interruption, raise_in, take_back
 from skiros_py.planning.planners.planner import Planner, Planners
 from skiros_py.planning.planners.programs import kill_group, kill_marked
 from skiros_py.planning.replica import MARK, PROCESSOR_TIME
@@ -174,9 +173,9 @@ class ThreadHost:
             finally:
                 with self._lock:
                     del self._working[get_ident()]
-                    if get_ident() in self._interrupted:  # the call costs: Python never resets its "check for signals"
+                    if get_ident() in self._interrupted:
                         self._interrupted.remove(get_ident())
-                        _raise_in(get_ident(), None)
+                        take_back(_Stopped)
 
         try:
             return Asked(self._threads.submit(work), lambda: self._end(stop))
@@ -195,7 +194,7 @@ class ThreadHost:
             for thread, other in self._working.items():
                 if stop is None or other is stop:
                     self._interrupted.add(thread)
-                    _raise_in(thread, _Stopped)
+                    raise_in(thread, _Stopped)
 
     def close(self) -> None:
         """Cancels all pending requests."""
@@ -206,9 +205,3 @@ class ThreadHost:
             time.sleep(0.005)
         self._interrupt()
         self._threads.shutdown(wait=True)
-
-
-def _raise_in(thread: int, kind: type[BaseException] | None) -> None:
-    """Raises an exception in a thread at its next Python instruction; None revokes one that has not been raised yet."""
-    exception = None if kind is None else ctypes.py_object(kind)
-    ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), exception)
