@@ -1,1 +1,0 @@
-"""Event streams: events with replay, and the live state of the robots."""
