@@ -148,6 +148,7 @@ def open_directory(
     directory = DataDirectory.open(path, ontology, reasoners, file, imports=ontology_paths(), create=create)
     if is_new:
         remember_scene(path, loaded)
+        directory.discards(path / _SCENES)
     return directory, faults
 
 
