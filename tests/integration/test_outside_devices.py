@@ -16,7 +16,8 @@ from skiros_py.geometry import Pose
 from skiros_py.planning.plan import Plan
 from skiros_py.ports.board import DeviceBoard, DeviceHandle
 from skiros_py.ports.cell import CellSpec
-from skiros_py.ports.device import MobileSpec, load_device_kinds
+from skiros_py.ports.device import MobileSpec
+from skiros_py.ports.kinds import load_device_kinds
 from skiros_py.recording import Recording, RecordingWriter
 from skiros_py.simulation.cell import SimulatedCell
 from skiros_py.simulation.fake import FakeCell

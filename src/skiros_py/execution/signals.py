@@ -11,7 +11,8 @@ from typing import Any
 from skiros_py.errors import DescriptionError, DeviceError, UnknownName, UsageError
 from skiros_py.execution.pulse import CycleOverrun, Pulse
 from skiros_py.ports.board import DeviceBoard
-from skiros_py.ports.device import DeviceSignal, load_device_kinds
+from skiros_py.ports.device import DeviceSignal
+from skiros_py.ports.kinds import load_device_kinds
 from skiros_py.ports.signals import Input, Sample, Signal, SignalProvider, Value
 from skiros_py.ports.values import Snapshot
 

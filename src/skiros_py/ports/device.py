@@ -7,7 +7,6 @@ of it describes one device. Nothing outside a kind's own module, and what is mad
 from __future__ import annotations
 
 import dataclasses
-import inspect
 import math
 import typing
 from abc import ABC, abstractmethod
@@ -20,9 +19,6 @@ import numpy as np
 
 from skiros_py.errors import DescriptionError, DeviceError
 from skiros_py.geometry import Pose
-from skiros_py.plugins.installation import Installation, installation
-from skiros_py.plugins.loading import examined, load_plugins
-from skiros_py.plugins.plugin import Plugin, PluginFault
 from skiros_py.ports.kinematics import BASE_LINK
 from skiros_py.ports.paths import BaseLeg, BasePath, Path
 
@@ -456,101 +452,3 @@ def from_plain(type_: Any, data: Any) -> Any:
 @lru_cache(maxsize=256)
 def _hints(type_: type) -> dict[str, Any]:
     return typing.get_type_hints(type_)
-
-
-GROUP = "skiros.devices"
-"""Entry points of this group name subclasses of :class:`~skiros_py.ports.device.DeviceSpec`."""
-
-_OWN = "skiros-py "
-
-Kind = type[DeviceSpec[Any, Any]]
-
-
-class DeviceKinds:
-    """Kinds of device, by name.
-
-    Args:
-        kinds: The kinds.
-        sources: The distribution of each, by name; none where they are not from plug-ins.
-    """
-
-    def __init__(self, kinds: Iterable[Kind], sources: Mapping[str, str] | None = None) -> None:
-        self.by_name: Mapping[str, Kind] = {kind.kind: kind for kind in kinds}
-        self._sources = sources or {}
-
-    def describe(self, device: str, kind: Kind) -> str:
-        """Names a device, its kind and the kind's distribution, for messages about a mistake in its code."""
-        source = self._sources.get(kind.kind) if self.by_name.get(kind.kind) is kind else None
-        return f"{device} (kind '{kind.kind}'{f' of {source}' if source else ''})"
-
-    def of_class(self, class_: str, is_a: Callable[[str, str], bool]) -> Kind | None:
-        """Returns the kind of devices of a class: the one with the most specific class; None for none.
-
-        Args:
-            class_: Class of a device.
-            is_a: Tells whether the first class is the second, or below it.
-        """
-        fitting = [kind for kind in self.by_name.values() if is_a(class_, kind.device_class)]
-        for kind in fitting:
-            if all(is_a(kind.device_class, other.device_class) for other in fitting):
-                return kind
-        return None
-
-    def signal_names(self) -> frozenset[str]:
-        """Returns the names of all signals that devices of these kinds offer."""
-        return frozenset(signal.name for kind in self.by_name.values() for signal in kind.signals)
-
-
-def load_device_kinds() -> tuple[DeviceKinds, tuple[PluginFault, ...]]:
-    """Loads all kinds, in the order of their entry points' names, the built-in ones first.
-
-    Returns:
-        Those that can be used together; and the faults of the others, which affect no other. Of two plug-ins with
-        one kind or class neither counts; a built-in kind stays.
-    """
-    return _loaded(installation())
-
-
-@lru_cache(maxsize=1)
-def _loaded(_installation: Installation) -> tuple[DeviceKinds, tuple[PluginFault, ...]]:
-    plugins, broken = load_plugins(GROUP)
-    looked_at = [examined(plugin, device_problem) for plugin in plugins]
-    usable = sorted((one for one in looked_at if isinstance(one, Plugin)), key=lambda plugin: not _is_own(plugin))
-    faults = [*broken, *(one for one in looked_at if isinstance(one, PluginFault))]
-    good: list[Plugin] = []
-    for plugin in usable:
-        twins = [other for other in usable if _clash(plugin.value, other.value)]
-        if len(twins) == 1 or _is_own(plugin):
-            good.append(plugin)
-        else:
-            faults.append(plugin.fault(_not_alone(twins)))
-    sources = {plugin.value.kind: plugin.distribution for plugin in good}
-    return DeviceKinds([plugin.value for plugin in good], sources), tuple(faults)
-
-
-def device_problem(plugin: Plugin) -> str | None:
-    """Returns why a plug-in is no kind of device, or None."""
-    kind = plugin.value
-    if not (isinstance(kind, type) and issubclass(kind, DeviceSpec)):
-        return f"it is a {type(kind).__name__}, nothing for devices: name a subclass of DeviceSpec"
-    for attribute in ("kind", "device_class"):
-        if not isinstance(getattr(kind, attribute, None), str):
-            return f"its {attribute} is no text"
-    missing = sorted(kind.__abstractmethods__) if inspect.isabstract(kind) else []
-    return f"it does not define {', '.join(missing)}" if missing else None
-
-
-def _clash(kind: Kind, other: Kind) -> bool:
-    return kind.kind == other.kind or kind.device_class == other.device_class
-
-
-def _not_alone(twins: Sequence[Plugin]) -> str:
-    origins = " and ".join(
-        f"'{twin.value.kind}' for {twin.value.device_class} ({twin.name} of {twin.distribution})" for twin in twins
-    )
-    count = "the built-in one counts" if any(map(_is_own, twins)) else "none of them counts"
-    return f"kinds of device with one name or class: {origins}; {count}, rename the other"
-
-
-def _is_own(plugin: Plugin) -> bool:
-    return plugin.distribution.startswith(_OWN)

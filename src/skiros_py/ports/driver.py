@@ -8,7 +8,8 @@ from dataclasses import replace
 from typing import Any, Protocol, TypeVar
 
 from skiros_py.errors import DeviceError, SkirosError, UsageError
-from skiros_py.ports.device import DeviceModel, DeviceSpec, load_device_kinds
+from skiros_py.ports.device import DeviceModel, DeviceSpec
+from skiros_py.ports.kinds import load_device_kinds
 from skiros_py.ports.values import Commands, DepthImage, Pending, Snapshot
 
 T = TypeVar("T")

@@ -12,7 +12,8 @@ from typing import Any
 from skiros_py.errors import DescriptionError, SkirosError
 from skiros_py.geometry import Pose
 from skiros_py.ports.cell import BodySpec, CellSpec, RobotSpec
-from skiros_py.ports.device import DeviceKinds, DeviceSpec, MobileSpec, load_device_kinds, read_footprint
+from skiros_py.ports.device import DeviceSpec, MobileSpec, read_footprint
+from skiros_py.ports.kinds import DeviceKinds, load_device_kinds
 from skiros_py.skills.surroundings import owner, solid_of
 from skiros_py.world import vocabulary as v
 from skiros_py.world.poses import pose_on

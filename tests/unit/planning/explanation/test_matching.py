@@ -5,7 +5,7 @@ from itertools import combinations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from skiros_py.planning.explanation.causes import short
+from skiros_py.planning.explanation.contradictions import short
 
 WANTED = st.lists(st.frozensets(st.sampled_from("abcd"), max_size=3), max_size=6)
 

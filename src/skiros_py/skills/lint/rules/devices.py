@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
 
-from skiros_py.ports.device import load_device_kinds
+from skiros_py.ports.kinds import load_device_kinds
 from skiros_py.skills.behaviour import Behaviour, Call, P
 from skiros_py.skills.lint.rule import Classes, Known, Problem, Rule, Severity, Subject, classes_of, walk_scoped
 from skiros_py.skills.lint.rules.ranges import overlap

@@ -7,7 +7,7 @@ import inspect
 from collections.abc import Collection, Iterator
 
 from skiros_py.errors import SkirosError
-from skiros_py.ports.device import load_device_kinds
+from skiros_py.ports.kinds import load_device_kinds
 from skiros_py.skills.behaviour import walk
 from skiros_py.skills.conditions import (
     ClassRelated,

@@ -1,0 +1,401 @@
+"""Conditions that are reachable individually but exclude each other: one thing in two places, one place for two."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import reduce
+from itertools import combinations
+
+from skiros_py.planning.domain.literals import NOTHING, allows_value, common_class, property_of
+from skiros_py.planning.domain.model import Action, Atom
+from skiros_py.planning.explanation.facts import Binding, Relaxation, unified
+from skiros_py.planning.explanation.wording import Found, Shortage, listed
+from skiros_py.planning.plan import Cause, CauseKind
+from skiros_py.skills.conditions import Compare, Condition, Not
+from skiros_py.world.element import Value
+from skiros_py.world.names import local_name
+from skiros_py.world.ontology import Ontology
+from skiros_py.world.stock import by_stock
+from skiros_py.world.vocabulary import ELEMENT
+
+_MOST = 2000
+"""How many ways to fulfil one condition are considered; with more, the condition is skipped."""
+
+
+@dataclass(frozen=True, slots=True)
+class Demand:
+    """A condition requires one of these things in one of these places.
+
+    Attributes:
+        condition: The condition.
+        relation: The placement relation.
+        things: What could be the thing.
+        places: Where it could be.
+        meant: True if the goal means these specific things: by name, or because it quantifies over all of a class.
+    """
+
+    condition: Condition
+    relation: str
+    things: frozenset[str]
+    places: frozenset[str]
+    meant: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class _Want:
+    """One of these things is required in one of these places, regardless of the condition."""
+
+    relation: str
+    things: frozenset[str]
+    places: frozenset[str]
+
+    def or_(self, other: _Want) -> _Want:
+        """Returns what is required if either of the two is."""
+        return _Want(self.relation, self.things | other.things, self.places | other.places)
+
+
+def demands_of(relaxed: Relaxation, ontology: Ontology) -> list[Demand]:
+    """Returns all placement demands of the goal; conditions with very many alternatives are left out."""
+    wants = _Wants(relaxed, ontology)
+    return [
+        Demand(condition, want.relation, want.things, want.places, want.things.issubset(named))
+        for condition, atoms in relaxed.task.goal
+        for atom in atoms
+        for named in ({*condition.arguments, *atom.arguments},)
+        for want in wants.of(atom)
+    ]
+
+
+class _Wants:
+    """Traces the goal's bookkeeping actions backwards: which facts must hold, and in which ways they can."""
+
+    def __init__(self, relaxed: Relaxation, ontology: Ontology) -> None:
+        self._relaxed = relaxed
+        self._ontology = ontology
+        self._known: dict[Atom, tuple[_Want, ...]] = {}
+        self._closing: dict[str, list[tuple[Action, Atom]]] = {}
+        for action in relaxed.task.domain.actions:
+            for effect in action.add if action.skill is None else ():
+                self._closing.setdefault(effect.predicate, []).append((action, effect))
+
+    def of(self, atom: Atom) -> tuple[_Want, ...]:
+        """Returns the demands that all hold, each in some way, whenever a goal fact holds."""
+        if atom not in self._known:
+            self._known[atom] = self._worked_out(atom)
+        return self._known[atom]
+
+    def _worked_out(self, atom: Atom) -> tuple[_Want, ...]:
+        if atom.predicate in self._ontology.relations and self._ontology.is_placement(atom.predicate):
+            return (self._stated(atom),)
+        ways: list[tuple[_Want, ...]] = []
+        for action, binding in self._ways(atom):
+            if len(ways) == _MOST:
+                return ()
+            ways.append(tuple(want for pre in action.pre for want in self.of(pre.bind(binding))))
+        return _any_of(ways)
+
+    def _ways(self, atom: Atom) -> Iterator[tuple[Action, Binding]]:
+        for action, effect in self._closing.get(atom.predicate, ()):
+            start = unified(effect, atom, {}, action.types, self._relaxed.fits)
+            if start is not None:
+                for binding in self._relaxed.ways(action, action.pre, start, {}, _MOST):
+                    yield action, binding
+
+    def _stated(self, atom: Atom) -> _Want:
+        thing, placement = self._ontology.placed(atom.arguments[0], atom.predicate, atom.arguments[1])
+        alike = self._relaxed.alike
+        return _Want(atom.predicate, frozenset(alike(thing)), frozenset(alike(placement.place)))
+
+
+def _any_of(ways: Sequence[Sequence[_Want]]) -> tuple[_Want, ...]:
+    """Returns what is required if one of several ways is taken: every choice of one demand per way."""
+    if not ways or not all(ways):
+        return ()
+    count = max(map(len, ways))
+    chosen = ([way[min(i, len(way) - 1)] for way in ways] for i in range(count))
+    return tuple(dict.fromkeys(_joined(wants) for wants in chosen if len({want.relation for want in wants}) == 1))
+
+
+def _joined(wants: Iterable[_Want]) -> _Want:
+    return reduce(_Want.or_, dict.fromkeys(wants))
+
+
+def is_exclusive(relaxed: Relaxation, relation: str, place: str, ontology: Ontology) -> bool:
+    """Returns whether a place takes only one thing: every skill that puts something there requires it to be empty.
+
+    Things that are there before a skill and stay do not count.
+    """
+    fillings = [(a, put) for a in relaxed.task.domain.actions if (put := _put(a, relation, place, relaxed))]
+    return bool(fillings) and all(
+        len(put) == 1 and _asks_for_emptiness(action, put[0], ontology) for action, put in fillings
+    )
+
+
+def _put(action: Action, relation: str, place: str, relaxed: Relaxation) -> list[Atom]:
+    """Returns the placements an action may add to a place."""
+    new = (atom for atom in action.add if atom.predicate == relation and atom not in action.pre)
+    return [atom for atom in new if relaxed.fits(place, action.types.get(atom.arguments[1], ""))]
+
+
+def _asks_for_emptiness(action: Action, added: Atom, ontology: Ontology) -> bool:
+    place = added.arguments[1]
+    anything = ontology.relations[added.predicate].domain or ELEMENT
+    nones = (
+        none.atoms[0] for none in action.none if len(none.atoms) == 1 and [v.type for v in none.variables] == [anything]
+    )
+    return Atom(NOTHING + added.predicate, (place,)) in action.pre or any(
+        atom.predicate == added.predicate and atom.arguments[1] == place for atom in nones
+    )
+
+
+_FEW = 2
+"""How many things or places a cause names at most: with more, they are not the point."""
+
+_MOST_PAIRS = 400
+"""How many demands are compared; further ones are ignored."""
+
+_Apart = Callable[[Demand, Demand], bool]
+
+
+class Contradictions:
+    """Finds conditions of a goal that exclude each other."""
+
+    def __init__(self, relaxed: Relaxation, ontology: Ontology) -> None:
+        self._relaxed = relaxed
+        self._ontology = ontology
+        self._demands = demands_of(relaxed, ontology)
+        self._exclusive: dict[tuple[str, str], bool] = {}
+
+    def found(self) -> tuple[Found, ...]:
+        """Returns each contradiction once; of several about the same conditions, the first."""
+        first: dict[frozenset[str], Found] = {}
+        for one in self._all():
+            first.setdefault(frozenset(map(str, one.cause.conditions)), one)
+        smallest = sorted(first, key=len)
+        kept = [key for i, key in enumerate(smallest) if not any(other < key for other in smallest[:i])]
+        return tuple(one for key, one in first.items() if key in kept)
+
+    def _all(self) -> Iterator[Found]:
+        yield from map(Found, self._negations())
+        yield from map(Found, self._values())
+        yield from map(Found, self._emptiness())
+        yield from map(Found, self._two_places())
+        yield from self._too_few_things()
+        yield from self._too_few_places()
+
+    # ------------------------------------------------------------ comparing conditions
+
+    def _negations(self) -> Iterator[Cause]:
+        for one, other in combinations(self._relaxed.task.conditions, 2):
+            if one == ~other:
+                yield _contradiction((one, other), "the one says that the other is not so", one.arguments)
+
+    def _emptiness(self) -> Iterator[Cause]:
+        for condition, atom in self._atoms():
+            if not atom.predicate.startswith(NOTHING):
+                continue
+            relation, place = atom.predicate.removeprefix(NOTHING), atom.arguments[0]
+            for demand in self._demands:
+                if demand.relation == relation and demand.places == {place}:
+                    why = f"{place} cannot be empty and taken at once"
+                    yield _contradiction((condition, demand.condition), why, (place, *_only(demand.things)))
+
+    def _values(self) -> Iterator[Cause]:
+        about = [(condition, atom) for condition, atom in self._atoms() if self._property(atom) is not None]
+        for (one, first), (other, second) in combinations(about, 2):
+            same = self._property(first) == self._property(second) and first.arguments == second.arguments
+            if same and not self._agree(first, second):
+                name = self._ontology.properties[str(self._property(first))].label
+                thing = first.arguments[0]
+                yield _contradiction((one, other), f"the {name} of {thing} has one value only", (thing,))
+
+    def _property(self, atom: Atom) -> str | None:
+        literal = self._relaxed.task.asked.get(atom.predicate)
+        return None if literal is None else property_of(literal)
+
+    def _agree(self, *atoms: Atom) -> bool:
+        """Returns whether some value satisfies all atoms about it."""
+        literals = [self._relaxed.task.asked[atom.predicate] for atom in atoms]
+        inner = [literal.pattern if isinstance(literal, Not) else literal for literal in literals]
+        constants = [literal.value for literal in inner if isinstance(literal, Compare)]
+        return any(all(allows_value(literal, v) for literal in literals) for v in _around(constants))
+
+    def _atoms(self) -> list[tuple[Condition, Atom]]:
+        return [(condition, atom) for condition, atoms in self._relaxed.task.goal for atom in atoms]
+
+    # ------------------------------------------------------------ things and places
+
+    def _two_places(self) -> Iterator[Cause]:
+        wanted: dict[str, list[Demand]] = {}
+        for demand in self._demands:
+            if len(demand.things) == 1 and not self._classes(demand):
+                wanted.setdefault(min(demand.things), []).append(demand)
+        for thing, demands in wanted.items():
+            for one, other in combinations(demands, 2):
+                if one.places.isdisjoint(other.places):
+                    why = f"{thing} has one place only, it cannot be {_place(one)} and {_place(other)}"
+                    named = thing, *_only(one.places | other.places)
+                    yield _contradiction((one.condition, other.condition), why, named)
+
+    def _too_few_things(self) -> Iterator[Found]:
+        apart = _apart(self._demands, lambda one, other: one.places.isdisjoint(other.places))
+        lacking = _lacking(apart, lambda demand: demand.things)
+        things = sorted(frozenset[str]().union(*(demand.things for demand in lacking)))
+        if things and any(self._classes(demand) for demand in lacking):
+            classes = tuple(dict.fromkeys(c for demand in lacking for c in self._classes(demand)))
+            what = listed((local_name(c) for c in classes), "or") or "such thing"
+            text = f"{len(lacking)} of {what} are wanted, but there {_is(len(things))} only {listed(by_stock(things))}"
+            cause = _together(CauseKind.TOO_FEW, lacking, text, (*classes, *things))
+            yield Found(cause, shortage=Shortage(len(lacking), tuple(things)))
+
+    def _too_few_places(self) -> Iterator[Found]:
+        bounded = [d for d in self._demands if all(self._takes_one(d.relation, place) for place in d.places)]
+        for relation in dict.fromkeys(d.relation for d in bounded):
+            own = [d for d in bounded if d.relation == relation]
+            apart = _apart(own, lambda one, other: one.things.isdisjoint(other.things))
+            lacking = _lacking(apart, lambda demand: demand.places)
+            if lacking:
+                places = sorted(frozenset[str]().union(*(demand.places for demand in lacking)))
+                things = [min(demand.things) for demand in lacking if len(demand.things) == 1]
+                yield Found(self._full(lacking, places), shortage=Shortage(len(lacking), tuple(places), tuple(things)))
+
+    def _full(self, lacking: Sequence[Demand], places: Sequence[str]) -> Cause:
+        """Returns the cause that there are fewer single-thing places than required."""
+        conditions = {str(demand.condition) for demand in lacking}
+        if len(places) == 1 and len(conditions) > 1 and all(places[0] in d.condition.arguments for d in lacking):
+            why = f"{places[0]} takes one {self._kind(lacking)} only"
+            return _contradiction([d.condition for d in lacking], why, (*places, *_things(lacking)))
+        wholes = self._wholes(lacking)
+        where = f"{listed(wholes)} has" if wholes else "there is"
+        text = f"{where} room for {len(places)} only ({listed(places)}), and {len(lacking)} are wanted there"
+        if all(len(demand.things) == 1 for demand in lacking):
+            text += f" ({listed(min(demand.things) for demand in lacking)})"
+        return _together(CauseKind.FULL, lacking, text, (*wholes, *places))
+
+    def _kind(self, demands: Sequence[Demand]) -> str:
+        """Returns a common name for all wanted things."""
+        objects = self._relaxed.task.problem.objects
+        named = [thing for demand in demands for thing in demand.things]
+        types = [objects[thing] for thing in named if thing in objects]  # in a trial, it may have been removed
+        if not types:
+            return "thing"
+        class_ = reduce(lambda one, other: common_class(one, other, self._ontology), types)
+        return self._ontology.classes[class_].label if class_ in self._ontology.classes else "thing"
+
+    def _takes_one(self, relation: str, place: str) -> bool:
+        """Returns whether a place never holds more than one thing; one that holds several now may continue to."""
+        key = relation, place
+        if key not in self._exclusive:
+            init = self._relaxed.task.problem.init
+            now = [atom for atom in init if atom.predicate == relation and atom.arguments[1] == place]
+            at_object = self._ontology.relations[relation].place_end == "object"
+            exclusive = is_exclusive(self._relaxed, relation, place, self._ontology)
+            self._exclusive[key] = at_object and len(now) <= 1 and exclusive
+        return self._exclusive[key]
+
+    def _classes(self, demand: Demand) -> tuple[str, ...]:
+        """Returns the classes of which any thing will do; none if the goal means specific things."""
+        if demand.meant:
+            return ()
+        objects = self._relaxed.task.problem.objects
+        types = {objects[thing] for thing in demand.things}
+        named = (name for name in demand.condition.names if name in self._ontology.classes)
+        return tuple(c for c in named if all(self._ontology.is_a(t, c) for t in types))
+
+    def _wholes(self, demands: Sequence[Demand]) -> tuple[str, ...]:
+        """Returns what all conditions name besides things and places: the kit they are about."""
+        own = [set(demand.condition.arguments) - demand.things - demand.places for demand in demands]
+        common = set.intersection(*own)
+        return tuple(sorted(a for a in common if a not in self._ontology.classes))
+
+
+def _lacking(apart: Sequence[Demand], of: Callable[[Demand], frozenset[str]]) -> list[Demand]:
+    """Returns the demands for which there is too little of something, and that want nothing else."""
+    few = [apart[i] for i in short([of(demand) for demand in apart])]
+    there = frozenset[str]().union(*map(of, few))
+    return [demand for demand in apart if few and of(demand) <= there]
+
+
+def _apart(demands: Sequence[Demand], are_apart: _Apart) -> list[Demand]:
+    """Returns demands that each need a resource of their own, since no two could share one."""
+    found: list[Demand] = []
+    for demand in sorted(demands, key=_narrowest)[:_MOST_PAIRS]:
+        if all(are_apart(demand, other) for other in found):
+            found.append(demand)
+    return found
+
+
+def _narrowest(demand: Demand) -> tuple[int, str, str]:
+    return len(demand.things) * len(demand.places), str(demand.condition), min(demand.things)
+
+
+def _contradiction(conditions: Sequence[Condition], why: str, elements: Iterable[str]) -> Cause:
+    said = list(dict.fromkeys(map(str, conditions)))
+    text = f"{listed(said)} {'exclude each other' if len(said) > 1 else 'cannot be reached'}: {why}"
+    named = tuple(dict.fromkeys(elements))
+    return Cause(CauseKind.CONTRADICTION, text, tuple(dict.fromkeys(conditions)), elements=named, why=why)
+
+
+def _together(kind: CauseKind, demands: Sequence[Demand], why: str, elements: Iterable[str]) -> Cause:
+    conditions = tuple(dict.fromkeys(demand.condition for demand in demands))
+    together = " together" if len(conditions) > 1 else ""
+    text = f"{listed(map(str, conditions))} cannot be reached{together}: {why}"
+    return Cause(kind, text, conditions, elements=tuple(dict.fromkeys(elements)), why=why)
+
+
+def _around(constants: Iterable[Value]) -> list[Value | None]:
+    """Returns test values that include one satisfying the comparisons with the constants, if one exists."""
+    values: list[Value | None] = [None, True, False, ""]
+    numbers: list[float] = []
+    for constant in constants:
+        values.append(constant)
+        if isinstance(constant, str):
+            values.append(f"other than {constant}")
+        elif isinstance(constant, int | float) and not isinstance(constant, bool):
+            numbers.append(constant)
+    between = [(a + b) / 2.0 for a, b in combinations(numbers, 2)]
+    return [*values, *between, *(n + step for n in numbers for step in (-1.0, 1.0))]
+
+
+def _only(names: frozenset[str]) -> tuple[str, ...]:
+    """Returns the names if they are few enough to be mentioned."""
+    return tuple(sorted(names)) if len(names) <= _FEW else ()
+
+
+def _things(demands: Sequence[Demand]) -> tuple[str, ...]:
+    return tuple(thing for demand in demands for thing in _only(demand.things))
+
+
+def _place(demand: Demand) -> str:
+    return f"{local_name(demand.relation)} {listed(sorted(demand.places), 'or')}"
+
+
+def _is(count: int) -> str:
+    return "is" if count == 1 else "are"
+
+
+def short(wanted: Sequence[Iterable[str]]) -> tuple[int, ...]:
+    """Returns the indices of demands that outnumber the resources they could use; empty if all can be served.
+
+    Args:
+        wanted: For each demand the resources of which it needs one.
+    """
+    options = [sorted(each) for each in wanted]
+    taken: dict[str, int] = {}
+    for demand in range(len(options)):
+        seen: set[int] = set()
+        if not _served(demand, options, taken, seen):
+            return tuple(sorted(seen))
+    return ()
+
+
+def _served(demand: int, options: Sequence[Sequence[str]], taken: dict[str, int], seen: set[int]) -> bool:
+    """Assigns a resource to a demand, reassigning others where necessary."""
+    seen.add(demand)
+    for resource in options[demand]:
+        holder = taken.get(resource)
+        if holder is None or (holder not in seen and _served(holder, options, taken, seen)):
+            taken[resource] = demand
+            return True
+    return False
