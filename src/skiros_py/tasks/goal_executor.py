@@ -129,7 +129,7 @@ class GoalExecutor(TaskExecutor):
         """Plans for the remaining goal while unaffected steps keep running."""
         self._task.phase = "planning"
         if self._monitor is not None:
-            self._trace.write(TraceEventKind.REPLANS, f"plans anew: {self._trouble or 'the goal does not hold yet'}")
+            self._trace.write(TraceEventKind.REPLANS, f"replans: {self._trouble or 'the goal does not hold yet'}")
         self._skills = {**self._skills, **{c.skill.name: c.skill for c in self._context.capabilities}}
         lasting = [one.step for one in self._progress.running if one not in self._doubtful and not one.leaving]
         planned = yield from self._meanwhile(self._replanner.plan(kept, lasting))

@@ -151,7 +151,7 @@ def test_a_part_that_is_moved_is_planned_for_anew_and_the_trace_says_why() -> No
         report = finish(bench, task)
 
     assert report.reached
-    assert told(task, TraceEventKind.REPLANS) == ["plans anew: ball_1 is not in box_a: it is in box_b"]
+    assert told(task, TraceEventKind.REPLANS) == ["replans: ball_1 is not in box_a: it is in box_b"]
     assert len(bench.plans) == 2
 
 
@@ -252,7 +252,7 @@ def test_a_manager_lost_that_the_rest_of_the_plan_counts_on_is_replanned_at_once
         report = finish(bench, task)
 
     assert report.reached
-    assert told(task, TraceEventKind.REPLANS) == [f"plans anew: {arm} has no skill pick any more"]
+    assert told(task, TraceEventKind.REPLANS) == [f"replans: {arm} has no skill pick any more"]
     assert report.steps[-1].agent != arm
 
 
