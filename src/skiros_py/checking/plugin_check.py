@@ -294,8 +294,7 @@ def _broken(entries: Sequence[Entry], parts: Sequence[Part], rules: Collection[s
 
 
 def _not_loaded(fault: PluginFault) -> Finding:
-    is_stray = fault.reason.startswith("UnknownName: unknown parameter")
-    rule = MISSING_PARAMETER if is_stray else DOES_NOT_LOAD
+    rule = MISSING_PARAMETER if fault.unknown == "parameter" else DOES_NOT_LOAD
     subject = f"{fault.group.partition('.')[2].removesuffix('s')} {fault.name}"
     return Finding(rule.name, rule.severity, subject, fault.reason, _raised_at(fault))
 

@@ -7,6 +7,7 @@ import sys
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import redirect_stdout
+from dataclasses import replace
 from importlib.metadata import EntryPoint
 from importlib.resources.abc import Traversable
 from pathlib import Path
@@ -111,7 +112,7 @@ def contained(entry: Entry, error: BaseException) -> PluginFault:
     if isinstance(error, ModuleNotFoundError) and locate(entry.module) is None:
         gone = f"ModuleNotFoundError: No module named '{entry.module}': the entry point is stale;"
         return fault_of(entry, f"{gone} install {entry.distribution.name} again, or uninstall it", trace)
-    return fault_of(entry, _told(error), trace)
+    return replace(fault_of(entry, _told(error), trace), unknown=_unknown(error))
 
 
 def attempt(plugin: Plugin, look: Callable[[], T]) -> T | PluginFault:
@@ -143,7 +144,12 @@ def examined(plugin: Plugin, problem: Callable[[Plugin], str | None]) -> Plugin 
 
 def raised(plugin: Plugin, error: BaseException) -> PluginFault:
     """Makes the fault for what the object of a plug-in raised once it was loaded."""
-    return plugin.fault(_told(error), "".join(traceback.format_exception(error)))
+    fault = plugin.fault(_told(error), "".join(traceback.format_exception(error)))
+    return replace(fault, unknown=_unknown(error))
+
+
+def _unknown(error: BaseException) -> str:
+    return error.kind if isinstance(error, UnknownName) else ""
 
 
 def fault_of(entry: Entry, reason: str, trace: str = "") -> PluginFault:

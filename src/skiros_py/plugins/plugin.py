@@ -154,6 +154,7 @@ class PluginFault:
         reason: What is wrong.
         traceback: Where it was raised; empty where nothing was.
         origin: File of the module it names; empty where it has none.
+        unknown: Kind of the name that it uses and that does not exist ("parameter"); empty for other faults.
     """
 
     group: str
@@ -162,6 +163,7 @@ class PluginFault:
     reason: str
     traceback: str
     origin: str = ""
+    unknown: str = ""
 
     def __str__(self) -> str:
         return f"plug-in {self.name} of {self.distribution} did not load: {self.reason}"
