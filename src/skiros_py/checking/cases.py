@@ -12,9 +12,9 @@ from types import MappingProxyType
 from typing import Any
 
 from skiros_py.errors import PlanningError, SkirosError, UsageError, WorldError
-from skiros_py.execution.pulse import Chore
 from skiros_py.execution.runtime import Runtime, RuntimeOptions
 from skiros_py.geometry import Pose
+from skiros_py.interruptions import Chore
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.process import ThreadHost
 from skiros_py.simulation.fake.cell import FakeCell
@@ -75,11 +75,11 @@ class Rig:
         Raises:
             CycleOverrun: They blocked the cycle for too long.
         """
-        outer = self._cycle.pulse.enter(self._looking)
+        outer = self._cycle.activity.enter(self._looking)
         try:
             yield
         finally:
-            self._cycle.pulse.leave(outer)
+            self._cycle.activity.leave(outer)
 
     def agents(self, skill: str) -> tuple[str, ...]:
         """Returns the subsystems that offer a skill."""

@@ -9,7 +9,8 @@ from typing import Any
 
 from skiros_py.catalogue import Catalogue
 from skiros_py.checking.cases import Case, Ground, NoCase, Rig, fake_rig, find_case
-from skiros_py.execution.pulse import CycleOverrun, words
+from skiros_py.execution.containment import words
+from skiros_py.interruptions import CycleOverrun
 from skiros_py.skills.conditions import Assign, Condition, Effect, Not, Nothing, Relate, Unrelate
 from skiros_py.skills.lint.checking import EFFECT_MISSING, NEVER_TRIED, UNDECLARED_CHANGE
 from skiros_py.skills.lint.rule import Finding, Rule, Spot, title

@@ -276,16 +276,16 @@ def stopping(session: Session, *, as_json: bool) -> Iterator[None]:
     Where code of others holds the control thread, and does not come back although the watchdog has interrupted it or
     the user wants a stop, the command ends without it.
     """
-    pulse, left = session.cycle.pulse, threading.Event()
+    activity, left = session.cycle.activity, threading.Event()
 
     def stop(number: int, _frame: object) -> None:
         signal.signal(number, raise_interrupt)
         session.stop()
 
     def end_if_stuck(name: str, status: int) -> None:
-        beat = pulse.beat
+        tick = activity.tick
         end_unless(
-            lambda: left.is_set() or pulse.task is None or pulse.waits > 0 or pulse.beat != beat,
+            lambda: left.is_set() or activity.task is None or activity.waits > 0 or activity.tick != tick,
             f"{name} does not come back: the command ends without it",
             status,
             as_json=as_json,
@@ -294,7 +294,7 @@ def stopping(session: Session, *, as_json: bool) -> Iterator[None]:
     session.runtime.watchdog.on_lost(lambda task: end_if_stuck(task.name, NOT_REACHED))
     before = {number: signal.signal(number, stop) for number in STOPS}
     try:
-        with heard_at_once(lambda: end_if_stuck(getattr(pulse.task, "name", "the control thread"), STOPPED)):
+        with heard_at_once(lambda: end_if_stuck(getattr(activity.task, "name", "the control thread"), STOPPED)):
             yield
     finally:
         left.set()

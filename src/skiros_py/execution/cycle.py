@@ -15,9 +15,9 @@ from typing import Any, TypeVar
 
 from skiros_py.errors import SkirosError, UsageError
 from skiros_py.execution.mix import Mix
-from skiros_py.execution.pulse import Chore, CycleOverrun, Pulse, Watched
 from skiros_py.execution.signals import Signals
 from skiros_py.execution.task import RunClock, Task
+from skiros_py.interruptions import Activity, Chore, CycleOverrun, Watched
 from skiros_py.ports.board import DeviceBoard
 
 __all__ = ["ControlCycle", "Task"]
@@ -57,7 +57,7 @@ class ControlCycle:
     Attributes:
         board: The devices.
         pace: Simulated seconds per wall second; None for as fast as possible.
-        pulse: What the control thread does at this moment, for the watchdog.
+        activity: What the control thread does at this moment, for the watchdog.
         halted: Why everything was halted; empty while tasks may run.
         signals: What is computed of each snapshot before the tasks run; None for nothing.
     """
@@ -65,10 +65,10 @@ class ControlCycle:
     def __init__(self, board: DeviceBoard, pace: float | None = None) -> None:
         self.board = board
         self.pace = pace
-        self.pulse = Pulse()
+        self.activity = Activity()
         self.halted = ""
         self.signals: Signals | None = None
-        self._mix = Mix(board, self.pulse)
+        self._mix = Mix(board, self.activity)
         self._tasks: list[Task[Any]] = []
         self._later: list[Task[Any]] = []
         self._ended: list[Task[Any]] = []
@@ -94,7 +94,7 @@ class ControlCycle:
         Raises:
             UsageError: Everything was halted, and :meth:`reset` was not called since.
         """
-        task = Task(generator, self.board, self.pulse, name, clock, self._ended.append)
+        task = Task(generator, self.board, self.activity, name, clock, self._ended.append)
         if self.halted:
             raise UsageError(f"{task.name} cannot start: everything was halted ({self.halted}); reset the robots first")
         self._places -= 1
@@ -179,8 +179,8 @@ class ControlCycle:
         Raises:
             UsageError: A task called it.
         """
-        if self.pulse.task is not None:
-            raise UsageError(f"{self.pulse.task.name}: a task cannot wait for its own end; it may halt everything")
+        if self.activity.task is not None:
+            raise UsageError(f"{self.activity.task.name}: a task cannot wait for its own end; it may halt everything")
         self.halt(reason)
         deadline = self.board.snapshot.time + (self.board.braking_time if patience is None else patience)
         self.step()
@@ -194,7 +194,7 @@ class ControlCycle:
         Raises:
             UsageError: Something still moves, or a task still runs.
         """
-        if isinstance(self.pulse.task, Task) or (self.halted and not all(task.done for task in self._tasks)):
+        if isinstance(self.activity.task, Task) or (self.halted and not all(task.done for task in self._tasks)):
             raise UsageError("reset is for when everything has stopped: a task still runs")
         if not self.board.still:
             raise UsageError("reset is for when everything stands: something still moves")
@@ -231,11 +231,11 @@ class ControlCycle:
 
     def _do(self, chore: Watched, work: Callable[[], object]) -> None:
         """Runs a part of the cycle itself, watched by the watchdog."""
-        outer = self.pulse.enter(chore)
+        outer = self.activity.enter(chore)
         try:
             work()
         finally:
-            self.pulse.leave(outer)
+            self.activity.leave(outer)
 
     def _observe(self, observer: _Observer) -> None:
         try:
@@ -252,28 +252,28 @@ class ControlCycle:
 
         An interruption that comes late, between two ticks, changes nothing.
         """
-        board, pulse = self.board, self.pulse
-        pulse.begin_cycle()
+        board, activity = self.board, self.activity
+        activity.begin_cycle()
         self._places = _SUCCESSORS
         coming = iter(self._tasks)  # also those that are added meanwhile
         while True:
             try:
                 for task in coming:
-                    pulse.task = board.owner = task
+                    activity.task = board.owner = task
                     if self.halted:  # also after each overrun
-                        if pulse.overrun is not None:
-                            pulse.settle()
+                        if activity.overrun is not None:
+                            activity.settle()
                         break
                     if not task.done:
                         task.tick()
-                pulse.task = board.owner = None
-                if pulse.overrun is not None:
-                    pulse.settle()
+                activity.task = board.owner = None
+                if activity.overrun is not None:
+                    activity.settle()
                 break
             except CycleOverrun:
                 continue
             finally:
-                pulse.task = board.owner = board.share = None
+                activity.task = board.owner = board.share = None
         self._places = math.inf
         self._tasks += self._later
         self._later.clear()

@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from skiros_py.errors import ModuleError, UnknownName
-from skiros_py.execution.pulse import Chore, CycleOverrun, Pulse, contained, words
+from skiros_py.execution.containment import contained, words
+from skiros_py.interruptions import Activity, Chore, CycleOverrun
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import BROKEN, Failure
 from skiros_py.skills.parameters import Kind, params_of, read_value
@@ -92,7 +93,7 @@ class Loader:
     Args:
         primitives: Classes by name; may load themselves when they are looked up.
         config: Values of configuration parameters by "module.key".
-        pulse: What the watchdog looks at: loading has a limit of its own, longer than that of a tick.
+        activity: What the watchdog looks at: loading has a limit of its own, longer than that of a tick.
         limit: That limit, wall time [s]; generous where left out.
     """
 
@@ -100,13 +101,13 @@ class Loader:
         self,
         primitives: Mapping[str, type[Primitive[Any]]],
         config: Mapping[str, Any],
-        pulse: Pulse,
+        activity: Activity,
         *,
         limit: float | None = None,
     ) -> None:
         self._primitives = primitives
         self._config = config
-        self._pulse = pulse
+        self._activity = activity
         self._limit = _LIMIT if limit is None else limit
         self._known: dict[str, Loaded | Failure] = {}
 
@@ -147,11 +148,11 @@ class Loader:
             return Failure(f"{module} did not load: {words(error)}", BROKEN)
 
     def _watched(self, module: str, context: RunContext) -> Loaded:
-        outer = self._pulse.enter(Chore(f"the loading of {module}", interruptible=True))
+        outer = self._activity.enter(Chore(f"the loading of {module}", interruptible=True))
         try:
-            with self._pulse.allowing(self._limit):
+            with self._activity.allowing(self._limit):
                 cls = self._primitives[module]
                 config = configuration_of(module, cls, self._config, context.world)
                 return Loaded(cls, config, cls.load(context))
         finally:
-            self._pulse.leave(outer)
+            self._activity.leave(outer)

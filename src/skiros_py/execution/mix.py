@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from typing import Any
 
-from skiros_py.execution.pulse import CycleOverrun, Pulse
+from skiros_py.interruptions import Activity, CycleOverrun
 from skiros_py.ports.board import DeviceBoard
 from skiros_py.ports.device import Contribution, DeviceSpec
 
@@ -40,12 +40,12 @@ class Mix:
 
     Args:
         board: The devices.
-        pulse: What the watchdog looks at.
+        activity: What the watchdog looks at.
     """
 
-    def __init__(self, board: DeviceBoard, pulse: Pulse) -> None:
+    def __init__(self, board: DeviceBoard, activity: Activity) -> None:
         self._board = board
-        self._pulse = pulse
+        self._activity = activity
 
     def merge(self) -> None:
         """Turns the contributions to each shared device into its target."""
@@ -61,7 +61,7 @@ class Mix:
         if spec.kind in self._board.unmixed:
             return
         rule = _Rule(spec, self._board)
-        outer = self._pulse.enter(rule)
+        outer = self._activity.enter(rule)
         try:
             target = spec.mixed(contributions)
             spec.check(target)
@@ -71,4 +71,4 @@ class Mix:
         except Exception as error:  # noqa: BLE001 - a plug-in's code: an error in it switches the rule off
             rule.fail(error)
         finally:
-            self._pulse.leave(outer)
+            self._activity.leave(outer)

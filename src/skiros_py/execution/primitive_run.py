@@ -9,10 +9,11 @@ from typing import Any
 
 from skiros_py.errors import UsageError
 from skiros_py.execution.claims import Claim, complete, devices_of, standstill
+from skiros_py.execution.containment import broken, contained
 from skiros_py.execution.loader import Loaded
 from skiros_py.execution.monitor import Status
-from skiros_py.execution.pulse import CycleOverrun, broken, contained
 from skiros_py.execution.scope import Scope, Tell, Unfinished, failed, run_recovery, teller, to_its_end
+from skiros_py.interruptions import CycleOverrun
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Access, missing, params_of, read_arguments

@@ -10,8 +10,8 @@ from typing import Any, Protocol
 
 from skiros_py.behaviours.children import run_until
 from skiros_py.errors import UsageError
+from skiros_py.execution.containment import contained
 from skiros_py.execution.monitor import Status
-from skiros_py.execution.pulse import contained
 from skiros_py.execution.scope import Scope, teller, to_its_end
 from skiros_py.execution.task import Task
 from skiros_py.skills.behaviour import Behaviour

@@ -18,11 +18,11 @@ from skiros_py.execution.floor import FloorAreas
 from skiros_py.execution.loader import check_configuration
 from skiros_py.execution.modules import Directory, Modules
 from skiros_py.execution.monitor import Monitor
-from skiros_py.execution.pulse import Watched
 from skiros_py.execution.running import RunnableDocument
 from skiros_py.execution.signals import Signals
 from skiros_py.execution.skill_manager import SkillManager
 from skiros_py.execution.watchdog import Watchdog
+from skiros_py.interruptions import Watched
 from skiros_py.listeners import Listeners
 from skiros_py.ports.adapters import NO_PORTS, Ports, require
 from skiros_py.ports.board import DeviceBoard
@@ -356,7 +356,7 @@ class Runtime:
         self.asked = LibraryMonitor(options.ports)
         self.questions = Questions()
         self.cycle = ControlCycle(board, options.pace)
-        self.signals = self.cycle.signals = Signals(board, options.signals, self.cycle.pulse, options.sources)
+        self.signals = self.cycle.signals = Signals(board, options.signals, self.cycle.activity, options.sources)
         world.sensors = self.signals
         self.context = RunContext(
             world=world,
@@ -371,7 +371,7 @@ class Runtime:
             questions=self.questions,
             floor=FloorAreas(board, spec.robots),
             signals=self.signals,
-            waiting=self.cycle.pulse.waiting,
+            waiting=self.cycle.activity.waiting,
         )
         kind = driver.kind if options.kind is None else options.kind
         self.managers = Managers(

@@ -13,9 +13,10 @@ from typing import Any, Protocol
 
 from skiros_py.errors import UsageError
 from skiros_py.execution.claims import Claim, standstill
+from skiros_py.execution.containment import contained
 from skiros_py.execution.monitor import ModuleEvent, Monitor, Status, end_of
-from skiros_py.execution.pulse import CycleOverrun, contained
 from skiros_py.execution.task import Task
+from skiros_py.interruptions import CycleOverrun
 from skiros_py.skills.behaviour import Behaviour, Call, P
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.conditions.watch import Watch, Watches

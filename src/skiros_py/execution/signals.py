@@ -9,7 +9,7 @@ from graphlib import CycleError, TopologicalSorter
 from typing import Any
 
 from skiros_py.errors import DescriptionError, DeviceError, UnknownName, UsageError
-from skiros_py.execution.pulse import CycleOverrun, Pulse
+from skiros_py.interruptions import Activity, CycleOverrun
 from skiros_py.ports.board import DeviceBoard
 from skiros_py.ports.device import DeviceSignal
 from skiros_py.ports.kinds import load_device_kinds
@@ -79,7 +79,7 @@ class Signals:
     Args:
         board: The devices.
         providers: What computes further signals, from those of the devices and from each other's.
-        pulse: What the watchdog looks at: a provider that hangs is interrupted, and named.
+        activity: What the watchdog looks at: a provider that hangs is interrupted, and named.
         sources: Distribution of each provider, in the same order; none where they are not from plug-ins.
 
     Raises:
@@ -92,11 +92,11 @@ class Signals:
         self,
         board: DeviceBoard,
         providers: Sequence[SignalProvider] = (),
-        pulse: Pulse | None = None,
+        activity: Activity | None = None,
         sources: Sequence[str] = (),
     ) -> None:
         self._board = board
-        self._pulse = pulse or Pulse()
+        self._activity = activity or Activity()
         nodes = map(_Node, providers, sources or [""] * len(providers))
         self._nodes = self._ordered(list(nodes))
         self._of = {signal.name: node for node in self._nodes for signal in node.provider.provides}
@@ -263,7 +263,7 @@ class Signals:
     def _compute(self, node: _Node, inputs: Mapping[str, Value], snapshot: Snapshot) -> None:
         """Runs a provider's code under the watchdog; whatever is wrong with it switches this provider off."""
         provider = node.provider
-        outer = self._pulse.enter(node)
+        outer = self._activity.enter(node)
         try:
             values = provider.compute(inputs, snapshot.time)
             faults = [
@@ -280,7 +280,7 @@ class Signals:
         except Exception as error:  # noqa: BLE001 - an author's code: whatever it raises switches it off
             node.switch_off(f"it raised {type(error).__name__}: {error}")
         finally:
-            self._pulse.leave(outer)
+            self._activity.leave(outer)
 
     def _ordered(self, nodes: Sequence[_Node]) -> list[_Node]:
         """Returns the providers, each after those that it reads from.

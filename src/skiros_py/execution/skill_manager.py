@@ -19,10 +19,10 @@ from skiros_py.execution.loader import Loader
 from skiros_py.execution.modules import Directory, ModuleInfo, Modules
 from skiros_py.execution.monitor import ModuleEvent, Monitor, Status
 from skiros_py.execution.panel import Panel, primitive_panel, skill_panel
-from skiros_py.execution.pulse import Watched
 from skiros_py.execution.running import RunnableDocument, Running, RunningModule
 from skiros_py.execution.scope import Scope
 from skiros_py.execution.task import RunClock, Task
+from skiros_py.interruptions import Watched
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.conditions.watch import Watches
 from skiros_py.skills.context import RunContext
@@ -235,7 +235,7 @@ class SkillManager:
         self._monitor = monitor
         self._watches = watches
         chosen = _choose(skills, context, agent, driver)
-        loader = Loader(primitives, config, cycle.pulse)
+        loader = Loader(primitives, config, cycle.activity)
         self._modules = Modules(agent, chosen, primitives, loader, claims, context.board, directory, documents)
         self._directory = directory
         directory.enter(self._modules)
@@ -459,11 +459,11 @@ class SkillManager:
 
     def _note_change(self, change: Change) -> None:
         """Keeps which change is whose: that of the module whose code the control thread executes."""
-        pulse = self._cycle.pulse
-        if pulse.thread != threading.get_ident():
+        activity = self._cycle.activity
+        if activity.thread != threading.get_ident():
             return
         for running in tuple(self._running.values()):
-            if running.task is pulse.task and len(running.changes) < _MOST_CHANGES:
+            if running.task is activity.task and len(running.changes) < _MOST_CHANGES:
                 running.changes.append(change.number)
 
     def _report_stopped(self, running: RunningModule) -> None:

@@ -11,10 +11,10 @@ from typing import Any
 
 from skiros_py.behaviours.children import lost, run_until
 from skiros_py.execution.claims import Claim, complete, devices_of
+from skiros_py.execution.containment import contained
 from skiros_py.execution.monitor import Status
 from skiros_py.execution.panel import ConditionRow
 from skiros_py.execution.primitive_run import Take
-from skiros_py.execution.pulse import contained
 from skiros_py.execution.scope import Scope, Unfinished, teller, to_its_end
 from skiros_py.skills.behaviour import Behaviour
 from skiros_py.skills.conditions import Condition, Verdict

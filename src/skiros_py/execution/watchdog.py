@@ -1,6 +1,6 @@
 """The watchdog: when code holds the control cycle, the robots brake, the code is named and interrupted.
 
-It looks from a thread of its own at what the cycle writes down (:class:`~skiros_py.execution.pulse.Pulse`). Python code
+It looks from a thread of its own at what the cycle is doing (:class:`~skiros_py.interruptions.Activity`). Python code
 gets an exception; a call into C that does not come back cannot be ended, only reported.
 
 A tick is charged with wall time, less the time in which it could not run: the control thread waited for a processor, or
@@ -20,7 +20,7 @@ from types import FrameType
 from typing import ParamSpec, Self
 
 from skiros_py.execution.cycle import ControlCycle
-from skiros_py.execution.pulse import Overrun, Watched
+from skiros_py.interruptions import Overrun, Watched
 from skiros_py.skills.primitive import Primitive
 
 P = ParamSpec("P")
@@ -68,7 +68,7 @@ class Watchdog:
         self._worked = 0.0
         self._waited: float | None = None
         self._overrun: Overrun | None = None
-        self._struck = 0.0
+        self._interrupted = 0.0
         self._lost = False
 
     def on_overrun(self, listener: Callable[[Overrun], None]) -> None:
@@ -101,20 +101,20 @@ class Watchdog:
             _surely(self._look, time.monotonic())
 
     def _look(self, now: float) -> None:
-        pulse = self._cycle.pulse
-        limit = max(self.limit, pulse.allowed)  # first of all: see Pulse.allowing
-        beat, task = pulse.beat, pulse.task
+        activity = self._cycle.activity
+        limit = max(self.limit, activity.allowed)  # first of all: see Activity.allowing
+        tick, task = activity.tick, activity.task
         passed, self._looked = now - self._looked, now
         worked = time.process_time() - self._worked
         self._worked += worked
-        if beat != self._seen or task is None or pulse.waits:
-            self._seen, self._held, self._waited, self._overrun, self._lost = beat, 0.0, None, None, False
+        if tick != self._seen or task is None or activity.waits:
+            self._seen, self._held, self._waited, self._overrun, self._lost = tick, 0.0, None, None, False
             return
         self._held += self._charged(passed, worked)
         if self._overrun is not None and self._overrun.task is not task:  # that one ended; this one has a limit, too
             self._held, self._overrun, self._lost = 0.0, None, False
         elif self._held > limit:
-            self._act(beat, task, now, limit)
+            self._act(tick, task, now, limit)
 
     def _charged(self, passed: float, worked: float) -> float:
         """Returns how much of the time since the last look the tick is charged with [s].
@@ -124,37 +124,37 @@ class Watchdog:
             worked: Processor time of this process in it [s].
         """
         paused = passed - self._interval - worked if passed > _LATE * self._interval else 0.0
-        before, self._waited = self._waited, _waited_for_processor(self._cycle.pulse.thread)
+        before, self._waited = self._waited, _waited_for_processor(self._cycle.activity.thread)
         waited = self._waited - before if before is not None and self._waited is not None else 0.0
         return max(0.0, passed - max(paused, waited, 0.0))
 
-    def _act(self, beat: int, task: Watched, now: float, limit: float) -> None:
+    def _act(self, tick: int, task: Watched, now: float, limit: float) -> None:
         if self._overrun is None:
-            self._overrun = self._describe(task, beat, self._held, limit)
-            self._struck = now
+            self._overrun = self._describe(task, tick, self._held, limit)
+            self._interrupted = now
             self._interrupt(self._overrun)
         elif self._held > limit + self._patience and not self._lost:
             self._lost = True
             _log.error("%s is lost: it does not come back from where it is", task.name)
             for listener in self._lost_listeners:
                 _surely(listener, task)
-        elif now - self._struck > self._again:
-            self._struck = now
-            self._cycle.pulse.strike(self._overrun)
+        elif now - self._interrupted > self._again:
+            self._interrupted = now
+            self._cycle.activity.interrupt(self._overrun)
 
     def _interrupt(self, overrun: Overrun) -> None:
         """Says that all is halted, strikes the tick, brakes: in this order, for a brake may break or hang."""
         self._cycle.forbid(str(overrun))
-        self._cycle.pulse.strike(overrun)
+        self._cycle.activity.interrupt(overrun)
         _surely(self._cycle.board.halt)
         _log.error("%s\n%s", overrun, overrun.stack)
         for listener in self._overrun_listeners:
             _surely(listener, overrun)
 
-    def _describe(self, task: Watched, beat: int, seconds: float, limit: float) -> Overrun:
-        frame = sys._current_frames().get(self._cycle.pulse.thread)  # noqa: SLF001 - documented, for debugging
+    def _describe(self, task: Watched, tick: int, seconds: float, limit: float) -> Overrun:
+        frame = sys._current_frames().get(self._cycle.activity.thread)  # noqa: SLF001 - documented, for debugging
         stack = "" if frame is None else "".join(traceback.format_stack(frame)).rstrip()
-        return Overrun(task, beat, seconds, limit, _primitive_in(frame) or task.name, stack)
+        return Overrun(task, tick, seconds, limit, _primitive_in(frame) or task.name, stack)
 
 
 def _waited_for_processor(ident: int) -> float | None:

@@ -152,6 +152,6 @@ class TaskContext:
     def wait_in_lockstep(self, asked: Asked[T], control: Control) -> None:
         """Waits for an answer while simulated time stands still, at most until the task is asked to end."""
         if self.lockstep:
-            with self.cycle.pulse.waiting():
+            with self.cycle.activity.waiting():
                 while not (asked.done() or self.cycle.halted or self.leaving() or control.stop is not None):
                     time.sleep(_POLL)

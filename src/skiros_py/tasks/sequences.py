@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import Any
 
 from skiros_py.errors import SkirosError, UnknownName, UsageError
-from skiros_py.execution.pulse import contained
+from skiros_py.execution.containment import contained
 from skiros_py.planning.domain.actions import needs_of, with_defaults
 from skiros_py.planning.plan import Plan, Step
 from skiros_py.planning.plan_validation import apply_effects

@@ -14,8 +14,8 @@ import pytest
 from skiros_py.devices.mobile_base import Base, BaseTwist
 from skiros_py.errors import ModuleError, UsageError
 from skiros_py.execution.cycle import ControlCycle
-from skiros_py.execution.pulse import CycleOverrun, Overrun, Pulse, Watched
 from skiros_py.execution.watchdog import Watchdog
+from skiros_py.interruptions import Activity, CycleOverrun, Overrun, Watched
 from skiros_py.ports.board import DeviceBoard
 from skiros_py.ports.values import Commands, Snapshot
 from skiros_py.simulation.fake.cell import FakeCell
@@ -230,7 +230,7 @@ def test_clean_up_that_never_ends_is_interrupted_between_two_cycles_too(
 
 def test_waiting_for_a_worker_is_no_overrun(cycle: ControlCycle, watchdog: Watchdog) -> None:
     def waits() -> None:
-        with cycle.pulse.waiting():
+        with cycle.activity.waiting():
             time.sleep(5 * LIMIT)
 
     task = cycle.start(after_one_tick(waits))
@@ -353,7 +353,7 @@ def hold_for(seconds: float) -> None:
 
 def test_a_piece_of_work_may_be_allowed_more_time_than_a_tick(cycle: ControlCycle, watchdog: Watchdog) -> None:
     def loads() -> None:
-        with cycle.pulse.allowing(AGES):
+        with cycle.activity.allowing(AGES):
             hold_for(3 * LIMIT)
 
     task = cycle.start(after_one_tick(loads))
@@ -366,7 +366,7 @@ def test_a_piece_of_work_may_be_allowed_more_time_than_a_tick(cycle: ControlCycl
 
 def test_what_takes_longer_than_it_was_allowed_is_interrupted(cycle: ControlCycle, watchdog: Watchdog) -> None:
     def loads() -> None:
-        with cycle.pulse.allowing(3 * LIMIT):
+        with cycle.activity.allowing(3 * LIMIT):
             hog()
 
     task = cycle.start(after_one_tick(loads), "loader")
@@ -375,7 +375,7 @@ def test_what_takes_longer_than_it_was_allowed_is_interrupted(cycle: ControlCycl
 
     assert isinstance(task.fault, CycleOverrun)
     assert "0.30 s are allowed" in cycle.halted
-    assert cycle.pulse.allowed == 0.0
+    assert cycle.activity.allowed == 0.0
 
 
 # ------------------------------------------------------------------ a machine that is slow
@@ -459,7 +459,7 @@ def test_a_listener_that_breaks_does_not_end_the_watchdog(cycle: ControlCycle, w
 
 
 class Tick:
-    """A task as the pulse sees it."""
+    """A task as the watchdog sees it."""
 
     def __init__(self) -> None:
         self.name = "tick"
@@ -474,15 +474,15 @@ class Tick:
 
 def test_however_late_an_interruption_comes_it_never_hits_what_comes_after() -> None:
     """Ticks of about no length, struck at any moment: the exception arrives inside the tick or is taken back."""
-    pulse, ended = Pulse(), threading.Event()
+    activity, ended = Activity(), threading.Event()
 
     def strike() -> None:
         while not ended.is_set():
-            task, beat = pulse.task, pulse.beat
+            task, tick = activity.task, activity.tick
             if task is not None:
-                pulse.strike(Overrun(task, beat, 1.0, 0.1, "tick", ""))
+                activity.interrupt(Overrun(task, tick, 1.0, 0.1, "tick", ""))
 
-    pulse.begin_cycle()
+    activity.begin_cycle()
     striker = threading.Thread(target=strike)
     striker.start()
     ticks = [Tick() for _ in range(20_000)]
@@ -490,13 +490,13 @@ def test_however_late_an_interruption_comes_it_never_hits_what_comes_after() -> 
     while True:
         try:
             for tick in coming:
-                pulse.task = tick
-                if pulse.overrun is not None:
-                    pulse.settle()
+                activity.task = tick
+                if activity.overrun is not None:
+                    activity.settle()
                 sum(range(50))
-            pulse.task = None
-            if pulse.overrun is not None:
-                pulse.settle()
+            activity.task = None
+            if activity.overrun is not None:
+                activity.settle()
             break
         except CycleOverrun:
             continue
@@ -505,5 +505,5 @@ def test_however_late_an_interruption_comes_it_never_hits_what_comes_after() -> 
     ended.set()
     striker.join()
 
-    assert pulse.overrun is None
+    assert activity.overrun is None
     assert all(len(tick.faults) <= 1 for tick in ticks)

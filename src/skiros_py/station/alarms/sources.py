@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from skiros_py.api.alarms import AlarmKind, Severity
 from skiros_py.execution.monitor import ModuleEvent, Status
-from skiros_py.execution.pulse import Overrun, Watched
+from skiros_py.interruptions import Overrun, Watched
 from skiros_py.skills.outcome import BROKEN
 from skiros_py.station.alarms.alarms import Alarms
 from skiros_py.station.control import CLOSING, ControlThread

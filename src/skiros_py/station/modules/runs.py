@@ -332,10 +332,10 @@ class ModuleRuns:
 
     def _is_at_work(self, run: ModuleRun) -> bool:
         """Returns whether the control thread is executing code of this run, so that the call comes from it."""
-        pulse = self._session.cycle.pulse if self._session is not None else None
+        activity = self._session.cycle.activity if self._session is not None else None
         return (
-            pulse is not None
-            and pulse.thread == threading.get_ident()
+            activity is not None
+            and activity.thread == threading.get_ident()
             and run.running is not None
-            and pulse.task is run.running.task
+            and activity.task is run.running.task
         )

@@ -1,0 +1,63 @@
+"""Errors in authors' code, turned into failures with a text for people."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from typing import TypeVar
+
+from skiros_py.errors import SkirosError
+from skiros_py.interruptions import CycleOverrun
+from skiros_py.skills.outcome import BROKEN, Failure
+
+T = TypeVar("T")
+
+_log = logging.getLogger(__name__)
+
+
+def contained(what: str, action: Callable[[], T]) -> T | Failure:
+    """Returns what an action returns, or the failure that it is when it raises.
+
+    A refusal of the platform (an unknown name, a locked element) is an ordinary failure, anything else a mistake in the
+    author's code.
+
+    Args:
+        what: Whose action it is.
+        action: What is called.
+
+    Raises:
+        KeyboardInterrupt: It is the user's.
+        CycleOverrun: It is the watchdog's.
+    """
+    try:
+        return action()
+    except (KeyboardInterrupt, CycleOverrun):
+        raise
+    except SkirosError as error:
+        return Failure(f"{what}: {error}{_where(error)}")
+    except BaseException as error:  # noqa: BLE001 - an author's mistake ends what it is part of, not the platform
+        return broken(what, error)
+
+
+def broken(what: str, error: BaseException, origin: str = "") -> Failure:
+    """Logs an error in an author's code and returns it as a failure.
+
+    Args:
+        what: What broke.
+        error: What was raised.
+        origin: Where its code is from.
+    """
+    _log.error("%s%s broke", what, f", {origin}," if origin else "", exc_info=error)
+    return Failure(f"{what} broke: {words(error)}", BROKEN)
+
+
+def words(error: BaseException) -> str:
+    """Describes in words how an author's code ended."""
+    if isinstance(error, SystemExit):
+        return f"it tried to end the program: sys.exit({error.code!r}){_where(error)}"
+    return f"{type(error).__name__}: {error}{_where(error)}"
+
+
+def _where(error: BaseException) -> str:
+    notes = getattr(error, "__notes__", ())
+    return f" ({'; '.join(notes)})" if notes else ""
