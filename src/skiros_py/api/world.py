@@ -313,7 +313,7 @@ class Change(Answer):
         ]
     )
     """What changed, each with its old and new value; "edit" tells what kind it is: "element", "placement", "property",
-    "relation" or "goals". Perhaps not all.
+    "relation", "goals" or "source" (the file of the scene). Perhaps not all.
     """
     edits_total: int
     """How many edits it has."""

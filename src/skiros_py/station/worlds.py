@@ -2,81 +2,22 @@
 
 from __future__ import annotations
 
-import json
 import logging
-import zlib
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from skiros_py.config import find_scene, ontology_paths
-from skiros_py.errors import FileError
 from skiros_py.plugins.plugin import PluginFault
 from skiros_py.world.ontology import Ontology, load_installed
 from skiros_py.world.reasoners.registry import Reasoners, load_reasoners
-from skiros_py.world.scene import load_scene
-from skiros_py.world.scene.files import write_atomically
+from skiros_py.world.scene import load_scene, scene_source
 from skiros_py.world.world import World
 
 if TYPE_CHECKING:
     from skiros_py.world.journal import DataDirectory
 
 _log = logging.getLogger(__name__)
-
-_SCENES = "scenes.json"
-_MOST_SCENES = 100
-"""Number of loaded scenes that are remembered: as many loads can be undone without losing the name of the scene."""
-
-
-class LoadedScene(NamedTuple):
-    """A scene that was loaded into the world of a data directory.
-
-    Attributes:
-        name: Its name; empty for an upload, or if unknown.
-        change: Number of the change that loaded it; 0 if unknown.
-        checksum: Checksum of its file.
-    """
-
-    name: str = ""
-    change: int = 0
-    checksum: int = 0
-
-
-def checksum(path: Path) -> int:
-    """Returns a number that changes with the content of a file.
-
-    Raises:
-        FileError: It cannot be read.
-    """
-    try:
-        return zlib.crc32(path.read_bytes())
-    except OSError as error:
-        raise FileError(path, f"cannot be read: {error.strerror}") from error
-
-
-def remember_scene(data: Path, scene: LoadedScene) -> None:
-    """Records in a data directory which scene was loaded.
-
-    Raises:
-        FileError: It cannot be written.
-    """
-    write_atomically(data / _SCENES, json.dumps([*_loaded(data), scene][-_MOST_SCENES:]))
-
-
-def present_scene(data: Path, world: World) -> LoadedScene:
-    """Returns the scene that was loaded last into the world of a data directory, and whose loading was not undone."""
-    undone = {change.undoes for change in world.log.by_people()}
-    return next((scene for scene in reversed(_loaded(data)) if scene.change not in undone), LoadedScene())
-
-
-def _loaded(data: Path) -> list[LoadedScene]:
-    try:
-        return [LoadedScene(*one) for one in json.loads((data / _SCENES).read_text(encoding="utf-8"))]
-    except FileNotFoundError:
-        return []
-    except (OSError, ValueError, TypeError) as error:
-        _log.warning("the scenes that were loaded into %s are not known: %s", data, error)
-        return []
 
 
 def why_not_loaded(data: Path, world: World, scene: str) -> str:
@@ -87,10 +28,10 @@ def why_not_loaded(data: Path, world: World, scene: str) -> str:
         world: Its world.
         scene: Name or path of the scene.
     """
-    file, present = find_scene(scene), present_scene(data, world)
-    if present.name != file.stem:
+    source, present = scene_source(find_scene(scene)), world.snapshot().source
+    if present.name != source.name:
         return f"in {data} lives {present.name or 'another one, of no name'}: {scene} was not loaded"
-    if present.checksum != checksum(file):
+    if present != source:
         return f"in {data} lives an earlier version of {scene}, whose file was changed since: it was not loaded again"
     return ""
 
@@ -142,14 +83,8 @@ def open_directory(
     from skiros_py.world.journal import DataDirectory  # most runs store nothing
 
     file = find_scene(scene) if scene else None
-    loaded = LoadedScene(file.stem, 1, checksum(file)) if file else LoadedScene()
     ontology, reasoners, faults = _installed()
-    is_new = not (path / "journal.db").exists()
-    directory = DataDirectory.open(path, ontology, reasoners, file, imports=ontology_paths(), create=create)
-    if is_new:
-        remember_scene(path, loaded)
-        directory.discards(path / _SCENES)
-    return directory, faults
+    return DataDirectory.open(path, ontology, reasoners, file, imports=ontology_paths(), create=create), faults
 
 
 def warn(faults: Sequence[PluginFault]) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 from skiros_py.geometry import Pose
 from skiros_py.world.element import Element, Placement, Value
@@ -125,7 +125,35 @@ class GoalsEdit(_Edit):
         return {"edit": "goals", "old": list(self.old), "new": list(self.new)}
 
 
-Edit = ElementEdit | PlacementEdit | RelationEdit | PropertyEdit | GoalsEdit
+class SceneSource(NamedTuple):
+    """The file that a scene was last loaded from or saved to.
+
+    Attributes:
+        name: Name of the scene; empty for an upload, or if unknown.
+        checksum: Checksum of the file.
+    """
+
+    name: str = ""
+    checksum: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class SourceEdit(_Edit):
+    """The scene was loaded from another file, or saved to it."""
+
+    old: SceneSource
+    new: SceneSource
+
+    def marks(self) -> tuple[str, ...]:
+        """Returns the elements that it changes: none."""
+        return ()
+
+    def as_json(self) -> _Json:
+        """Returns plain data."""
+        return {"edit": "source", "old": list(self.old), "new": list(self.new)}
+
+
+Edit = ElementEdit | PlacementEdit | RelationEdit | PropertyEdit | GoalsEdit | SourceEdit
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,7 +13,15 @@ from typing import TYPE_CHECKING, TypeVar
 from immutables import Map
 
 from skiros_py.errors import UnknownName
-from skiros_py.world.change import Edit, ElementEdit, GoalsEdit, PlacementEdit, RelationEdit
+from skiros_py.world.change import (
+    Edit,
+    ElementEdit,
+    GoalsEdit,
+    PlacementEdit,
+    RelationEdit,
+    SceneSource,
+    SourceEdit,
+)
 from skiros_py.world.element import Element, Placement, Stamp, Value, is_abstract
 from skiros_py.world.ids import EMPTY, IdSet
 from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners, computed_objects, computed_subjects
@@ -60,6 +68,7 @@ class Index:
         reasoners: The reasoners for computed relations.
         sensors: None: a state of the scene has no sensors.
         goals: Texts of the goals stored with the scene, sorted.
+        source: The file of the scene.
         version: Number of the change that led to this state.
     """
 
@@ -67,6 +76,7 @@ class Index:
 
     def __init__(self, ontology: Ontology, reasoners: Reasoners = NO_REASONERS) -> None:
         self.goals: tuple[str, ...] = ()
+        self.source = SceneSource()
         self.version = 0
         self.ontology = ontology
         self.reasoners = reasoners
@@ -279,6 +289,8 @@ class Index:
             self.put_relation(edit.subject, edit.relation, edit.object, holds=edit.new)
         elif isinstance(edit, GoalsEdit):
             self.goals = edit.new
+        elif isinstance(edit, SourceEdit):
+            self.source = edit.new
         else:
             self.put_element(with_value(self.element(edit.element), edit.property, edit.new))
 

@@ -6,7 +6,16 @@ from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 
 from skiros_py.errors import WorldError
-from skiros_py.world.change import Change, Edit, ElementEdit, GoalsEdit, PlacementEdit, PropertyEdit
+from skiros_py.world.change import (
+    Change,
+    Edit,
+    ElementEdit,
+    GoalsEdit,
+    PlacementEdit,
+    PropertyEdit,
+    SceneSource,
+    SourceEdit,
+)
 from skiros_py.world.checks import (
     checked_value,
     class_problem,
@@ -151,6 +160,11 @@ class Transaction:
         if not problems:
             self._work.set_goals(tuple(sorted(set(texts))))
 
+    def set_source(self, source: SceneSource) -> None:
+        """Replaces the file that the scene was last loaded from or saved to."""
+        self._check_open()
+        self._view.source = source
+
     def apply(self, edits: Iterable[Edit]) -> None:
         """Applies edits that were made elsewhere (to undo, to load a scene over another); they may reuse an id.
 
@@ -197,6 +211,8 @@ class Transaction:
             self.set(edit.element, edit.property, edit.new)
         elif isinstance(edit, GoalsEdit):
             self.set_goals(edit.new)
+        elif isinstance(edit, SourceEdit):
+            self.set_source(edit.new)
         elif edit.new:
             self.relate(edit.subject, edit.relation, edit.object)
         elif self._view.stated(edit.subject, edit.relation, edit.object):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from skiros_py.world.change import Edit, ElementEdit, GoalsEdit, PlacementEdit, PropertyEdit, RelationEdit
+from skiros_py.world.change import Edit, ElementEdit, GoalsEdit, PlacementEdit, PropertyEdit, RelationEdit, SourceEdit
 from skiros_py.world.checks import relation_problem
 from skiros_py.world.element import Element, Placement, is_abstract
 from skiros_py.world.index import Index, with_value
@@ -64,13 +64,16 @@ class Workspace:
 
         An element that got another class is removed and added.
         """
+        sources = self.base.source, self.view.source
+        first = (SourceEdit(*sources),) if sources[0] != sources[1] else ()
         retyped = [name for name in sorted(self.touched) if _is_retyped(self.base, self.view, name)]
         if not retyped:
-            return _edits(self.base, self.view, self.touched, self.pairs)
+            return *first, *_edits(self.base, self.view, self.touched, self.pairs)
         without = Workspace(self.base)
         for name in retyped:
             without.erase(name)
         return (
+            *first,
             *_edits(self.base, without.view, without.touched, without.pairs),
             *_edits(without.view, self.view, self.touched | without.touched, self.pairs | without.pairs),
         )

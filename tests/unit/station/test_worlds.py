@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
 from skiros_py.config import find_scene
-from skiros_py.station.worlds import LoadedScene, open_data, present_scene, remember_scene, why_not_loaded
-from skiros_py.world.change import Writer
+from skiros_py.station.worlds import open_data, why_not_loaded
+from skiros_py.world.change import SceneSource, Writer
+from skiros_py.world.undo import undo
 
 
 @pytest.fixture
@@ -42,26 +46,48 @@ def test_another_scene_is_said_not_to_be_loaded(tmp_path: Path, scene: Path) -> 
 
 
 def test_an_undone_load_leaves_the_scene_before(tmp_path: Path, scene: Path) -> None:
-    data = tmp_path / "data"
-    with open_data(data, str(scene)) as directory:
+    with open_data(tmp_path / "data", str(scene)) as directory:
         world = directory.world
         with world.transaction("ann", "loads", writer=Writer.PERSON) as tx:
             tx.set("starter_1", "sk:mass", 0.7)
-        assert tx.change is not None
-        remember_scene(data, LoadedScene("second", tx.change.number, 1))
-        assert present_scene(data, world).name == "second"
-        with world.transaction("ann", "undoes", writer=Writer.PERSON, undoes=tx.change.number) as tx:
-            tx.set("starter_1", "sk:mass", None)
+            tx.set_source(SceneSource("second", 1))
+        assert world.snapshot().source.name == "second"
 
-        assert present_scene(data, world).name == "mine"
+        undo(world, "ann")
+
+        assert world.snapshot().source.name == "mine"
 
 
-def test_a_damaged_list_of_loaded_scenes_is_reported_and_read_as_empty(
-    tmp_path: Path, scene: Path, caplog: pytest.LogCaptureFixture
+def test_the_scene_is_known_after_a_compaction_that_forgets_its_loading(tmp_path: Path, scene: Path) -> None:
+    with open_data(tmp_path / "data", str(scene)) as directory:
+        with directory.world.transaction("ann", "weighed") as tx:
+            tx.set("starter_1", "sk:mass", 0.7)
+        directory.compact(keep=0)
+
+    assert reason(tmp_path / "data", scene) == ""
+
+
+_LOAD_AND_DIE = """
+import os, signal, sys
+from skiros_py.station.worlds import open_data
+from skiros_py.world.change import SceneSource
+
+directory = open_data(sys.argv[1], create=False)
+with directory.world.transaction("ann", "loads") as tx:
+    tx.set("starter_1", "sk:mass", 0.7)
+    tx.set_source(SceneSource("second", 1))
+os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def test_a_process_killed_right_after_it_loaded_a_scene_leaves_its_content_and_its_name(
+    tmp_path: Path, scene: Path
 ) -> None:
-    data = tmp_path / "data"
-    reason(data, scene)
-    (data / "scenes.json").write_text("[")
+    reason(tmp_path / "data", scene)
 
-    assert "another one, of no name" in reason(data, scene)
-    assert "are not known" in caplog.text
+    ended = subprocess.run([sys.executable, "-c", _LOAD_AND_DIE, tmp_path / "data"], check=False)
+
+    assert ended.returncode == -signal.SIGKILL
+    with open_data(tmp_path / "data", create=False) as directory:
+        assert directory.world.element("starter_1").properties["sk:mass"] == 0.7
+        assert directory.world.snapshot().source == ("second", 1)

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from skiros_py.skills.conditions.condition import Condition
 from skiros_py.skills.conditions.pattern import Binding, Verdict
-from skiros_py.world.change import Change, Edit, ElementEdit, GoalsEdit, PlacementEdit, PropertyEdit
+from skiros_py.world.change import Change, Edit, ElementEdit, GoalsEdit, PlacementEdit, PropertyEdit, SourceEdit
 from skiros_py.world.element import Element, Placement, Value
 from skiros_py.world.index import Index
 from skiros_py.world.ontology import Ontology
@@ -126,7 +126,7 @@ def touched_by(edit: Edit, ontology: Ontology) -> Iterator[Key]:
             for place in filter(None, (old_place, new_place)):
                 subject, object_ = ontology.placement_pair(element, place)
                 yield from _statement(subject, place.relation, object_)
-        case GoalsEdit():
+        case GoalsEdit() | SourceEdit():
             pass
         case _:
             yield from _statement(edit.subject, edit.relation, edit.object)

@@ -14,9 +14,9 @@ from skiros_py.skills.surroundings import respawn
 from skiros_py.station.control import ControlThread
 from skiros_py.station.scenes.scenes import SceneFile, changes_to, scene_only
 from skiros_py.station.session import Session
-from skiros_py.station.worlds import LoadedScene, open_data, remember_scene
+from skiros_py.station.worlds import open_data
 from skiros_py.tasks.goals import parse_goal
-from skiros_py.world.change import Change, Edit, Writer
+from skiros_py.world.change import Change, Edit, SceneSource, Writer
 from skiros_py.world.index import Index
 from skiros_py.world.journal import Journal
 from skiros_py.world.names import SCENE, STANDARD_PREFIXES
@@ -30,7 +30,6 @@ def load(
     control: ControlThread,
     data: Path,
     scene: Index,
-    file: SceneFile | None,
     *,
     author: str,
     holder: str = "",
@@ -45,7 +44,6 @@ def load(
         control: Runs the session.
         data: The data directory.
         scene: The new scene.
-        file: Its file; None for an upload.
         author: The author of the change.
         holder: Owner of the locks that permit it, if not the author.
         seen: Version of the world that the author has seen; None for any.
@@ -57,8 +55,7 @@ def load(
         SkirosError: The station cannot be brought up in that scene; it is up in the old one.
     """
     before: list[tuple[Index, Change | None]] = []
-    name, content = (file.name, file.version) if file is not None else ("", 0)
-    reason = f"loaded scene {name or '(upload)'}"
+    reason = f"loaded scene {scene.source.name or '(upload)'}"
 
     def prepare(session: Session) -> None:
         require_rest(session)
@@ -74,9 +71,6 @@ def load(
         if not before:
             raise
         raise UsageError(f"the station cannot be brought up in that scene, and is in the old one: {error}") from error
-    change = before[0][1] if before else None
-    if change is not None:  # the present scene may have been that one already
-        remember_scene(data, LoadedScene(name, change.number, content))
 
 
 def check_scene(session: Session, scene: WorldView) -> None:
@@ -174,7 +168,9 @@ class SceneStage:
         with self._reading, tempfile.TemporaryDirectory(prefix="skiros-scene-") as folder:
             path = Path(folder) / "scene.ttl"
             path.write_bytes(text)
-            return _read(session, path)
+            scene = _read(session, path).copy()
+        scene.source = SceneSource()
+        return scene
 
     def check(self, session: Session, scene: Index) -> None:
         """Checks whether a session could be opened in a scene.

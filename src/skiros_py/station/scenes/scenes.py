@@ -12,10 +12,9 @@ from pathlib import Path
 from skiros_py.api.scenes import SCENE_NAME
 from skiros_py.config import named_scene, scene_names
 from skiros_py.errors import FileError, StaleVersion, UnknownName, UsageError
-from skiros_py.station.worlds import checksum
-from skiros_py.world.change import Edit, ElementEdit
+from skiros_py.world.change import Edit, ElementEdit, SourceEdit
 from skiros_py.world.index import Index
-from skiros_py.world.scene import diff
+from skiros_py.world.scene import diff, scene_source
 from skiros_py.world.scene.files import write_atomically
 from skiros_py.world.scene.writer import scene_turtle
 from skiros_py.world.vocabulary import HAS_PRIMITIVE, HAS_SKILL, PRIMITIVE, SKILL
@@ -40,7 +39,7 @@ def changes_to(scene: Index, world: Index) -> tuple[Edit, ...]:
     """
     gone = [module for module, agent in _modules(world) if agent is None or not scene.has(agent)]
     leaving = tuple(ElementEdit(module, world.element(module), None) for module in gone)
-    return *leaving, *diff(scene_only(world), scene_only(scene))
+    return SourceEdit(world.source, scene.source), *leaving, *diff(scene_only(world), scene_only(scene))
 
 
 def _modules(world: Index) -> Iterator[tuple[str, str | None]]:
@@ -75,7 +74,7 @@ class SceneFile:
         Raises:
             FileError: It cannot be read.
         """
-        return checksum(self.path)
+        return scene_source(self.path).checksum
 
     @property
     def written(self) -> datetime | None:

@@ -11,15 +11,14 @@ from skiros_py.errors import FileError, Refused, UsageError
 from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, Service, addressed, require_seen
 from skiros_py.station.scenes.loading import load, require_rest, shown
 from skiros_py.station.scenes.scenes import SceneFile, scene_only
-from skiros_py.station.worlds import present_scene
+from skiros_py.world.change import Writer
 from skiros_py.world.element import is_learned
 from skiros_py.world.index import Index
-from skiros_py.world.scene import describe
+from skiros_py.world.scene import describe, scene_source
 from skiros_py.world.scene.writer import scene_turtle
 from skiros_py.world.vocabulary import ELEMENT, ROBOT
 
 _UNKNOWN = "UnknownScene"
-_SAVED_AS = "saved as"
 
 
 class SceneService(Service):
@@ -64,13 +63,14 @@ class SceneService(Service):
             Refused: It is an installed scene, its version was not given, or the disk is full.
             StaleVersion: It was changed since it was seen.
         """
-        version, now = self._station.session.world.state()
+        world = self._station.session.world
         expects = self._expected(name, seen)
         try:
-            file = self._station.scene_store.save(name, now, expects=expects)
+            file = self._station.scene_store.save(name, world.snapshot(), expects=expects)
         except FileError as error:
             raise Refused("NotSaved", f"the scene is not saved: {shown(error)}") from None
-        self._station.documents.put("scene", _SAVED_AS, {"name": name, "version": version})
+        with world.transaction("server", f"saved as scene {name}", writer=Writer.SYSTEM) as tx:
+            tx.set_source(scene_source(file.path))
         return _entry(file), file.version
 
     def delete(self, name: str, seen: Seen | None = ANY_VERSION) -> None:
@@ -91,7 +91,7 @@ class SceneService(Service):
     def present(self) -> PresentScene:
         """Describes the present scene: which scene was loaded last, and whether it was changed since."""
         version, now = self._station.session.world.state()
-        name = self._name()
+        name = now.source.name
         return PresentScene(
             name=name,
             version=version,
@@ -128,7 +128,7 @@ class SceneService(Service):
                 scene = station.stage.read_text(session, turtle)
         station.stage.check(session, scene)
         version = None if seen is None else seen.version
-        load(station.control, station.data, scene, file, author=author.name, holder=author.holder, seen=version)
+        load(station.control, station.data, scene, author=author.name, holder=author.holder, seen=version)
         return self.present()
 
     def turtle(self) -> tuple[str, int]:
@@ -163,11 +163,6 @@ class SceneService(Service):
         )
 
     # ------------------------------------------------------------------ parts
-
-    def _name(self) -> str:
-        loaded = present_scene(self._station.data, self._station.session.world)
-        saved = self._station.documents.get("scene", _SAVED_AS)
-        return str(saved.data["name"]) if saved is not None and saved.data["version"] >= loaded.change else loaded.name
 
     def _is_changed(self, name: str) -> bool | None:
         station = self._station

@@ -37,7 +37,7 @@ from skiros_py.station.world.editing import (
 )
 from skiros_py.station.world.values import plain
 from skiros_py.station.world.view import view_of
-from skiros_py.station.worlds import present_scene
+from skiros_py.world.change import SourceEdit
 from skiros_py.world.element import is_learned
 from skiros_py.world.index import Index
 from skiros_py.world.locks import Lock as WorldLock
@@ -239,7 +239,7 @@ class WorldService(Service):
             raise
         except WorldError as error:
             last = last_undoable(world.log)
-            was_loaded = last is not None and last.number == present_scene(self._station.data, world).change
+            was_loaded = last is not None and any(isinstance(edit, SourceEdit) for edit in last.edits)
             hint = "; load the former scene instead: PUT /scene" if was_loaded else ""
             raise Refused("CannotUndo", f"{error}{hint}") from None
 

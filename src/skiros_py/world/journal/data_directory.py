@@ -171,10 +171,6 @@ class DataDirectory:
         """
         self.journal.compact(*self.world.state(), keep=keep)
 
-    def discards(self, file: Path) -> None:
-        """Adds a file that was created with the world: :meth:`discard` deletes it, too."""
-        self._made = (*self._made, file)
-
     def discard(self) -> None:
         """Closes it as if it had not been opened: a world created by opening it is deleted, an older one is kept."""
         self.journal.close()

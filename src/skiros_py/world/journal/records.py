@@ -20,6 +20,8 @@ from skiros_py.world.change import (
     PlacementEdit,
     PropertyEdit,
     RelationEdit,
+    SceneSource,
+    SourceEdit,
     Writer,
 )
 from skiros_py.world.element import Element, Placement
@@ -183,6 +185,7 @@ _EDITS: Mapping[str, Callable[[_Json], Edit]] = {
     "relation": lambda data: RelationEdit(data["subject"], data["relation"], data["object"], data["old"], data["new"]),
     "property": lambda data: PropertyEdit(data["element"], data["property"], _value(data["old"]), _value(data["new"])),
     "goals": lambda data: GoalsEdit(tuple(data["old"]), tuple(data["new"])),
+    "source": lambda data: SourceEdit(SceneSource(*data["old"]), SceneSource(*data["new"])),
 }
 """What reads each kind of edit."""
 

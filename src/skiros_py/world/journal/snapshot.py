@@ -7,7 +7,16 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, TypeVar
 
 from skiros_py.errors import UnknownName
-from skiros_py.world.change import Change, Edit, ElementEdit, GoalsEdit, PlacementEdit, RelationEdit
+from skiros_py.world.change import (
+    Change,
+    Edit,
+    ElementEdit,
+    GoalsEdit,
+    PlacementEdit,
+    RelationEdit,
+    SceneSource,
+    SourceEdit,
+)
 from skiros_py.world.element import Element, Placement, Stamp, Value, is_abstract, is_learned
 from skiros_py.world.index import Index, with_value
 from skiros_py.world.journal.records import decode_edits, encode_edits
@@ -34,6 +43,7 @@ class Content:
         self._relations: dict[tuple[str, str, str], bool] = {}
         self._stamps: dict[str, Stamp] = {}
         self._goals: tuple[str, ...] = ()
+        self._source = SceneSource()
 
     def apply(self, edits: Iterable[Edit]) -> None:
         """Does edits in their order.
@@ -77,7 +87,7 @@ class Content:
             index.put_placement(name, placement)
         for subject, relation, object_ in self._relations:
             index.put_relation(subject, relation, object_, holds=True)
-        index.goals = self._goals
+        index.goals, index.source = self._goals, self._source
         together: dict[Stamp, list[str]] = {}
         for name, stamp in self._stamps.items():
             together.setdefault(stamp, []).append(name)
@@ -94,6 +104,8 @@ class Content:
             _put(self._relations, (edit.subject, edit.relation, edit.object), edit.new or None)
         elif isinstance(edit, GoalsEdit):
             self._goals = edit.new
+        elif isinstance(edit, SourceEdit):
+            self._source = edit.new
         else:
             self._elements[edit.element] = with_value(self._elements[edit.element], edit.property, edit.new)
 
@@ -151,7 +163,7 @@ def snapshot_pieces(index: Index) -> Iterator[tuple[str, str]]:
 
     The individuals of the ontology are not in it: they come from the ontology's files.
     """
-    yield encode_edits([GoalsEdit((), index.goals)]), "{}"
+    yield encode_edits([GoalsEdit((), index.goals), SourceEdit(SceneSource(), index.source)]), "{}"
     relations = _relations(index)
     names = sorted(name for name in index.ids() if is_learned(name) or not is_abstract(name))
     for first in range(0, len(names), _ELEMENTS_IN_PIECE):

@@ -1,6 +1,6 @@
 """Scene files: reading, writing, comparing and replacing a world's scene; learned data has a similar file."""
 
-from skiros_py.world.scene.files import describe, diff, load_into, load_scene, save_scene
+from skiros_py.world.scene.files import describe, diff, load_into, load_scene, save_scene, scene_source
 from skiros_py.world.scene.learned import learned_turtle, read_learned
 
 __all__ = [
@@ -11,4 +11,5 @@ __all__ = [
     "load_scene",
     "read_learned",
     "save_scene",
+    "scene_source",
 ]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import secrets
 import stat
+import zlib
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from pathlib import Path
 
@@ -14,7 +15,17 @@ from skiros_py.plugins.installation import installation
 from skiros_py.plugins.loading import fault_of, files_of, load, unambiguous
 from skiros_py.plugins.plugin import Entry, Plugin, PluginFault
 from skiros_py.ports.kinematics import GROUP, RobotModel
-from skiros_py.world.change import Change, Edit, ElementEdit, GoalsEdit, PlacementEdit, PropertyEdit, Writer
+from skiros_py.world.change import (
+    Change,
+    Edit,
+    ElementEdit,
+    GoalsEdit,
+    PlacementEdit,
+    PropertyEdit,
+    SceneSource,
+    SourceEdit,
+    Writer,
+)
 from skiros_py.world.element import Element, Placement, Value, is_abstract
 from skiros_py.world.index import Index, collection_paused
 from skiros_py.world.literals import ANY_LITERAL, format_value, shown
@@ -85,7 +96,8 @@ def diff(old: Index, new: Index) -> tuple[Edit, ...]:
     as equal.
     """
     work = Workspace(old)
-    work.view = new
+    work.view = new.copy()
+    work.view.source = old.source  # the file of a scene is not part of it
     work.touched = {name for name in _scene(old) | _scene(new) if _known(old, name) != _known(new, name)}
     work.pairs = _relations(old) ^ _relations(new)
     return tuple(edit for edit in work.edits() if not _is_within_rounding(edit))
@@ -109,6 +121,8 @@ def describe(ontology: Ontology | None, edits: Iterable[Edit]) -> Iterator[str]:
         elif isinstance(edit, GoalsEdit):
             yield from (f"- goal {goal}" for goal in edit.old if goal not in edit.new)
             yield from (f"+ goal {goal}" for goal in edit.new if goal not in edit.old)
+        elif isinstance(edit, SourceEdit):
+            yield _change("scene", edit.old.name, edit.new.name)
         else:
             yield f"{'+' if edit.new else '-'} {edit.subject} {edit.relation} {edit.object}"
 
@@ -221,12 +235,31 @@ def load_scene(
     """
     world = World(ontology, reasoners=reasoners)
     with collection_paused():
-        fill(world, _read(ontology, path, ontology_paths), "scene", f"read from {path.name}")
+        fill(world, _read(ontology, path, ontology_paths), "scene", f"read from {path.name}", scene_source(path))
     return world
 
 
-def fill(world: World, reader: Reader, author: str, reason: str) -> None:
-    """Writes the scene that was read into a world, as one change.
+def scene_source(path: Path) -> SceneSource:
+    """Returns the name and the checksum of a scene file.
+
+    Raises:
+        FileError: It cannot be read.
+    """
+    try:
+        return SceneSource(path.stem, zlib.crc32(path.read_bytes()))
+    except OSError as error:
+        raise FileError(path, f"cannot be read: {error.strerror}") from error
+
+
+def fill(world: World, reader: Reader, author: str, reason: str, source: SceneSource | None = None) -> None:
+    """Writes individuals that were read into a world, as one change.
+
+    Args:
+        world: The world.
+        reader: Has read them.
+        author: The author of the change.
+        reason: Why, for people.
+        source: The file of the scene; None for other individuals.
 
     Raises:
         FileError: The ontology or a reasoner does not allow it; nothing was changed.
@@ -234,6 +267,8 @@ def fill(world: World, reader: Reader, author: str, reason: str) -> None:
     try:
         with world.transaction(author, reason, writer=Writer.SYSTEM) as tx:
             tx.apply(reader.edits())
+            if source is not None:
+                tx.set_source(source)
     except WorldError as error:
         problems = tx.problems()
         if problems:
@@ -268,6 +303,7 @@ def load_into(
     wanted = load_scene(world.ontology, path, ontology_paths, reasoners=world.reasoners).snapshot()
     with world.transaction(author, f"loaded {path.name}", writer=writer) as tx:
         tx.apply(diff(world.snapshot(), wanted))
+        tx.set_source(wanted.source)
     return tx.change
 
 

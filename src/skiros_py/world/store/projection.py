@@ -15,7 +15,7 @@ import pyoxigraph as ox
 
 from skiros_py.errors import MissingExtra, WorldError
 from skiros_py.world.abstract import abstract_individuals
-from skiros_py.world.change import Change, Edit, ElementEdit, GoalsEdit, PlacementEdit, PropertyEdit
+from skiros_py.world.change import Change, Edit, ElementEdit, GoalsEdit, PlacementEdit, PropertyEdit, SourceEdit
 from skiros_py.world.element import Element, Placement, Value, is_abstract, is_learned
 from skiros_py.world.index import Index
 from skiros_py.world.literals import format_value, literal_type
@@ -106,6 +106,8 @@ class Triples:
             return [] if value is None else [self.value(edit.element, edit.property, value)]
         if isinstance(edit, GoalsEdit):
             return list(self.goals(edit.new if new else edit.old))
+        if isinstance(edit, SourceEdit):
+            return []
         holds = edit.new if new else edit.old
         return [self.relation(edit.subject, edit.relation, edit.object)] if holds else []
 

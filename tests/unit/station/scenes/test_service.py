@@ -42,7 +42,7 @@ class Store:
 
 def test_a_save_that_comes_between_the_check_and_the_writing_is_not_overwritten() -> None:
     store = Store()
-    world = SimpleNamespace(state=lambda: (7, object()))
+    world = SimpleNamespace(snapshot=object)
     station: Any = SimpleNamespace(scene_store=store, session=SimpleNamespace(world=world))
 
     with pytest.raises(StaleVersion):
