@@ -149,6 +149,8 @@ _TABLE = {
         /managers/{agent} PUT DELETE
         /devices/{id}/open POST
         /devices/{id}/close POST
+        /devices/{id}/jog POST
+        /devices/{id}/teach POST
         /modules/{agent}/{module}/panel POST
         /modules/{agent}/{module}/runs POST
         /modules/{agent}/{module}/reset POST
@@ -156,9 +158,6 @@ _TABLE = {
         /module-runs/{id}/{command} POST
         /plugins GET
         /plugins/faults GET
-        /robots/{id}/jog POST
-        /robots/{id}/teach POST
-        /robots/{id}/home POST
     """,
     "admin": """
         /webhooks GET POST

@@ -12,6 +12,7 @@ from support.serving import Served, serving
 
 from skiros_py.cli.main import cli
 from skiros_py.client import Client, ProblemError
+from skiros_py.errors import DeviceError
 
 Ask = Callable[..., Any]
 
@@ -61,6 +62,21 @@ def test_a_device_is_closed_and_opened_from_the_shell(said: Ask, client: Client)
 
     assert json.loads(said("device", "open", "gripper_1", "--json"))["open"]
     assert client.devices.get("gripper_1").open
+
+
+def test_a_device_is_jogged_and_taught_with_from_the_shell(said: Ask, served: Served, client: Client) -> None:
+    moved = json.loads(said("device", "jog", "gripper_1", "--param", "gap=0.03", "--json"))
+    aside = said("device", "jog", "base_1", "--param", "dx=0.05")
+    taught = said("device", "teach", "base_1", "--param", "location=pallet_a")
+    tool = ("device", "jog", "arm_1", "--module", "jog_tool", "--param", "translation=0 0 0.01", "--url", served.url)
+    refused = CliRunner().invoke(cli, tool)  # the fake arm has no planner
+
+    assert (moved["module"], moved["status"]) == ("gripper_control", "succeeded")
+    assert client.devices.state("gripper_1").signals["gap"] == pytest.approx(0.03)
+    assert aside.startswith("moved by 0.0")
+    assert taught.startswith("learned as")
+    assert isinstance(refused.exception, DeviceError)
+    assert str(refused.exception) == "jog_tool of arm_1: there is no planner for the arm: jog the joints instead"
 
 
 def test_what_does_not_exist_is_named(client: Client) -> None:

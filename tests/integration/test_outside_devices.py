@@ -9,8 +9,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from support.serving import serving
 
+from skiros_py.api.modules import ModuleRunInfo
 from skiros_py.api.view import Replay
+from skiros_py.client import Client, ProblemError
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
 from skiros_py.planning.plan import Plan
@@ -123,6 +126,7 @@ class Turntable(DeviceSpec[TableState, TableTarget]):
     state_type: ClassVar[type] = TableState
     target_type: ClassVar[type] = TableTarget
     carries: ClassVar[bool] = True
+    jog: ClassVar[tuple[str, ...]] = ("turn",)
     signals: ClassVar[Any] = (DeviceSignal("angle", lambda s: s.angle, "rad", "how far it is turned"),)
     joint_names = ("turn",)
     platform_link = "plate"
@@ -208,7 +212,8 @@ class Omni(MobileSpec[OmniState, OmniTwist]):
     device_class: ClassVar[str] = "lab:Omni"
     state_type: ClassVar[type] = OmniState
     target_type: ClassVar[type] = OmniTwist
-    jog: ClassVar[str] = "jog_base"
+    jog: ClassVar[tuple[str, ...]] = ("jog_base",)
+    teach: ClassVar[tuple[str, ...]] = ("teach_driving_pose",)
 
     @classmethod
     def read(cls, individual):
@@ -745,10 +750,12 @@ class Turn(Primitive):
     @dataclass(frozen=True, slots=True)
     class Params:
         feeder: str = param("lab:Feeder", "The feeder.", kind=Kind.HARDWARE)
+        by: float = param("number", "How far it turns.", default=1.0, unit="rad", limits=(0.0, 2.0))
 
     def execute(self):
         feeder = DeviceHandle(self.context.board, self.params.feeder)
-        while feeder.state.angle < 1.0:
+        end = feeder.state.angle + self.params.by
+        while feeder.state.angle < end:
             feeder.command(TableTarget(2.0))
             yield
         self.assert_effects(reason="it was turned")
@@ -770,12 +777,17 @@ FEED = Skill(
 '''
 
 
+def install_feeder(site: Any) -> None:
+    """Installs the feeder's skill, primitive and condition."""
+    points = {"skills": {"feed": "lab_feeder:FEED"}, "primitives": {"turn": "lab_feeder:Turn"}}
+    site.install("lab-feeder", {**points, "conditions": {"Turned": "lab_feeder:TURNED"}}, {"lab_feeder.py": FEEDER})
+
+
 @pytest.mark.parametrize("robots", [0, 1])
 def test_a_device_without_a_robot_that_is_an_agent_is_planned_with_and_run(
     lab: Path, site: Any, monkeypatch: pytest.MonkeyPatch, robots: int
 ) -> None:
-    points = {"skills": {"feed": "lab_feeder:FEED"}, "primitives": {"turn": "lab_feeder:Turn"}}
-    site.install("lab-feeder", {**points, "conditions": {"Turned": "lab_feeder:TURNED"}}, {"lab_feeder.py": FEEDER})
+    install_feeder(site)
     lab.write_text(ONTOLOGY + FEEDER_CLASS, encoding="utf-8")
     monkeypatch.setenv("SKIROS_ONTOLOGIES", str(lab))
     feeder = 'scene:feeder_1 a lab:Feeder ; sk:pose "2 0 0 0 0 0"^^sk:poseLiteral ; sk:on scene:floor .'
@@ -793,3 +805,39 @@ def test_a_device_without_a_robot_that_is_an_agent_is_planned_with_and_run(
         ]
         assert report.reached
         assert session.managers.who_runs("turn").agent == "feeder_1"
+
+
+@pytest.mark.usefixtures("lab")
+def test_devices_of_outside_kinds_are_jogged_and_taught_with_over_http(site: Any, tmp_path: Path) -> None:
+    install_cell(site, ontology=ONTOLOGY + CUBE + FEEDER_CLASS)
+    install_feeder(site)
+    scene = tmp_path / "lab_scene.ttl"
+    scene.write_text(LAB.replace("a lab:Turntable", "a lab:Feeder"), encoding="utf-8")
+
+    with serving(str(scene), tmp_path / "data") as served, Client(served.url) as client:
+
+        def ended(run: ModuleRunInfo) -> ModuleRunInfo:
+            while run.status not in ("succeeded", "failed", "stopped"):
+                run = client.modules.get_run(run.id)
+            return run
+
+        base, plate, hand = (client.devices.get(id_) for id_ in ("base_1", "plate_1", "hand_1"))
+        aside = ended(client.devices.jog("base_1", {"dy": 0.1}))
+        turned = ended(client.devices.jog("plate_1", {"by": 0.5}))
+        taught = ended(client.devices.teach("base_1", {"location": "bench_1"}))
+        with pytest.raises(ProblemError, match="it must be between 0 and 2"):
+            client.devices.jog("plate_1", {"by": 3.0})
+        with pytest.raises(ProblemError, match="devices of kind 'three-finger gripper' have no module to jog"):
+            client.devices.jog("hand_1")
+        state = client.devices.state("base_1").state
+
+    assert [(one.module, one.agent) for one in (*base.jog, *base.teach)] == [
+        ("jog_base", "base_1"),
+        ("teach_driving_pose", "base_1"),
+    ]
+    assert [(one.module, one.agent) for one in plate.jog] == [("turn", "plate_1")]
+    assert ([joint.name for joint in hand.joints], hand.jog) == (["a", "b", "c"], ())
+    assert [run.status for run in (aside, turned, taught)] == ["succeeded"] * 3, (aside, turned, taught)
+    assert state is not None
+    assert state["pose"]["position"] == pytest.approx([0.0, 0.1, 0.0], abs=0.01)
+    assert taught.changes[0]["edits"][0]["new"]["type"] == "sk:TaughtDrivingPose"

@@ -190,7 +190,7 @@ def test_whoever_jogs_a_robot_that_a_job_has_is_refused_and_the_job_goes_on(api:
     api.put("/jobs/kit", json=STARTER).raise_for_status()
     until(lambda: moves(api, "kit"))
 
-    refused = api.post("/robots/robot_1/home", json={})
+    refused = api.post("/devices/arm_1/jog", json={"module": "home"})
 
     assert refused.status_code == 409, refused.text
     assert over(api, "kit")["outcome"] == "succeeded"

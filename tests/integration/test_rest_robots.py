@@ -10,7 +10,6 @@ import pytest
 from support.serving import Served, serving
 
 from skiros_py.api.modules import ModuleRunInfo
-from skiros_py.api.robots import Jog, JogBase, JogGripper, JogJoints, Teach
 from skiros_py.client.calls import modules, robots
 from skiros_py.client.request import Call
 
@@ -72,7 +71,10 @@ def test_devices_of_any_kind_are_told_with_the_values_that_they_offer(api) -> No
         "camera_1": "camera",
     }
     assert gripper == told["gripper_1"]
-    assert (gripper.robot, gripper.jog, gripper.description["max_gap"]) == ("robot_1", "gripper_control", 0.08)
+    assert (gripper.robot, gripper.description["max_gap"]) == ("robot_1", 0.08)
+    assert [(one.module, one.agent) for one in gripper.jog] == [("gripper_control", "arm_1")]
+    assert [one.module for one in told["arm_1"].jog] == ["jog_joints", "jog_tool", "home"]
+    assert (told["arm_1"].frames, len(told["arm_1"].joints), told["camera_1"].jog) == (("tcp",), 7, ())
     assert {signal.name: signal.unit for signal in gripper.signals} == {"gap": "m", "force": "N", "still": ""}
     assert reading.state is not None
     assert reading.signals["gap"] == reading.state["gap"]
@@ -94,9 +96,9 @@ def test_the_state_of_a_robot_says_where_its_tool_is_in_the_map(api) -> None:
 def test_joints_are_jogged_and_the_arm_is_brought_home_again(api) -> None:
     before = done(api, robots.get_robot_state("robot_1")).arms["arm_1"]
 
-    run = followed(api, done(api, robots.jog_robot("robot_1", Jog(joints=JogJoints(deltas=STEP)))))
+    run = followed(api, done(api, robots.jog_device("arm_1", {"deltas": STEP})))
     after = done(api, robots.get_robot_state("robot_1")).arms["arm_1"]
-    home = followed(api, done(api, robots.home_robot("robot_1")))
+    home = followed(api, done(api, robots.jog_device("arm_1", module="home")))
 
     assert (run.module, run.agent, run.status) == ("jog_joints", "arm_1", "succeeded")
     assert after.positions == pytest.approx([a + b for a, b in zip(before.positions, STEP, strict=True)])
@@ -106,15 +108,14 @@ def test_joints_are_jogged_and_the_arm_is_brought_home_again(api) -> None:
 
 
 def test_the_fingers_move_to_a_width(api) -> None:
-    run = followed(api, done(api, robots.jog_robot("robot_1", Jog(gripper=JogGripper(width=0.03)))))
+    run = followed(api, done(api, robots.jog_device("gripper_1", {"gap": 0.03})))
 
     assert run.status == "succeeded"
     assert done(api, robots.get_robot_state("robot_1")).grippers["gripper_1"].gap == pytest.approx(0.03)
 
 
 def test_what_is_learned_where_the_robot_stands_is_among_what_is_learned(api) -> None:
-    lesson = Teach(what="driving-pose", arguments={"location": "pallet_a"})
-    run = followed(api, done(api, robots.teach_robot("robot_1", lesson)))
+    run = followed(api, done(api, robots.teach_device("base_1", {"location": "pallet_a"})))
 
     assert run.status == "succeeded"
     (edit,) = run.changes[0]["edits"]
@@ -123,45 +124,55 @@ def test_what_is_learned_where_the_robot_stands_is_among_what_is_learned(api) ->
 
 
 @pytest.mark.parametrize(
-    "jog",
+    ("device", "request_", "status"),
     [
-        {},
-        {"base": {"dx": 0.1}, "gripper": {"width": 0.01}},
-        {"base": {"dx": 0.3}},
-        {"base": {"dx": 0.2, "dy": 0.2}},
-        {"base": {"dyaw": 1}},
-        {"joints": {"deltas": [0.1]}},
-        {"joints": {"deltas": [0.5, 0, 0, 0, 0, 0, 0]}},
-        {"joints": {"arm": "nix", "deltas": list(STEP)}},
-        {"tool": {"translation": [0.1, 0.1, 0]}},
-        {"tool": {"rotation": [0.3, 0.3, 0]}},
-        {"gripper": {"width": -1}},
-        {"gripper": {"width": 0.01, "gripper": "arm_1"}},
+        ("base_1", {"arguments": {"dx": 0.3}}, 422),
+        ("base_1", {"arguments": {"dyaw": 1}}, 422),
+        ("base_1", {"arguments": {"base": "arm_1"}}, 422),
+        ("base_1", {"module": "jog_joints"}, 422),
+        ("arm_1", {"arguments": {"deltas": [0.5, 0, 0, 0, 0, 0, 0]}}, 422),
+        ("arm_1", {"arguments": {"arm": "nix", "deltas": list(STEP)}}, 422),
+        ("arm_1", {"module": "jog_tool", "arguments": {"translation": [0.1, 0.2, 0]}}, 422),
+        ("arm_1", {"module": "jog_tool", "arguments": {"rotation": [0.3, 0.4, 0]}}, 422),
+        ("gripper_1", {"arguments": {"gap": -1}}, 422),
+        ("gripper_1", {"arguments": {"width": 0.02}}, 422),
+        ("gripper_1", {"gap": 0.02}, 422),
+        ("camera_1", {}, 422),
+        ("nix", {}, 404),
     ],
 )
-def test_what_is_no_small_step_of_this_robot_is_refused(api, jog) -> None:
+def test_what_is_no_small_step_of_this_device_is_refused(api, device, request_, status) -> None:
     before = len(done(api, modules.list_module_runs()).items)
 
-    assert api.post("/robots/robot_1/jog", json=jog).status_code == 422
+    assert api.post(f"/devices/{device}/jog", json=request_).status_code == status
     assert len(done(api, modules.list_module_runs()).items) == before
+
+
+def test_a_refusal_names_the_modules_that_the_kind_has_for_it(api) -> None:
+    other = sent(api, robots.jog_device("base_1", module="jog_joints")).json()["detail"]
+    none = sent(api, robots.teach_device("gripper_1")).json()["detail"]
+
+    assert "unknown module 'jog_joints' to jog base_1" in other
+    assert "Known: jog_base" in other
+    assert none == "gripper_1: devices of kind 'gripper' have no module to teach"
 
 
 def test_nobody_jogs_a_robot_that_does_something(api) -> None:
     asks = done(api, modules.run_module("arm_1", "confirm", {"question": "Is it so?"}))
-    refused = sent(api, robots.jog_robot("robot_1", Jog(base=JogBase(dx=0.1))))
-    home = sent(api, robots.home_robot("robot_1"))
+    refused = sent(api, robots.jog_device("base_1", {"dx": 0.1}))
+    home = sent(api, robots.jog_device("arm_1", module="home"))
     done(api, modules.command_module_run(asks.id, "stop"))
     followed(api, asks)
 
     assert (refused.status_code, home.status_code) == (409, 409)
     assert "confirm of arm_1" in refused.json()["detail"]
-    assert followed(api, done(api, robots.jog_robot("robot_1", Jog(base=JogBase(dx=0.1))))).status == "succeeded"
+    assert followed(api, done(api, robots.jog_device("base_1", {"dx": 0.1}))).status == "succeeded"
 
 
 def test_nobody_jogs_a_robot_whose_task_goes_on(api) -> None:
     steps = [{"skill": "drive", "arguments": {"Location": place}} for place in ("pallet_a", "kit_1")]
     name = api.post("/tasks", json={"steps": steps, "iterate": None}).json()["name"]
-    refused = sent(api, robots.jog_robot("robot_1", Jog(gripper=JogGripper(width=0.02))))
+    refused = sent(api, robots.jog_device("gripper_1", {"gap": 0.02}))
     api.post(f"/tasks/{name}/stop").raise_for_status()
     deadline = time.monotonic() + 20.0
     while api.get(f"/tasks/{name}").json()["status"] != "ended" and time.monotonic() < deadline:
@@ -169,23 +180,21 @@ def test_nobody_jogs_a_robot_whose_task_goes_on(api) -> None:
 
     assert refused.status_code == 409
     assert name in refused.json()["detail"]
-    run = followed(api, done(api, robots.jog_robot("robot_1", Jog(gripper=JogGripper(width=0.02)))))
+    run = followed(api, done(api, robots.jog_device("gripper_1", {"gap": 0.02})))
     assert run.status == "succeeded"
 
 
 def test_what_is_no_robot_is_not_found(api) -> None:
-    jog = Jog(gripper=JogGripper(width=0.02))
-    reads = (robots.get_robot("nix"), robots.get_robot_state("nix"))
-    calls = (*reads, robots.jog_robot("nix", jog), robots.home_robot("nix"))
+    calls = (robots.get_robot("nix"), robots.get_robot_state("nix"), robots.teach_device("nix"))
 
-    assert [sent(api, call).status_code for call in calls] == [404] * 4
+    assert [sent(api, call).status_code for call in calls] == [404] * 3
 
 
 def test_what_waits_for_devices_that_something_else_uses_does_not_start_later_by_surprise(served, api) -> None:
     claims = served.services.station.session.managers.claims
     held = served.services.station.control.call(lambda _session: claims.request("somebody", {"gripper_1"}))
     try:
-        run = followed(api, done(api, robots.jog_robot("robot_1", Jog(gripper=JogGripper(width=0.01)))))
+        run = followed(api, done(api, robots.jog_device("gripper_1", {"gap": 0.01})))
     finally:
         served.services.station.control.call(lambda _session: held.release())
 

@@ -55,7 +55,12 @@ class GripperControl(Primitive["GripperControl.Params"]):
 
         gripper: str = param(GRIPPER, "The gripper.", kind=Kind.HARDWARE)
         gap: float | None = param(
-            "number", "Wanted gap between the pads; left out: wide open.", kind=Kind.OPTIONAL, default=None, unit="m"
+            "number",
+            "Wanted gap between the pads; left out: wide open.",
+            kind=Kind.OPTIONAL,
+            default=None,
+            unit="m",
+            limits=(0.0, 1.0),
         )
         force: float | None = param(
             "number",

@@ -53,8 +53,6 @@ def slip(arm: ArmPrimitive, planned: MotionPlan) -> Execution[NoMotion | None]:
     return refusal
 
 
-_FARTHEST = 0.2
-"""Farthest turn of one joint in one step [rad]."""
 _SHOWN = 0.0005
 """Smaller joint motions are not reported [rad]."""
 
@@ -74,19 +72,16 @@ class JogJoints(ArmPrimitive):
 
         arm: str = param(ARM, "The arm that moves.", kind=Kind.HARDWARE)
         deltas: tuple[float, ...] = param(
-            "number", "By how much each joint turns, at most 0.2 rad, in the arm's order.", length=0, unit="rad"
+            "number", "By how much each joint turns, in the arm's order.", length=0, unit="rad", limits=(-0.2, 0.2)
         )
 
     def start(self) -> Failure | None:
-        """Checks that it is a small step of this arm."""
+        """Checks that there is a number for each joint."""
         joints, deltas = self.arm_spec.joints, self.params.deltas
         if len(deltas) != len(joints):
             return Failure(
                 f"deltas: {self.params.arm} has {len(joints)} joints ({', '.join(joints)}), not {len(deltas)}"
             )
-        worst = max(deltas, key=abs)
-        if abs(worst) > _FARTHEST:
-            return Failure(f"deltas: one step turns a joint by at most {_FARTHEST:g} rad, not by {worst:g} rad")
         return None
 
     def execute(self) -> Execution[Outcome]:
@@ -144,7 +139,12 @@ class JogTool(ArmPrimitive):
             "text", "Along whose axes: tool, base (of the robot), map, or the id of an element.", default="tool"
         )
         translation: Triple = param(
-            "number", "By how much it moves along x, y, z; 0.1 m at most.", length=3, default=(0.0, 0.0, 0.0), unit="m"
+            "number",
+            "By how much it moves along x, y, z; 0.1 m at most in all.",
+            length=3,
+            default=(0.0, 0.0, 0.0),
+            unit="m",
+            limits=(-_TOOL_FARTHEST, _TOOL_FARTHEST),
         )
         rotation: Triple = param(
             "number",
@@ -152,6 +152,7 @@ class JogTool(ArmPrimitive):
             length=3,
             default=(0.0, 0.0, 0.0),
             unit="rad",
+            limits=(-_TURN, _TURN),
         )
         near: str | None = param(
             SPATIAL_THING,
@@ -226,6 +227,8 @@ def _quaternion(rotation: Triple) -> tuple[float, float, float, float]:
     return (x, y, z, math.cos(angle / 2.0))
 
 
+_FARTHEST = 0.2
+"""Longest step [m]."""
 _BASE_SPEED, _TURNING = 0.1, 0.3
 """Greatest speeds [m/s, rad/s]."""
 _CLOSE = 0.02
@@ -251,16 +254,17 @@ class JogBase(DrivingPrimitive):
 
         base: str = param(BASE, "The base that drives.", kind=Kind.HARDWARE)
         robot: str = param(ROBOT, "The robot it carries along.", kind=Kind.PLANNING)
-        dx: float = param("number", "How far ahead; 0.2 m at most.", default=0.0, unit="m")
-        dy: float = param("number", "How far to the left; 0.2 m at most.", default=0.0, unit="m")
-        dyaw: float = param("number", "How far it turns to the left; 0.35 rad at most.", default=0.0, unit="rad")
+        dx: float = param(
+            "number", "How far ahead; 0.2 m at most with dy.", default=0.0, unit="m", limits=(-_FARTHEST, _FARTHEST)
+        )
+        dy: float = param("number", "How far to the left.", default=0.0, unit="m", limits=(-_FARTHEST, _FARTHEST))
+        dyaw: float = param("number", "How far it turns to the left.", default=0.0, unit="rad", limits=(-_TURN, _TURN))
 
     def start(self) -> Failure | None:
         """Checks that the step is small and the arms are in their travelling posture."""
         way = math.hypot(self.params.dx, self.params.dy)
-        if way > _FARTHEST or abs(self.params.dyaw) > _TURN:
-            said = f"{way:.3g} m and {abs(self.params.dyaw):.3g} rad"
-            return Failure(f"one step is at most {_FARTHEST:g} m and {_TURN:g} rad long, not {said}")
+        if way > _FARTHEST:
+            return Failure(f"one step is at most {_FARTHEST:g} m long, not {way:.3g} m")
         stretched = [arm.id for arm in self._robot.of(ArmSpec) if not self._is_stowed(arm.id, arm.home)]
         if stretched:
             return Failure(f"{', '.join(stretched)} is stretched out: bring it home before the base moves")

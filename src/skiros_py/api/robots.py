@@ -2,32 +2,28 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any
 
-from pydantic import ConfigDict, Field, model_validator
+from pydantic import ConfigDict, Field
 
 from skiros_py.api.modules import Arguments
 from skiros_py.api.view import ArmInfo, BaseInfo, GripperInfo, PoseInfo
 from skiros_py.api.wire import Answer, Name, Request
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
-Turn = Annotated[float, Field(ge=-0.2, le=0.2)]
-Length = Annotated[float, Field(ge=-0.1, le=0.1)]
-Angle = Annotated[float, Field(ge=-0.35, le=0.35)]
-Step = Annotated[float, Field(ge=-0.2, le=0.2)]
 
 
 class JointDescription(Answer):
-    """One joint of an arm."""
+    """One joint."""
 
     name: str = Field(examples=["panda_joint1"])
     """Its name."""
     lower: float | None = Field(examples=[-2.9])
-    """Least angle [rad]; null where it has no limit."""
+    """Least position [rad or m]; null where it has no limit."""
     upper: float | None = Field(examples=[2.9])
-    """Greatest angle [rad]; null where it has no limit."""
+    """Greatest position [rad or m]; null where it has no limit."""
     velocity: float | None = Field(examples=[2.1])
-    """Greatest speed [rad/s]; null if unknown."""
+    """Greatest speed [rad/s or m/s]; null if unknown."""
 
 
 class ArmDescription(Answer):
@@ -147,101 +143,22 @@ class RobotReading(Answer):
     """Its grippers by id."""
 
 
-class JogJoints(Request):
-    """Turns the joints of an arm by a little."""
-
-    arm: Name | None = Field(None, examples=["arm_1"])
-    """The arm; may be left out where there is one."""
-    deltas: tuple[Turn, ...] = Field(min_length=1, max_length=20, examples=[[0.1, 0, 0, 0, 0, 0, 0]])
-    """By how much each joint turns [rad], at most 0.2."""
-
-
-class JogTool(Request):
-    """Moves the tool of an arm by a little, on a straight line."""
-
-    arm: Name | None = Field(None, examples=["arm_1"])
-    """The arm; may be left out where there is one."""
-    frame: Name = Field("tool", examples=["map"])
-    """Along whose axes: tool, base, map, or the id of an element."""
-    translation: tuple[Length, Length, Length] = Field((0.0, 0.0, 0.0), examples=[[0.0, 0.0, -0.05]])
-    """Along x, y, z [m]; 0.1 m at most in all."""
-    rotation: tuple[Angle, Angle, Angle] = Field((0.0, 0.0, 0.0), examples=[[0.0, 0.0, 0.1]])
-    """Axis, as long as it turns about the tool's tip [rad]; 0.35 rad at most."""
-    near: Name | None = Field(None, examples=["starter_1"])
-    """A thing that the gripper may touch, with what it lies on."""
-
-
-class JogBase(Request):
-    """Drives the base by a little; a step to the side is a turn, a straight way and a turn back."""
-
-    dx: Step = Field(0.0, examples=[0.1])
-    """How far ahead [m]."""
-    dy: Step = Field(0.0, examples=[0.0])
-    """How far to the left [m]; 0.2 m at most with `dx`."""
-    dyaw: Angle = Field(0.0, examples=[0.0])
-    """How far it turns to the left [rad]."""
-
-
-class JogGripper(Request):
-    """Moves the fingers."""
-
-    gripper: Name | None = None
-    """The gripper; may be left out where there is one."""
-    width: float = Field(ge=0.0, le=1.0, examples=[0.04])
-    """Distance between the fingers afterwards [m]."""
-
-
-class Jog(Request):
-    """Moves a robot by a little: exactly one of joints, tool, base, gripper."""
+class ManualRun(Request):
+    """Jogs or teaches with a device."""
 
     model_config = ConfigDict(
         json_schema_extra={
             "examples": [
-                {"joints": {"arm": "arm_1", "deltas": [0.1, 0, 0, 0, 0, 0, 0]}},
-                {"tool": {"frame": "map", "translation": [0, 0, -0.05]}},
-                {"base": {"dx": 0.1}},
-                {"gripper": {"width": 0.04}},
+                {"arguments": {"deltas": [0.1, 0, 0, 0, 0, 0, 0]}},
+                {"module": "jog_tool", "arguments": {"frame": "map", "translation": [0, 0, -0.05]}},
             ]
         }
     )
 
-    joints: JogJoints | None = None
-    """Turns joints."""
-    tool: JogTool | None = None
-    """Moves the tool."""
-    base: JogBase | None = None
-    """Drives the base."""
-    gripper: JogGripper | None = None
-    """Moves the fingers."""
-
-    @model_validator(mode="after")
-    def _is_one(self) -> Self:
-        given = [one for one in (self.joints, self.tool, self.base, self.gripper) if one is not None]
-        if len(given) != 1:
-            raise ValueError("give exactly one of joints, tool, base and gripper")
-        return self
-
-
-class Teach(Request):
-    """Teaches a robot, as it stands now."""
-
-    model_config = ConfigDict(
-        json_schema_extra={"examples": [{"what": "driving-pose", "arguments": {"location": "pallet_a"}}]}
-    )
-
-    what: Literal["grasp", "driving-pose", "placing-pose"]
-    """What it learns."""
-    arguments: Arguments = Field(default_factory=dict, examples=[{"location": "pallet_a", "type": "kitting:Pallet"}])
-    """Of the primitive that learns it: teach_grasp, teach_driving_pose, teach_placing_pose."""
-
-
-class HomeRobot(Request):
-    """Brings arms home."""
-
-    model_config = ConfigDict(json_schema_extra={"examples": [{}]})
-
-    arm: Name | None = Field(None, examples=["arm_1"])
-    """The arm; all arms where left out."""
+    module: Name | None = Field(None, examples=["jog_tool"])
+    """One of the modules that the device has for this; the first of them where left out."""
+    arguments: Arguments = Field(default_factory=dict, examples=[{"translation": [0, 0, -0.05]}])
+    """Parameters of the module; its device is the one in the address."""
 
 
 SignalValue = bool | float | tuple[float, ...]
@@ -261,6 +178,15 @@ class SignalInfo(Answer):
     """Its meaning."""
 
 
+class DeviceModule(Answer):
+    """A module that the kind of a device names for jogging or teaching."""
+
+    module: str = Field(examples=["gripper_control"])
+    """Its name."""
+    agent: str | None = Field(examples=["arm_1"])
+    """Id of the subsystem that runs it; null where none can."""
+
+
 class DeviceInfo(Answer):
     """One device."""
 
@@ -278,10 +204,14 @@ class DeviceInfo(Answer):
     """Whether it may be used; false after it was closed."""
     commanded: bool = Field(examples=[True])
     """Whether it takes commands; false for a sensor."""
-    jog: str = Field(examples=["gripper_control"])
-    """Module that moves it by a little; empty for none."""
-    teach: str = Field(examples=[""])
-    """Module that teaches a pose with it; empty for none."""
+    joints: tuple[JointDescription, ...]
+    """The joints of its robot's model that it moves or measures."""
+    frames: tuple[str, ...] = Field(examples=[["tcp"]])
+    """Its links of its robot's model: a tip, an optical frame."""
+    jog: tuple[DeviceModule, ...]
+    """Modules that move it by a small step, or home."""
+    teach: tuple[DeviceModule, ...]
+    """Modules that learn something from its present state."""
 
 
 class DeviceReading(Answer):

@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 import json
+import time
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import click
 
-from skiros_py.cli.options import JSON
+from skiros_py.cli.options import JSON, key_values
 from skiros_py.cli.output import NOT_REACHED, REACHED, tell
 from skiros_py.cli.reaching import Found, served, with_client
+from skiros_py.errors import DeviceError
 
 if TYPE_CHECKING:
     from skiros_py.api.alarms import StopInfo
-    from skiros_py.api.modules import ManagerInfo
+    from skiros_py.api.modules import ManagerInfo, ModuleRunInfo
     from skiros_py.api.robots import SignalValue
     from skiros_py.client import Client
 
 _TIMEOUT, _TRIES = 3.0, 3
 """A stop that does not work must be known soon [s], [tries]."""
+_POLLING = 0.1
+"""Time between two looks at a run [s]."""
 
 
 def _value(_context: click.Context, _parameter: click.Parameter, text: str) -> SignalValue:
@@ -69,7 +74,7 @@ def close_manager(client: Client, agent: str, force: bool) -> Found:
 
 @click.group("device")
 def device() -> None:
-    """Lists, opens and closes the devices of a server while it runs."""
+    """Lists, opens, closes, jogs and teaches the devices of a server while it runs."""
 
 
 @served(device, "device list --data cell")
@@ -91,6 +96,56 @@ def open_device(client: Client, device: str) -> Found:
 def close_device(client: Client, device: str) -> Found:
     """Closes DEVICE, if nothing uses it: no module may use it until it is opened."""
     return client.devices.close(device), [f"{device} is closed"]
+
+
+_BY_HAND = (
+    click.argument("device"),
+    click.option("--module", metavar="NAME", help="One of the modules for this.  [default: the first of the kind]"),
+    click.option("--param", "params", multiple=True, metavar="KEY=VALUE", help="A parameter of the module. Repeat it."),
+)
+
+
+def _by_hand(command: Callable[..., Found]) -> Callable[..., Found]:
+    for option in reversed(_BY_HAND):
+        command = option(command)
+    return command
+
+
+@served(device, "device jog gripper_1 --param gap=0.03 --data cell")
+@_by_hand
+def jog_device(client: Client, device: str, module: str | None, params: tuple[str, ...]) -> Found:
+    """Moves DEVICE by a small step, or home, and waits until it stands; Ctrl-C stops it."""
+    return _followed(client, client.devices.jog(device, _parameters(params), module=module))
+
+
+@served(device, "device teach base_1 --param location=pallet_a --data cell")
+@_by_hand
+def teach_device(client: Client, device: str, module: str | None, params: tuple[str, ...]) -> Found:
+    """Learns something from the present state of DEVICE, such as a grasp or a driving pose."""
+    return _followed(client, client.devices.teach(device, _parameters(params), module=module))
+
+
+def _parameters(params: tuple[str, ...]) -> dict[str, str]:
+    return key_values("--param", params, "gap=0.03", "KEY=VALUE")
+
+
+def _followed(client: Client, run: ModuleRunInfo) -> Found:
+    """Waits for the end of a run.
+
+    Raises:
+        DeviceError: It failed, or was stopped.
+    """
+    try:
+        while run.status in ("running", "paused", "stopping"):
+            time.sleep(_POLLING)
+            run = client.modules.get_run(run.id)
+    except KeyboardInterrupt:
+        client.modules.command(run.id, "stop")
+        raise
+    text = run.rounds[-1].text if run.rounds else run.status
+    if run.status != "succeeded":
+        raise DeviceError(f"{run.module} of {run.agent}: {text}")
+    return run, [text]
 
 
 @click.group("signal")

@@ -23,7 +23,7 @@ _COMMANDS = {
     "reset": ("cell:reset", "Let them start again after that."),
     "manager": ("cell:manager", "Open and close the skill managers of a server while it runs."),
     "signal": ("cell:signal", "List, read and set the signals of a server."),
-    "device": ("cell:device", "List, open and close the devices of a server while it runs."),
+    "device": ("cell:device", "List, open, close, jog and teach the devices of a server while it runs."),
     "document": ("document", "Write, run and debug the documents of a server: trees, nets and graphs."),
     "report": ("report", "Make a page about a run: timeline, pictures, what happened and why."),
     "plan": ("plan", "Show domain, problem and plan without doing anything."),

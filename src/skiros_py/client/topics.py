@@ -374,7 +374,7 @@ class Plugins(Topic[C]):
 
 
 class Robots(Topic[C]):
-    """Robots: state, jogging, teaching."""
+    """Robots: models, state, motions, looks."""
 
     list = Method(robots.list_robots)
     get = Method(robots.get_robot)
@@ -383,19 +383,18 @@ class Robots(Topic[C]):
     mesh = Method(robots.get_robot_mesh)
     motion = Method(robots.get_robot_motion)
     look = Method(robots.get_look)
-    jog = Method(robots.jog_robot)
-    teach = Method(robots.teach_robot)
-    home = Method(robots.home_robot)
 
 
 class Devices(Topic[C]):
-    """Devices of any kind, and their readings."""
+    """Devices of any kind: readings, opening and closing, jogging and teaching."""
 
     list = Method(robots.list_devices)
     get = Method(robots.get_device)
     state = Method(robots.get_device_state)
     open = Method(robots.open_device)
     close = Method(robots.close_device)
+    jog = Method(robots.jog_device)
+    teach = Method(robots.teach_device)
 
 
 class Signals(Topic[C]):
@@ -456,8 +455,8 @@ class Topics(Generic[C]):
         simulation: The simulation: the ground truth, as opposed to the world model.
         modules: Skills and primitives, run individually, and their managers.
         plugins: Installed plug-ins and their faults.
-        robots: Robots: state, jogging, teaching.
-        devices: Devices of any kind, and their readings.
+        robots: Robots: models, state, motions, looks.
+        devices: Devices of any kind: readings, opening and closing, jogging and teaching.
         signals: Signals of the cell.
         sequences: Sequences of steps edited by the user.
         tasks: Goals that are being pursued now.

@@ -64,8 +64,8 @@ class ArmSpec(DeviceSpec[ArmState, ArmTarget]):
         DeviceSignal("velocities", lambda state: state.velocities, "rad/s", "joint speeds"),
         DeviceSignal("still", lambda state: state.still, help="whether it stands"),
     )
-    jog: ClassVar[str] = "jog_joints"
-    teach: ClassVar[str] = "teach_grasp"
+    jog: ClassVar[tuple[str, ...]] = ("jog_joints", "jog_tool", "home")
+    teach: ClassVar[tuple[str, ...]] = ("teach_grasp", "teach_placing_pose")
 
     joints: tuple[str, ...]
     tip: str

@@ -70,7 +70,7 @@ class GripperSpec(DeviceSpec[GripperState, GripperTarget]):
         DeviceSignal("force", lambda state: state.force, "N", "force per finger"),
         DeviceSignal("still", lambda state: state.still, help="whether the fingers stand"),
     )
-    jog: ClassVar[str] = "gripper_control"
+    jog: ClassVar[tuple[str, ...]] = ("gripper_control",)
 
     joints: tuple[str, ...]
     arm: str

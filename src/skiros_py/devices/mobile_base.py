@@ -87,8 +87,8 @@ class BaseSpec(MobileSpec[BaseState, BaseTwist]):
         DeviceSignal("angular", lambda state: state.angular, "rad/s", "turning speed", "own"),
         DeviceSignal("still", lambda state: state.still, help="whether it stands"),
     )
-    jog: ClassVar[str] = "jog_base"
-    teach: ClassVar[str] = "teach_driving_pose"
+    jog: ClassVar[tuple[str, ...]] = ("jog_base",)
+    teach: ClassVar[tuple[str, ...]] = ("teach_driving_pose",)
 
     max_linear: float
     max_angular: float

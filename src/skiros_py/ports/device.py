@@ -144,8 +144,8 @@ class DeviceSpec(ABC, Generic[StateT, TargetT]):
         target_type: Type of its targets, a frozen dataclass; None for a sensor.
         signals: The values that it offers in each cycle.
         carries: True where bodies may stand on it: their ``sk:pose`` is given in its frame, and they move with it.
-        jog: Primitive that moves it by a little, for people; empty for none.
-        teach: Primitive that takes it to where a person teaches a pose; empty for none.
+        jog: Modules with which a person moves it by a small step, or home; the first is the usual one.
+        teach: Modules that learn something from its present state; the first is the usual one.
 
     Attributes:
         id: Its element id.
@@ -157,8 +157,8 @@ class DeviceSpec(ABC, Generic[StateT, TargetT]):
     target_type: ClassVar[type | None] = None
     signals: ClassVar[tuple[DeviceSignal[Any], ...]] = ()
     carries: ClassVar[bool] = False
-    jog: ClassVar[str] = ""
-    teach: ClassVar[str] = ""
+    jog: ClassVar[tuple[str, ...]] = ()
+    teach: ClassVar[tuple[str, ...]] = ()
 
     id: str
 

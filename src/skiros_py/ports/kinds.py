@@ -90,6 +90,9 @@ def device_problem(plugin: Plugin) -> str | None:
     for attribute in ("kind", "device_class"):
         if not isinstance(getattr(kind, attribute, None), str):
             return f"its {attribute} is no text"
+    for attribute in ("jog", "teach"):
+        if not isinstance(getattr(kind, attribute), tuple):
+            return f"its {attribute} is no tuple of names of modules"
     missing = sorted(kind.__abstractmethods__) if inspect.isabstract(kind) else []
     return f"it does not define {', '.join(missing)}" if missing else None
 

@@ -1556,54 +1556,6 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/robots/{id}/jog": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get?: never;
-        put?: never;
-        post: operations["jog_robot"];
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/v1/robots/{id}/teach": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get?: never;
-        put?: never;
-        post: operations["teach_robot"];
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/v1/robots/{id}/home": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get?: never;
-        put?: never;
-        post: operations["home_robot"];
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
     "/api/v1/robots/{id}/model": {
         parameters: {
             query?: never;
@@ -1710,6 +1662,38 @@ export interface paths {
         get?: never;
         put?: never;
         post: operations["close_device"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/devices/{id}/jog": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post: operations["jog_device"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/devices/{id}/teach": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post: operations["teach_device"];
         delete?: never;
         options?: never;
         head?: never;
@@ -2528,8 +2512,14 @@ export interface components {
             signals: components["schemas"]["SignalInfo"][];
             open: boolean;
             commanded: boolean;
-            jog: string;
-            teach: string;
+            joints: components["schemas"]["JointDescription"][];
+            frames: string[];
+            jog: components["schemas"]["DeviceModule"][];
+            teach: components["schemas"]["DeviceModule"][];
+        };
+        DeviceModule: {
+            module: string;
+            agent: string | null;
         };
         DeviceReading: {
             id: string;
@@ -2722,9 +2712,6 @@ export interface components {
             /** @default  */
             why: string;
         };
-        HomeRobot: {
-            arm?: string | null;
-        };
         HowMany: {
             relation: string;
             least: number;
@@ -2903,58 +2890,6 @@ export interface components {
         JobTransitions: {
             transitions: components["schemas"]["JobTransition"][];
         };
-        Jog: {
-            joints?: components["schemas"]["JogJoints"] | null;
-            tool?: components["schemas"]["JogTool"] | null;
-            base?: components["schemas"]["JogBase"] | null;
-            gripper?: components["schemas"]["JogGripper"] | null;
-        };
-        JogBase: {
-            /** @default 0 */
-            dx: number;
-            /** @default 0 */
-            dy: number;
-            /** @default 0 */
-            dyaw: number;
-        };
-        JogGripper: {
-            gripper?: string | null;
-            width: number;
-        };
-        JogJoints: {
-            arm?: string | null;
-            deltas: number[];
-        };
-        JogTool: {
-            arm?: string | null;
-            /** @default tool */
-            frame: string;
-            /**
-             * @default [
-             *       0,
-             *       0,
-             *       0
-             *     ]
-             */
-            translation: [
-                number,
-                number,
-                number
-            ];
-            /**
-             * @default [
-             *       0,
-             *       0,
-             *       0
-             *     ]
-             */
-            rotation: [
-                number,
-                number,
-                number
-            ];
-            near?: string | null;
-        };
         JointDescription: {
             name: string;
             lower: number | null;
@@ -3025,6 +2960,12 @@ export interface components {
             primitives: string[];
             running: components["schemas"]["RunningInfo"][];
             lost: string;
+        };
+        ManualRun: {
+            module?: string | null;
+            arguments?: {
+                [key: string]: unknown;
+            };
         };
         Material: {
             class: string;
@@ -3871,13 +3812,6 @@ export interface components {
         };
         Tasks: {
             items: components["schemas"]["TaskInfo"][];
-        };
-        Teach: {
-            /** @enum {string} */
-            what: "grasp" | "driving-pose" | "placing-pose";
-            arguments?: {
-                [key: string]: unknown;
-            };
         };
         TemplateParameter: {
             name: string;
@@ -7823,105 +7757,6 @@ export interface operations {
             };
         };
     };
-    jog_robot: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                id: string;
-            };
-            cookie?: never;
-        };
-        requestBody: {
-            content: {
-                "application/json": components["schemas"]["Jog"];
-            };
-        };
-        responses: {
-            202: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["ModuleRunInfo"];
-                };
-            };
-            default: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["ProblemDetails"];
-                };
-            };
-        };
-    };
-    teach_robot: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                id: string;
-            };
-            cookie?: never;
-        };
-        requestBody: {
-            content: {
-                "application/json": components["schemas"]["Teach"];
-            };
-        };
-        responses: {
-            202: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["ModuleRunInfo"];
-                };
-            };
-            default: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["ProblemDetails"];
-                };
-            };
-        };
-    };
-    home_robot: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                id: string;
-            };
-            cookie?: never;
-        };
-        requestBody?: {
-            content: {
-                "application/json": components["schemas"]["HomeRobot"];
-            };
-        };
-        responses: {
-            202: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["ModuleRunInfo"];
-                };
-            };
-            default: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["ProblemDetails"];
-                };
-            };
-        };
-    };
     get_robot_model: {
         parameters: {
             query?: never;
@@ -8118,6 +7953,72 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["DeviceInfo"];
+                };
+            };
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    jog_device: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ManualRun"];
+            };
+        };
+        responses: {
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ModuleRunInfo"];
+                };
+            };
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    teach_device: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ManualRun"];
+            };
+        };
+        responses: {
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ModuleRunInfo"];
                 };
             };
             default: {

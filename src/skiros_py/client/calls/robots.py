@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 from skiros_py.api.alarms import StopInfo
 from skiros_py.api.modules import ModuleRunInfo
 from skiros_py.api.robots import (
     CellSignal,
     DeviceInfo,
     DeviceReading,
-    Jog,
     Look,
     RobotInfo,
     RobotMotion,
     RobotReading,
     SignalReadings,
     SignalValue,
-    Teach,
 )
 from skiros_py.client.request import Call, nothing, path_of
 
@@ -44,25 +45,6 @@ def get_look(robot: str, camera: str) -> Call[Look]:
     """Returns the last image of a camera."""
     path = path_of("robots", robot, "cameras", camera, "look")
     return Call("GET", path, Look)
-
-
-def jog_robot(robot: str, jog: Jog) -> Call[ModuleRunInfo]:
-    """Jogs joints, tool, base or fingers."""
-    return _start(path_of("robots", robot, "jog"), jog.model_dump(mode="json", exclude_none=True))
-
-
-def teach_robot(robot: str, lesson: Teach) -> Call[ModuleRunInfo]:
-    """Teaches a robot from its current configuration."""
-    return _start(path_of("robots", robot, "teach"), lesson.model_dump(mode="json"))
-
-
-def home_robot(robot: str, arm: str | None = None) -> Call[ModuleRunInfo]:
-    """Moves one arm or all arms home."""
-    return _start(path_of("robots", robot, "home"), {} if arm is None else {"arm": arm})
-
-
-def _start(path: str, body: object) -> Call[ModuleRunInfo]:
-    return Call("POST", path, ModuleRunInfo, json=body, repeatable=False)
 
 
 def get_robot_model(robot: str) -> Call[str]:
@@ -98,6 +80,31 @@ def open_device(device: str) -> Call[DeviceInfo]:
 def close_device(device: str) -> Call[DeviceInfo]:
     """Closes a device: no module may use it, and its driver may be disconnected."""
     return Call("POST", path_of("devices", device, "close"), DeviceInfo)
+
+
+def jog_device(
+    device: str, arguments: Mapping[str, Any] | None = None, *, module: str | None = None
+) -> Call[ModuleRunInfo]:
+    """Moves a device by a small step, or home; follow the run with :func:`~skiros_py.client.calls.get_module_run`.
+
+    Args:
+        device: The device.
+        arguments: Parameters of the module, without the device.
+        module: One of those that the kind of the device names for this; None for the first.
+    """
+    return _by_hand(device, "jog", arguments, module)
+
+
+def teach_device(
+    device: str, arguments: Mapping[str, Any] | None = None, *, module: str | None = None
+) -> Call[ModuleRunInfo]:
+    """Learns something from the present state of a device; see :func:`jog_device`."""
+    return _by_hand(device, "teach", arguments, module)
+
+
+def _by_hand(device: str, verb: str, arguments: Mapping[str, Any] | None, module: str | None) -> Call[ModuleRunInfo]:
+    body = {"module": module, "arguments": dict(arguments or {})}
+    return Call("POST", path_of("devices", device, verb), ModuleRunInfo, json=body, repeatable=False)
 
 
 def get_device_state(device: str) -> Call[DeviceReading]:

@@ -1,26 +1,24 @@
-"""Routes: robots with their models, jogging and teaching; devices and signals."""
+"""Routes: robots with their models; devices, with jogging and teaching; signals."""
 
 from __future__ import annotations
 
 import math
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Body, Path, Query, Response
+from fastapi import APIRouter, Path, Query, Response
 
 from skiros_py.api.modules import ModuleRunInfo
 from skiros_py.api.robots import (
     CellSignal,
     DeviceInfo,
     DeviceReading,
-    HomeRobot,
-    Jog,
     Look,
+    ManualRun,
     RobotInfo,
     RobotMotion,
     RobotReading,
     SetSignal,
     SignalReadings,
-    Teach,
 )
 from skiros_py.errors import Busy
 from skiros_py.server.access.roles import CallerDep, Role, needs
@@ -30,7 +28,6 @@ from skiros_py.server.services import StationDep
 router = APIRouter(tags=["robots"])
 
 Id = Annotated[str, Path(max_length=200)]
-_ALL_ARMS = HomeRobot(arm=None)
 
 
 @router.get("/robots", dependencies=[needs(Role.VIEWER)])
@@ -80,47 +77,6 @@ def get_look(id: Id, camera: Id, station: StationDep) -> Look:  # noqa: A002
     The `looks` of the station's state say when there is a new one.
     """
     return station.robots.look(id, camera)
-
-
-@router.post("/robots/{id}/jog", status_code=202, dependencies=[needs(Role.ENGINEER)])
-def jog_robot(id: Id, request: Jog, station: StationDep, caller: CallerDep, response: Response) -> ModuleRunInfo:  # noqa: A002
-    """Move by hand.
-
-    Moves joints, tool, base or fingers by a little, where nothing is touched; follow the run that is answered.
-
-    Refused (409) while anything is under way on that robot. Where the way is not free, the run fails and says why.
-    """
-    run = station.robots.jog(id, request, caller.author)
-    response.headers["Location"] = location_of(run)
-    return run
-
-
-@router.post("/robots/{id}/teach", status_code=202, dependencies=[needs(Role.ENGINEER)])
-def teach_robot(id: Id, request: Teach, station: StationDep, caller: CallerDep, response: Response) -> ModuleRunInfo:  # noqa: A002
-    """Teach here.
-
-    Has the robot learn from how it stands now: a grasp, where to stand at a place, how to put things down.
-    """
-    run = station.robots.teach(id, request, caller.author)
-    response.headers["Location"] = location_of(run)
-    return run
-
-
-@router.post("/robots/{id}/home", status_code=202, dependencies=[needs(Role.ENGINEER)])
-def home_robot(
-    id: Id,  # noqa: A002
-    station: StationDep,
-    caller: CallerDep,
-    response: Response,
-    request: Annotated[HomeRobot, Body()] = _ALL_ARMS,
-) -> ModuleRunInfo:
-    """Bring arms home.
-
-    Brings one arm or all into the travelling posture, around everything, and opens empty grippers.
-    """
-    run = station.robots.home(id, request, caller.author)
-    response.headers["Location"] = location_of(run)
-    return run
 
 
 _MeshName = Annotated[str, Path(max_length=200, description="As the model names it.")]
@@ -205,6 +161,42 @@ def close_device(id: Id, station: StationDep) -> DeviceInfo:  # noqa: A002
     With its last open device a driver is disconnected. A simulated device stays where it is.
     """
     return station.devices.close(id)
+
+
+@router.post("/devices/{id}/jog", status_code=202, dependencies=[needs(Role.ENGINEER)])
+def jog_device(
+    id: Id,  # noqa: A002
+    request: ManualRun,
+    station: StationDep,
+    caller: CallerDep,
+    response: Response,
+) -> ModuleRunInfo:
+    """Jog a device.
+
+    Moves a device by a small step, or home, with a module that its kind names; follow the run that is answered.
+
+    Refused (409) while its robot does something else. Where the way is not free, the run fails and says why.
+    """
+    run = station.devices.jog(id, request.arguments, module=request.module, author=caller.author)
+    response.headers["Location"] = location_of(run)
+    return run
+
+
+@router.post("/devices/{id}/teach", status_code=202, dependencies=[needs(Role.ENGINEER)])
+def teach_device(
+    id: Id,  # noqa: A002
+    request: ManualRun,
+    station: StationDep,
+    caller: CallerDep,
+    response: Response,
+) -> ModuleRunInfo:
+    """Teach with a device.
+
+    Learns from the present state of a device: a grasp, a driving pose, whatever its kind names modules for.
+    """
+    run = station.devices.teach(id, request.arguments, module=request.module, author=caller.author)
+    response.headers["Location"] = location_of(run)
+    return run
 
 
 @router.get("/signals", dependencies=[needs(Role.VIEWER)])

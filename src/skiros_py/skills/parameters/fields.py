@@ -60,6 +60,8 @@ def _value_faults(param: Param) -> Iterator[str]:
         yield f"its length cannot be {param.length}: 0 stands for any number of values"
     if param.length != 1 and param.type == "vector":
         yield f"a vector has any number of numbers: say type 'number' with length {param.length}"
+    if param.limits is not None and param.type not in ("number", "integer"):
+        yield f"limits are for numbers, and it is {param.type_name}"
     if param.unit and param.type in _WITHOUT_UNIT:
         yield f"{param.type_name} has no unit, so not '{param.unit}'"
 
@@ -129,6 +131,7 @@ def param(
     default: Any = dataclasses.MISSING,
     unit: str = "",
     length: int = 1,
+    limits: tuple[float, float] | None = None,
     access: Access = Access.EXCLUSIVE,
 ) -> Any:
     """Declares one field of a primitive's ``Params`` dataclass; see :class:`Param`.
@@ -137,8 +140,8 @@ def param(
     """
     if kind is None:
         kind = Kind.ONLINE if default is dataclasses.MISSING else Kind.OFFLINE
-    metadata = {"type": type_, "help": help_, "kind": kind, "unit": unit, "length": length, "access": access}
-    return dataclasses.field(default=default, metadata=metadata)
+    said = {"type": type_, "help": help_, "kind": kind, "unit": unit, "length": length}
+    return dataclasses.field(default=default, metadata=said | {"limits": limits, "access": access})
 
 
 def params_of(dataclass_type: type) -> tuple[Param, ...]:

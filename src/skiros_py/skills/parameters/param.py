@@ -71,6 +71,7 @@ class Param:
         default: Value where none is specified.
         unit: Unit of a number.
         length: How many values it takes: more than one are a tuple, 0 stands for a tuple of any length.
+        limits: Least and greatest value of each number; None for any.
         where: What the element must be besides of its class, over the variable ``it`` and other keys: "any container
             that is empty" is ``where=Nothing("sk:in", "it")``.
         prefer: What a candidate should be where several will do, over the same variables, best first.
@@ -86,6 +87,7 @@ class Param:
     default: Any = None
     unit: str = ""
     length: int = 1
+    limits: tuple[float, float] | None = None
     where: Patterns = ()
     prefer: Patterns = ()
     cost: Cost | None = None

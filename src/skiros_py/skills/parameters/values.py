@@ -231,12 +231,15 @@ def schema(param: Param) -> dict[str, Any]:
     Of an element it says the class (``class``), of a number the unit (``unit``); ``kind`` is the parameter's kind.
     """
     said: dict[str, Any] = {"title": param.key, "description": param.help, "kind": param.kind.value}
+    one = {} if param.is_element else dict(_type_of(param).schema)
+    if param.limits is not None:
+        one["minimum"], one["maximum"] = param.limits
     if param.is_element:
         said |= {"type": "string", "class": param.element_class}
     elif param.length == 1:
-        said = {**_type_of(param).schema, **said}
+        said = {**one, **said}
     else:
-        said |= {"type": "array", "items": dict(_type_of(param).schema)}
+        said |= {"type": "array", "items": one}
         said |= {"minItems": param.length, "maxItems": param.length} if param.length else {}
     if param.unit:
         said["unit"] = param.unit
@@ -251,11 +254,12 @@ def _type_of(param: Param) -> ValueType:
 
 def _one(param: Param, value: Any) -> Any:
     type_ = _type_of(param)
-    if not isinstance(value, str) or param.type in ("text", "class"):
-        return type_.check(value)
-    if param.type in VALUE_TYPES and _is_json(value):
-        return type_.check(json.loads(value))
-    return type_.check(type_.parse(value))
+    if isinstance(value, str) and param.type not in ("text", "class"):
+        value = json.loads(value) if param.type in VALUE_TYPES and _is_json(value) else type_.parse(value)
+    checked = type_.check(value)
+    if param.limits is not None and not param.limits[0] <= checked <= param.limits[1]:
+        raise ValueError(f"it must be between {param.limits[0]:g} and {param.limits[1]:g}")
+    return checked
 
 
 def _several(param: Param, value: Any) -> tuple[Any, ...]:

@@ -4,15 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from skiros_py.api.robots import CellSignal, DeviceInfo, DeviceReading, SignalInfo, SignalReading, SignalReadings
+from skiros_py.api.robots import (
+    CellSignal,
+    DeviceInfo,
+    DeviceReading,
+    JointDescription,
+    SignalInfo,
+    SignalReading,
+    SignalReadings,
+)
 from skiros_py.errors import Refused, SkirosError, UnknownName, WrongState
 from skiros_py.execution.signals import SignalLost, Signals
 from skiros_py.ports.device import to_plain
 from skiros_py.ports.driver import CompositeDriver, Connection
+from skiros_py.ports.kinematics import JointRange, Kinematics
 from skiros_py.ports.signals import Value
 from skiros_py.station.control import ControlThread
 from skiros_py.station.requests import Service, addressed
+from skiros_py.station.robots.manual import device_modules
 from skiros_py.station.session import Session
+
+_UNLIMITED = JointRange(None, None, None)
 
 
 def device_infos(session: Session) -> list[DeviceInfo]:
@@ -28,6 +40,7 @@ def device_info(session: Session, id_: str) -> DeviceInfo:
     """
     group = session.spec.group_of(id_)
     device = group.device(id_)
+    model = session.runtime.context.frames.kinematics(group)
     described = to_plain(device)
     described.pop("id")
     return DeviceInfo(
@@ -38,9 +51,17 @@ def device_info(session: Session, id_: str) -> DeviceInfo:
         signals=tuple(SignalInfo(name=s.name, unit=s.unit, frame=s.frame, help=s.help) for s in device.signals),
         open=id_ not in session.cycle.board.closed,
         commanded=device.target_type is not None,
-        jog=device.jog,
-        teach=device.teach,
+        joints=tuple(joint_description(name, model) for name in device.joint_names),
+        frames=device.frame_names,
+        jog=device_modules(session, id_, device.jog),
+        teach=device_modules(session, id_, device.teach),
     )
+
+
+def joint_description(name: str, model: Kinematics | None) -> JointDescription:
+    """Describes a joint of a model; without limits where the model is not known."""
+    joint = _UNLIMITED if model is None else model.joints.get(name, _UNLIMITED)
+    return JointDescription(name=name, lower=joint.lower, upper=joint.upper, velocity=joint.velocity)
 
 
 def device_reading(session: Session, id_: str) -> DeviceReading:

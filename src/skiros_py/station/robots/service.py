@@ -1,4 +1,4 @@
-"""Use cases: robots with their models, looks and planned motions; jogging and teaching them."""
+"""Use cases: robots with their models, looks and planned motions; devices, with jogging and teaching."""
 
 from __future__ import annotations
 
@@ -9,30 +9,28 @@ from skiros_py.api.modules import ModuleRunInfo
 from skiros_py.api.robots import (
     DeviceInfo,
     DeviceReading,
-    HomeRobot,
-    Jog,
     Look,
     RobotInfo,
     RobotMotion,
     RobotReading,
-    Teach,
 )
 from skiros_py.errors import Busy, Refused, SkirosError, UnknownName
 from skiros_py.ports.cell import RobotSpec
+from skiros_py.station.modules.runs import ModuleRun
 from skiros_py.station.modules.views import run_info
 from skiros_py.station.requests import LIBRARY, Author, addressed
 from skiros_py.station.robots import devices, robots
 from skiros_py.station.robots.devices import close_device, open_device
+from skiros_py.station.robots.manual import Verb, start_by_hand
 from skiros_py.station.robots.models import DrawnModel
+from skiros_py.station.session import Session
 
 if TYPE_CHECKING:
     from skiros_py.station.station import Station
 
-_LESSONS = {"grasp": "teach_grasp", "driving-pose": "teach_driving_pose", "placing-pose": "teach_placing_pose"}
-
 
 class RobotService:
-    """Describes robots, and executes manual operations on them.
+    """Describes robots.
 
     Args:
         station: The station.
@@ -99,45 +97,13 @@ class RobotService:
                 raise UnknownName("mesh", name, meshes)
         return meshes[name]
 
-    # ------------------------------------------------------------------ manual operation
-
-    def jog(self, id_: str, request: Jog, author: Author = LIBRARY) -> ModuleRunInfo:
-        """Moves joints, tool, base or fingers by a small step.
-
-        Raises:
-            NotFound: There is none with this id.
-            UsageError: The step is too large, or the robot has no such device.
-            WrongState: The robot is busy.
-        """
-        module, arguments = robots.jog(self._find(id_), request)
-        return self._start(id_, module, arguments, author)
-
-    def teach(self, id_: str, request: Teach, author: Author = LIBRARY) -> ModuleRunInfo:
-        """Teaches a robot a grasp, driving pose or placing pose from its present pose."""
-        return self._start(id_, _LESSONS[request.what], request.arguments, author)
-
-    def home(self, id_: str, request: HomeRobot, author: Author = LIBRARY) -> ModuleRunInfo:
-        """Moves one arm or all arms into the travelling posture, and opens empty grippers."""
-        arguments = {} if request.arm is None else {"arm": request.arm}
-        return self._start(id_, "home", {"robot": id_, **arguments}, author)
-
-    def _start(self, id_: str, module: str, arguments: Mapping[str, Any], author: Author) -> ModuleRunInfo:
-        self._find(id_)
-        runs = self._station.module_runs
-        run = self._station.control.call(
-            lambda session: robots.start_by_hand(
-                session, runs, robots.robot_of(session, id_), module, arguments, author.name
-            )
-        )
-        return run_info(run)
-
     def _find(self, id_: str) -> RobotSpec:
         with addressed():
             return robots.robot_of(self._station.session, id_)
 
 
 class DeviceService:
-    """Describes and reads devices of any kind.
+    """Describes and reads devices of any kind, opens and closes them, and moves them by hand.
 
     Args:
         station: The station.
@@ -189,3 +155,41 @@ class DeviceService:
         """
         with addressed():
             return devices.device_reading(self._station.session, id_)
+
+    def jog(
+        self, id_: str, arguments: Mapping[str, Any], *, module: str | None = None, author: Author = LIBRARY
+    ) -> ModuleRunInfo:
+        """Moves a device by a small step, or home, with a module that its kind names for that.
+
+        Args:
+            id_: Id of the device.
+            arguments: Parameters of the module, without the device.
+            module: The module; None for the first that the kind names.
+            author: The author of the request.
+
+        Raises:
+            NotFound: There is no such device.
+            UsageError: Its kind names no such module, no subsystem can run it, or the arguments are not valid.
+            WrongState: It is in use, or everything is halted.
+        """
+        return self._by_hand(id_, "jog", arguments, module, author)
+
+    def teach(
+        self, id_: str, arguments: Mapping[str, Any], *, module: str | None = None, author: Author = LIBRARY
+    ) -> ModuleRunInfo:
+        """Learns something from the present state of a device, with a module that its kind names for that.
+
+        Arguments and errors are those of :meth:`jog`.
+        """
+        return self._by_hand(id_, "teach", arguments, module, author)
+
+    def _by_hand(
+        self, id_: str, verb: Verb, arguments: Mapping[str, Any], module: str | None, author: Author
+    ) -> ModuleRunInfo:
+        def start(session: Session) -> ModuleRun:
+            with addressed():
+                session.spec.group_of(id_)
+            runs = self._station.module_runs
+            return start_by_hand(session, runs, id_, verb, module, arguments, author.name)
+
+        return run_info(self._station.control.call(start))

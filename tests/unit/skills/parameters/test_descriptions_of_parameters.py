@@ -29,6 +29,7 @@ BAD = [
     (Param("Speed", "number", "How fast.", Kind.HARDWARE), "only an element can be HARDWARE, and it is number"),
     (Param("Speed", "number", "How fast.", Kind.PLANNING), "only an element can be PLANNING"),
     (Param("Speeds", "number", "How fast.", length=-1), "its length cannot be -1: 0 stands for any number of values"),
+    (Param("Name", "text", "Which.", limits=(0.0, 1.0)), "limits are for numbers, and it is text"),
     (Param("Speeds", "vector", "How fast.", length=3), "say type 'number' with length 3"),
     (Param("Name", "text", "How called.", unit="m"), "text has no unit, so not 'm'"),
     (Param("Speed", "number", "How fast.", Kind.OFFLINE), "it is OFFLINE and needs a default"),

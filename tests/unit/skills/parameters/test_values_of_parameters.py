@@ -113,6 +113,13 @@ def test_bad_values_are_refused_with_key_value_and_what_is_right(type_: Any, val
         read_value(of(type_), value, world())
 
 
+@pytest.mark.parametrize("value", [[0.1, -0.3], "0.3"])
+def test_each_number_is_within_the_limits(value: Any) -> None:
+    assert read_value(of("number", length=0, limits=(-0.2, 0.2)), [0.2, -0.2], world()) == (0.2, -0.2)
+    with pytest.raises(UsageError, match=r"it must be between -0\.2 and 0\.2"):
+        read_value(of("number", length=0, limits=(-0.2, 0.2)), value, world())
+
+
 @pytest.mark.parametrize("value", ["1 2 3", "[1, 2, 3]", [1, 2, 3], (1, 2, 3)])
 @pytest.mark.parametrize("length", [0, 3])
 def test_several_values_are_read_as_a_tuple(value: Any, length: int) -> None:
@@ -248,6 +255,8 @@ def test_schemas_say_what_a_form_shows() -> None:
     }
     assert schema(PARAMS[0])["class"] == "tiny:Box"
     assert schema(of("number", length=3))["maxItems"] == 3
+    limited = schema(of("number", length=0, limits=(-0.2, 0.2)))["items"]
+    assert (limited["minimum"], limited["maximum"]) == (-0.2, 0.2)
     assert schema(of(Side))["enum"] == ["left", "right"]
     assert schema(of(Grip))["title"] == "Key"
     assert json.dumps(schema(of(Grip, kind=Kind.OFFLINE, default=Grip(0.5))))

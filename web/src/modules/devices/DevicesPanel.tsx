@@ -9,9 +9,8 @@ import { notifyProblem } from "../../widgets/problems";
 import { Status } from "../../widgets/Status";
 import classes from "../modules.module.css";
 import type { View } from "../places";
-import { type Device, useDevices, useModules } from "../queries";
+import { type Device, useDevices } from "../queries";
 import { shown } from "../runs/changes";
-import { agentFor } from "./agents";
 import { SignalPanel } from "./SignalPanel";
 import { extended, type Signal, type Traces } from "./traces";
 
@@ -100,8 +99,8 @@ function DeviceCard({ device, signals, traces, show }: CardProps) {
         </Text>
         <Status mood={open ? "good" : "stopped"} text={t(open ? "devices.isOpen" : "devices.isClosed")} />
         <OpenOrClose device={device} />
-        <ByHand device={device} module={device.jog} name="jog" show={show} />
-        <ByHand device={device} module={device.teach} name="teach" show={show} />
+        <ByHand device={device} name="jog" show={show} />
+        <ByHand device={device} name="teach" show={show} />
       </Group>
       {signals.length > 0 ? (
         <SignalList signals={signals} traces={traces} />
@@ -164,17 +163,15 @@ function OpenOrClose({ device: { id, open } }: { device: Device }) {
 
 interface ByHandProps {
   device: Device;
-  module: string;
   name: "jog" | "teach";
   show: Show;
 }
 
 /** Opens what moves a device by hand or teaches with it, as its kind says; nothing where no skill manager offers it. */
-function ByHand({ device, module, name, show }: ByHandProps) {
+function ByHand({ device, name, show }: ByHandProps) {
   const { t } = useTranslation("modules");
-  const { data: modules = [] } = useModules();
-  const agent = agentFor(modules, module, device);
-  if (agent === undefined) return null;
+  const { module, agent } = device[name][0] ?? { agent: null };
+  if (agent === null) return null;
   return (
     <Button
       variant="default"

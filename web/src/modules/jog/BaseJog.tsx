@@ -17,7 +17,6 @@ import { BASE_SIZES, DEGREE, rollPitchYaw, TURN_SIZES } from "./steps";
 import { StepSize } from "./StepSize";
 
 interface Props {
-  robot: string;
   base: string;
   disabled: boolean;
 }
@@ -32,12 +31,12 @@ const WAYS = [
   { name: "right", icon: IconArrowRight, way: [0, -1, 0] },
 ] as const;
 
-export function BaseJog({ robot, base, disabled }: Props) {
+export function BaseJog({ base, disabled }: Props) {
   const { t } = useTranslation("modules");
   const [size, setSize] = useState<number>(BASE_SIZES[1]);
   const [angle, setAngle] = useState<number>(TURN_SIZES[1]);
   const step = ([x, y, yaw]: readonly [number, number, number]) =>
-    jog(robot, { base: { dx: (x * size) / 1000, dy: (y * size) / 1000, dyaw: yaw * angle * DEGREE } });
+    jog(base, "jog_base", { dx: (x * size) / 1000, dy: (y * size) / 1000, dyaw: yaw * angle * DEGREE });
   return (
     <Stack gap="xs">
       <BasePose base={base} />
@@ -68,7 +67,7 @@ export function BaseJog({ robot, base, disabled }: Props) {
 function BasePose({ base }: { base: string }) {
   const { t } = useTranslation("modules");
   const text = useLive<HTMLSpanElement>((element, state) => {
-    const pose = state.bases[base]?.pose;
+    const pose = state.platforms[base];
     if (pose === undefined) return;
     const [x, y] = pose.position;
     const yaw = rollPitchYaw(pose.orientation)[2] / DEGREE;

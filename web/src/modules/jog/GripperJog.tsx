@@ -3,27 +3,26 @@ import { useState } from "react";
 import { useTranslation } from "react-i18next";
 import { NumberField } from "../../widgets/arguments/NumberField";
 import classes from "../modules.module.css";
-import type { Robot } from "../queries";
 import { useLive } from "./live";
 import { hand, jog } from "./robotHand";
 
 interface Props {
-  robot: string;
-  gripper: Robot["grippers"][number];
+  gripper: string;
+  /** Greatest distance between the fingers [m]. */
+  maxGap: number;
   disabled: boolean;
 }
 
 /** The fingers: open, closed on what is between them, or so far apart. */
-export function GripperJog({ robot, gripper, disabled }: Props) {
+export function GripperJog({ gripper, maxGap, disabled }: Props) {
   const { t } = useTranslation("modules");
   const [wanted, setWanted] = useState<number>();
-  const most = gripper.max_gap * 1000; // mm
-  const move = (millimetres: number) =>
-    hand.once(jog(robot, { gripper: { gripper: gripper.id, width: millimetres / 1000 } }));
+  const most = maxGap * 1000; // mm
+  const move = (millimetres: number) => hand.once(jog(gripper, "gripper_control", { gap: millimetres / 1000 }));
   const sound = wanted !== undefined && wanted >= 0 && wanted <= most; // NaN is not, either
   return (
     <Stack gap="xs">
-      <Fingers gripper={gripper.id} />
+      <Fingers gripper={gripper} />
       <Group gap="xs" align="end">
         <Button variant="default" disabled={disabled} onClick={() => move(most)}>
           {t("jog.open")}

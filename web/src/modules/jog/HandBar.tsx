@@ -5,13 +5,19 @@ import { useTranslation } from "react-i18next";
 import { MayButton } from "../../widgets/MayButton";
 import { Status } from "../../widgets/Status";
 import classes from "../modules.module.css";
-import type { Robot } from "../queries";
-import { hand, home } from "./robotHand";
+import type { Device } from "../queries";
+import { HOME } from "./panels";
+import { hand, jog } from "./robotHand";
 
 /** What is always in reach while a robot is moved by hand: stop, home, and how the last step went. */
-export function HandBar({ robot, disabled }: { robot: Robot; disabled: boolean }) {
+export function HandBar({ devices, disabled }: { devices: readonly Device[]; disabled: boolean }) {
   const { t } = useTranslation("modules");
   useEscape();
+  const homed = devices.filter((device) => device.jog.some(({ module }) => module === HOME));
+  const home = () => {
+    const steps = homed.map(({ id }) => jog(id, HOME));
+    hand.all(() => steps.shift() ?? null);
+  };
   return (
     <div className={classes.bar} role="region" aria-label={t("jog.bar")}>
       <Group gap="xs">
@@ -24,11 +30,11 @@ export function HandBar({ robot, disabled }: { robot: Robot; disabled: boolean }
           {t("jog.stop")}
         </Button>
         <MayButton
-          operation="home_robot"
+          operation="jog_device"
           variant="default"
           leftSection={<IconHome size={14} aria-hidden />}
-          disabled={disabled}
-          onClick={() => hand.once(home(robot.id))}
+          disabled={disabled || homed.length === 0}
+          onClick={home}
         >
           {t("jog.home")}
         </MayButton>

@@ -41,16 +41,16 @@ export function JogPanel({ chosen, show }: Props) {
 function ByHand({ robot, alone }: { robot: Robot; alone: boolean }) {
   const { t } = useTranslation("modules");
   const hindrance = useHindrance(robot, alone);
-  const may = useMay("jog_robot");
+  const may = useMay("jog_device");
   const disabled = hindrance !== "" || !may;
   const { data: devices } = useDevices();
   if (devices === undefined) return null;
   const own = devices.filter((device) => device.robot === robot.id);
-  const panels = own.flatMap((device) => panelsOf({ device, robot, disabled, t }));
-  const first = robot.arms[0]?.id ?? panels[0]?.device;
+  const panels = own.flatMap((device) => panelsOf({ device, disabled, t }));
+  const first = [...own].sort((one, other) => other.jog.length - one.jog.length)[0]?.id;
   return (
     <Stack gap="xs">
-      <HandBar robot={robot} disabled={disabled} />
+      <HandBar devices={own} disabled={disabled} />
       {disabled && (
         <Alert mx="sm" color="yellow" title={t("jog.notNow")} role="status">
           {may ? hindrance : t("jog.mayNot")}
@@ -67,7 +67,7 @@ function ByHand({ robot, alone }: { robot: Robot; alone: boolean }) {
           </Section>
         ))}
         <Section value="teach" title={t("teach.title")}>
-          <Teach robot={robot} devices={own} disabled={disabled} />
+          <Teach devices={own} disabled={disabled} />
         </Section>
         <Section value="learned" title={t("learned.title")}>
           <Learned />

@@ -2,16 +2,15 @@ import { Slider, Text } from "@mantine/core";
 import { IconMinus, IconPlus } from "@tabler/icons-react";
 import { useTranslation } from "react-i18next";
 import classes from "../modules.module.css";
-import type { Robot } from "../queries";
+import type { Device } from "../queries";
 import type { Step } from "./hand";
 import { HoldButton } from "./HoldButton";
 import { useLive } from "./live";
 import { DEGREE } from "./steps";
 
 interface Props {
-  arm: string;
-  index: number;
-  joint: Robot["arms"][number]["joints"][number];
+  robot: string;
+  joint: Device["joints"][number];
   /** Position of the slider [rad]; undefined while it follows the joint. */
   target: number | undefined;
   /** Where the joint stood last [rad]. */
@@ -24,17 +23,17 @@ interface Props {
 const EVERYWHERE = Math.PI;
 
 /** One joint: back and forth by steps, its angle now on the way between its limits, and a slider for its target. */
-export function JointRow({ arm, index, joint, target, rest, setTarget, step, disabled }: Props) {
+export function JointRow({ robot, joint, target, rest, setTarget, step, disabled }: Props) {
   const { t } = useTranslation("modules");
+  const { name } = joint;
   const [lower, upper] = [joint.lower ?? -EVERYWHERE, joint.upper ?? EVERYWHERE];
   const mark = useLive<HTMLDivElement>((element, state) => {
-    const angle = state.arms[arm]?.positions[index] ?? 0;
+    const angle = state.joints[robot]?.[name] ?? 0;
     element.style.left = `${(100 * (angle - lower)) / (upper - lower)}%`;
   });
   const degrees = useLive<HTMLSpanElement>((element, state) => {
-    element.textContent = inDegrees(state.arms[arm]?.positions[index] ?? 0);
+    element.textContent = inDegrees(state.joints[robot]?.[name] ?? 0);
   });
-  const name = joint.name;
   return (
     <div className={classes.joint} role="group" aria-label={name}>
       <Text size="xs" truncate title={name}>

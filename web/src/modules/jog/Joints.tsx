@@ -3,7 +3,7 @@ import { IconArrowBackUp, IconPlayerTrackNext } from "@tabler/icons-react";
 import { useState } from "react";
 import { useTranslation } from "react-i18next";
 import { useStation } from "../../live/station";
-import type { Robot } from "../queries";
+import type { Device } from "../queries";
 import { told } from "./hand";
 import { JointRow } from "./JointRow";
 import { useRest } from "./live";
@@ -12,28 +12,30 @@ import { DEGREE, JOINT_SIZES, stepsTo } from "./steps";
 import { StepSize } from "./StepSize";
 
 interface Props {
+  device: Device;
   robot: string;
-  arm: Robot["arms"][number];
   disabled: boolean;
 }
 
-/** The joints of an arm: each by steps, or all together to where the sliders were put. */
-export function Joints({ robot, arm, disabled }: Props) {
+/** The joints of a device: each by steps, or all together to where the sliders were put. */
+export function Joints({ device: { id, joints }, robot, disabled }: Props) {
   const { t } = useTranslation("modules");
   const [size, setSize] = useState<number>(JOINT_SIZES[1]);
   const [targets, setTargets] = useState<Readonly<Record<number, number>>>({});
-  const rest = useRest(arm.id);
-  const turn = (deltas: number[]) => jog(robot, { joints: { arm: arm.id, deltas } });
+  const names = joints.map(({ name }) => name);
+  const rest = useRest(robot, names);
+  const turn = (deltas: number[]) => jog(id, "jog_joints", { deltas });
   const turnOne = (joint: number, degrees: number) =>
     told(
-      turn(arm.joints.map((_, at) => (at === joint ? degrees * DEGREE : 0))),
-      t("jog.turned", { joint: arm.joints[joint]?.name, degrees }),
+      turn(names.map((_, at) => (at === joint ? degrees * DEGREE : 0))),
+      t("jog.turned", { joint: names[joint], degrees }),
     );
   const go = () => {
-    const now = useStation.getState().state?.arms[arm.id]?.positions ?? [];
+    const all = useStation.getState().state?.joints[robot] ?? {};
+    const now = names.map((name) => all[name] ?? 0);
     const steps = stepsTo(
       now,
-      arm.joints.map((_, joint) => targets[joint] ?? now[joint] ?? 0),
+      now.map((angle, joint) => targets[joint] ?? angle),
     );
     hand.all(() => {
       const [next] = steps.splice(0, 1);
@@ -45,11 +47,10 @@ export function Joints({ robot, arm, disabled }: Props) {
   return (
     <Stack gap={4}>
       <StepSize label={t("jog.step")} unit="°" sizes={JOINT_SIZES} value={size} onChange={setSize} />
-      {arm.joints.map((joint, index) => (
+      {joints.map((joint, index) => (
         <JointRow
           key={joint.name}
-          arm={arm.id}
-          index={index}
+          robot={robot}
           joint={joint}
           target={targets[index]}
           rest={rest[index] ?? 0}

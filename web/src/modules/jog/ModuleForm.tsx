@@ -1,43 +1,51 @@
 import { Stack, Text } from "@mantine/core";
-import { IconPlayerPlay } from "@tabler/icons-react";
+import { IconPlayerPlay, IconSchool } from "@tabler/icons-react";
 import { useState } from "react";
 import { useTranslation } from "react-i18next";
 import { argumentFaults, type Arguments, ArgumentsForm } from "../../widgets/ArgumentsForm";
 import { MayButton } from "../../widgets/MayButton";
-import { agentFor } from "../devices/agents";
-import { type Device, useModule, useModules } from "../queries";
-import { hand, run } from "./robotHand";
+import { type Device, useModule } from "../queries";
+import { hand, jog, teach } from "./robotHand";
 
 interface Props {
   device: Device;
-  /** The module that the device's kind names for this. */
-  module: string;
+  /** One of the modules that the device's kind names for this. */
+  module: Device["jog"][number];
+  verb: "jog" | "teach";
+  /** What it does, for people; the module's own help where it is missing. */
+  hint?: string | undefined;
   disabled: boolean;
 }
 
-/** The parameters of a module that moves a device or teaches with it: for kinds without a panel of their own. */
-export function ModuleForm({ device, module, disabled }: Props) {
+const DOES = {
+  jog: { step: jog, operation: "jog_device" },
+  teach: { step: teach, operation: "teach_device" },
+} as const;
+
+/** The parameters of a module that moves a device or teaches with it, without the device itself. */
+export function ModuleForm({ device, module: { module, agent }, verb, hint, disabled }: Props) {
   const { t } = useTranslation("modules");
-  const { data: modules = [] } = useModules();
-  const agent = agentFor(modules, module, device);
   const { data: details } = useModule(agent ?? "", module);
-  const [chosen, setChosen] = useState<Arguments>({});
-  if (agent === undefined) return <Text size="sm">{t("list.unknown", { name: module })}</Text>;
-  const parameters = details?.parameters ?? [];
-  const hardware = parameters.filter(({ kind }) => kind === "hardware");
-  const values = hardware[0] && hardware.length === 1 ? { [hardware[0].key]: device.id, ...chosen } : chosen;
-  const isValid = Object.keys(argumentFaults(parameters, values)).length === 0;
+  const [values, setValues] = useState<Arguments>({});
+  if (agent === null) return <Text size="sm">{t("list.unknown", { name: module })}</Text>;
+  const all = details?.parameters ?? [];
+  const own = all.find(({ kind }) => kind === "hardware");
+  const parameters = all.filter((parameter) => parameter !== own);
+  const isOpen = parameters.some(({ key, kind }) => kind === "online" && values[key] === undefined);
+  const isValid = details !== undefined && !isOpen && Object.keys(argumentFaults(parameters, values)).length === 0;
+  const { step, operation } = DOES[verb];
+  const Icon = verb === "jog" ? IconPlayerPlay : IconSchool;
   return (
     <Stack gap="xs" align="stretch">
-      <Text size="sm">{details?.help}</Text>
-      <ArgumentsForm parameters={parameters} value={values} onChange={setChosen} />
+      <Text size="sm">{hint ?? details?.help}</Text>
+      <ArgumentsForm parameters={parameters} value={values} onChange={setValues} />
       <MayButton
-        operation="run_module"
-        leftSection={<IconPlayerPlay size={14} aria-hidden />}
-        disabled={disabled || !isValid || details === undefined}
-        onClick={() => hand.once(run(agent, module, values))}
+        operation={operation}
+        leftSection={<Icon size={14} aria-hidden />}
+        disabled={disabled || !isValid}
+        onClick={() => hand.once(step(device.id, module, values))}
       >
-        {module}
+        {verb === "jog" ? module : t("teach.here")}
       </MayButton>
     </Stack>
   );

@@ -10,7 +10,6 @@ import { DEGREE, rollPitchYaw, TOOL_SIZES, TURN_SIZES } from "./steps";
 import { StepSize } from "./StepSize";
 
 interface Props {
-  robot: string;
   arm: string;
   disabled: boolean;
 }
@@ -20,7 +19,7 @@ type Frame = (typeof FRAMES)[number];
 const NONE: Vector = [0, 0, 0];
 
 /** The tool of an arm, along and about the axes of a frame. */
-export function ToolJog({ robot, arm, disabled }: Props) {
+export function ToolJog({ arm, disabled }: Props) {
   const { t } = useTranslation("modules");
   const [frame, setFrame] = useState<Frame>("tool");
   const [element, setElement] = useState<string | null>(null);
@@ -29,7 +28,7 @@ export function ToolJog({ robot, arm, disabled }: Props) {
   const [angle, setAngle] = useState<number>(TURN_SIZES[1]);
   const of = frame === "element" ? (element ?? "") : frame;
   const step = (translation: Vector, rotation: Vector) =>
-    jog(robot, { tool: { arm, frame: of, translation, rotation, near } });
+    jog(arm, "jog_tool", { frame: of, translation, rotation, near });
   return (
     <Stack gap="xs">
       <ToolPose arm={arm} />
@@ -80,7 +79,7 @@ function times([x, y, z]: Vector, size: number): Vector {
 function ToolPose({ arm }: { arm: string }) {
   const { t } = useTranslation("modules");
   const text = useLive<HTMLSpanElement>((element, state) => {
-    const tool = state.arms[arm]?.tool;
+    const tool = state.frames[arm];
     element.textContent = tool ? poseText(tool.position, rollPitchYaw(tool.orientation)) : t("jog.unknownTool");
   });
   return (

@@ -23,17 +23,22 @@ export function useLive<E extends HTMLElement>(show: (element: E, state: Station
 const NOTHING: readonly number[] = [];
 const SMALL = 0.0015; // rad: a standing joint trembles by less
 
-/** Returns the joint angles of an arm as it stood last; they stay the same while it moves. */
-export function useRest(arm: string): readonly number[] {
+/** Returns the positions of joints of a robot as they stood last; they stay the same while they move. */
+export function useRest(robot: string, names: readonly string[]): readonly number[] {
   const [rest, setRest] = useState(NOTHING);
+  const key = names.join(" ");
   useEffect(() => {
+    let last = NOTHING;
     const look = ({ state }: { state: StationState | null }) => {
-      const now = state?.arms[arm];
-      if (now?.still) setRest((before) => (differs(before, now.positions) ? now.positions : before));
+      const all = state?.joints[robot];
+      if (all === undefined) return;
+      const now = key.split(" ").map((name) => all[name] ?? 0);
+      if (!differs(last, now)) setRest((before) => (differs(before, now) ? now : before));
+      last = now;
     };
     look(useStation.getState());
     return useStation.subscribe(look);
-  }, [arm]);
+  }, [robot, key]);
   return rest;
 }
 

@@ -1,6 +1,6 @@
 import type { TFunction } from "i18next";
 import type { ReactNode } from "react";
-import type { Device, Robot } from "../queries";
+import type { Device } from "../queries";
 import { BaseJog } from "./BaseJog";
 import { GripperJog } from "./GripperJog";
 import { Joints } from "./Joints";
@@ -9,7 +9,6 @@ import { ToolJog } from "./ToolJog";
 
 interface Moved {
   device: Device;
-  robot: Robot;
   disabled: boolean;
   t: TFunction<"modules">;
 }
@@ -22,54 +21,48 @@ export interface Panel {
   content: ReactNode;
 }
 
-/** Panels with buttons and sliders, by the module that a kind of device names for jogging. */
-const PANELS: Readonly<Record<string, (moved: Moved) => Panel[]>> = {
-  jog_joints: ({ device: { id }, robot, disabled, t }) =>
-    robot.arms
-      .filter((arm) => arm.id === id)
-      .flatMap((arm) => [
-        {
-          value: `joints ${id}`,
-          title: t("jog.joints", { arm: id }),
-          device: id,
-          content: <Joints robot={robot.id} arm={arm} disabled={disabled} />,
-        },
-        {
-          value: `tool ${id}`,
-          title: t("jog.tool", { arm: id }),
-          device: id,
-          content: <ToolJog robot={robot.id} arm={id} disabled={disabled} />,
-        },
-      ]),
-  gripper_control: ({ device: { id }, robot, disabled, t }) =>
-    robot.grippers
-      .filter((gripper) => gripper.id === id)
-      .map((gripper) => ({
-        value: id,
-        title: t("jog.gripper", { gripper: id }),
-        device: id,
-        content: <GripperJog robot={robot.id} gripper={gripper} disabled={disabled} />,
-      })),
-  jog_base: ({ device: { id }, robot, disabled, t }) =>
-    robot.base?.id === id
-      ? [
-          {
-            value: "base",
-            title: t("jog.base", { base: id }),
-            device: id,
-            content: <BaseJog robot={robot.id} base={id} disabled={disabled} />,
-          },
-        ]
-      : [],
+type Made = { title: string; content: ReactNode } | null;
+
+/** Panels with buttons and sliders, by the module that they start; null for a device that such a panel does not fit. */
+const PANELS: Readonly<Record<string, (moved: Moved) => Made>> = {
+  jog_joints: ({ device, disabled, t }) =>
+    device.joints.length > 0 && device.robot !== null
+      ? {
+          title: t("jog.joints", { arm: device.id }),
+          content: <Joints device={device} robot={device.robot} disabled={disabled} />,
+        }
+      : null,
+  jog_tool: ({ device: { id }, disabled, t }) => ({
+    title: t("jog.tool", { arm: id }),
+    content: <ToolJog arm={id} disabled={disabled} />,
+  }),
+  gripper_control: ({ device: { id, description }, disabled, t }) =>
+    typeof description["max_gap"] === "number"
+      ? {
+          title: t("jog.gripper", { gripper: id }),
+          content: <GripperJog gripper={id} maxGap={description["max_gap"]} disabled={disabled} />,
+        }
+      : null,
+  jog_base: ({ device: { id }, disabled, t }) => ({
+    title: t("jog.base", { base: id }),
+    content: <BaseJog base={id} disabled={disabled} />,
+  }),
 };
 
-/** Returns the panels that move a device: where there is none for its module, the form of that module. */
+/** The module that brings a device home: it has a button of its own. */
+export const HOME = "home";
+
+/** Returns the panels that move a device: where there is none for a module, its form. */
 export function panelsOf(moved: Moved): Panel[] {
   const { device, disabled, t } = moved;
-  const { id, kind, jog } = device;
-  if (jog === "") return [];
-  const panels = PANELS[jog]?.(moved) ?? [];
-  if (panels.length > 0) return panels;
-  const content = <ModuleForm device={device} module={jog} disabled={disabled} />;
-  return [{ value: id, title: t("jog.device", { kind, id }), device: id, content }];
+  return device.jog
+    .filter(({ module }) => module !== HOME)
+    .map((module) => ({
+      value: `${module.module} ${device.id}`,
+      device: device.id,
+      ...(PANELS[module.module]?.(moved) ?? {
+        title: t("jog.device", { kind: device.kind, id: device.id }),
+        content: <ModuleForm device={device} module={module} verb="jog" disabled={disabled} />,
+      }),
+    }));
 }

@@ -1,6 +1,6 @@
 /** The hand on the real server. */
 
-import { answer, api, type Schema } from "../../api/client";
+import { answer, api } from "../../api/client";
 import { onEvent } from "../../live/events";
 import { problemText } from "../../widgets/problems";
 import type { Arguments } from "../../widgets/ArgumentsForm";
@@ -39,22 +39,14 @@ function stop(id: string): Promise<unknown> {
 
 export const hand = makeHand({ over, stop }, problemText);
 
-export function jog(robot: string, body: Partial<Schema<"Jog">>): Step {
-  return () => answer(api.POST("/api/v1/robots/{id}/jog", { params: { path: { id: robot } }, body }));
+/** Moves a device with one of the modules that its kind names for jogging. */
+export function jog(device: string, module: string, values: Arguments = {}): Step {
+  const [path, body] = [{ id: device }, { module, arguments: values }];
+  return () => answer(api.POST("/api/v1/devices/{id}/jog", { params: { path }, body }));
 }
 
-export function run(agent: string, module: string, values: Arguments): Step {
-  const [path, body] = [
-    { agent, module },
-    { arguments: values, repeat: 1 },
-  ];
-  return () => answer(api.POST("/api/v1/modules/{agent}/{module}/runs", { params: { path }, body }));
-}
-
-export function home(robot: string): Step {
-  return () => answer(api.POST("/api/v1/robots/{id}/home", { params: { path: { id: robot } }, body: {} }));
-}
-
-export function teach(robot: string, body: Schema<"Teach">): Step {
-  return () => answer(api.POST("/api/v1/robots/{id}/teach", { params: { path: { id: robot } }, body }));
+/** Learns from a device with one of the modules that its kind names for teaching. */
+export function teach(device: string, module: string, values: Arguments): Step {
+  const [path, body] = [{ id: device }, { module, arguments: values }];
+  return () => answer(api.POST("/api/v1/devices/{id}/teach", { params: { path }, body }));
 }
