@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from integration.test_rest_replays import api, awaited, written
 from support.serving import serving
 
 from skiros_py.api.modules import ModuleRunInfo
@@ -679,12 +680,47 @@ def test_in_a_session_foreign_devices_move_are_seen_recorded_and_replayed(cell: 
         replay = Replay.model_validate_json(replay_text(recording, over=True))
         frames = [one["child_frame_id"] for _, _, all_ in recording.messages("/frames") for one in all_["transforms"]]
     assert {"base_1", "plate_1", "eye_1", "robot_1/finger_c", "plate_1/plate"} <= set(frames)
-    device = replay.frames.devices["plate_1"]
-    assert device.states[-1]["angle"] == pytest.approx(angle, abs=1e-4)
-    assert device.poses is not None
-    assert device.poses[-1][5] == pytest.approx(math.sin(angle / 2.0), abs=1e-3)
-    assert replay.frames.devices["hand_1"].states[-1]["fingers"] == pytest.approx(hand.state.fingers, abs=1e-4)
-    assert replay.frames.bases["base_1"][-1][1] == pytest.approx(base.state.pose.position[1], abs=1e-4)
+    joints, poses, states = replay.frames.joints, replay.frames.frames, replay.frames.states
+    assert joints["plate_1/turn"][-1] == pytest.approx(angle, abs=1e-4)
+    assert [joints[f"robot_1/{name}"][-1] for name in "abc"] == pytest.approx(hand.state.fingers, abs=1e-4)
+    assert poses["plate_1"][-1][5] == pytest.approx(math.sin(angle / 2.0), abs=1e-3)
+    assert poses["base_1"][-1][1] == pytest.approx(base.state.pose.position[1], abs=1e-4)
+    assert states["hand_1"][-1]["fingers"] == pytest.approx(hand.state.fingers, abs=1e-4)
+    assert set(states["wrench_1"][-1]) == {"force", "torque"}
+
+
+def test_the_joints_of_foreign_devices_move_in_the_live_state_and_in_a_replay_over_rest(
+    lab: Path, site: Any, tmp_path: Path
+) -> None:
+    install_cell(site)
+    scene = tmp_path / "lab_scene.ttl"
+    scene.write_text(LAB, encoding="utf-8")
+    with serving(str(scene), tmp_path / "data") as server, api(server) as http:
+        server.services.station.control.call(
+            lambda session: session.cycle.start(turning(session.cycle.board), "turning")
+        )
+        http.put("/jobs/aside", json={"goal": "RobotAtLocation(robot_1, bench_1)"}).raise_for_status()
+        awaited(http, "aside", "Ended")
+        live, replay = http.get("/state").json()["joints"], written(http, "aside")
+
+    joints = replay.frames.joints
+    assert {"plate_1/turn", "robot_1/a", "robot_1/b", "robot_1/c"} == set(live) == set(joints)
+    for name in live:
+        assert len(joints[name]) == len(replay.frames.times)
+        assert joints[name][-1] > joints[name][0] + 0.1, name
+    assert replay.frames.frames["plate_1"][0] != replay.frames.frames["plate_1"][-1]
+
+
+def turning(board: DeviceBoard) -> Iterator[None]:
+    """Turns the plate and bends the fingers."""
+    lab = pytest.importorskip("lab_devices")
+    plate, hand = DeviceHandle(board, "plate_1"), DeviceHandle(board, "hand_1")
+    angle = 0.0
+    while True:
+        angle += 0.002
+        plate.command(lab.TableTarget(0.5))
+        hand.command(lab.HandTarget((angle, angle, angle)))
+        yield
 
 
 def test_in_physics_foreign_devices_are_faulted_and_a_camera_without_a_robot_sees(cell: Session) -> None:

@@ -59,7 +59,7 @@ def replay(server: Served) -> Replay:
         return written(http, "kit")
 
 
-def test_a_replay_begins_with_the_world_before_and_tells_what_came_to_look_different(replay: Replay) -> None:
+def test_a_replay_begins_with_the_world_before_the_job_and_lists_visible_changes(replay: Replay) -> None:
     places = [{element.id: element.place for element in replay.beginning.elements}["starter_1"]]
     for change in replay.changes:
         places += [element.place for element in change.view.elements if element.id == "starter_1"]
@@ -75,11 +75,12 @@ def test_a_replay_has_all_devices_at_the_same_ascending_moments(replay: Replay) 
     frames = replay.frames
     assert list(frames.times) == sorted(set(frames.times))
     assert 2 <= len(frames.times) <= 5000
-    assert (set(frames.arms), set(frames.grippers), set(frames.bases)) == ({"arm_1"}, {"gripper_1"}, {"base_1"})
-    assert {len(rows) for rows in (*frames.arms.values(), *frames.grippers.values(), *frames.bases.values())} == {
-        len(frames.times)
-    }
-    assert {len(row) for row in frames.arms["arm_1"]} == {7}
+    assert {"robot_1/panda_joint1", "robot_1/panda_joint7", "robot_1/panda_finger_joint1"} <= set(frames.joints)
+    assert {"base_1", "arm_1", "gripper_1", "camera_1"} <= set(frames.frames)
+    assert {"base_1", "arm_1", "gripper_1", "localiser_1"} == set(frames.states)
+    tracks = (*frames.joints.values(), *frames.frames.values(), *frames.states.values())
+    assert {len(track) for track in tracks} == {len(frames.times)}
+    assert {len(pose) for pose in frames.frames["base_1"]} == {7}
 
 
 def test_a_replay_is_read_by_ranges_of_time(server: Served, replay: Replay) -> None:
@@ -145,7 +146,7 @@ def test_a_replay_goes_with_its_job(tmp_path: Path) -> None:
     assert list((tmp_path / "recordings").iterdir()) == []
 
 
-def test_a_replay_that_is_kept_no_longer_is_said_to_be_so(tmp_path: Path) -> None:
+def test_the_answer_says_that_a_recording_was_deleted(tmp_path: Path) -> None:
     with serving("kitting", tmp_path) as server, api(server) as http:
         http.put("/jobs/kit", json={"goal": "InKit(Starter, kit_1)"}).raise_for_status()
         awaited(http, "kit", "Ended")
@@ -157,7 +158,7 @@ def test_a_replay_that_is_kept_no_longer_is_said_to_be_so(tmp_path: Path) -> Non
     assert "it is kept no longer" in answer.json()["detail"]
 
 
-def test_a_job_that_was_cut_off_and_went_on_shows_both_parts_and_is_not_complete(tmp_path: Path) -> None:
+def test_the_replay_of_an_interrupted_job_shows_both_parts_and_is_not_complete(tmp_path: Path) -> None:
     slow = Options(fake=True, pace=1.0)
     with serving("kitting", tmp_path, slow) as server, api(server) as http:
         http.put("/jobs/kit", json={"goal": "InKit(Starter, kit_1)"}).raise_for_status()
@@ -176,6 +177,6 @@ def test_a_job_that_was_cut_off_and_went_on_shows_both_parts_and_is_not_complete
     assert running.status_code == 404 or not running.json()["complete"]
     assert not before["complete"]
     assert not after["complete"]
-    assert [change["anew"] for change in after["changes"]].count(True) == 1
+    assert [change["whole"] for change in after["changes"]].count(True) == 1
     assert after["frames"]["times"] == sorted(set(after["frames"]["times"]))
     assert after["end"] > before["end"]

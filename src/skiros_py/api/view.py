@@ -100,8 +100,10 @@ class StationState(Answer):
     """The frames of all devices that carry bodies (bases, turntables), in the map, by device."""
     frames: dict[str, PoseInfo]
     """The frames of all other devices that have one (tips of arms, grippers, cameras), in the map, by device."""
-    joints: dict[str, dict[str, float]] = Field(examples=[{"robot_1": {"panda_joint1": 0.0}}])
-    """Positions of the joints of each robot's model, by robot and name [rad or m]."""
+    joints: dict[str, float] = Field(examples=[{"robot_1/panda_joint1": 0.0}])
+    """Positions of the joints of all models [rad or m], by "robot/joint", or "device/joint" for a device without a
+    robot.
+    """
     modules: tuple[ModuleAtWork, ...]
     """What runs."""
     tasks: tuple[TaskAtWork, ...]
@@ -175,28 +177,19 @@ class WorldView(Answer):
     """Of the elements that were asked for: the ids of those that are not there to be seen."""
 
 
-class ReplayDevice(Answer):
-    """A device, moment by moment."""
-
-    states: tuple[dict[str, Any], ...]
-    """What it said, as `GET /devices/{id}/state` has it."""
-    poses: tuple[tuple[float, ...], ...] | None
-    """Its frame in the map: x, y, z [m] and a quaternion x, y, z, w; null where it has none of its own."""
-
-
 class ReplayFrames(Answer):
-    """Where the devices were, at the same moments each."""
+    """The states of all devices at the same moments."""
 
     times: tuple[float, ...]
     """The moments, ascending [s, run time]; none while nothing moves, apart from the first and the last."""
-    arms: dict[str, tuple[tuple[float, ...], ...]]
-    """Joint angles [rad] by arm, moment by moment."""
-    grippers: dict[str, tuple[float, ...]]
-    """Distance between the fingers [m] by gripper."""
-    bases: dict[str, tuple[tuple[float, float, float], ...]]
-    """x [m], y [m], heading [rad] by base."""
-    devices: dict[str, ReplayDevice] = Field(default_factory=dict)
-    """Devices of all other kinds, by id."""
+    joints: dict[str, tuple[float, ...]] = Field(examples=[{"robot_1/panda_joint1": [0.0, 0.1]}])
+    """Positions of the joints at these moments [rad or m], by the names that they have in the live state."""
+    frames: dict[str, tuple[tuple[float, ...], ...]] = Field(
+        examples=[{"base_1": [[1.2, 0.4, 0.0, 0.0, 0.0, 0.0, 1.0]]}]
+    )
+    """Frames of the devices in the map at these moments, by device: x, y, z [m] and a unit quaternion x, y, z, w."""
+    states: dict[str, tuple[dict[str, Any], ...]]
+    """States of the devices at these moments, by device, as in `GET /devices/{id}/state`."""
 
 
 class ReplayChange(Answer):
@@ -206,9 +199,9 @@ class ReplayChange(Answer):
     """When [s, run time]."""
     author: str = Field(examples=["pick"])
     """Who changed it; empty where it is the world as it was found."""
-    anew: bool = False
-    """True where the view is of the whole world, and what is not in it is gone: the job was held, or cut off by a
-    restart, and goes on.
+    whole: bool = False
+    """True where the view shows the whole world, so that elements that are not in it are gone: the job goes on after it
+    was held, or interrupted by a restart.
     """
     view: WorldView
     """The elements that look different, and those that are gone; of the shapes those that did not come before."""

@@ -76,10 +76,18 @@ class FrameTree:
             raise DeviceError(f"the place of {id_} is unknown: there are no kinematics of its robot")
         return pose
 
+    def devices(self) -> dict[str, Pose]:
+        """Returns the poses in the map of the frames of all devices, by id, as far as they are known."""
+        return {id_: pose for id_ in self._groups if (pose := self.device(id_)) is not None}
+
     def platforms(self) -> dict[str, Pose]:
         """Returns the poses in the map of all devices on which bodies may stand, by id, as far as they are known."""
         carriers = [device.id for group in self._cell.groups for device in group.devices if device.carries]
         return {id_: pose for id_ in carriers if (pose := self.device(id_)) is not None}
+
+    def joint_positions(self) -> dict[str, float]:
+        """Returns the positions of all joints by "robot/joint", as the devices say [rad or m]."""
+        return {f"{group.id}/{name}": at for group in self._cell.groups for name, at in self.joints(group).items()}
 
     def joints(self, group: RobotSpec) -> dict[str, float]:
         """Returns the positions of a robot's joints, as its devices say [rad or m]."""
@@ -112,10 +120,8 @@ class FrameTree:
     ) -> Iterator[tuple[str, str, Pose]]:
         if device.frame_names and device.frame_names[0] in links:
             yield f"{group.id}/{device.frame_names[0]}", device.id, Pose()
-        elif device.mounted_on:
-            yield device.mounted_on, device.id, Pose()
         elif (pose := self.device(device.id)) is not None:
-            yield MAP, device.id, pose
+            yield (device.mounted_on, device.id, Pose()) if device.mounted_on else (MAP, device.id, pose)
 
     def _frame(self, group: RobotSpec, device: DeviceSpec[Any, Any]) -> Pose | None:
         if isinstance(device, MobileSpec):

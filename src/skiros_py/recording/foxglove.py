@@ -34,15 +34,6 @@ class Schema:
     data: Json
 
 
-@dataclass(frozen=True, slots=True)
-class Transform:
-    """Pose of one frame in its parent frame."""
-
-    parent: str
-    child: str
-    pose: Pose
-
-
 # ---------------------------------------------------------------------- schemas
 
 
@@ -148,19 +139,19 @@ def pose_json(pose: Pose) -> Json:
     return {"position": _vector(pose.position), "orientation": _quaternion(pose.orientation)}
 
 
-def frame_transforms(time: float, transforms: Iterable[Transform]) -> Json:
-    """Returns where frames are at a time [s]."""
+def frame_transforms(time: float, transforms: Iterable[tuple[str, str, Pose]]) -> Json:
+    """Returns the poses of frames at a time [s]: the parent, the frame, and its pose in the parent."""
     at = stamp(time)
     return {
         "transforms": [
             {
                 "timestamp": at,
-                "parent_frame_id": one.parent,
-                "child_frame_id": one.child,
-                "translation": _vector(one.pose.position),
-                "rotation": _quaternion(one.pose.orientation),
+                "parent_frame_id": parent,
+                "child_frame_id": child,
+                "translation": _vector(pose.position),
+                "rotation": _quaternion(pose.orientation),
             }
-            for one in transforms
+            for parent, child, pose in transforms
         ]
     }
 

@@ -47,6 +47,8 @@ SUFFIX = ".mcap"
 """How the name of a recording ends."""
 DEVICES = "/devices/"
 """Prefix of the topics of device states."""
+JOINTS, FRAMES = "/joints", "/frames"
+"""Topics of the positions of all joints by "robot/joint", and of the frame tree."""
 _HEAD = struct.Struct("<BQ")
 """Every MCAP record begins with its kind and the length of its content."""
 _BROKEN = (McapError, ZstdError, struct.error, ValueError, KeyError, TypeError, IndexError, OverflowError, MemoryError)

@@ -16,10 +16,14 @@ from typing import Any, Self
 from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.execution.running import RunnableDocument
 from skiros_py.execution.runtime import Runtime
+from skiros_py.ports.adapters import Ports
+from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.device import DeviceSpec, MobileSpec
+from skiros_py.ports.frames import FrameTree
 from skiros_py.ports.signals import Value
 from skiros_py.ports.values import Snapshot
-from skiros_py.recording.foxglove import FRAME_TRANSFORMS, LOG, Json, Schema, Transform, frame_transforms, log
+from skiros_py.recording.foxglove import FRAME_TRANSFORMS, LOG, Json, Schema, frame_transforms, log
+from skiros_py.recording.reader import FRAMES, JOINTS
 from skiros_py.recording.topics import Topic, own_schema, plain, record_plugins
 from skiros_py.recording.writer import RecordingWriter, Write
 from skiros_py.tasks.handle import TaskHandle
@@ -40,9 +44,6 @@ _LARGEST_WORLD = 20_000
 """Elements of a world whose state at the start is recorded; larger ones are kept in a data directory."""
 _LEVELS = ((logging.CRITICAL, 5), (logging.ERROR, 4), (logging.WARNING, 3), (logging.INFO, 2))
 
-Frames = Callable[[Snapshot], Iterable[Transform]]
-"""Returns the frame tree of a snapshot."""
-
 
 def _schema(name: str, /, **properties: object) -> Schema:
     return Schema(f"skiros.{name}", {"type": "object", "properties": properties, "required": list(properties)})
@@ -50,7 +51,8 @@ def _schema(name: str, /, **properties: object) -> Schema:
 
 _OBJECT, _TEXT, _NUMBER, _WHOLE = ({"type": name} for name in ("object", "string", "number", "integer"))
 _OBJECTS, _TEXTS = ({"type": "array", "items": items} for items in (_OBJECT, _TEXT))
-_FRAMES = Topic("/frames", FRAME_TRANSFORMS, lambda time, frames: frame_transforms(time, frames()), _KEY)
+_FRAMES = Topic(FRAMES, FRAME_TRANSFORMS, lambda time, tree: frame_transforms(time, tree.transforms()), _KEY)
+_JOINTS = Topic(JOINTS, _schema("Joints"), lambda _time, tree: plain(tree.joint_positions()), _KEY)
 _LOG = Topic("/log", LOG, lambda time, line: log(time, *line))
 _RUNS = Topic("/runs", own_schema(ModuleEvent))
 _TASKS = Topic("/tasks", _schema("Task", number=_WHOLE, name=_TEXT, goal=_TEXTS))
@@ -77,7 +79,6 @@ class Recorder:
         runtime: What runs modules on the cell.
         about: Facts about the run as plain data: scene, seed, versions and so on.
         sources: Called at the start; each adds topics, as plug-ins do.
-        frames: The frame tree; None where there is none.
 
     Attributes:
         writer: Writes the recording; its ``fault`` says why it no longer does.
@@ -90,13 +91,12 @@ class Recorder:
         runtime: Runtime,
         about: Mapping[str, Any],
         sources: Iterable[Callable[[Recorder], object]] = (),
-        frames: Frames | None = None,
     ) -> None:
         self.writer = writer
         self.runtime = runtime
         self._about = about
         self._sources = (
-            _record_devices(frames),
+            _record_devices,
             _record_runs,
             _record_signals,
             _record_documents,
@@ -277,39 +277,37 @@ class _LogHandler(logging.Handler):
         self._recorder.put(_LOG, (record.getMessage(), record.name, level))
 
 
-def _record_devices(frames: Frames | None) -> Callable[[Recorder], None]:
-    def record(recorder: Recorder) -> None:
-        board = recorder.runtime.cycle.board
-        devices = Devices(recorder.runtime.context.cell.devices, frames)
-        due = board.snapshot.time
+def _record_devices(recorder: Recorder) -> None:
+    board = recorder.runtime.cycle.board
+    devices = Devices(recorder.runtime.context.cell, recorder.runtime.context.ports)
+    due = board.snapshot.time
 
-        def on_cycle() -> None:
-            nonlocal due
-            snapshot = board.snapshot
-            if snapshot.time >= due:
-                # By half a cycle early rather than always late: the cycle's times are sums of rounded numbers.
-                due = snapshot.time + _EVERY - board.period / 2.0
-                recorder.writer.defer(partial(devices.take, snapshot))
+    def on_cycle() -> None:
+        nonlocal due
+        snapshot = board.snapshot
+        if snapshot.time >= due:
+            # By half a cycle early rather than always late: the cycle's times are sums of rounded numbers.
+            due = snapshot.time + _EVERY - board.period / 2.0
+            recorder.writer.defer(partial(devices.take, snapshot))
 
-        on_cycle()
-        recorder.on_end(lambda: recorder.writer.defer(devices.end))
-        recorder.on_end(lambda: recorder.writer.defer(partial(devices.take, board.snapshot)))
-        recorder.on_end(recorder.runtime.cycle.observe(on_cycle))
-
-    return record
+    on_cycle()
+    recorder.on_end(lambda: recorder.writer.defer(devices.end))
+    recorder.on_end(lambda: recorder.writer.defer(partial(devices.take, board.snapshot)))
+    recorder.on_end(recorder.runtime.cycle.observe(on_cycle))
 
 
 class Devices:
-    """Writes states of devices and frames, in the writer's thread: while nothing moves only the first and the last.
+    """Writes states of devices, joints and frames, in the writer's thread: at a standstill only the first and the last.
 
     Args:
-        devices: The devices by id.
-        frames: The frame tree; None where there is none.
+        cell: The devices.
+        ports: Where the kinematics of robots are found.
     """
 
-    def __init__(self, devices: Mapping[str, DeviceSpec[Any, Any]], frames: Frames | None = None) -> None:
-        self._devices = devices
-        self._frames = frames
+    def __init__(self, cell: CellSpec, ports: Ports) -> None:
+        self._cell = cell
+        self._ports = ports
+        self._devices = cell.devices
         self._topics: dict[str, Topic] = {}
         self._off: set[str] = set()
         self._written: list[float] | None = None
@@ -317,13 +315,13 @@ class Devices:
 
     def take(self, snapshot: Snapshot, write: Write) -> None:
         """Writes a snapshot, unless nothing has moved since the last one that was written."""
-        posture = self._posture(snapshot)
-        if self._written is not None and _same(posture, self._written):
+        measured = self._measured(snapshot)
+        if self._written is not None and _same(measured, self._written):
             self._passed = snapshot
             return
         self.end(write)  # from that moment on it moves
         self._write(snapshot, write)
-        self._written = posture
+        self._written = measured
 
     def end(self, write: Write) -> None:
         """Writes the last snapshot in which nothing had moved yet."""
@@ -332,13 +330,14 @@ class Devices:
             self._passed = None
 
     def _write(self, snapshot: Snapshot, write: Write) -> None:
-        for name, topic in self._topics.items():
-            if name in snapshot.devices and name not in self._off:
-                write(topic, snapshot.time, snapshot.devices[name])
-        if self._frames is not None:
-            write(_FRAMES, snapshot.time, partial(self._frames, snapshot))
+        states = {name: state for name, state in snapshot.devices.items() if name not in self._off}
+        for name, state in states.items():
+            write(self._topics[name], snapshot.time, state)
+        tree = FrameTree(self._cell, dataclasses.replace(snapshot, devices=states), self._ports)
+        for topic in (_JOINTS, _FRAMES):
+            write(topic, snapshot.time, tree)
 
-    def _posture(self, snapshot: Snapshot) -> list[float]:
+    def _measured(self, snapshot: Snapshot) -> list[float]:
         """Returns the numbers that change when something moves [m, rad]; of a sensor, those that it measures.
 
         A device whose kind raises is no longer recorded.

@@ -19,6 +19,8 @@ from skiros_py.behaviours import Wait
 from skiros_py.devices.gripper import GripperSpec, GripperState
 from skiros_py.execution.running import RunnableDocument
 from skiros_py.geometry import Pose
+from skiros_py.ports.adapters import GivenPorts
+from skiros_py.ports.cell import CellSpec, RobotSpec
 from skiros_py.ports.signals import Input, Signal
 from skiros_py.ports.values import Snapshot
 from skiros_py.recording import Recorder, Recording, RecordingWriter
@@ -238,13 +240,15 @@ class Stubborn(GripperSpec):
 
 
 def test_a_device_whose_kind_raises_is_no_longer_recorded_and_the_others_are(caplog: pytest.LogCaptureFixture) -> None:
-    stubborn, gripper = (kind("gripper_1", ("finger",), "", 0.1, 20.0) for kind in (Stubborn, GripperSpec))
-    devices = Devices({"stubborn": stubborn, "gripper": gripper})
+    stubborn, gripper = (
+        kind(name, (name,), "", 0.1, 20.0) for kind, name in ((Stubborn, "stubborn"), (GripperSpec, "gripper"))
+    )
+    devices = Devices(CellSpec((), (RobotSpec("robot", "", (stubborn, gripper)),)), GivenPorts())
     written: list[str] = []
 
     for cycle, gap in enumerate((0.0, 0.05)):
         states = {name: GripperState(gap, 0.0, True) for name in ("stubborn", "gripper")}
         devices.take(Snapshot(cycle, float(cycle), states), lambda topic, _time, _value: written.append(topic.name))
 
-    assert written == ["/devices/gripper"] * 2
+    assert written == ["/devices/gripper", "/joints", "/frames"] * 2
     assert caplog.text.count("/devices/stubborn is no longer recorded: its kind 'gripper' raised KeyError: 'boom'") == 1

@@ -3450,32 +3450,21 @@ export interface components {
             time: number;
             author: string;
             /** @default false */
-            anew: boolean;
+            whole: boolean;
             view: components["schemas"]["WorldView"];
-        };
-        ReplayDevice: {
-            states: {
-                [key: string]: unknown;
-            }[];
-            poses: number[][] | null;
         };
         ReplayFrames: {
             times: number[];
-            arms: {
-                [key: string]: number[][];
-            };
-            grippers: {
+            joints: {
                 [key: string]: number[];
             };
-            bases: {
-                [key: string]: [
-                    number,
-                    number,
-                    number
-                ][];
+            frames: {
+                [key: string]: number[][];
             };
-            devices?: {
-                [key: string]: components["schemas"]["ReplayDevice"];
+            states: {
+                [key: string]: {
+                    [key: string]: unknown;
+                }[];
             };
         };
         ResetInfo: {
@@ -3736,9 +3725,7 @@ export interface components {
                 [key: string]: components["schemas"]["PoseInfo"];
             };
             joints: {
-                [key: string]: {
-                    [key: string]: number;
-                };
+                [key: string]: number;
             };
             modules: components["schemas"]["ModuleAtWork"][];
             tasks: components["schemas"]["TaskAtWork"][];

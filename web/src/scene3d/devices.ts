@@ -1,4 +1,4 @@
-/** Where devices are in the picture that is drawn: between two states of the present, or in a replay. */
+/** Joints and frames of the devices as they are drawn: between two live states, or in a replay. */
 
 import { type StationState, useStation } from "../live/station";
 import { useReplay } from "./replay";
@@ -9,7 +9,7 @@ import { wake } from "./ticker";
 export interface Devices {
   /** Frames in the map by device: position [m], and a quaternion x, y, z, w. */
   frames: Record<string, number[]>;
-  /** Positions of joints by "robot/joint" [rad or m]. */
+  /** Positions of joints by "robot/joint" or "device/joint" [rad or m]. */
   joints: Record<string, number[]>;
 }
 
@@ -53,9 +53,7 @@ export function devicesOf(state: StationState): Devices {
   for (const [id, pose] of Object.entries({ ...state.frames, ...state.platforms })) {
     found.frames[id] = [...pose.position, ...pose.orientation];
   }
-  for (const [robot, joints] of Object.entries(state.joints)) {
-    for (const [name, position] of Object.entries(joints)) found.joints[`${robot}/${name}`] = [position];
-  }
+  for (const [name, position] of Object.entries(state.joints)) found.joints[name] = [position];
   return found;
 }
 

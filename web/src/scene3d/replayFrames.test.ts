@@ -1,42 +1,26 @@
-import { beforeEach, describe, expect, it } from "vitest";
+import { describe, expect, it } from "vitest";
 import type { Schema } from "../api/client";
 import type { Devices } from "./devices";
 import { framesAt, PastViews } from "./replayFrames";
-import { noteRobot } from "./robots/models";
-import type { RobotInfo } from "./robots/useRobots";
 import { element, world } from "./testing";
 
 const FRAMES: Schema<"ReplayFrames"> = {
   times: [1, 2, 4],
-  arms: { arm: [[0], [1], [3]] },
-  grippers: { gripper: [0.08, 0.04, 0.04] },
-  bases: {
-    base: [
-      [0, 0, 3],
-      [1, 0, -3],
-      [1, 0, -3],
+  joints: { "robot/shoulder": [0, 1, 3], "robot/left": [0.04, 0.02, 0.02], "table/turn": [0, 2, 2] },
+  frames: {
+    base: [upright(0, 0, 3), upright(1, 0, -3), upright(1, 0, -3)],
+    table: [
+      [0, 2, 0.5, 0, 0, 0, 1],
+      [0, 2, 0.5, 0, 0, -1, 0],
+      [0, 2, 0.5, 0, 0, -1, 0],
     ],
   },
-  devices: {
-    table: {
-      states: [{}, {}, {}],
-      poses: [
-        [0, 2, 0.5, 0, 0, 0, 1],
-        [0, 2, 0.5, 0, 0, -1, 0],
-        [0, 2, 0.5, 0, 0, -1, 0],
-      ],
-    },
-  },
+  states: {},
 };
 
-const ROBOT = {
-  id: "robot",
-  carrier: "base",
-  arms: [{ id: "arm", joints: [{ name: "shoulder" }] }],
-  grippers: [{ id: "gripper", joints: ["left", "right"] }],
-} as unknown as RobotInfo;
-
-beforeEach(() => noteRobot(ROBOT));
+function upright(x: number, y: number, heading: number): number[] {
+  return [x, y, 0, 0, 0, Math.sin(heading / 2), Math.cos(heading / 2)];
+}
 
 function devicesAt(time: number): Devices {
   const into: Devices = { frames: {}, joints: {} };
@@ -48,9 +32,11 @@ describe("devices between two frames of a replay", () => {
   it("are on the straight way between them", () => {
     expect(devicesAt(1.5).joints["robot/shoulder"]).toEqual([0.5]);
     expect(devicesAt(3).joints["robot/shoulder"]).toEqual([2]);
-    for (const finger of ["left", "right"]) {
-      expect(devicesAt(1.25).joints[`robot/${finger}`]?.[0]).toBeCloseTo(0.035);
-    }
+    expect(devicesAt(1.25).joints["robot/left"]?.[0]).toBeCloseTo(0.035);
+  });
+
+  it("have the joints of all kinds, with a robot or without one", () => {
+    expect(devicesAt(1.5).joints["table/turn"]).toEqual([1]);
   });
 
   it("turn the short way round", () => {
@@ -74,9 +60,9 @@ describe("devices between two frames of a replay", () => {
   });
 });
 
-describe("devices while a job was cut off", () => {
-  const anew = { time: 4.00001, author: "", anew: true, view: world([]) };
-  const replay = { frames: FRAMES, changes: [anew] } as unknown as Schema<"Replay">;
+describe("devices while a job was interrupted", () => {
+  const continued = { time: 4.00001, author: "", whole: true, view: world([]) };
+  const replay = { frames: FRAMES, changes: [continued] } as unknown as Schema<"Replay">;
   const angleAt = (time: number) => {
     const into: Devices = { frames: {}, joints: {} };
     framesAt(replay, time, into);
@@ -116,7 +102,7 @@ describe("the world of a replay", () => {
     const view = world([element("b", { shape: "box", place: "floor" }), element("c", { shape: "rod" })], {
       shapes: { rod: [] },
     });
-    const went = { time: 5, author: "", anew: true, view };
+    const went = { time: 5, author: "", whole: true, view };
     const past = new PastViews({ beginning, changes: [change(2, "gripper"), went] } as unknown as Schema<"Replay">);
     expect([...past.at(4.9).elements.keys()]).toEqual(["a", "b"]);
     expect([...past.at(5).elements.values()].map(({ id, place }) => [id, place])).toEqual([

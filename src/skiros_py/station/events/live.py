@@ -98,12 +98,8 @@ def _live_state(session: Session) -> dict[str, Any]:
             for name, base in snapshot.of(BaseState).items()
         },
         "platforms": {name: _pose(pose) for name, pose in platforms.items()},
-        "frames": {
-            name: _pose(pose)
-            for name in cycle.board.devices
-            if name not in platforms and (pose := frames.device(name)) is not None
-        },
-        "joints": {robot.id: frames.joints(robot) for robot in session.spec.robots},
+        "frames": {name: _pose(pose) for name, pose in frames.devices().items() if name not in platforms},
+        "joints": frames.joint_positions(),
         "modules": [
             {"agent": agent, "module": name, "status": running.status}
             for agent in session.managers

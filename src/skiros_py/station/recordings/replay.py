@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from itertools import groupby, islice, pairwise
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from mcap.records import Message
 from numpy.typing import NDArray
 
 from skiros_py.errors import FileError, Refused
 from skiros_py.geometry import Array, Pose
 from skiros_py.ports.frames import MAP
-from skiros_py.recording.reader import DEVICES, Recording
+from skiros_py.recording.reader import DEVICES, FRAMES, JOINTS, Recording
 from skiros_py.station.recordings.sources import VIEW
 from skiros_py.station.requests import Service
 from skiros_py.tasks.jobs import Job
@@ -43,7 +44,7 @@ def replay_text(recording: Recording, *, over: bool, start: float = -math.inf, e
     if beginning is None:
         raise ValueError("it has no beginning")
     later = islice(recording.messages(VIEW.name, end=until), 1, None)
-    views = [(began, beginning), *((time, one) for _, time, one in later if time <= end or one["anew"])]
+    views = [(began, beginning), *((time, one) for _, time, one in later if time <= end or one["whole"])]
     before = max(sum(time <= start for time, _ in views), 1)
     runs = {part["run"] for part in recording.parts}
     replay = {
@@ -69,7 +70,7 @@ def _world_after(changes: Sequence[Mapping[str, Any]]) -> Mapping[str, Any]:
     shapes: dict[str, Any] = {}
     for change in changes:
         view = change["view"]
-        if change["anew"]:
+        if change["whole"]:
             elements.clear()
         for name in view["gone"]:
             elements.pop(name, None)
@@ -79,76 +80,59 @@ def _world_after(changes: Sequence[Mapping[str, Any]]) -> Mapping[str, Any]:
 
 
 def _frames(recording: Recording, start: float, end: float) -> dict[str, Any]:
-    """Returns the states of all devices at common times.
+    """Returns joints, frames and states of all devices at common times; see :class:`skiros_py.api.view.ReplayFrames`.
 
     Includes the last frame before the range and the first one after it. A device that has disappeared keeps its last
     state.
     """
     if start > recording.start:
         start = recording.frame(start).time
-    found = []
-    for time, group in groupby(recording.raw_messages(DEVICES, start=start), key=lambda one: one[2].log_time):
-        found.append((time, [(channel.topic, message.data) for _, channel, message in group]))
+    moments = []
+    for time, _ in groupby(recording.raw_messages(JOINTS, start=start), key=_log_time):
+        moments.append(time)
         if time > end * 1e9:
             break
-    times = np.array([time for time, _ in found]) / 1e9
+    times = np.array(moments) / 1e9
     kept = _thinned(times)
-    present: dict[tuple[str, str], Any] = {}
-    tracks: dict[tuple[str, str], list[Any]] = {}
-    for number in kept.tolist():
-        for topic, data in found[number][1]:
-            name, state = topic.removeprefix(DEVICES), json.loads(data)
-            known = {(kind, name): state[field] for field, kind in _KINDS if field in state}
-            present |= known or {("devices", name): state}
-        tracks = tracks or {device: [] for device in present}
-        for device, track in tracks.items():
-            track.append(present[device])
-    by_kind: dict[str, dict[str, Any]] = {
-        kind: {name: track for (one, name), track in tracks.items() if one == kind} for _, kind in _KINDS
+    wanted = {moments[number] for number in kept}
+    present: dict[str, dict[str, Any]] = {"joints": {}, "frames": {}, "states": {}}
+    tracks: dict[str, dict[str, list[Any]]] = {}
+    messages = recording.raw_messages(JOINTS, FRAMES, DEVICES, start=start, end=max(times, default=start))
+    for time, group in groupby(messages, key=_log_time):
+        if time not in wanted:
+            continue
+        for _, channel, message in group:
+            data = json.loads(message.data)
+            if channel.topic == JOINTS:
+                present["joints"] |= data
+            elif channel.topic == FRAMES:
+                present["frames"] |= _device_poses(data["transforms"])
+            else:
+                present["states"][channel.topic.removeprefix(DEVICES)] = data
+        tracks = tracks or {kind: {name: [] for name in values} for kind, values in present.items()}
+        for kind, by_name in tracks.items():
+            for name, track in by_name.items():
+                track.append(present[kind][name])
+    return {"times": np.round(times[kept], _DIGITS).tolist(), **(tracks or present)}
+
+
+def _log_time(message: tuple[Any, Any, Message]) -> int:
+    return message[2].log_time
+
+
+def _device_poses(transforms: Sequence[Mapping[str, Any]]) -> dict[str, list[float]]:
+    """Returns the poses in the map of the frames of devices: x, y, z [m] and a quaternion."""
+    parents = {one["child_frame_id"]: one for one in transforms}
+
+    def pose(name: str) -> Pose:
+        one = parents[name]
+        own = Pose((*one["translation"].values(),), (*one["rotation"].values(),))
+        return own if one["parent_frame_id"] == MAP else pose(one["parent_frame_id"]) @ own
+
+    devices = {name: pose(name) for name in parents if "/" not in name}  # names of links have a slash
+    return {
+        name: [round(number, _DIGITS) for number in (*one.position, *one.orientation)] for name, one in devices.items()
     }
-    by_kind["bases"] = {}
-    others = {name: track for (kind, name), track in tracks.items() if kind == "devices"}
-    poses = _poses(recording, others, [found[number][0] for number in kept.tolist()])
-    moving = [name for name, track in others.items() if "pose" in track[0] and (name in poses or not poses)]
-    for name in moving:  # bases: where they were localised, else where their odometry was
-        own = [(*one["pose"]["position"], *one["pose"]["orientation"]) for one in others.pop(name)]
-        by_kind["bases"][name] = [_in_plane(row) for row in poses.get(name, own)]
-    by_kind["devices"] = {name: {"states": track, "poses": poses.get(name)} for name, track in others.items()}
-    return {"times": np.round(times[kept], _DIGITS).tolist(), **by_kind}
-
-
-def _poses(recording: Recording, devices: Collection[str], times: Sequence[int]) -> dict[str, list[list[float]]]:
-    """Returns the poses in the map of the devices that have their own frames, at each of the times [ns]."""
-    if not devices:
-        return {}
-    tracks: dict[str, list[list[float]]] = {}
-    last: dict[str, list[float]] = {}
-    written = recording.raw_messages("/frames", start=times[0] / 1e9, end=times[-1] / 1e9)
-    frames = ((one.log_time, json.loads(one.data)) for _, _, one in written)
-    ahead = next(frames, None)
-    for time in times:
-        while ahead is not None and ahead[0] <= time:
-            for one in ahead[1]["transforms"]:
-                if one["parent_frame_id"] == MAP and one["child_frame_id"] in devices:
-                    numbers = (*one["translation"].values(), *one["rotation"].values())
-                    last[one["child_frame_id"]] = [round(number, _DIGITS) for number in numbers]
-            ahead = next(frames, None)
-        for name, pose in last.items():
-            tracks.setdefault(name, []).append(pose)
-    return tracks
-
-
-def _in_plane(numbers: Sequence[float]) -> tuple[float, float, float]:
-    x, y, _, *orientation = numbers
-    qx, qy, qz, qw = orientation
-    return x, y, round(Pose(orientation=(qx, qy, qz, qw)).yaw, _DIGITS)
-
-
-_KINDS = (
-    ("positions", "arms"),
-    ("gap", "grippers"),
-)
-"""The field by which the state of an arm or gripper is recognised: the data to show of it."""
 
 
 def _thinned(times: Array) -> NDArray[np.int_]:

@@ -19,7 +19,7 @@ from skiros_py.errors import FileError
 from skiros_py.ports.kinematics import write_robot_urdf
 from skiros_py.recording import RUNS, SUFFIX, Recorder, Recording, RecordingWriter
 from skiros_py.recording.pictures import record_pictures
-from skiros_py.station.recordings.sources import camera_of, frames_of, record_looks, record_view
+from skiros_py.station.recordings.sources import camera_of, record_looks, record_view
 from skiros_py.station.session import Session
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.jobs import Job
@@ -54,9 +54,9 @@ def run_recorder(session: Session, data: Path) -> Recorder:
 def recorder_of(
     session: Session, writer: RecordingWriter, sources: Sequence[Callable[[Recorder], object]] = (), **about: object
 ) -> Recorder:
-    """Returns a recorder of a session, with frames, scene and looks in addition to the common topics."""
+    """Returns a recorder of a session, with scene and looks in addition to the common topics."""
     own = (_attach_models(session), record_view, record_looks)
-    return Recorder(writer, session.runtime, _about(session) | about, (*own, *sources), frames_of(session))
+    return Recorder(writer, session.runtime, _about(session) | about, (*own, *sources))
 
 
 def _attach_models(session: Session) -> Callable[[Recorder], None]:

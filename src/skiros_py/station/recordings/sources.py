@@ -1,4 +1,4 @@
-"""Topics of a session's recording beyond the common ones: frames, the scene, cameras."""
+"""Topics of a session's recording beyond the common ones: the scene, cameras."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from skiros_py.api.view import ViewElement, WorldView
 from skiros_py.execution.runtime import LibraryCall
 from skiros_py.geometry import Pose
-from skiros_py.ports.frames import MAP, FrameTree
+from skiros_py.ports.frames import MAP
 from skiros_py.ports.perception import LookRequest, RegistrationRequest
 from skiros_py.ports.values import Pending, Snapshot
 from skiros_py.recording.foxglove import (
@@ -20,7 +20,6 @@ from skiros_py.recording.foxglove import (
     SCENE_UPDATE,
     Json,
     Schema,
-    Transform,
     compressed_image,
     cuboid,
     cylinder,
@@ -29,7 +28,7 @@ from skiros_py.recording.foxglove import (
     scene_update,
 )
 from skiros_py.recording.pictures import HEIGHT, WIDTH, Camera, over_the_shoulder, webp
-from skiros_py.recording.recorder import Frames, Recorder
+from skiros_py.recording.recorder import Recorder
 from skiros_py.recording.topics import Topic
 from skiros_py.recording.writer import Write
 from skiros_py.station.robots.looks import points_of
@@ -52,15 +51,6 @@ _COLOURS: Mapping[str, tuple[float, float, float, float]] = {
 _GREY = (0.62, 0.66, 0.71, 1.0)
 
 
-# ---------------------------------------------------------------------- frames
-
-
-def frames_of(session: Session) -> Frames:
-    """Returns a function that computes the frame tree of a snapshot, with links "robot/link" and devices by id."""
-    spec, ports = session.spec, session.runtime.context.ports
-    return lambda snapshot: [Transform(*one) for one in FrameTree(spec, snapshot, ports).transforms()]
-
-
 # ---------------------------------------------------------------------- the scene
 
 _SCENE = Topic("/scene", SCENE_UPDATE, lambda time, scene: scene_update(time, *scene))
@@ -70,8 +60,8 @@ VIEW = Topic(
         "skiros.View",
         {
             "type": "object",
-            "properties": {"author": {"type": "string"}, "anew": {"type": "boolean"}, "view": {"type": "object"}},
-            "required": ["author", "anew", "view"],
+            "properties": {"author": {"type": "string"}, "whole": {"type": "boolean"}, "view": {"type": "object"}},
+            "required": ["author", "whole", "view"],
         },
     ),
     lambda _time, change: change,
@@ -108,7 +98,7 @@ class Scene:
         """Writes the whole scene."""
         view = view_of(index, None, self._platforms(snapshot))
         self._seen, self._shapes = {one.id: one for one in view.elements}, dict(view.shapes)
-        self._write(snapshot.time, "", view, write, anew=True)
+        self._write(snapshot.time, "", view, write, whole=True)
 
     def take(self, change: Change, index: Index, snapshot: Snapshot, write: Write) -> None:
         """Writes the visible differences after a change, if any."""
@@ -123,15 +113,15 @@ class Scene:
             del self._seen[name]
         self._write(snapshot.time, change.author, view.model_copy(update={"shapes": shapes, "gone": gone}), write)
 
-    def _write(self, time: float, author: str, view: WorldView, write: Write, *, anew: bool = False) -> None:
+    def _write(self, time: float, author: str, view: WorldView, write: Write, *, whole: bool = False) -> None:
         data = view.model_dump(mode="json", by_alias=True)
-        write(VIEW, time, {"author": author, "anew": anew, "view": data})
-        whole = anew or len(self._seen) <= _MOST_ENTITIES
-        shown = self._seen.values() if whole else view.elements
+        write(VIEW, time, {"author": author, "whole": whole, "view": data})
+        complete = whole or len(self._seen) <= _MOST_ENTITIES
+        shown = self._seen.values() if complete else view.elements
         write(
             _SCENE,
             time,
-            ([_entity(one, self._shapes[one.shape]) for one in shown if one.shape], None if whole else view.gone),
+            ([_entity(one, self._shapes[one.shape]) for one in shown if one.shape], None if complete else view.gone),
         )
 
 

@@ -10,7 +10,7 @@ import type { Palette } from "../palette";
 import { wake } from "../ticker";
 import { Footprint } from "./Footprint";
 import { disposeModel, loadModel } from "./model";
-import { models, noteRobot, robotInMap } from "./models";
+import { models, noteCarrier, robotInMap } from "./models";
 import type { RobotInfo } from "./useRobots";
 
 /** A robot as its model draws it, moving live; its outline where there is no model. */
@@ -21,7 +21,7 @@ export function Robot({ robot, palette }: { robot: RobotInfo; palette: Palette }
     gcTime: 0,
   });
   useEffect(() => bearTools(robot, model ?? null), [robot, model]);
-  useEffect(() => noteRobot(robot), [robot]);
+  useEffect(() => noteCarrier(robot), [robot]);
   useEffect(() => {
     if (!model) return;
     models.set(robot.id, model);

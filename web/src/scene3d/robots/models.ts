@@ -1,4 +1,4 @@
-/** The models that are drawn, by the ids of their robots, and where the robots and their joints are. */
+/** The models that are drawn, and the poses of their robots. */
 
 import { Matrix4, type Vector3 } from "three";
 import type { URDFRobot } from "urdf-loader";
@@ -6,33 +6,15 @@ import { deviceInMap } from "../frames";
 import { matrixOf } from "../pose";
 import type { RobotInfo } from "./useRobots";
 
+/** By the id of the robot, or of the device without a robot. */
 export const models = new Map<string, URDFRobot>();
 /** The devices that move robots through the map, by the robots' ids. */
 export const carrierOf = new Map<string, string>();
 
-/** The joints that a number of a device moves, for replays: "robot/joint". */
-export interface Moved {
-  joints: readonly string[];
-  /** What part of the number is that of each joint. */
-  share: number;
-}
-export const movedBy = new Map<string, readonly Moved[]>();
-
-/** Notes what moves a robot and its joints; returns how to forget that. */
-export function noteRobot({ id, carrier, arms, grippers }: RobotInfo): () => void {
-  const own = (name: string) => `${id}/${name}`;
+/** Notes the device that moves a robot through the map; returns how to undo that. */
+export function noteCarrier({ id, carrier }: RobotInfo): () => void {
   if (carrier !== null) carrierOf.set(id, carrier);
-  for (const arm of arms) {
-    const each = arm.joints.map(({ name }) => ({ joints: [own(name)], share: 1 }));
-    movedBy.set(arm.id, each);
-  }
-  for (const { id: gripper, joints = [] } of grippers) {
-    movedBy.set(gripper, [{ joints: joints.map(own), share: 1 / 2 }]);
-  }
-  return () => {
-    carrierOf.delete(id);
-    for (const device of [...arms, ...grippers]) movedBy.delete(device.id);
-  };
+  return () => carrierOf.delete(id);
 }
 
 /** Writes where a robot is in the map; false where that is unknown. */
