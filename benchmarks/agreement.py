@@ -8,10 +8,10 @@ from skiros_py.planning.domain.actions import passed_keys
 from skiros_py.planning.domain.pddl import write_pddl
 from skiros_py.planning.domain.sequencing import in_sequence
 from skiros_py.planning.plan import Step, read_plan
-from skiros_py.planning.plan_validation import replay
 from skiros_py.planning.planners.planner import Planner, Unsolvable
 from skiros_py.planning.problem.stock import with_stock
 from skiros_py.planning.problem.task import PlanningTask, build_task
+from skiros_py.planning.replay import replay
 from skiros_py.planning.sequence import counts
 
 

@@ -23,11 +23,11 @@ from table import Figure, finish
 
 from skiros_py.errors import PlanningError
 from skiros_py.planning.plan import Plan
-from skiros_py.planning.plan_validation import replay
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.kairos import Kairos
 from skiros_py.planning.planners.planner import Planner, Planners
 from skiros_py.planning.problem.task import Capability
+from skiros_py.planning.replay import replay
 from skiros_py.planning.service import plan
 from skiros_py.skills.conditions import Condition
 from skiros_py.testing import tiny_world

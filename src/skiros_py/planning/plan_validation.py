@@ -1,4 +1,4 @@
-"""Validates plans by evaluating the *conditions* on an overlay; converts plans of skills back to their PDDL task.
+"""Validates planners' answers by replaying them; converts plans of skills back to their PDDL task.
 
 Removed detours change the state that later steps start from, so the planner's own lines may no longer be valid.
 """
@@ -8,23 +8,18 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import product
 from typing import NamedTuple
 
 from skiros_py.errors import PlanningError
-from skiros_py.planning.domain.actions import needs_of, passed_keys, with_defaults
+from skiros_py.planning.domain.actions import passed_keys
 from skiros_py.planning.domain.model import Action, Atom, NoneSuch, Variable
 from skiros_py.planning.domain.pddl import PddlTexts
 from skiros_py.planning.plan import Plan, Step, read_plan
 from skiros_py.planning.planners.planner import Solved
 from skiros_py.planning.problem.task import PlanningTask
-from skiros_py.planning.sequence import Round
-from skiros_py.skills.conditions import Condition, Effect, Pattern, Verdict, effects_of, judge, suppose_effects
-from skiros_py.skills.inference import applying
-from skiros_py.skills.skill import SkillDescription
+from skiros_py.planning.replay import Flaw, Simulation
 from skiros_py.world.ontology import Ontology
-from skiros_py.world.overlay import Overlay
 from skiros_py.world.view import WorldView
 
 
@@ -86,11 +81,8 @@ class TaskState:
 
     def copy(self) -> TaskState:
         """Returns a copy of the state."""
-        return copy(self)
-
-    def __copy__(self) -> TaskState:
-        other = object.__new__(TaskState)
-        other.__dict__ |= self.__dict__ | {"_facts": {p: dict(atoms) for p, atoms in self._facts.items()}}
+        other = copy(self)
+        vars(other).update(_facts={predicate: dict(atoms) for predicate, atoms in self._facts.items()})
         return other
 
     def take(self, step: Step) -> Taken | None:
@@ -225,157 +217,6 @@ _STREAMLINED = 300
 """Detours are not removed from longer plans: the search takes quadratic time."""
 
 
-@dataclass(frozen=True, slots=True)
-class Flaw:
-    """Where a plan fails.
-
-    Attributes:
-        step: Index of the step, or None when all steps run but the goal is not reached.
-        verdict: What does not hold, or which condition raised an error, and why.
-    """
-
-    step: int | None
-    verdict: Verdict
-
-
-class StepConditions(Mapping[str, SkillDescription]):
-    """Skills by name; the bound conditions of each step are computed once.
-
-    Args:
-        skills: The skills by name.
-    """
-
-    def __init__(self, skills: Mapping[str, SkillDescription]) -> None:
-        self._skills = skills
-        self._bound: dict[tuple[object, ...], _BoundStep] = {}
-
-    def __getitem__(self, name: str) -> SkillDescription:
-        return self._skills[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._skills)
-
-    def __len__(self) -> int:
-        return len(self._skills)
-
-    def of(self, step: Step) -> _BoundStep:
-        """Returns the conditions of a step, bound to its elements."""
-        key = (step.skill, *step.arguments.items())
-        if key not in self._bound:
-            self._bound[key] = _BoundStep(self._skills[step.skill], step)
-        return self._bound[key]
-
-
-class _BoundStep:
-    def __init__(self, skill: SkillDescription, step: Step) -> None:
-        self.skill = skill
-        self.values = with_defaults(skill, step.arguments)
-        self.needs = tuple(_Bound(c.bind(self.values)) for c in applying(needs_of(skill), self.values))
-        self.post = tuple(_Bound(c.bind(self.values)) for c in applying(skill.post, self.values))
-
-    @cached_property
-    def effects(self) -> list[Iterable[Effect]]:
-        return [effects_of(bound.condition) for bound in self.post]
-
-    def apply(self, overlay: Overlay) -> None:
-        for effects in self.effects:
-            suppose_effects(overlay, effects)
-
-
-class _Bound:
-    """A condition of a step that is evaluated repeatedly."""
-
-    def __init__(self, condition: Condition) -> None:
-        self.condition = condition
-        self._pattern: Pattern | None = None
-        self._binding = {argument: argument for argument in condition.arguments}
-
-    def broken(self, view: WorldView) -> Verdict | None:
-        """Returns why it does not hold; None if it does.
-
-        Once it has held, its elements are known to exist and matching its pattern suffices; if that fails, the whole
-        condition is evaluated for the reason.
-        """
-        if self._pattern is not None and self._pattern.evaluate(view, self._binding):
-            return None
-        verdict = judge(self.condition, view)
-        if not verdict:
-            return verdict
-        if type(self.condition).evaluate is Condition.evaluate:
-            self._pattern = self.condition.closed_pattern(view.ontology)
-        return None
-
-
-def replay(
-    view: WorldView,
-    steps: Sequence[Step],
-    goal: Sequence[Condition],
-    skills: Mapping[str, SkillDescription],
-    *,
-    reached: Mapping[str, int] | None = None,
-) -> Flaw | None:
-    """Simulates a plan on an overlay; the given view is not changed.
-
-    Args:
-        view: The world.
-        steps: The plan.
-        goal: The goal it should reach.
-        skills: The skill descriptions by name; as :class:`StepConditions` if more than one plan is replayed.
-        reached: The highest sequence number that each robot has visited in this task.
-
-    Returns:
-        The first flaw, or None when every precondition holds in turn, every postcondition follows, the scene's
-        sequence numbers are respected, and the goal is reached at the end.
-    """
-    conditions = skills if isinstance(skills, StepConditions) else StepConditions(skills)
-    overlay, round_ = Overlay(view), Round(view, goal, reached)
-    for index, step in enumerate(steps):
-        bound = conditions.of(step)
-        broken = _first_broken(overlay, bound.needs)
-        if broken is None:
-            broken = round_.take(overlay, bound.skill, bound.values)
-        if broken is None:
-            bound.apply(overlay)
-            broken = _first_broken(overlay, bound.post)
-        if broken is not None:
-            return Flaw(index, broken)
-    return next((Flaw(None, verdict) for c in goal if not (verdict := judge(c, overlay))), None)
-
-
-def out_of_sequence(
-    view: WorldView,
-    steps: Sequence[Step],
-    goal: Sequence[Condition],
-    skills: Mapping[str, SkillDescription],
-    *,
-    reached: Mapping[str, int] | None = None,
-) -> str:
-    """Returns how an otherwise valid plan violates sequence or work numbers; empty if it does not.
-
-    Meant for a task that provably has no plan with the numbers when this is a plan without them: then the numbers are
-    the reason.
-    """
-    flaw = replay(view, steps, goal, skills, reached=reached)
-    return "" if flaw is None else f"no plan keeps to the sequence numbers of this scene: {flaw.verdict.text}"
-
-
-def _first_broken(view: WorldView, conditions: Iterable[_Bound]) -> Verdict | None:
-    return next((verdict for bound in conditions if (verdict := bound.broken(view)) is not None), None)
-
-
-def apply_effects(overlay: Overlay, post: Sequence[Condition], arguments: Mapping[str, str]) -> None:
-    """Makes postconditions true on an overlay: applies moves and relations.
-
-    Conditions on unspecified parameters are skipped; derived ones ("nothing is there") are left to the check
-    afterwards.
-
-    Raises:
-        DescriptionError: A postcondition cannot be made true.
-    """
-    for condition in applying(post, arguments):
-        suppose_effects(overlay, effects_of(condition.bind(arguments)))
-
-
 # ------------------------------------------------------------------ planners' answers
 
 
@@ -421,14 +262,14 @@ def validate(
     if len(answer.steps) > _LONGEST:
         raise PlanningError(f"the planner answered with {len(answer.steps)} steps: no plan is that long")
     _check_objects(texts, answer)
-    skills = StepConditions({c.skill.name: c.skill for c in task.capabilities})
-    keys = {name: passed_keys(skill) for name, skill in skills.items()}
+    keys = {name: passed_keys(skill) for name, skill in task.skills.items()}
     steps = read_plan(answer.steps, texts, keys)
-    flaw = replay(view, steps, task.conditions, skills, reached=reached)
+    before: list[Simulation] | None = [] if len(steps) <= _STREAMLINED else None
+    flaw = Simulation(view, task.conditions, task.skills, reached).run(steps, before)
     if flaw is not None:
         return Wrong(steps, flaw)
-    if len(steps) <= _STREAMLINED:
-        steps = _without_detours(view, steps, task.conditions, skills, reached)
+    if before is not None:
+        steps = _without_detours(steps, before)
     lines = pddl_plan(task, texts, steps, view.ontology)
     return Plan(steps, lines)
 
@@ -443,23 +284,15 @@ def _check_objects(texts: PddlTexts, answer: Solved) -> None:
             )
 
 
-def _without_detours(
-    view: WorldView,
-    steps: tuple[Step, ...],
-    goal: Sequence[Condition],
-    skills: StepConditions,
-    reached: Mapping[str, int] | None,
-) -> tuple[Step, ...]:
-    """Removes steps without which the plan still replays successfully (satisficing planners may take detours)."""
-    overlay, round_ = Overlay(view), Round(view, goal, reached)
-    moments = []  # each step with the world, and the sequence numbers reached, just before it
-    for step in steps:
-        moments.append((step, overlay.copy(), dict(round_.reached)))
-        bound = skills.of(step)
-        round_.take(overlay, bound.skill, bound.values)
-        bound.apply(overlay)
+def _without_detours(steps: Sequence[Step], before: Sequence[Simulation]) -> tuple[Step, ...]:
+    """Removes steps without which the plan still leads to the goal (satisficing planners may take detours).
+
+    Args:
+        steps: The plan.
+        before: The simulation before each of them; it goes on from there.
+    """
     kept: tuple[Step, ...] = ()
-    for step, before, already in reversed(moments):
-        if replay(before, kept, goal, skills, reached=already) is not None:
+    for step, simulation in zip(reversed(steps), reversed(before), strict=True):
+        if simulation.run(kept) is not None:
             kept = (step, *kept)
     return kept

@@ -11,10 +11,10 @@ from skiros_py.errors import PlanningError, SkirosError
 from skiros_py.interruptions import Interruption
 from skiros_py.planning.domain.actions import with_defaults
 from skiros_py.planning.plan import Plan, Step
-from skiros_py.planning.plan_validation import Flaw, apply_effects, replay
 from skiros_py.planning.planners.planner import Planners
 from skiros_py.planning.problem.stock import tokens_of, with_stock
 from skiros_py.planning.problem.task import Capability
+from skiros_py.planning.replay import Flaw, apply_effects, replay
 from skiros_py.planning.sequence import Round
 from skiros_py.planning.service import USUAL, Planned, PlanningOptions, plan
 from skiros_py.skills.conditions import Condition, Verdict

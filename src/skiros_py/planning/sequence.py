@@ -9,6 +9,7 @@ next.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 
 from skiros_py.skills.conditions import Condition, Relate, Verdict, effects_of, judge
 from skiros_py.skills.inference import applying
@@ -81,6 +82,12 @@ class Round:
         self._counts = counts(view)
         turns = turns_of_goal(view, goal) if self._counts else ()
         self._wanted = [(turn, condition) for turn, condition in zip(turns, goal, strict=False) if turn is not None]
+
+    def copy(self) -> Round:
+        """Returns a copy that goes on by itself."""
+        other = copy(self)
+        other.reached = dict(self.reached)
+        return other
 
     def take(self, view: WorldView, skill: SkillDescription, arguments: Mapping[str, str]) -> Verdict | None:
         """Applies a step with the moves in its postconditions.

@@ -13,10 +13,11 @@ from skiros_py.planning.domain.temporal import write_temporal
 from skiros_py.planning.durations import timed
 from skiros_py.planning.explanation import Trial, explain, find_causes
 from skiros_py.planning.plan import Cause, CauseKind, NoPlan, Plan
-from skiros_py.planning.plan_validation import Wrong, out_of_sequence, validate
-from skiros_py.planning.planners.planner import Answer, Planner, Planners, Unsolvable, abandon
+from skiros_py.planning.plan_validation import Wrong, validate
+from skiros_py.planning.planners.planner import Answer, Planner, Planners, Unsolvable, wait_for
 from skiros_py.planning.problem.stock import lacks_stock, with_stock
 from skiros_py.planning.problem.task import Capability, PlanningTask, build_task
+from skiros_py.planning.replay import out_of_sequence
 from skiros_py.planning.robots.allocation import deal
 from skiros_py.planning.robots.ordering import order
 from skiros_py.planning.robots.rounds import arranged
@@ -84,8 +85,6 @@ def _texts(wanted: Wanted, task: PlanningTask) -> PddlTexts:
     return with_costs(wanted.view, task, write_pddl(task.domain, task.problem, name=wanted.name))
 
 
-_POLL = 0.0005
-"""Poll interval for an answer [s]."""
 _PATIENCE = 1.0
 """Delay until a proof that there is no plan is searched for beside the planner [s]; does not affect the result."""
 
@@ -201,21 +200,15 @@ class SolverLoop:
         return validate(self._wanted.view, task, texts, answer, self._wanted.reached)
 
     def _answer(self, planner: Planner, texts: PddlTexts, limit: float | None) -> Answer:
-        pending = planner.solve(texts.domain, texts.problem)
-        started = time.monotonic()
-        try:
-            while not pending.done():
-                taken = time.monotonic() - started
-                if self._stopped():
-                    raise PlanningError("planning was stopped")
-                if taken > _PATIENCE and self.is_hopeless():
-                    raise _Hopeless("there is no plan")
-                if limit is not None and taken > limit:
-                    raise _GivenUp(f"{planner.name} found no plan with what is nearest in {limit:g} s")
-                time.sleep(_POLL)
-            return pending.result()
-        finally:
-            abandon(pending)
+        def check(taken: float) -> None:
+            if self._stopped():
+                raise PlanningError("planning was stopped")
+            if taken > _PATIENCE and self.is_hopeless():
+                raise _Hopeless("there is no plan")
+            if limit is not None and taken > limit:
+                raise _GivenUp(f"{planner.name} found no plan with what is nearest in {limit:g} s")
+
+        return wait_for(planner.solve(texts.domain, texts.problem), check)
 
 
 def _doubt(planner: str, outcome: Wrong | Unsolvable) -> str:

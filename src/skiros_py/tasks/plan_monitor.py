@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from skiros_py.errors import SkirosError
 from skiros_py.planning.plan import Step
-from skiros_py.planning.plan_validation import Flaw
+from skiros_py.planning.replay import Flaw
 from skiros_py.planning.requests import Asked, Check, Checked
 from skiros_py.skills.conditions import Condition, Verdict
 from skiros_py.skills.conditions.watch import Key, touched_by

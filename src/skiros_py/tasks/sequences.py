@@ -11,9 +11,9 @@ from skiros_py.errors import SkirosError, UnknownName, UsageError
 from skiros_py.execution.containment import contained
 from skiros_py.planning.domain.actions import needs_of, with_defaults
 from skiros_py.planning.plan import Plan, Step
-from skiros_py.planning.plan_validation import apply_effects
 from skiros_py.planning.planners.planner import Planners
 from skiros_py.planning.problem.stock import tokens_of, with_stock
+from skiros_py.planning.replay import apply_effects
 from skiros_py.skills.conditions import judge
 from skiros_py.skills.inference import Inferred, Missing, applying, infer
 from skiros_py.skills.outcome import Failure

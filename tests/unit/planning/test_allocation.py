@@ -10,10 +10,11 @@ from skiros_py.planning.domain.actions import passed_keys
 from skiros_py.planning.domain.model import Atom
 from skiros_py.planning.domain.pddl import write_pddl
 from skiros_py.planning.plan import Plan, Step, read_plan
-from skiros_py.planning.plan_validation import pddl_plan, replay
+from skiros_py.planning.plan_validation import pddl_plan
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.planner import Solved
 from skiros_py.planning.problem.task import PlanningTask
+from skiros_py.planning.replay import replay
 from skiros_py.planning.robots.allocation import ASSIGNED, deal, efforts, shares, teams
 from skiros_py.planning.robots.ordering import makespan, order, schedule
 from skiros_py.skills.conditions import AllOf, Condition, ConditionType, Exists, Related, Role

@@ -12,7 +12,7 @@ import pytest
 from skiros_py.errors import PlanningError
 from skiros_py.planning.explanation import Trial
 from skiros_py.planning.plan import NoPlan, Plan
-from skiros_py.planning.planners.planner import Answer, Planner, Planners
+from skiros_py.planning.planners.planner import Answer, Planner, Planners, Unsolvable, wait_for
 from skiros_py.planning.problem.task import Capability
 from skiros_py.planning.process import ThreadHost
 from skiros_py.planning.requests import PlanRequest
@@ -179,3 +179,45 @@ def test_detours_are_looked_for_in_plans_that_are_not_very_long(rounds: int, ste
 
     assert isinstance(outcome, Plan)
     assert len(outcome.steps) == steps
+
+
+class Arriving:
+    """A pending answer that arrives when it is waited for."""
+
+    latency = 0.0
+
+    def __init__(self) -> None:
+        self.waited: list[float] = []
+        self.cancelled = False
+
+    def done(self) -> bool:
+        return bool(self.waited)
+
+    def wait(self, seconds: float) -> None:
+        self.waited.append(seconds)
+
+    def result(self) -> Answer:
+        return Unsolvable()
+
+    def cancel(self) -> None:
+        self.cancelled = True
+
+
+def test_an_answer_that_can_be_waited_for_is_not_polled():
+    pending = Arriving()
+
+    assert wait_for(pending, lambda _taken: None) == Unsolvable()
+    assert len(pending.waited) == 1
+
+
+def test_an_answer_that_is_no_longer_needed_is_cancelled():
+    pending = Arriving()
+
+    def refuse(_taken: float) -> None:
+        raise PlanningError("enough")
+
+    with pytest.raises(PlanningError, match="enough"):
+        wait_for(pending, refuse)
+
+    assert pending.cancelled
+    assert not pending.waited

@@ -16,9 +16,9 @@ from skiros_py.planning.domain.complements import with_complements
 from skiros_py.planning.domain.literals import negated
 from skiros_py.planning.domain.model import Action, Atom
 from skiros_py.planning.plan import Plan, Step
-from skiros_py.planning.plan_validation import replay
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.problem.task import Capability, PlanningTask
+from skiros_py.planning.replay import replay
 from skiros_py.planning.service import plan
 from skiros_py.skills.conditions import AllOf, ConditionType, Exists, Not, Related, Role
 from skiros_py.skills.parameters import Param

@@ -13,8 +13,9 @@ from skiros_py.planning.domain.model import Action, Atom, NoneSuch, Variable
 from skiros_py.planning.domain.pddl import NameMap, PddlTexts, write_pddl
 from skiros_py.planning.durations import timed
 from skiros_py.planning.plan import Plan, Step
-from skiros_py.planning.plan_validation import pddl_plan, replay
+from skiros_py.planning.plan_validation import pddl_plan
 from skiros_py.planning.problem.task import PlanningTask
+from skiros_py.planning.replay import replay
 from skiros_py.planning.robots.ordering import contrary, makespan, order, partial_order, schedule
 from skiros_py.skills.conditions import Condition
 from skiros_py.testing import tiny_task, tiny_world

@@ -18,9 +18,9 @@ from skiros_py.errors import PlanningError, UsageError
 from skiros_py.planning.domain.actions import actions_of
 from skiros_py.planning.domain.model import Atom
 from skiros_py.planning.plan import NoPlan, Plan, Step
-from skiros_py.planning.plan_validation import replay
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.problem.task import Capability
+from skiros_py.planning.replay import replay
 from skiros_py.planning.service import Planned, PlanningOptions
 from skiros_py.planning.service import plan as plan_for
 from skiros_py.skills.conditions import (

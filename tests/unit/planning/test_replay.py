@@ -7,8 +7,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from skiros_py.planning.plan import Step
-from skiros_py.planning.plan_validation import apply_effects, replay
 from skiros_py.planning.problem.task import PlanningTask
+from skiros_py.planning.replay import apply_effects, replay
 from skiros_py.skills.parameters import Param
 from skiros_py.testing import tiny_task, tiny_world
 from skiros_py.testing.tiny import AT_LOCATION, CARRIES, DRIVE, EMPTY_HANDED, IN_CONTAINER, PICK, PLACE

@@ -15,12 +15,13 @@ from skiros_py.planning.domain.pddl import PddlTexts, write_pddl
 from skiros_py.planning.domain.sequencing import in_sequence, with_costs
 from skiros_py.planning.domain.temporal import write_temporal
 from skiros_py.planning.plan import NoPlan, Plan, Step
-from skiros_py.planning.plan_validation import Flaw, out_of_sequence, replay, validate
+from skiros_py.planning.plan_validation import validate
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.kairos import Kairos
 from skiros_py.planning.planners.planner import Answer, Planner, Planners, Solved, Unsolvable
 from skiros_py.planning.planners.programs import Ended
 from skiros_py.planning.problem.task import Capability, PlanningTask
+from skiros_py.planning.replay import Flaw, out_of_sequence, replay
 from skiros_py.planning.requests import Check
 from skiros_py.planning.robots.allocation import deal
 from skiros_py.planning.robots.ordering import order

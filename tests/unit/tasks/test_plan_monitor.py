@@ -3,8 +3,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from skiros_py.planning.plan import Step
-from skiros_py.planning.plan_validation import Flaw
 from skiros_py.planning.planners.planner import Planners
+from skiros_py.planning.replay import Flaw
 from skiros_py.planning.requests import Check, supposing
 from skiros_py.tasks.plan_monitor import Staleness
 from skiros_py.testing import GivenPlanner, tiny_world

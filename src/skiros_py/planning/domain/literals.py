@@ -44,7 +44,7 @@ def primary_line(ontology: Ontology, class_: str) -> tuple[str, ...]:
 
 def common_class(one: str, other: str, ontology: Ontology) -> str:
     """Returns the nearest class on both primary lines, or "object"; an empty class counts as any."""
-    if not one or not other:
+    if one == other or not one or not other:
         return one or other
     if "object" in (one, other):
         return "object"

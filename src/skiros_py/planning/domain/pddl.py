@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from types import MappingProxyType
 
 from skiros_py.planning.domain.literals import BY_CLASS, HAS, IS, NOT, NOTHING, VALUE, compared
@@ -75,6 +76,7 @@ class NameMap:
         return candidate in self._reserved or any(other.gives(candidate) for other in (self, *self._avoid))
 
 
+@lru_cache(maxsize=10_000)
 def _plain(name: str) -> str:
     local = name.partition(" #")[0]  # the suffix that makes variables unique is not part of their name
     local = local.partition(":")[2] or local

@@ -9,15 +9,13 @@ from skiros_py.errors import PlanningError
 from skiros_py.planning.domain.pddl import write_pddl
 from skiros_py.planning.plan import Plan
 from skiros_py.planning.plan_validation import validate
-from skiros_py.planning.planners.planner import Answer, Planner, Planners, Solved, abandon
+from skiros_py.planning.planners.planner import Planner, Planners, Solved, wait_for
 from skiros_py.planning.problem.task import Capability, build_task
 from skiros_py.skills.conditions import Condition
 from skiros_py.world.view import WorldView
 
 _QUICK = "kairos"
 """The planner that answers in milliseconds: used if available and suitable."""
-_GLANCE = 0.0005
-"""Poll interval for an answer [s]."""
 
 
 class Trial:
@@ -56,26 +54,21 @@ class Trial:
         planner = self._planner_for(texts.requirements)
         if planner is None:
             return None
+        started = time.perf_counter()
         try:
-            answer = self._answer(planner, texts.domain, texts.problem)
+            answer = wait_for(planner.solve(texts.domain, texts.problem), self._check)
             if isinstance(answer, Solved):
                 plan = validate(view, task, texts, answer)
                 return True if isinstance(plan, Plan) else None
         except PlanningError:
             return None
-        return False if answer is not None and answer.proven else None
-
-    def _answer(self, planner: Planner, domain: str, problem: str) -> Answer | None:
-        started = time.perf_counter()
-        limit = started + min(self._each, self._left)
-        pending = planner.solve(domain, problem)
-        try:
-            while not (pending.done() or self._stopped() or time.perf_counter() > limit):
-                time.sleep(_GLANCE)
-            return pending.result() if pending.done() else None
         finally:
-            abandon(pending)
             self._left -= time.perf_counter() - started
+        return False if answer.proven else None
+
+    def _check(self, taken: float) -> None:
+        if self._stopped() or taken > min(self._each, self._left):
+            raise PlanningError("an explanation needs no more")
 
     def _planner_for(self, requirements: Sequence[str]) -> Planner | None:
         first: Planner | None = None

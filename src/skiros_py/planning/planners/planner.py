@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import dataclass
 from threading import Lock
@@ -9,6 +10,9 @@ from typing import Protocol, Self
 
 from skiros_py.errors import PlanningError, SkirosError
 from skiros_py.ports.values import Pending
+
+_POLL = 0.005
+"""Poll interval for cancellation; and for answers without a method ``wait`` [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,8 +62,9 @@ class Planner(Protocol):
     def solve(self, domain: str, problem: str) -> Pending[Answer]:
         """Starts solving; several calls may be under way at once.
 
-        The pending answer's ``result`` raises PlanningError when the planner fails. It may have a method ``cancel()``,
-        which is called when it is no longer needed and kills the running program.
+        The pending answer's ``result`` raises PlanningError when the planner fails. It may have two more methods:
+        ``cancel()``, called when it is no longer needed, kills the running program; ``wait(seconds)`` returns when it
+        has arrived or the time is over.
         """
         ...
 
@@ -68,11 +73,27 @@ class Planner(Protocol):
         ...
 
 
-def abandon(pending: Pending[Answer]) -> None:
-    """Cancels a pending answer that is no longer needed; does nothing if it is available or cannot be cancelled."""
-    cancel = getattr(pending, "cancel", None)
-    if cancel is not None:
-        cancel()
+def wait_for(pending: Pending[Answer], check: Callable[[float], object]) -> Answer:
+    """Waits for an answer; cancels it if it is no longer needed.
+
+    Args:
+        pending: The pending answer.
+        check: Called every few milliseconds with the time waited so far [s]; raises if the answer is no longer needed.
+
+    Raises:
+        PlanningError: The planner failed.
+    """
+    started = time.monotonic()
+    wait = getattr(pending, "wait", time.sleep)
+    try:
+        while not pending.done():
+            check(time.monotonic() - started)
+            wait(_POLL)
+        return pending.result()
+    finally:
+        cancel = getattr(pending, "cancel", None)
+        if cancel is not None:
+            cancel()
 
 
 PREFERRED = ("fast-downward", "kairos")

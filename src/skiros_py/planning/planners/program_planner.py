@@ -7,7 +7,7 @@ import shlex
 import tempfile
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
+from concurrent.futures import CancelledError, Future, ThreadPoolExecutor, wait
 from functools import partial
 from pathlib import Path, PurePosixPath
 from threading import Event
@@ -111,6 +111,10 @@ class Solving:
     def done(self) -> bool:
         """Returns True when :meth:`result` will not block."""
         return self._future.done()
+
+    def wait(self, seconds: float) -> None:
+        """Waits until the answer is available, but not longer than some time [s]."""
+        wait((self._future,), seconds)
 
     def result(self) -> Answer:
         """Waits for the answer.

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import product
 
 from skiros_py.errors import PlanningError, SkirosError
@@ -26,6 +27,7 @@ from skiros_py.planning.domain.model import Action, Atom, Domain, Problem
 from skiros_py.planning.problem.lifted import Lifted
 from skiros_py.planning.problem.relevance import Relevant, relevant
 from skiros_py.planning.problem.stock import superfluous
+from skiros_py.planning.replay import StepConditions
 from skiros_py.skills.conditions import Computed, Condition, Not
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.ontology import Ontology
@@ -182,7 +184,7 @@ class Capability:
     agents: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class PlanningTask:
     """Everything a planner, a validator and an explanation need.
 
@@ -205,6 +207,11 @@ class PlanningTask:
     def conditions(self) -> tuple[Condition, ...]:
         """The goal."""
         return tuple(condition for condition, _ in self.goal)
+
+    @cached_property
+    def skills(self) -> StepConditions:
+        """The available skills by name."""
+        return StepConditions({c.skill.name: c.skill for c in self.capabilities})
 
 
 def build_task(

@@ -14,8 +14,8 @@ from dataclasses import dataclass, replace
 from skiros_py.planning.domain.model import Action, Atom, NoneSuch
 from skiros_py.planning.domain.pddl import PddlTexts
 from skiros_py.planning.plan import Plan
-from skiros_py.planning.plan_validation import replay
 from skiros_py.planning.problem.task import PlanningTask
+from skiros_py.planning.replay import replay
 from skiros_py.skills.parameters import Kind
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.view import WorldView
@@ -38,12 +38,11 @@ def order(view: WorldView, task: PlanningTask, texts: PddlTexts, plan: Plan) -> 
         texts: The task as PDDL.
         plan: The steps, validated by replay, and their PDDL lines.
     """
-    skills = {c.skill.name: c.skill for c in task.capabilities}
-    after = partial_order(texts, plan.pddl, skills)
+    after = partial_order(texts, plan.pddl, task.skills)
     if len(after) != len(plan.steps):
         return plan
-    other = [plan.steps[index] for index in contrary(after)]
-    if replay(view, other, task.conditions, skills) is not None:
+    other = tuple(plan.steps[index] for index in contrary(after))
+    if other != plan.steps and replay(view, other, task.conditions, task.skills) is not None:
         return plan
     return replace(plan, after=after, starts=_starts(texts, plan, after))
 

@@ -20,12 +20,12 @@ from typing import NamedTuple
 from skiros_py.geometry import Pose
 from skiros_py.planning.domain.pddl import PddlTexts
 from skiros_py.planning.plan import Plan, Step
-from skiros_py.planning.plan_validation import TaskState, pddl_plan, replay
+from skiros_py.planning.plan_validation import TaskState, pddl_plan
 from skiros_py.planning.problem.task import PlanningTask
+from skiros_py.planning.replay import replay
 from skiros_py.planning.robots.allocation import Handling, teams
 from skiros_py.planning.robots.ordering import makespan, partial_order, schedule
 from skiros_py.skills.conditions import Related
-from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.poses import map_pose
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import AT, DRIVING_POSE, HAS_A
@@ -50,11 +50,10 @@ def docking_nearer(
         plan: The steps, validated by replay.
         reached: The highest sequence number that each robot has visited in this task.
     """
-    skills = {c.skill.name: c.skill for c in task.capabilities}
     docking = _Docking(view, task)
     for _ in range(_MOST):
         for steps in docking.shorter(plan.steps):
-            if replay(view, steps, task.conditions, skills, reached=reached) is None:
+            if replay(view, steps, task.conditions, task.skills, reached=reached) is None:
                 lines = pddl_plan(task, texts, steps, view.ontology)
                 if lines:
                     plan = replace(plan, steps=steps, pddl=lines)
@@ -74,7 +73,7 @@ class _Docking:
 
     def __init__(self, view: WorldView, task: PlanningTask) -> None:
         self._view = view
-        self._skills = {c.skill.name: c.skill for c in task.capabilities}
+        self._skills = task.skills
         self._robots = {agent: robot for robot, agents in teams(view, task).items() for agent in agents}
 
     def shorter(self, steps: tuple[Step, ...]) -> list[tuple[Step, ...]]:
@@ -182,7 +181,7 @@ def arranged(
     steps = arrangement.best()
     if steps is None:
         return plan
-    if replay(view, steps, task.conditions, arrangement.skills, reached=reached) is not None:
+    if replay(view, steps, task.conditions, task.skills, reached=reached) is not None:
         return plan
     other = Plan(steps, pddl_plan(task, texts, steps, view.ontology))
     return other if 0.0 < arrangement.lasts(other.pddl) < arrangement.lasts(plan.pddl) else plan
@@ -192,7 +191,6 @@ class _Arrangement:
     """The rounds of a plan, and their rearrangement."""
 
     def __init__(self, view: WorldView, task: PlanningTask, texts: PddlTexts, plan: Plan) -> None:
-        self.skills: Mapping[str, SkillDescription] = {c.skill.name: c.skill for c in task.capabilities}
         self._task = task
         self._texts = texts
         self._ontology = view.ontology
@@ -201,7 +199,7 @@ class _Arrangement:
 
     def lasts(self, lines: Sequence[str]) -> float:
         """Returns how long a plan takes with maximum concurrency [s]."""
-        after = partial_order(self._texts, lines, self.skills)
+        after = partial_order(self._texts, lines, self._task.skills)
         durations = self._durations(lines)
         return makespan(schedule(after, durations), durations)
 
@@ -237,7 +235,7 @@ class _Arrangement:
             if taken is None:
                 return None
             lines.append(taken.line(self._texts))
-        after, durations = partial_order(self._texts, lines, self.skills), self._durations(lines)
+        after, durations = partial_order(self._texts, lines, self._task.skills), self._durations(lines)
         return round_, state, lines, schedule(after, durations)[-1] + durations[-1]
 
     def _durations(self, lines: Sequence[str]) -> list[float]:
@@ -260,7 +258,7 @@ class _Arrangement:
             yield _Round(robot, tuple(own))
 
     def _robot(self, step: Step) -> str:
-        agent = step.arguments[self.skills[step.skill].agent]
+        agent = step.arguments[self._task.skills[step.skill].agent]
         return self._robots.get(agent, agent)
 
     def _thing(self, step: Step, handling: Handling) -> str | None:
