@@ -28,11 +28,11 @@ export function JointRow({ robot, joint, target, rest, setTarget, step, disabled
   const { name } = joint;
   const [lower, upper] = [joint.lower ?? -EVERYWHERE, joint.upper ?? EVERYWHERE];
   const mark = useLive<HTMLDivElement>((element, state) => {
-    const angle = state.joints[robot]?.[name] ?? 0;
+    const angle = state.joints[`${robot}/${name}`] ?? 0;
     element.style.left = `${(100 * (angle - lower)) / (upper - lower)}%`;
   });
   const degrees = useLive<HTMLSpanElement>((element, state) => {
-    element.textContent = inDegrees(state.joints[robot]?.[name] ?? 0);
+    element.textContent = inDegrees(state.joints[`${robot}/${name}`] ?? 0);
   });
   return (
     <div className={classes.joint} role="group" aria-label={name}>

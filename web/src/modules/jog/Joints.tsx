@@ -22,16 +22,16 @@ export function Joints({ device: { id, joints }, robot, disabled }: Props) {
   const { t } = useTranslation("modules");
   const [size, setSize] = useState<number>(JOINT_SIZES[1]);
   const [targets, setTargets] = useState<Readonly<Record<number, number>>>({});
-  const names = joints.map(({ name }) => name);
-  const rest = useRest(robot, names);
+  const names = joints.map(({ name }) => `${robot}/${name}`);
+  const rest = useRest(names);
   const turn = (deltas: number[]) => jog(id, "jog_joints", { deltas });
   const turnOne = (joint: number, degrees: number) =>
     told(
       turn(names.map((_, at) => (at === joint ? degrees * DEGREE : 0))),
-      t("jog.turned", { joint: names[joint], degrees }),
+      t("jog.turned", { joint: joints[joint]?.name, degrees }),
     );
   const go = () => {
-    const all = useStation.getState().state?.joints[robot] ?? {};
+    const all = useStation.getState().state?.joints ?? {};
     const now = names.map((name) => all[name] ?? 0);
     const steps = stepsTo(
       now,

@@ -23,22 +23,21 @@ export function useLive<E extends HTMLElement>(show: (element: E, state: Station
 const NOTHING: readonly number[] = [];
 const SMALL = 0.0015; // rad: a standing joint trembles by less
 
-/** Returns the positions of joints of a robot as they stood last; they stay the same while they move. */
-export function useRest(robot: string, names: readonly string[]): readonly number[] {
+/** Returns the positions of joints ("robot/joint") as they stood last; they stay the same while they move. */
+export function useRest(names: readonly string[]): readonly number[] {
   const [rest, setRest] = useState(NOTHING);
   const key = names.join(" ");
   useEffect(() => {
     let last = NOTHING;
     const look = ({ state }: { state: StationState | null }) => {
-      const all = state?.joints[robot];
-      if (all === undefined) return;
-      const now = key.split(" ").map((name) => all[name] ?? 0);
+      if (state === null) return;
+      const now = key.split(" ").map((name) => state.joints[name] ?? 0);
       if (!differs(last, now)) setRest((before) => (differs(before, now) ? now : before));
       last = now;
     };
     look(useStation.getState());
     return useStation.subscribe(look);
-  }, [robot, key]);
+  }, [key]);
   return rest;
 }
 
