@@ -87,8 +87,11 @@ class Reasoner:
     keys: ClassVar[frozenset[str]] = frozenset()
 
     def answer(self, view: WorldView, subject: str, relation: str, object_: str) -> Answer:
-        """Says whether one of its :attr:`relations` holds between two elements, and why."""
-        raise NotImplementedError(f"{self.name} declares relations and must answer them")
+        """Says whether one of its :attr:`relations` holds between two elements, and why.
+
+        A subclass with relations overrides this; one that does not is refused when it is loaded.
+        """
+        raise DescriptionError(f"reasoner '{self.name}' does not evaluate {relation}: it has no method 'answer'")
 
     def pairs(
         self, view: WorldView, relation: str, subjects: Iterable[str], objects: Sequence[str]
@@ -360,7 +363,7 @@ def _usable(plugin: Plugin, others: Sequence[Reasoner], ontology: Ontology | Non
     if not isinstance(class_, type) or not issubclass(class_, Reasoner):
         return plugin.fault(f"it is a {type(class_).__name__}, nothing for reasoners: name a subclass of Reasoner")
     reasoner = class_()
-    problem = _problem(reasoner, others) or _undeclared(reasoner, ontology)
+    problem = _problem(reasoner, others) or _undeclared(reasoner, ontology) or _unanswered(reasoner)
     return reasoner if problem is None else plugin.fault(problem)
 
 
@@ -382,3 +385,9 @@ def _undeclared(reasoner: Reasoner, ontology: Ontology | None) -> str | None:
     computed = {name for name, relation in ontology.relations.items() if relation.family is Family.COMPUTED}
     unknown = sorted(reasoner.relations - computed)
     return f"no ontology declares {', '.join(unknown)} below {COMPUTED}" if unknown else None
+
+
+def _unanswered(reasoner: Reasoner) -> str | None:
+    if not reasoner.relations or type(reasoner).answer is not Reasoner.answer:
+        return None
+    return f"reasoner '{reasoner.name}' declares {', '.join(sorted(reasoner.relations))} but has no method 'answer'"

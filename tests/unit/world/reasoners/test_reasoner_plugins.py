@@ -27,6 +27,10 @@ class Near(Reasoner):
     name = "nearer"
     relations = frozenset({"sk:near"})
 
+class Silent(Reasoner):
+    name = "silent"
+    relations = frozenset({"paint:darkerThan"})
+
 class Other(Colours):
     relations = frozenset()
 
@@ -87,6 +91,7 @@ def test_what_a_distribution_brings_comes_after_the_built_in_ones(install: Insta
     ("value", "reason"),
     [
         ("Near", "reasoners spatial and nearer both compute sk:near"),
+        ("Silent", "reasoner 'silent' declares paint:darkerThan but has no method 'answer'"),
         ("Nameless", "it has no name"),
         ("NUMBER", "it is a int, nothing for reasoners: name a subclass of Reasoner"),
         ("OBJECT", "it is a Colours, nothing for reasoners: name a subclass of Reasoner"),
