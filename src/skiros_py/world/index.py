@@ -27,7 +27,7 @@ from skiros_py.world.ids import EMPTY, IdSet
 from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners, computed_objects, computed_subjects
 from skiros_py.world.taught import class_value
 from skiros_py.world.terms import Family, PlaceEnd
-from skiros_py.world.view import NO_SENSORS, Sensors
+from skiros_py.world.view import NO_SENSORS, Sensors, WorldView
 from skiros_py.world.vocabulary import LABEL, PLACEMENT, STRUCTURE
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ _Key = TypeVar("_Key")
 _NEVER = Stamp(0, 0.0)
 
 
-class Index:
+class Index(WorldView):
     """One state of the scene, as a :class:`~skiros_py.world.view.WorldView`.
 
     A published index never changes: to create another state, :meth:`copy` it first. That is

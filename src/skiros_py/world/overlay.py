@@ -11,12 +11,12 @@ from skiros_py.world.index import with_value
 from skiros_py.world.reasoners.registry import computed_objects, computed_subjects
 from skiros_py.world.taught import class_value
 from skiros_py.world.terms import Family
-from skiros_py.world.view import ForwardingView, WorldView
+from skiros_py.world.view import WorldView
 
 _Statement = tuple[str, str, str]
 
 
-class Overlay(ForwardingView):
+class Overlay(WorldView):
     """A :class:`~skiros_py.world.view.WorldView` that differs from its base in the values set on it.
 
     Only names are checked: an overlay is hypothetical, and a plan may pass through states that no transaction would
@@ -277,7 +277,7 @@ class ExtendedView(Overlay):
         return [name for name, type_ in self._more.items() if self.ontology.is_a(type_, class_)]
 
 
-class FilteredView(ForwardingView):
+class FilteredView(WorldView):
     """The same world, with some elements hidden from searches by class.
 
     They keep their places: a gripper that holds one is not empty.

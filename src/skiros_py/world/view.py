@@ -47,84 +47,11 @@ NO_SENSORS = NoSensors()
 # ---------------------------------------------------------------- views
 
 
-class WorldView(Protocol):
-    """The state of the world as triples with typed indexes. Answers are sorted by id, so that runs are repeatable."""
+class WorldView:
+    """The state of the world as triples with typed indexes. Answers are sorted by id, so that runs are repeatable.
 
-    @property
-    def ontology(self) -> Ontology:
-        """The classes and relations."""
-        ...
-
-    @property
-    def reasoners(self) -> Reasoners:
-        """The reasoners for computed relations; used by :meth:`related`, :meth:`objects` and :meth:`subjects`."""
-        ...
-
-    @property
-    def sensors(self) -> Sensors:
-        """Device readings of this cycle; available in the live world only."""
-        ...
-
-    def element(self, element_id: str) -> Element:
-        """Returns one element.
-
-        Raises:
-            UnknownName: There is none of that id.
-        """
-        ...
-
-    def has(self, element_id: str) -> bool:
-        """Returns True when there is an element of that id."""
-        ...
-
-    def instances(self, class_: str) -> tuple[str, ...]:
-        """Returns the ids of all elements of the scene of a class or of its subclasses."""
-        ...
-
-    def some_instances(self, class_: str, limit: int, after: str = "") -> tuple[str, ...]:
-        """Returns the first of the :meth:`instances` of a class, without reading the others.
-
-        Args:
-            class_: The class.
-            limit: How many at most.
-            after: Only ids that sort after this one: the last id of the previous call, to continue.
-        """
-        ...
-
-    def instances_among(self, class_: str, ids: Iterable[str]) -> tuple[str, ...]:
-        """Returns which of some ids are of elements of the scene of a class, in the order given."""
-        ...
-
-    def abstracts(self, class_: str) -> tuple[str, ...]:
-        """Returns the ids of the abstract elements of a class or of its subclasses: the ontology's and learned ones."""
-        ...
-
-    def value(self, element_id: str, property_: str) -> Value | None:
-        """Returns the element's own value, else what was taught for its class, else what the class gives, else None.
-
-        See :mod:`skiros_py.world.taught`; among the class and its superclasses, the nearest one with a value counts.
-        """
-        ...
-
-    def objects(self, subject: str, relation: str) -> tuple[str, ...]:
-        """Returns ids of what the subject is related to; sub-relations count."""
-        ...
-
-    def subjects(self, relation: str, object_: str) -> tuple[str, ...]:
-        """Returns ids of what is related to the object; sub-relations count."""
-        ...
-
-    def related(self, subject: str, relation: str, object_: str) -> bool:
-        """Returns True when the relation (or a sub-relation) holds between the two."""
-        ...
-
-    def placement(self, element_id: str) -> Placement | None:
-        """Returns where an element is, or None for one that never is anywhere (the root, a piece of structure)."""
-        ...
-
-
-class ForwardingView(WorldView):
-    """A view that delegates to another view; subclasses override what differs."""
+    A view delegates to the view that it is based on; subclasses override what differs.
+    """
 
     _base: WorldView
 
@@ -133,14 +60,14 @@ class ForwardingView(WorldView):
         """The classes and relations."""
         return self._base.ontology
 
-    @property
+    @cached_property
     def reasoners(self) -> Reasoners:
-        """What works out computed relations."""
+        """The reasoners for computed relations; used by :meth:`related`, :meth:`objects` and :meth:`subjects`."""
         return self._base.reasoners
 
     @property
     def sensors(self) -> Sensors:
-        """Nothing: only the live world has sensors."""
+        """Device readings of this cycle; only the live world has any."""
         return NO_SENSORS
 
     def element(self, element_id: str) -> Element:
@@ -164,7 +91,12 @@ class ForwardingView(WorldView):
         return self._base.instances(class_)
 
     def some_instances(self, class_: str, limit: int, after: str = "") -> tuple[str, ...]:
-        """Returns the first instances of a class that sort after an id, at most so many.
+        """Returns the first of the :meth:`instances` of a class, without reading the others.
+
+        Args:
+            class_: The class.
+            limit: How many at most.
+            after: Only ids that sort after this one: the last id of the previous call, to continue.
 
         Raises:
             UnknownName: It is not a class.
@@ -180,7 +112,7 @@ class ForwardingView(WorldView):
         return self._base.instances_among(class_, ids)
 
     def abstracts(self, class_: str) -> tuple[str, ...]:
-        """Returns the ids of the abstract elements of a class or of its subclasses, sorted.
+        """Returns the ids of the abstract elements of a class or of its subclasses: the ontology's and learned ones.
 
         Raises:
             UnknownName: It is not a class.
@@ -189,6 +121,8 @@ class ForwardingView(WorldView):
 
     def value(self, element_id: str, property_: str) -> Value | None:
         """Returns the element's own value, else what was taught for its class, else what the class gives, else None.
+
+        See :mod:`skiros_py.world.taught`; among the class and its superclasses, the nearest one with a value counts.
 
         Raises:
             UnknownName: There is no such element or property.

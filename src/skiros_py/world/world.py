@@ -21,7 +21,7 @@ from skiros_py.world.ontology import Ontology
 from skiros_py.world.past import ChangeLog, Past
 from skiros_py.world.reasoners.registry import NO_REASONERS, Proposal, Reasoners
 from skiros_py.world.transaction import Transaction
-from skiros_py.world.view import NO_SENSORS, ForwardingView, Sensors
+from skiros_py.world.view import NO_SENSORS, Sensors, WorldView
 from skiros_py.world.vocabulary import STRUCTURE
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ class _Write:
     holder: str
 
 
-class World(ForwardingView):
+class World(WorldView):
     """The current world model; a :class:`~skiros_py.world.view.WorldView` that changes only by transactions.
 
     Attributes:

@@ -14,7 +14,7 @@ from skiros_py.world.ontology import Ontology
 from skiros_py.world.reasoners.registry import computed_objects, computed_subjects
 from skiros_py.world.taught import TEACHABLE, lessons
 from skiros_py.world.terms import Family
-from skiros_py.world.view import ForwardingView, Sensors
+from skiros_py.world.view import Sensors, WorldView
 from skiros_py.world.world import World
 
 Key = tuple[str, ...]
@@ -25,7 +25,7 @@ Key = tuple[str, ...]
 """
 
 
-class ReadingView(ForwardingView):
+class ReadingView(WorldView):
     """One state of the world that notes what is read of it.
 
     Reasoners are asked with this view, so what they read is noted too.

@@ -68,6 +68,10 @@ IMPOSSIBLE = {
 }
 
 CONTRADICTIONS = {
+    "the same among all different": (
+        ":a a :Ball ; owl:sameAs :b . :b a :Ball . [] a owl:AllDifferent ; owl:distinctMembers ( :a :b ) .",
+        2,
+    ),
     "two disjoint classes": (_APART + ":x a :Ball , :Doll .", 3),
     "a subject of a class apart from the domain": (_APART + ":x a :Ball . :y a :Toy . :x :likes :y .", 4),
     "different and the same": (":x a :Ball ; owl:sameAs :y . :y a :Ball ; owl:differentFrom :x .", 2),
