@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from types import MappingProxyType
 from weakref import WeakKeyDictionary
 
@@ -15,14 +15,12 @@ from skiros_py.world.index import Index, with_value
 from skiros_py.world.literals import parse_value
 from skiros_py.world.names import local_name
 from skiros_py.world.ontology import Ontology
-from skiros_py.world.ontology.declarations import Node, Statements, english
+from skiros_py.world.ontology.statements import Node, Statements, english
 from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners
 from skiros_py.world.vocabulary import ELEMENT, LABEL
 
 _READ: WeakKeyDictionary[Ontology, tuple[Edit, ...]] = WeakKeyDictionary()
 _NO_CLASSES = ("owl:NamedIndividual", "owl:Thing")
-
-_Said = Mapping[str, Sequence[Node]]
 
 
 def abstract_individuals(ontology: Ontology, reasoners: Reasoners) -> Index:
@@ -54,18 +52,17 @@ class _Reader:
 
     def edits(self) -> Iterator[Edit]:
         """Yields the edits that create the elements; they are validated."""
-        elements = [name for name in self._ontology.individuals if self._add(name, self._statements.about(name))]
+        elements = [name for name in self._ontology.individuals if self._add(name)]
         for name in elements:
-            self._set_values(name, self._statements.about(name))
-        edits = [edit for name in elements for edit in self._relate(name, self._statements.about(name))]
+            self._set_values(name)
+        edits = [edit for name in elements for edit in self._relate(name)]
         for name, problem in state_problems(self._index, elements):
             raise self._statements.fault(name, problem)
         yield from (ElementEdit(name, None, self._index.element(name)) for name in elements)
         yield from edits
 
-    def _add(self, name: str, said: _Said) -> bool:
-        named = {self._statements.key(node) for node in said["rdf:type"] if isinstance(node, ox.NamedNode)}
-        types = named.difference(_NO_CLASSES)
+    def _add(self, name: str) -> bool:
+        types = set(self._statements.named(name, "rdf:type")).difference(_NO_CLASSES)
         fitting = [t for t in sorted(types) if t in self._ontology.classes and self._ontology.is_a(t, ELEMENT)]
         if not fitting:
             return False
@@ -76,10 +73,10 @@ class _Reader:
         self._index.put_element(Element(name, class_, label, MappingProxyType({})))
         return True
 
-    def _set_values(self, name: str, said: _Said) -> None:
-        for predicate in sorted(said):
-            literal = _literal(said[predicate])
-            if predicate in self._ontology.properties and literal is not None:
+    def _set_values(self, name: str) -> None:
+        for predicate in sorted(self._statements.about(name).keys() & self._ontology.properties.keys()):
+            literal = _literal(self._statements.objects(name, predicate))
+            if literal is not None:
                 try:
                     value = self._value(name, predicate, literal)
                 except ValueError as error:
@@ -92,9 +89,9 @@ class _Reader:
         value = parse_value(literal.value, type_, self._ontology.properties[predicate].range)
         return checked_value(self._index, name, predicate, value)
 
-    def _relate(self, name: str, said: _Said) -> Iterator[Edit]:
-        for relation in sorted(said.keys() & self._ontology.relations.keys()):
-            for object_ in sorted({self._statements.key(o) for o in said[relation] if isinstance(o, ox.NamedNode)}):
+    def _relate(self, name: str) -> Iterator[Edit]:
+        for relation in sorted(self._statements.about(name).keys() & self._ontology.relations.keys()):
+            for object_ in sorted(set(self._statements.named(name, relation))):
                 if self._index.has(object_):
                     problem = relation_problem(self._index, name, relation, object_)
                     if problem:

@@ -16,10 +16,10 @@ import pyoxigraph as ox
 from skiros_py.errors import FileError, UnknownName
 from skiros_py.world.element import Value
 from skiros_py.world.literals import ANY_LITERAL, DATATYPES, parse_value
-from skiros_py.world.names import LEARNED, SCENE, Names, local_name
+from skiros_py.world.names import Names, local_name
 from skiros_py.world.ontology.documents import Document
+from skiros_py.world.ontology.statements import Node, Statements, english, is_standard, vocabulary
 from skiros_py.world.terms import (
-    DECLARES,
     MOST_ABOVE,
     Cardinality,
     Class,
@@ -35,107 +35,6 @@ from skiros_py.world.terms import (
     reached,
     too_deep,
 )
-
-Node = ox.NamedNode | ox.BlankNode | ox.Literal | ox.Triple
-"""What a statement may be about."""
-
-_ABOUT_SCENES = (SCENE, LEARNED)
-_MOST_MEMBERS = 10_000
-
-
-class Statements:
-    """Statements about everything but individuals of scenes.
-
-    Subjects and predicates are named by CURIE; anonymous subjects by ``_:`` and their label.
-    """
-
-    def __init__(self, files: Sequence[Document], names: Names) -> None:
-        self._files = files
-        self._names = names
-        self._about: dict[str, dict[str, list[Node]]] = {}
-        predicates: dict[str, str] = {}
-        for file in files:
-            for triple in file.triples:
-                subject = self._subject(triple.subject)
-                if subject is not None:
-                    iri = triple.predicate.value
-                    predicate = predicates.get(iri) or predicates.setdefault(iri, names.name(iri))
-                    self._about.setdefault(subject, {}).setdefault(predicate, []).append(triple.object)
-
-    def subjects(self) -> Iterator[tuple[str, Mapping[str, Sequence[Node]]]]:
-        """Yields every named subject with what is said of it, by predicate, in file order."""
-        return ((name, said) for name, said in self._about.items() if not name.startswith("_:"))
-
-    def about(self, subject: str) -> Mapping[str, Sequence[Node]]:
-        """Returns what is said of a subject, by predicate."""
-        return self._about.get(subject, {})
-
-    def objects(self, subject: str, predicate: str) -> Sequence[Node]:
-        """Returns the objects of a predicate of a subject, in file order."""
-        return self.about(subject).get(predicate, ())
-
-    def named(self, subject: str, predicate: str) -> list[str]:
-        """Returns the CURIEs of those objects that have names."""
-        return [self.key(node) for node in self.objects(subject, predicate) if isinstance(node, ox.NamedNode)]
-
-    def key(self, node: ox.NamedNode | ox.BlankNode) -> str:
-        """Returns the name under which a node is a subject here."""
-        return self._names.name(node.value) if isinstance(node, ox.NamedNode) else f"_:{node.value}"
-
-    def members(self, list_: Node) -> list[Node]:
-        """Returns what an RDF list holds."""
-        found: list[Node] = []
-        while isinstance(list_, ox.BlankNode) and len(found) < _MOST_MEMBERS:
-            cell = self.about(self.key(list_))
-            found += cell.get("rdf:first", ())[:1]
-            list_ = next(iter(cell.get("rdf:rest", ())), ox.Literal(""))
-        return found
-
-    def text(self, subject: str, predicate: str) -> str:
-        """Returns a text that is said of a subject: of several languages English, else the first in order; or ""."""
-        literals = [node for node in self.objects(subject, predicate) if isinstance(node, ox.Literal)]
-        return english(literals).value if literals else ""
-
-    def fault(self, subject: str, reason: str, at: str | None = None) -> FileError:
-        """Makes the error for a fault in what is said of a subject, where it speaks of ``at`` (CURIE)."""
-        iri, there = self._iri(subject), self._iri(at)
-        return self._file(iri, there).fault(reason, iri, there)
-
-    def undeclared(self, subject: str, reason: str, at: str) -> FileError:
-        """Makes the error for the word ``at`` that no file declares: it may be in one that is imported but not here."""
-        iri, there = self._iri(subject), self._iri(at)
-        file = self._file(iri, there)
-        absent = [f"<{name}>" for name in file.imports() if all(other.iri != name for other in self._files)]
-        likely = f" It may be in {' or '.join(absent)}, imported here, which no file at hand is." if absent else ""
-        return file.fault(reason + likely, iri, there)
-
-    def _subject(self, node: ox.NamedNode | ox.BlankNode | ox.Triple) -> str | None:
-        if isinstance(node, ox.Triple) or (isinstance(node, ox.NamedNode) and node.value.startswith(_ABOUT_SCENES)):
-            return None
-        return self.key(node)
-
-    def _iri(self, name: str | None) -> str | None:
-        if name is None or name.startswith("_:"):
-            return None
-        return self._names.iri(name) if name.partition(":")[0] in self._names.prefixes else name
-
-    def _file(self, subject: str | None, term: str | None) -> Document:
-        """The file that says it: the first that speaks of both, else the first that speaks of the subject."""
-
-        def words(file: Document) -> Iterator[tuple[str, str | None]]:
-            for t in file.triples:
-                if isinstance(t.subject, ox.NamedNode) and t.subject.value == subject:
-                    yield t.predicate.value, t.object.value if isinstance(t.object, ox.NamedNode) else None
-
-        speaking = [file for file in self._files if next(words(file), None) is not None]
-        both = (file for file in speaking if any(term in said for said in words(file)))
-        return next(both, speaking[0] if speaking else self._files[0])
-
-
-def english(literals: Sequence[ox.Literal]) -> ox.Literal:
-    """Returns the literal without language or in English, else the first in order."""
-    return min(literals, key=lambda literal: (literal.language not in (None, "en"), literal.value))
-
 
 # ---------------------------------------------------------------- class expressions
 
@@ -153,12 +52,6 @@ _FILLERS = {"owl:someValuesFrom": True, "owl:allValuesFrom": True, "owl:hasValue
 """Whether each names a class."""
 
 
-def conjuncts(statements: Statements, expression: Node) -> Iterator[Node]:
-    """Yields what all members of an expression are: itself, or the parts of an intersection, whatever the nesting."""
-    nodes = reached([expression], lambda node: _members(statements, node, "owl:intersectionOf"))
-    return (node for node in nodes if not _said(statements, node, "owl:intersectionOf"))
-
-
 def end(statements: Statements, expressions: list[Node], known: Callable[[str], bool]) -> End:
     """Returns what several expressions together allow at an end of a relation.
 
@@ -167,7 +60,7 @@ def end(statements: Statements, expressions: list[Node], known: Callable[[str], 
         expressions: Domains or ranges: all must be met.
         known: Returns whether a name stands for a class that can be checked, or raises.
     """
-    parts = (part for expression in expressions for part in conjuncts(statements, expression))
+    parts = (part for expression in expressions for part in statements.conjuncts(expression))
     groups = {_group(statements, part, known) for part in parts}
     return tuple(sorted(group for group in groups if group))
 
@@ -216,21 +109,11 @@ def _number(text: str) -> int:
 
 
 def _group(statements: Statements, node: Node, known: Callable[[str], bool]) -> tuple[str, ...]:
-    """The classes of which one is enough; none if that cannot be said by names, and so nothing is asked."""
-    nodes = reached([node], lambda node: _members(statements, node, "owl:unionOf"))
-    leaves = [node for node in nodes if not _said(statements, node, "owl:unionOf")]
+    """The classes of which one is enough; none if they have no names, so that nothing can be checked."""
+    nodes = reached([node], lambda node: statements.parts(node, "owl:unionOf"))
+    leaves = [node for node in nodes if not statements.is_expression(node, "owl:unionOf")]
     names = {statements.key(leaf) for leaf in leaves if isinstance(leaf, ox.NamedNode)}
     return tuple(sorted(names)) if len(names) == len(leaves) and all(map(known, sorted(names))) else ()
-
-
-def _members(statements: Statements, node: Node, predicate: str) -> list[Node]:
-    """What the lists hold that an anonymous node has by a predicate."""
-    return [member for list_ in _said(statements, node, predicate) for member in statements.members(list_)]
-
-
-def _said(statements: Statements, node: Node, predicate: str) -> list[Node]:
-    """Objects of a predicate of an anonymous node."""
-    return list(statements.objects(statements.key(node), predicate)) if isinstance(node, ox.BlankNode) else []
 
 
 _FAMILIES = {
@@ -238,7 +121,6 @@ _FAMILIES = {
     "sk:structure": Family.STRUCTURE,
     "sk:computed": Family.COMPUTED,
 }
-_STANDARD = frozenset({"rdf", "rdfs", "owl", "xsd"})
 _COMMENT = Property("rdfs:comment", "comment", "What people note about it.", (), "xsd:string")
 
 
@@ -269,13 +151,13 @@ def read_declarations(files: Sequence[Document], names: Names) -> Declarations:
         FileError: A term is used that no file declares, or a declaration says too little or too much.
     """
     reader = _Reader(Statements(files, names), names)
-    properties = {term: reader.property(term) for term in reader.declared(Kind.PROPERTY)}
+    properties = {term: reader.property(term) for term in reader.declared[Kind.PROPERTY]}
     properties["rdfs:comment"] = _COMMENT
     return Declarations(
         classes=reader.classes(),
         relations=reader.relations(),
         properties=properties,
-        class_values={term: reader.class_values(term, properties) for term in reader.declared(Kind.CLASS)},
+        class_values={term: reader.class_values(term, properties) for term in reader.declared[Kind.CLASS]},
         individuals=reader.individuals(),
     )
 
@@ -286,30 +168,21 @@ class _Reader:
     def __init__(self, statements: Statements, names: Names) -> None:
         self._statements = statements
         self._names = names
-        self._declared: dict[Kind, dict[str, None]] = {kind: {} for kind in Kind}
-        for term, said in statements.subjects():
-            for type_ in self._types(said):
-                if type_ in DECLARES:
-                    self._declare(term, DECLARES[type_])
-        self._terms = {term for terms in self._declared.values() for term in terms}
-        self._vocabularies = {term.partition(":")[0] for term in self._terms} - _STANDARD
+        self.declared = statements.declared
+        for kind, terms in self.declared.items():
+            for term in terms:
+                if term.partition(":")[0] not in names.prefixes:
+                    reason = f"the {kind} <{term}> needs a name after the last '#' or '/' of its IRI"
+                    raise statements.fault(term, reason)
+        self._terms = {term for terms in self.declared.values() for term in terms}
         self._equivalents = self._both_ways(Kind.CLASS, "owl:equivalentClass")
         self._inverses = self._both_ways(Kind.RELATION, "owl:inverseOf")
-
-    def _declare(self, term: str, kind: Kind) -> None:
-        if term.partition(":")[0] not in self._names.prefixes:
-            raise self._statements.fault(term, f"the {kind} <{term}> needs a name after the last '#' or '/' of its IRI")
-        self._declared[kind][term] = None
-
-    def declared(self, kind: Kind) -> Mapping[str, None]:
-        """Returns the terms of a kind, in file order."""
-        return self._declared[kind]
 
     # ------------------------------------------------------------ classes
 
     def classes(self) -> dict[str, Class]:
         """Returns all classes."""
-        found = {term: self._class(term) for term in self.declared(Kind.CLASS)}
+        found = {term: self._class(term) for term in self.declared[Kind.CLASS]}
         self._check_no_cycle({term: class_.parents for term, class_ in found.items()}, "rdfs:subClassOf")
         self._check_depth({term: (*c.parents, *c.equivalents) for term, c in found.items()}, "rdfs:subClassOf")
         return found
@@ -318,7 +191,7 @@ class _Reader:
         above = [
             part
             for node in (*self._objects(term, "rdfs:subClassOf"), *self._anonymous_equivalents(term))
-            for part in conjuncts(self._statements, node)
+            for part in self._statements.conjuncts(node)
         ]
         parents = self._references(term, above, Kind.CLASS)
         primary = self._references(term, self._objects(term, "sk:primaryParent"), Kind.CLASS)
@@ -344,16 +217,16 @@ class _Reader:
     def class_values(self, class_: str, properties: Mapping[str, Property]) -> dict[str, Value]:
         """Returns the values that a class itself gives, by property."""
         values: dict[str, Value] = {}
-        for predicate, objects in self._statements.about(class_).items():
+        for predicate in self._statements.about(class_):
             if predicate not in self._terms and self._should_be_declared(predicate):
-                known = [*self.declared(Kind.PROPERTY), *self.declared(Kind.ANNOTATION)]
+                known = [*self.declared[Kind.PROPERTY], *self.declared[Kind.ANNOTATION]]
                 raise self._undeclared(class_, str(UnknownName("property", predicate, known)), predicate)
             if predicate in properties and predicate != "rdfs:comment":
-                values[predicate] = self._class_value(class_, properties[predicate], objects)
+                values[predicate] = self._class_value(class_, properties[predicate])
         return values
 
-    def _class_value(self, class_: str, property_: Property, objects: Sequence[Node]) -> Value:
-        literals = {node for node in objects if isinstance(node, ox.Literal)}
+    def _class_value(self, class_: str, property_: Property) -> Value:
+        literals = {node for node in self._objects(class_, property_.curie) if isinstance(node, ox.Literal)}
         if any(literal.language for literal in literals):
             literals = {english(sorted(literals, key=str))}
         if len(literals) != 1:
@@ -371,7 +244,7 @@ class _Reader:
         """Returns all relations."""
         above = {
             term: tuple(self._references(term, self._objects(term, "rdfs:subPropertyOf"), Kind.RELATION))
-            for term in self.declared(Kind.RELATION)
+            for term in self.declared[Kind.RELATION]
         }
         self._check_no_cycle(above, "rdfs:subPropertyOf")
         self._check_depth(above, "rdfs:subPropertyOf")
@@ -379,7 +252,7 @@ class _Reader:
 
     def _relation(self, term: str, above: Mapping[str, tuple[str, ...]]) -> Relation:
         family = next((_FAMILIES[name] for name in closure(above, term) if name in _FAMILIES), Family.PLAIN)
-        types = set(self._types(self._statements.about(term)))
+        types = set(self._statements.named(term, "rdf:type"))
         return Relation(
             curie=term,
             label=self._label(term),
@@ -411,7 +284,7 @@ class _Reader:
         name = self._statements.key(node)
         if name in DATATYPES:
             return name
-        if name not in self.declared(Kind.DATATYPE):
+        if name not in self.declared[Kind.DATATYPE]:
             reason = f"rdfs:range of {term}: {UnknownName('data type', name, DATATYPES)}"
             raise self._undeclared(term, reason, name)
         return ANY_LITERAL
@@ -433,13 +306,13 @@ class _Reader:
     def individuals(self) -> tuple[str, ...]:
         """Returns what is of a class and no term itself."""
         found: list[str] = []
-        for name, said in self._statements.subjects():
-            types = self._types(said)
+        for name, _ in self._statements.subjects():
+            types = self._statements.named(name, "rdf:type")
             for type_ in types:
                 if type_ not in self._terms and self._should_be_declared(type_):
-                    unknown = UnknownName("class", type_, self.declared(Kind.CLASS))
+                    unknown = UnknownName("class", type_, self.declared[Kind.CLASS])
                     raise self._undeclared(name, f"{name} is of an {unknown}", type_)
-            if name not in self._terms and any(type_ in self.declared(Kind.CLASS) for type_ in types):
+            if name not in self._terms and any(type_ in self.declared[Kind.CLASS] for type_ in types):
                 found.append(name)
         return tuple(sorted(found))
 
@@ -452,15 +325,15 @@ class _Reader:
 
     def _is_declared(self, term: str, name: str, kind: Kind) -> bool:
         """Returns whether a name to which a term refers is of a kind; False for what OWL itself declares."""
-        if name in self.declared(kind):
+        if name in self.declared[kind]:
             return True
-        if name.partition(":")[0] in _STANDARD:
+        if is_standard(name):
             return False
-        raise self._undeclared(term, f"{term} refers to {UnknownName(kind, name, self.declared(kind))}", name)
+        raise self._undeclared(term, f"{term} refers to {UnknownName(kind, name, self.declared[kind])}", name)
 
     def _both_ways(self, kind: Kind, predicate: str) -> dict[str, set[str]]:
         found: dict[str, set[str]] = {}
-        for term in self.declared(kind):
+        for term in self.declared[kind]:
             for other in self._references(term, self._objects(term, predicate), kind):
                 if other == term:
                     continue
@@ -469,7 +342,7 @@ class _Reader:
         return found
 
     def _should_be_declared(self, name: str) -> bool:
-        return name.partition(":")[0] in self._vocabularies
+        return not is_standard(name) and vocabulary(name) in self._statements.vocabularies
 
     def _check_no_cycle(self, above: Mapping[str, tuple[str, ...]], predicate: str) -> None:
         found = cycle(above)
@@ -482,11 +355,8 @@ class _Reader:
         if deep is not None:
             raise self._fault(deep, f"{deep} has more than {MOST_ABOVE} terms above it by {predicate}", predicate)
 
-    def _types(self, said: Mapping[str, Sequence[Node]]) -> list[str]:
-        return [self._names.name(node.value) for node in said.get("rdf:type", ()) if isinstance(node, ox.NamedNode)]
-
     def _objects(self, term: str, predicate: str) -> list[Node]:
-        return list(self._statements.objects(term, predicate))
+        return self._statements.objects(term, predicate)
 
     def _label(self, term: str) -> str:
         return self._statements.text(term, "rdfs:label") or local_name(term)

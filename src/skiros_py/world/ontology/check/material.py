@@ -1,4 +1,4 @@
-"""What the check looks at, all files read together and indexed; and its findings, one per fault."""
+"""The subject of a check: all files read together and indexed; and its findings, one per fault."""
 
 from __future__ import annotations
 
@@ -10,13 +10,12 @@ from functools import cached_property
 from pathlib import Path
 
 import pyoxigraph as ox
-import rdflib
 
 from skiros_py.errors import FileError
-from skiros_py.world.names import CORE, STANDARD_PREFIXES, Names, split_iri
+from skiros_py.world.names import Names
 from skiros_py.world.ontology.documents import Document, common_names, rdf_files, read_document
-from skiros_py.world.terms import DECLARES as KIND_BY_TYPE
-from skiros_py.world.terms import Kind, closure, reached
+from skiros_py.world.ontology.statements import Statement, Statements
+from skiros_py.world.terms import Kind, closure
 
 
 class Severity(StrEnum):
@@ -105,143 +104,32 @@ def _order(finding: Finding) -> tuple[object, ...]:
     return (not finding.is_error, str(finding.file or ""), finding.line or 0, finding.kind, finding.term, finding.text)
 
 
-_STANDARD = {name: STANDARD_PREFIXES[name] for name in ("rdf", "rdfs", "owl", "xsd")}
-_WORDS = {"rdf": rdflib.RDF, "rdfs": rdflib.RDFS, "owl": rdflib.OWL, "xsd": rdflib.XSD}
-
-
-def owl(word: str) -> str:
-    """Returns the IRI of a word of OWL."""
-    return _STANDARD["owl"] + word
-
-
-def rdf(word: str) -> str:
-    """Returns the IRI of a word of RDF."""
-    return _STANDARD["rdf"] + word
-
-
-def rdfs(word: str) -> str:
-    """Returns the IRI of a word of RDFS."""
-    return _STANDARD["rdfs"] + word
-
-
-def sk(word: str) -> str:
-    """Returns the IRI of a word of the upper ontology."""
-    return CORE + word
-
-
-DECLARES = {_STANDARD[name.partition(":")[0]] + name.partition(":")[2]: kind for name, kind in KIND_BY_TYPE.items()}
-"""What a type makes of a term."""
-
 ANNOTATIONS = frozenset(
-    {rdfs(w) for w in ("label", "comment", "seeAlso", "isDefinedBy")}
-    | {owl(w) for w in ("versionInfo", "deprecated", "backwardCompatibleWith", "incompatibleWith", "priorVersion")}
+    {"rdfs:label", "rdfs:comment", "rdfs:seeAlso", "rdfs:isDefinedBy"}
+    | {"owl:versionInfo", "owl:deprecated", "owl:backwardCompatibleWith", "owl:incompatibleWith", "owl:priorVersion"}
 )
-"""Standard predicates that say nothing to a reasoner."""
+"""Standard predicates without meaning for a reasoner."""
 
-HEADER = frozenset({owl("imports"), owl("versionIRI")})
+HEADER = frozenset({"owl:imports", "owl:versionIRI"})
 """Predicates of an ontology's own header."""
-
-
-def is_standard(iri: str) -> bool:
-    """Returns True for anything in a namespace of RDF, RDFS, OWL or XML Schema."""
-    return any(iri.startswith(namespace) for namespace in _STANDARD.values())
-
-
-def is_standard_word(iri: str) -> bool:
-    """Returns True when the standard of its namespace defines the word."""
-    for name, namespace in _STANDARD.items():
-        if iri.startswith(namespace):
-            word = iri.removeprefix(namespace)
-            return word in _WORDS[name] or (name == "rdf" and word.startswith("_"))
-    return False
 
 
 # ---------------------------------------------------------------- the files of a check
 
 
-@dataclass(frozen=True, slots=True)
-class Statement:
-    """One triple and the file that says it."""
-
-    document: Document
-    triple: ox.Triple
-
-    @property
-    def subject(self) -> str | None:
-        """IRI of the subject, or None if it is anonymous."""
-        return iri_of(self.triple.subject)
-
-    @property
-    def predicate(self) -> str:
-        """IRI of the predicate."""
-        return str(self.triple.predicate.value)
-
-    @property
-    def object(self) -> str | None:
-        """IRI of the object, or None if it is anonymous or a literal."""
-        return iri_of(self.triple.object)
-
-    def fault(self, reason: str, at: str | None = None) -> FileError:
-        """Makes the fault of this statement, at an IRI in it (else at its predicate)."""
-        return self.document.fault(reason, self.subject or at, at or self.predicate)
-
-
-@dataclass(frozen=True)
-class Material:
-    """The files of one check.
-
-    Attributes:
-        documents: Those that could be read.
-        names: Their prefixes.
-    """
-
-    documents: Sequence[Document]
-    names: Names
-
-    @cached_property
-    def statements(self) -> tuple[Statement, ...]:
-        """Every statement, in file order."""
-        return tuple(Statement(document, triple) for document in self.documents for triple in document.triples)
-
-    @cached_property
-    def by_predicate(self) -> Mapping[str, Sequence[Statement]]:
-        """The statements of a predicate (IRI), in file order."""
-        found: dict[str, list[Statement]] = defaultdict(list)
-        for statement in self.statements:
-            found[statement.predicate].append(statement)
-        return found
-
-    @cached_property
-    def _by_subject(self) -> Mapping[tuple[str | None, str], Sequence[Statement]]:
-        found: dict[tuple[str | None, str], list[Statement]] = defaultdict(list)
-        for statement in self.statements:
-            found[statement.subject, statement.predicate].append(statement)
-        return found
-
-    @cached_property
-    def declared(self) -> Mapping[Kind, Mapping[str, Document]]:
-        """Terms (IRIs) of each kind, with the file that declares each first."""
-        found: dict[Kind, dict[str, Document]] = {kind: {} for kind in Kind}
-        for statement in self.about(rdf("type")):
-            kind = DECLARES.get(statement.object or "")
-            if kind is not None and statement.subject is not None:
-                found[kind].setdefault(statement.subject, statement.document)
-        return found
-
-    @cached_property
-    def vocabularies(self) -> frozenset[str]:
-        """Namespaces of which some file declares something."""
-        return frozenset(split_iri(term)[0] for terms in self.declared.values() for term in terms)
+class Material(Statements):
+    """The files of one check that could be read."""
 
     @cached_property
     def parents(self) -> Mapping[str, Sequence[str]]:
         """The named classes directly above each class: superclasses, equivalents, and the parts of intersections."""
         found: dict[str, list[str]] = defaultdict(list)
-        for word in rdfs("subClassOf"), owl("equivalentClass"):
-            for statement in self.about(word):
+        for word in "rdfs:subClassOf", "owl:equivalentClass":
+            for statement in self.of(word):
                 if statement.subject is not None:
-                    found[statement.subject].extend(self._parts(statement.triple.object))
-        for one, other in self.pairs(owl("equivalentClass")):
+                    parts = self.conjuncts(statement.triple.object)
+                    found[statement.subject] += [self.key(part) for part in parts if isinstance(part, ox.NamedNode)]
+        for one, other in self.pairs("owl:equivalentClass"):
             found[other].append(one)
         return found
 
@@ -249,67 +137,31 @@ class Material:
     def types(self) -> Mapping[str, Sequence[str]]:
         """The declared classes of each named individual."""
         found: dict[str, list[str]] = defaultdict(list)
-        for one, type_ in self.pairs(rdf("type")):
+        for one, type_ in self.pairs("rdf:type"):
             if type_ in self.declared[Kind.CLASS]:
                 found[one].append(type_)
         return found
-
-    def about(self, predicate: str) -> Sequence[Statement]:
-        """Returns the statements of a predicate (IRI)."""
-        return self.by_predicate.get(predicate, ())
-
-    def said(self, subject: str, predicate: str) -> Sequence[Statement]:
-        """Returns the statements of a predicate about a subject (IRIs)."""
-        return self._by_subject.get((subject, predicate), ())
-
-    def pairs(self, predicate: str) -> Iterator[tuple[str, str]]:
-        """Yields subject and object of a predicate where both have names."""
-        for statement in self.about(predicate):
-            if statement.subject is not None and statement.object is not None:
-                yield statement.subject, statement.object
-
-    def kinds_of(self, iri: str) -> tuple[Kind, ...]:
-        """Returns all that a term is declared as."""
-        return tuple(kind for kind in Kind if iri in self.declared[kind])
-
-    def declared_at(self, iri: str) -> Document:
-        """Returns the file that declares a term first."""
-        return next(terms[iri] for terms in self.declared.values() if iri in terms)
-
-    def is_term(self, iri: str) -> bool:
-        """Returns True for what is declared as a class, relation, property or data type."""
-        return any(iri in terms for terms in self.declared.values())
 
     def ancestors(self, class_: str) -> frozenset[str]:
         """Returns a class and all named classes above it."""
         return frozenset(closure(self.parents, class_))
 
-    def _parts(self, node: object) -> list[str]:
-        """The named classes that all of a class expression are of."""
-        parts = reached([node], lambda part: self.members(self._intersections.get(part)))
-        return [part.value for part in parts if isinstance(part, ox.NamedNode)]
+    def at_declaration(self, term: str, reason: str, at: str | None = None) -> FileError:
+        """Makes the error for a fault of a term as a whole, where it is declared first."""
+        return self.declared[self.kinds(term)[0]][term].fault(reason, self.iri(term), self.iri(at))
 
-    @cached_property
-    def _intersections(self) -> Mapping[object, object]:
-        """The list of each anonymous intersection."""
-        return self._objects(owl("intersectionOf"))
-
-    def members(self, node: object) -> tuple[object, ...]:
-        """Returns the members of an RDF list."""
-        cells = reached([node], lambda cell: filter(None, [self._rest.get(cell)]))
-        return tuple(self._first[cell] for cell in cells if cell in self._first)
-
-    @cached_property
-    def _first(self) -> Mapping[object, object]:
-        return self._objects(rdf("first"))
-
-    @cached_property
-    def _rest(self) -> Mapping[object, object]:
-        return self._objects(rdf("rest"))
-
-    def _objects(self, predicate: str) -> dict[object, object]:
-        """The object by subject; no two files share an anonymous node."""
-        return {statement.triple.subject: statement.triple.object for statement in self.about(predicate)}
+    def finding(
+        self,
+        statement: Statement,
+        kind: FindingKind,
+        term: str,
+        text: str,
+        at: str | None = None,
+        *,
+        severity: Severity = Severity.ERROR,
+    ) -> Finding:
+        """Makes a finding about a term, located in a statement at a name in it (by default, its predicate)."""
+        return finding_of(self.fault_in(statement, text, at), kind, term, severity=severity)
 
 
 def read_material(paths: Iterable[Path]) -> tuple[Material, list[Finding]]:
@@ -327,11 +179,6 @@ def read_material(paths: Iterable[Path]) -> tuple[Material, list[Finding]]:
         findings.append(finding_of(fault, FindingKind.UNREADABLE, fault.path.name))
         names = _first_wins(documents)
     return Material(documents, names), [*findings, *_twins(documents), *_absent_imports(documents)]
-
-
-def iri_of(node: object) -> str | None:
-    """Returns the IRI of a named node, else None."""
-    return node.value if isinstance(node, ox.NamedNode) else None
 
 
 def _first_wins(documents: Sequence[Document]) -> Names:

@@ -19,7 +19,6 @@ import pyoxigraph as ox
 from reasonable import PyReasoner
 
 from skiros_py.world.names import STANDARD_PREFIXES
-from skiros_py.world.ontology.check.material import is_standard, owl, rdf, rdfs
 from skiros_py.world.ontology.check.reasoner import NoAnswer, Verdict, one_of, some
 from skiros_py.world.store.store import Term, from_rdflib, to_rdflib
 
@@ -76,10 +75,11 @@ _MANY = 500
 """Statements about invented things that are added at each step, unless things are invented only once."""
 _WITNESS = "urn:skiros-check:something:"
 
-_TYPE, _SAME = ox.NamedNode(rdf("type")), ox.NamedNode(owl("sameAs"))
-_BELOW, _NOTHING = ox.NamedNode(rdfs("subClassOf")), ox.NamedNode(owl("Nothing"))
-_TIES = (_SAME, ox.NamedNode(owl("differentFrom")))
-_UNION_OF = ox.NamedNode(owl("disjointUnionOf"))
+_RDF, _RDFS, _OWL = (STANDARD_PREFIXES[name] for name in ("rdf", "rdfs", "owl"))
+_TYPE, _SAME = ox.NamedNode(f"{_RDF}type"), ox.NamedNode(f"{_OWL}sameAs")
+_BELOW, _NOTHING = ox.NamedNode(f"{_RDFS}subClassOf"), ox.NamedNode(f"{_OWL}Nothing")
+_TIES = (_SAME, ox.NamedNode(f"{_OWL}differentFrom"))
+_UNION_OF = ox.NamedNode(f"{_OWL}disjointUnionOf")
 
 
 class OwlRl:
@@ -200,7 +200,7 @@ def _connected(facts: ox.Store) -> list[set[Term]]:
     for (one,) in _rows(facts, "DISTINCT ?one", "?one a ?class"):
         group[one] = {one}
     for one, word, other in _rows(facts, "?one ?word ?other", "?one ?word ?other . ?other a ?class"):
-        if not is_standard(_value(word)) or word in _TIES:
+        if word in _TIES or not _value(word).startswith((_RDF, _RDFS, _OWL)):
             group[one].add(one)
             small, large = sorted((group[one], group[other]), key=len)
             if small is not large:

@@ -23,7 +23,7 @@ from typing import Protocol, Self
 import pyoxigraph as ox
 
 from skiros_py.processes import limit, start_python
-from skiros_py.world.ontology.check.material import owl, rdf
+from skiros_py.world.names import STANDARD_PREFIXES
 
 
 class NoAnswer(Exception):
@@ -86,7 +86,7 @@ def some(class_: str) -> str:
 
 def one_of(class_: str) -> ox.Triple:
     """Returns the statement that there is something of a class (IRI): a contradiction where nothing can be."""
-    return ox.Triple(ox.NamedNode(some(class_)), ox.NamedNode(rdf("type")), ox.NamedNode(class_))
+    return ox.Triple(ox.NamedNode(some(class_)), ox.NamedNode(STANDARD_PREFIXES["rdf"] + "type"), ox.NamedNode(class_))
 
 
 # ---------------------------------------------------------------- the OWL-RL process
@@ -276,7 +276,7 @@ class HermiT:
         output = self._ask(triples, "--unsatisfiable", "--no-prefixes")
         if output is None:
             return Verdict(consistent=False)
-        found = {line.strip() for line in output.splitlines()} - {owl("Nothing")}
+        found = {line.strip() for line in output.splitlines()} - {STANDARD_PREFIXES["owl"] + "Nothing"}
         return Verdict(consistent=True, unsatisfiable=tuple(sorted(found.intersection(classes))))
 
     def consistent(self, triples: Sequence[ox.Triple]) -> bool:

@@ -8,11 +8,10 @@ from dataclasses import dataclass
 
 import pyoxigraph as ox
 
-from skiros_py.world.names import Names
-from skiros_py.world.ontology.check.axioms import Axiom, Axioms, axioms_of, in_words, line_of, triples_of
+from skiros_py.world.ontology.check.axioms import Axiom, Axioms, axioms_of, in_words, place_of, triples_of
 from skiros_py.world.ontology.check.material import Finding, FindingKind, Material, Severity, finding_of
-from skiros_py.world.ontology.check.reasoner import NoAnswer, Reasoner, Verdict, one_of, some
-from skiros_py.world.terms import closure
+from skiros_py.world.ontology.check.reasoner import NoAnswer, Reasoner, Verdict, one_of
+from skiros_py.world.terms import Kind, closure
 
 _QUESTIONS = 60
 """Questions put to the complete reasoner for one explanation; each takes some tenths of a second."""
@@ -50,7 +49,7 @@ class Explainer:
 
         Args:
             said: Axioms that are known to be in contradiction.
-            near: IRIs of terms or individuals to begin at.
+            near: Names of terms or individuals to begin at.
             assumed: Statements that always count, such as that there is something of a class.
         """
         areas = [*_areas(said, frozenset(near)), tuple(said)]
@@ -161,7 +160,6 @@ class _Reasoning:
         self._axioms = axioms
         self._reasoner = reasoner
         self._explainer = explainer
-        self._names: Names = material.names
 
     def findings(self) -> list[Finding]:
         found: list[Finding] = []
@@ -181,13 +179,16 @@ class _Reasoning:
         return found + list(self._impossible(verdict, said))
 
     def _judge(self, said: Sequence[Axiom]) -> Verdict:
-        return self._reasoner.judge([*self._axioms.declarations, *triples_of(said)], self._axioms.classes)
+        """Judges the axioms; in names instead of IRIs."""
+        classes = sorted(self._material.names.iri(name) for name in self._material.declared[Kind.CLASS])
+        verdict = self._reasoner.judge([*self._axioms.declarations, *triples_of(said)], classes)
+        unsatisfiable, near = (tuple(map(self._material.names.name, f)) for f in (verdict.unsatisfiable, verdict.near))
+        return Verdict(verdict.consistent, unsatisfiable, near)
 
     def _contradiction(self, why: Explanation, verdict: Verdict) -> Finding:
         said = why.axioms
         at = next((axiom for axiom in said if axiom.is_assertion), said[0] if said else None)
-        about = verdict.near[0] if verdict.near else (at.subject if at is not None else None)
-        name = self._names.name(about) if about else ""
+        name = verdict.near[0] if verdict.near else (at.subject or "" if at is not None else "")
         text = f"{name or 'what the files say'} cannot be: these statements contradict each other"
         return self._finding(FindingKind.INCONSISTENT, name, text, at, why)
 
@@ -204,19 +205,17 @@ class _Reasoning:
             yield Finding(Severity.ERROR, FindingKind.UNSATISFIABLE, "", text)
 
     def _below(self, class_: str, above: str) -> Finding:
-        name = self._names.name(class_)
-        text = f"nothing can be a {name}, because nothing can be a {self._names.name(above)}, which is above it"
-        return finding_of(self._material.declared_at(class_).fault(text, class_), FindingKind.UNSATISFIABLE, name)
+        text = f"nothing can be a {class_}, because nothing can be a {above}, which is above it"
+        return finding_of(self._material.at_declaration(class_, text), FindingKind.UNSATISFIABLE, class_)
 
     def _excluded(self, class_: str, said: Sequence[Axiom]) -> Finding:
-        name = self._names.name(class_)
-        why = self._explainer.explain(said, [class_, some(class_)], [one_of(class_)])
+        why = self._explainer.explain(said, [class_], [one_of(self._material.names.iri(class_))])
         at = next((axiom for axiom in why.axioms if axiom.subject == class_), None)
-        text = f"nothing can be a {name}: these statements exclude it"
+        text = f"nothing can be a {class_}: these statements exclude it"
         if at is None:
-            fault = self._material.declared_at(class_).fault(text, class_)
-            return finding_of(fault, FindingKind.UNSATISFIABLE, name, why=self._words(why))
-        return self._finding(FindingKind.UNSATISFIABLE, name, text, at, why)
+            fault = self._material.at_declaration(class_, text)
+            return finding_of(fault, FindingKind.UNSATISFIABLE, class_, why=self._words(why))
+        return self._finding(FindingKind.UNSATISFIABLE, class_, text, at, why)
 
     def _above(self, class_: str, impossible: frozenset[str]) -> str | None:
         """A class directly above that is impossible too, unless both are above each other."""
@@ -226,14 +225,14 @@ class _Reasoning:
         return None
 
     def _finding(self, kind: FindingKind, name: str, text: str, at: Axiom | None, why: Explanation) -> Finding:
-        file = at.document.path if at is not None else None
-        line = line_of(at) if at is not None else None
+        place = place_of(at, self._material) if at is not None else None
+        file, line = (place.path, place.line) if place is not None else (None, None)
         return Finding(Severity.ERROR, kind, name, text, file, line, self._words(why))
 
     def _words(self, why: Explanation) -> tuple[str, ...]:
         if why.smallest:
-            return tuple(in_words(axiom, self._names) for axiom in why.axioms)
-        shown = [in_words(axiom, self._names) for axiom in why.axioms[:_STATEMENTS]]
+            return tuple(in_words(axiom, self._material) for axiom in why.axioms)
+        shown = [in_words(axiom, self._material) for axiom in why.axioms[:_STATEMENTS]]
         hidden = len(why.axioms) - len(shown)
         more = [f"… and {hidden} more"] if hidden else []
         return (*shown, *more, "(time or questions ran out before it was known which of all statements are needed)")

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from graphlib import CycleError, TopologicalSorter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import chain, pairwise
 
 import pyoxigraph as ox
@@ -12,29 +11,19 @@ import pyoxigraph as ox
 from skiros_py.errors import UnknownName
 from skiros_py.world.literals import DATATYPES, parse_value
 from skiros_py.world.names import CORE
-from skiros_py.world.ontology.check.material import (
-    Finding,
-    FindingKind,
-    Material,
-    Severity,
-    Statement,
-    finding_of,
-    is_standard,
-    owl,
-    rdfs,
-    sk,
-)
+from skiros_py.world.ontology.check.material import Finding, FindingKind, Material, Severity, finding_of
 from skiros_py.world.ontology.check.undeclared import undeclared_terms
+from skiros_py.world.ontology.statements import Statement, is_standard
 from skiros_py.world.terms import MOST_ABOVE, Kind, closure, cycle, too_deep
 
-_ENDS = {FindingKind.DOMAIN: rdfs("domain"), FindingKind.RANGE: rdfs("range")}
-_THING = owl("Thing")
+_ENDS = {FindingKind.DOMAIN: "rdfs:domain", FindingKind.RANGE: "rdfs:range"}
+_THING = "owl:Thing"
 
 
 def bad_ends(material: Material) -> Iterator[Finding]:
     """Finds domains and ranges that are no class or data type, or that no sub-relation can meet."""
     for kind, word in _ENDS.items():
-        for statement in material.about(word):
+        for statement in material.of(word):
             yield from _end(material, statement, kind)
         yield from _widened(material, kind, word)
 
@@ -43,48 +32,38 @@ def _end(material: Material, statement: Statement, kind: FindingKind) -> Iterato
     subject, end = statement.subject, statement.object
     if subject is None or subject in material.declared[Kind.ANNOTATION]:
         return
-    name = material.names.name(subject)
     wanted = Kind.DATATYPE if kind is FindingKind.RANGE and subject in material.declared[Kind.PROPERTY] else Kind.CLASS
     if isinstance(statement.triple.object, ox.Literal):
-        text = f"the {kind} of {name} must be a {wanted}, got the text '{statement.triple.object.value[:60]}'"
-        yield finding_of(statement.fault(text), kind, name)
+        text = f"the {kind} of {subject} must be a {wanted}, got the text '{statement.triple.object.value[:60]}'"
+        yield material.finding(statement, kind, subject, text)
     elif end is not None and not _is_one(material, end, wanted):
-        yield finding_of(statement.fault(f"the {kind} of {name}: {_why(material, end, wanted)}", end), kind, name)
+        text = f"the {kind} of {subject}: {_why(material, end, wanted)}"
+        yield material.finding(statement, kind, subject, text, end)
 
 
 def _is_one(material: Material, end: str, wanted: Kind) -> bool:
     if wanted is Kind.CLASS:
         return end in material.declared[Kind.CLASS] or end == _THING
-    return end in material.declared[Kind.DATATYPE] or material.names.name(end) in DATATYPES
+    return end in material.declared[Kind.DATATYPE] or end in DATATYPES
 
 
 def _why(material: Material, end: str, wanted: Kind) -> str:
-    name = material.names.name(end)
-    kinds = material.kinds_of(end)
+    kinds = material.kinds(end)
     if kinds or is_standard(end):
-        return f"{name} is a {kinds[0] if kinds else 'word of the standard'}, not a {wanted}"
-    known = DATATYPES if wanted is Kind.DATATYPE else map(material.names.name, material.declared[Kind.CLASS])
-    return str(UnknownName(wanted, name, known))
+        return f"{end} is a {kinds[0] if kinds else 'word of the standard'}, not a {wanted}"
+    return str(UnknownName(wanted, end, DATATYPES if wanted is Kind.DATATYPE else material.declared[Kind.CLASS]))
 
 
 def _widened(material: Material, kind: FindingKind, word: str) -> Iterator[Finding]:
     """Finds relations whose end is apart from that of the relation above: both must hold, which is hardly meant."""
-    ends = {s.subject: s for s in material.about(word) if s.subject and s.object in material.declared[Kind.CLASS]}
-    for below, above in sorted(material.pairs(rdfs("subPropertyOf"))):
+    ends = {s.subject: s for s in material.of(word) if s.subject and s.object in material.declared[Kind.CLASS]}
+    for below, above in sorted(material.pairs("rdfs:subPropertyOf")):
         if below in ends and above in ends:
             own, upper = ends[below].object, ends[above].object
-            assert own is not None
-            assert upper is not None
-            if upper not in material.ancestors(own):
-                yield _apart(material, ends[below], kind, above, (own, upper))
-
-
-def _apart(material: Material, statement: Statement, kind: FindingKind, above: str, ends: tuple[str, str]) -> Finding:
-    name = material.names.name
-    own, upper = name(ends[0]), name(ends[1])
-    below = name(statement.subject or "")
-    text = f"the {kind} of {below}, {own}, is not below {upper}, that of {name(above)} above it: both must hold"
-    return finding_of(statement.fault(text, ends[0]), kind, below, severity=Severity.WARNING)
+            if own is not None and upper not in material.ancestors(own):
+                of_above = f"that of {above} above it: both must hold"
+                text = f"the {kind} of {below}, {own}, is not below {upper}, {of_above}"
+                yield material.finding(ends[below], kind, below, text, own, severity=Severity.WARNING)
 
 
 # ---------------------------------------------------------------- individuals
@@ -104,8 +83,8 @@ def misfits(material: Material) -> Iterator[Finding]:
 
 
 def _ends(material: Material, property_: str, end: FindingKind) -> Iterator[Finding]:
-    wanted = _classes(material, property_, rdfs(end))
-    for statement in material.about(property_) if wanted else ():
+    wanted = _classes(material, property_, _ENDS[end])
+    for statement in material.of(property_) if wanted else ():
         one = statement.subject if end is FindingKind.DOMAIN else statement.object
         for class_ in wanted:
             if one is not None and not _is_of(material, one, class_):
@@ -113,10 +92,9 @@ def _ends(material: Material, property_: str, end: FindingKind) -> Iterator[Find
 
 
 def _misfit(material: Material, statement: Statement, one: str, class_: str, end: FindingKind) -> Finding:
-    name = material.names.name
-    types = f"a {name(one)}" if one in material.declared[Kind.CLASS] else " and ".join(map(name, material.types[one]))
-    text = f"{name(statement.predicate)} has {end} {name(class_)}; {name(one)} is {types}"
-    return finding_of(statement.fault(text), end, name(one))
+    types = f"a {one}" if one in material.declared[Kind.CLASS] else " and ".join(material.types[one])
+    text = f"{statement.predicate} has {end} {class_}; {one} is {types}"
+    return material.finding(statement, end, one, text)
 
 
 def _is_of(material: Material, one: str, class_: str) -> bool:
@@ -126,14 +104,13 @@ def _is_of(material: Material, one: str, class_: str) -> bool:
 
 
 def _values(material: Material, property_: str) -> Iterator[Finding]:
-    ranges = [s.object for s in material.said(property_, rdfs("range")) if s.object]
-    range_ = material.names.name(ranges[0]) if len(ranges) == 1 else ""
-    for statement in material.about(property_):
+    ranges = material.named(property_, "rdfs:range")
+    range_ = ranges[0] if len(ranges) == 1 else ""
+    for statement in material.of(property_):
         problem = _value_problem(material, statement, range_)
         if problem is not None and statement.subject is not None:
-            about = material.names.name(statement.subject)
-            text = f"{material.names.name(property_)} of {about} {problem}"
-            yield finding_of(statement.fault(text), FindingKind.RANGE, about)
+            text = f"{property_} of {statement.subject} {problem}"
+            yield material.finding(statement, FindingKind.RANGE, statement.subject, text)
 
 
 def _value_problem(material: Material, statement: Statement, range_: str) -> str | None:
@@ -143,7 +120,7 @@ def _value_problem(material: Material, statement: Statement, range_: str) -> str
     if range_ not in DATATYPES:
         return None
     try:
-        parse_value(literal.value, material.names.name(literal.datatype.value), range_)
+        parse_value(literal.value, material.key(literal.datatype), range_)
     except ValueError as error:
         return str(error)
     return None
@@ -151,11 +128,10 @@ def _value_problem(material: Material, statement: Statement, range_: str) -> str
 
 def _classes(material: Material, property_: str, word: str) -> Sequence[str]:
     """The named classes that an end must be of; anonymous ones are for OWL reasoners."""
-    ends = (statement.object for statement in material.said(property_, word))
-    return tuple(end for end in ends if end is not None and end in material.declared[Kind.CLASS])
+    return [end for end in material.named(property_, word) if end in material.declared[Kind.CLASS]]
 
 
-_FAMILIES = (sk("placement"), sk("structure"), sk("computed"))
+_FAMILIES = ("sk:placement", "sk:structure", "sk:computed")
 _CORE_IRI = CORE.removesuffix("#")
 
 
@@ -168,68 +144,53 @@ def house_rules(material: Material) -> Iterator[Finding]:
 
 
 def family_relations(material: Material, family: str) -> frozenset[str]:
-    """Returns the relations of a family, given by its top relation (IRI)."""
+    """Returns the relations of a family, given by its top relation."""
     below: dict[str, list[str]] = {}
-    for one, above in material.pairs(rdfs("subPropertyOf")):
+    for one, above in material.pairs("rdfs:subPropertyOf"):
         below.setdefault(above, []).append(one)
     return frozenset(closure(below, family)) & material.declared[Kind.RELATION].keys()
 
 
-def place_is_subject(material: Material, relation: str) -> bool:
-    """Returns True when the subject of a placement relation is the place."""
-    return _place_end(material, relation) == "subject"
-
-
-def _place_end(material: Material, relation: str) -> str | None:
-    for statement in material.said(relation, sk("placeEnd")):
-        if isinstance(statement.triple.object, ox.Literal):
-            return str(statement.triple.object.value)
-    return None
+def _place_end(material: Material, relation: str) -> str:
+    return material.text(relation, "sk:placeEnd")
 
 
 def _place_ends(material: Material) -> Iterator[Finding]:
-    for relation in sorted(family_relations(material, sk("placement"))):
+    for relation in sorted(family_relations(material, "sk:placement")):
         end = _place_end(material, relation)
         if end not in ("object", "subject"):
-            name = material.names.name(relation)
-            text = f'{name} is a placement and needs sk:placeEnd "object" or "subject", got {end or "none"}'
-            fault = material.declared[Kind.RELATION][relation].fault(text, relation, sk("placeEnd") if end else None)
-            yield finding_of(fault, FindingKind.PLACEMENT, name)
+            text = f'{relation} is a placement and needs sk:placeEnd "object" or "subject", got {end or "none"}'
+            fault = material.at_declaration(relation, text, "sk:placeEnd" if end else None)
+            yield finding_of(fault, FindingKind.PLACEMENT, relation)
 
 
 def _two_families(material: Material) -> Iterator[Finding]:
     families = {family: family_relations(material, family) for family in _FAMILIES}
     for relation in sorted(frozenset[str]().union(*families.values())):
-        found = [material.names.name(family) for family, relations in families.items() if relation in relations]
+        found = [family for family, relations in families.items() if relation in relations]
         if len(found) > 1:
-            name = material.names.name(relation)
-            text = f"{name} is below {' and '.join(found)}: a relation is of one family"
-            fault = material.declared[Kind.RELATION][relation].fault(text, relation)
-            yield finding_of(fault, FindingKind.PLACEMENT, name)
+            text = f"{relation} is below {' and '.join(found)}: a relation is of one family"
+            yield finding_of(material.at_declaration(relation, text), FindingKind.PLACEMENT, relation)
 
 
 def _primary_parents(material: Material) -> Iterator[Finding]:
-    for statement in material.about(sk("primaryParent")):
+    for statement in material.of("sk:primaryParent"):
         class_, parent = statement.subject, statement.object
-        if class_ is None or parent in material.parents.get(class_, ()):
-            continue
-        name = material.names.name(class_)
-        shown = material.names.name(parent) if parent else "no class"
-        text = f"sk:primaryParent of {name} is {shown}, which is none of its superclasses"
-        yield finding_of(statement.fault(text, parent), FindingKind.PARENT, name)
+        if class_ is not None and parent not in material.parents.get(class_, ()):
+            text = f"sk:primaryParent of {class_} is {parent or 'no class'}, which is none of its superclasses"
+            yield material.finding(statement, FindingKind.PARENT, class_, text, parent)
 
 
 def _without_words(material: Material) -> Iterator[Finding]:
     """Finds terms without label or comment, in files that build on the upper ontology: people meet these in the UI."""
-    worded = {word: {s.subject for s in material.about(word)} for word in (rdfs("label"), rdfs("comment"))}
+    worded = {word: {s.subject for s in material.of(word)} for word in ("rdfs:label", "rdfs:comment")}
     own = {id(d) for d in material.documents if d.iri == _CORE_IRI or _CORE_IRI in d.imports()}
     for kind in (Kind.CLASS, Kind.RELATION, Kind.PROPERTY):
         for term, document in material.declared[kind].items():
-            missing = [material.names.name(word) for word, terms in worded.items() if term not in terms]
-            if missing and id(document) in own and not term.startswith(owl("")):
-                name = material.names.name(term)
-                fault = document.fault(f"{name} has no {' and no '.join(missing)}", term)
-                yield finding_of(fault, FindingKind.UNEXPLAINED, name, severity=Severity.WARNING)
+            missing = [word for word, terms in worded.items() if term not in terms]
+            if missing and id(document) in own and not term.startswith("owl:"):
+                fault = document.fault(f"{term} has no {' and no '.join(missing)}", material.iri(term))
+                yield finding_of(fault, FindingKind.UNEXPLAINED, term, severity=Severity.WARNING)
 
 
 # ---------------------------------------------------------------- cycles
@@ -245,21 +206,22 @@ _Edges = dict[tuple[str, str], Statement]
 
 def cycles(material: Material) -> Iterator[Finding]:
     """Finds cycles of superclasses, of super-relations, of pieces and of placements."""
-    for word, says in ((rdfs("subClassOf"), "is a subclass of"), (rdfs("subPropertyOf"), "is a sub-property of")):
+    for word, says in (("rdfs:subClassOf", "is a subclass of"), ("rdfs:subPropertyOf", "is a sub-property of")):
         yield from _cycles(material, _edges(material, {word: False}), says)
-    yield from _cycles(material, _edges(material, _oriented(material, sk("structure"))), "is built of")
-    yield from _cycles(material, _edges(material, _oriented(material, sk("placement"))), "is placed at")
+    yield from _cycles(material, _edges(material, _oriented(material, "sk:structure")), "is built of")
+    yield from _cycles(material, _edges(material, _oriented(material, "sk:placement")), "is placed at")
 
 
 def _oriented(material: Material, family: str) -> dict[str, bool]:
     """The relations of a family, and whether each points from the place to the thing."""
-    return {relation: place_is_subject(material, relation) for relation in sorted(family_relations(material, family))}
+    relations = sorted(family_relations(material, family))
+    return {relation: _place_end(material, relation) == "subject" for relation in relations}
 
 
 def _edges(material: Material, words: Mapping[str, bool]) -> _Edges:
     edges: _Edges = {}
     for word, turned in words.items():
-        for statement in material.about(word):
+        for statement in material.of(word):
             one, other = statement.subject, statement.object
             if one is not None and other is not None:
                 edges.setdefault((other, one) if turned else (one, other), statement)
@@ -268,40 +230,34 @@ def _edges(material: Material, words: Mapping[str, bool]) -> _Edges:
 
 def _cycles(material: Material, edges: _Edges, says: str) -> Iterator[Finding]:
     for _ in range(_MANY):
-        cycle = _one_cycle(edges)
-        if cycle is None:
+        found = cycle(_adjacent(edges))
+        if not found:
             return
-        yield _finding(material, edges, cycle, says)
-        del edges[cycle[0], cycle[1]]
+        start = found.index(min(found))  # the same first name wherever the search began
+        ring = [*found[start:-1], *found[: start + 1]]
+        yield _finding(material, edges, ring, says)
+        del edges[ring[0], ring[1]]
 
 
-def _one_cycle(edges: _Edges) -> list[str] | None:
-    sorter: TopologicalSorter[str] = TopologicalSorter()
-    for above, below in sorted(edges):
-        sorter.add(below, above)
-    try:
-        sorter.prepare()
-    except CycleError as error:
-        found: list[str] = error.args[1]
-        # It always starts at its first name in order, however it was come upon.
-        start = found.index(min(found[:-1]))
-        ring = found[start:-1] + found[:start]
-        return [*ring, ring[0]]
-    return None
+def _adjacent(edges: Iterable[tuple[str, str]]) -> Mapping[str, Sequence[str]]:
+    above: dict[str, list[str]] = defaultdict(list)
+    for one, other in sorted(edges):
+        above[one].append(other)
+    return above
 
 
-def _finding(material: Material, edges: _Edges, cycle: list[str], says: str) -> Finding:
-    names = [material.names.name(term) for term in cycle]
+def _finding(material: Material, edges: _Edges, names: list[str], says: str) -> Finding:
     why = []
-    for one, other in pairwise(cycle[: _SHOWN + 1]):
+    for one, other in pairwise(names[: _SHOWN + 1]):
         statement = edges[one, other]
-        fault = statement.fault("", statement.object)
-        why.append(f"{material.names.name(one)} {says} {material.names.name(other)} ({str(fault).removesuffix(': ')})")
+        fault = material.fault_in(statement, "", statement.object)
+        why.append(f"{one} {says} {other} ({str(fault).removesuffix(': ')})")
+    fault_at = edges[names[0], names[1]]
     if len(names) > _SHOWN + 1:
         why.append(f"… and so on, {len(names) - 1} statements in all")
         names = [*names[:_SHOWN], "…", names[-1]]
-    fault = edges[cycle[0], cycle[1]].fault(f"{f' {says} '.join(names)}: a cycle", cycle[1])
-    return finding_of(fault, FindingKind.CYCLE, names[0], why=tuple(why))
+    text = f"{f' {says} '.join(names)}: a cycle"
+    return finding_of(material.fault_in(fault_at, text, names[1]), FindingKind.CYCLE, names[0], why=tuple(why))
 
 
 # ---------------------------------------------------------------- depth
@@ -309,20 +265,12 @@ def _finding(material: Material, edges: _Edges, cycle: list[str], says: str) -> 
 
 def depths(material: Material) -> Iterator[Finding]:
     """Finds the first class and the first relation or property with too many above it, unless a cycle explains it."""
-    for word in rdfs("subClassOf"), rdfs("subPropertyOf"):
-        above = _above(material, word)
+    for word in "rdfs:subClassOf", "rdfs:subPropertyOf":
+        above = _adjacent(material.pairs(word))
         deep = too_deep(above)
         if deep is not None and not cycle(above):
-            name = material.names.name(deep)
-            text = f"{name} has more than {MOST_ABOVE} terms above it by {material.names.name(word)}"
-            yield finding_of(material.said(deep, word)[0].fault(text), FindingKind.DEPTH, name)
-
-
-def _above(material: Material, word: str) -> Mapping[str, Sequence[str]]:
-    above: dict[str, list[str]] = defaultdict(list)
-    for one, other in material.pairs(word):
-        above[one].append(other)
-    return above
+            text = f"{deep} has more than {MOST_ABOVE} terms above it by {word}"
+            yield material.finding(material.about(deep)[word][0], FindingKind.DEPTH, deep, text)
 
 
 # ---------------------------------------------------------------- all structural checks

@@ -2,28 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 
 import pyoxigraph as ox
+import rdflib
 
 from skiros_py.errors import UnknownName
 from skiros_py.world.names import split_iri
-from skiros_py.world.ontology.check.material import (
-    Finding,
-    FindingKind,
-    Material,
-    Severity,
-    Statement,
-    finding_of,
-    iri_of,
-    is_standard,
-    is_standard_word,
-    owl,
-    rdf,
-    rdfs,
-)
+from skiros_py.world.ontology.check.material import Finding, FindingKind, Material, Severity, finding_of
+from skiros_py.world.ontology.statements import Statement, is_standard, vocabulary
 from skiros_py.world.terms import Kind
 
+_STANDARD = {"rdf": rdflib.RDF, "rdfs": rdflib.RDFS, "owl": rdflib.OWL, "xsd": rdflib.XSD}
 _CLASSES = (Kind.CLASS,)
 _RELATIONS = (Kind.RELATION,)
 _PROPERTIES = (Kind.RELATION, Kind.PROPERTY)
@@ -31,50 +21,56 @@ _ANY_PROPERTY = (*_PROPERTIES, Kind.ANNOTATION)
 _FILLERS = (Kind.CLASS, Kind.DATATYPE)
 
 _SUBJECTS: Mapping[str, tuple[Kind, ...]] = {
-    **dict.fromkeys((rdfs("domain"), rdfs("range"), rdfs("subPropertyOf")), _ANY_PROPERTY),
-    owl("equivalentProperty"): _PROPERTIES,
-    owl("propertyDisjointWith"): _PROPERTIES,
-    owl("inverseOf"): _RELATIONS,
-    owl("propertyChainAxiom"): _RELATIONS,
-    rdfs("subClassOf"): _CLASSES,
-    owl("equivalentClass"): _FILLERS,
-    owl("disjointWith"): _CLASSES,
-    owl("disjointUnionOf"): _CLASSES,
-    owl("hasKey"): _CLASSES,
+    **dict.fromkeys(("rdfs:domain", "rdfs:range", "rdfs:subPropertyOf"), _ANY_PROPERTY),
+    "owl:equivalentProperty": _PROPERTIES,
+    "owl:propertyDisjointWith": _PROPERTIES,
+    "owl:inverseOf": _RELATIONS,
+    "owl:propertyChainAxiom": _RELATIONS,
+    "rdfs:subClassOf": _CLASSES,
+    "owl:equivalentClass": _FILLERS,
+    "owl:disjointWith": _CLASSES,
+    "owl:disjointUnionOf": _CLASSES,
+    "owl:hasKey": _CLASSES,
 }
 _OBJECTS: Mapping[str, tuple[Kind, ...]] = {
-    **{word: kinds for word, kinds in _SUBJECTS.items() if word not in (rdfs("domain"), rdfs("range"))},
-    owl("complementOf"): _CLASSES,
-    owl("onClass"): _CLASSES,
-    owl("someValuesFrom"): _FILLERS,
-    owl("allValuesFrom"): _FILLERS,
-    owl("onDataRange"): (Kind.DATATYPE,),
-    owl("onDatatype"): (Kind.DATATYPE,),
-    owl("onProperty"): _PROPERTIES,
-    owl("assertionProperty"): _PROPERTIES,
-    owl("unionOf"): _FILLERS,
-    owl("intersectionOf"): _FILLERS,
+    **{word: kinds for word, kinds in _SUBJECTS.items() if word not in ("rdfs:domain", "rdfs:range")},
+    "owl:complementOf": _CLASSES,
+    "owl:onClass": _CLASSES,
+    "owl:someValuesFrom": _FILLERS,
+    "owl:allValuesFrom": _FILLERS,
+    "owl:onDataRange": (Kind.DATATYPE,),
+    "owl:onDatatype": (Kind.DATATYPE,),
+    "owl:onProperty": _PROPERTIES,
+    "owl:assertionProperty": _PROPERTIES,
+    "owl:unionOf": _FILLERS,
+    "owl:intersectionOf": _FILLERS,
 }
 """What the objects, or the members of the lists, of these predicates must be; ends of relations are looked at apart."""
 
 _MEMBERS: Mapping[str, tuple[Kind, ...]] = {
-    owl("AllDisjointClasses"): _CLASSES,
-    owl("AllDisjointProperties"): _PROPERTIES,
+    "owl:AllDisjointClasses": _CLASSES,
+    "owl:AllDisjointProperties": _PROPERTIES,
 }
+
+
+def _is_standard_word(name: str) -> bool:
+    """Returns True when the standard of its namespace defines the word."""
+    prefix, _, word = name.partition(":")
+    return prefix in _STANDARD and (word in _STANDARD[prefix] or (prefix == "rdf" and word.startswith("_")))
 
 
 def undeclared_terms(material: Material) -> Iterator[Finding]:
     """Finds terms that no file declares, or that are used as what they are not."""
-    for statement in material.statements:
+    for statement in material.all:
         yield from _predicate(material, statement)
         yield from _literal(material, statement)
-    for statement in material.about(rdf("type")):
+    for statement in material.of("rdf:type"):
         yield from _type(material, statement)
     for word, kinds in _SUBJECTS.items():
-        for statement in material.about(word):
+        for statement in material.of(word):
             yield from _used(material, statement, statement.subject, kinds)
     for word, kinds in _OBJECTS.items():
-        for statement in material.about(word):
+        for statement in material.of(word):
             yield from _objects(material, statement, kinds)
     yield from _all_disjoint(material)
     yield from _foreign_words(material)
@@ -84,7 +80,7 @@ def undeclared_terms(material: Material) -> Iterator[Finding]:
 def _predicate(material: Material, statement: Statement) -> Iterator[Finding]:
     word = statement.predicate
     if is_standard(word):
-        if not is_standard_word(word):
+        if not _is_standard_word(word):
             yield _no_such_word(material, statement, word)
     elif not any(word in material.declared[kind] for kind in _ANY_PROPERTY) and not _is_foreign(material, word):
         yield from _used(material, statement, word, _ANY_PROPERTY)
@@ -93,86 +89,79 @@ def _predicate(material: Material, statement: Statement) -> Iterator[Finding]:
 def _literal(material: Material, statement: Statement) -> Iterator[Finding]:
     literal = statement.triple.object
     if isinstance(literal, ox.Literal):
-        yield from _used(material, statement, literal.datatype.value, (Kind.DATATYPE,))
+        yield from _used(material, statement, material.key(literal.datatype), (Kind.DATATYPE,))
 
 
 def _type(material: Material, statement: Statement) -> Iterator[Finding]:
     type_ = statement.object
     if isinstance(statement.triple.object, ox.Literal):
-        yield _finding(material, statement, FindingKind.WRONG_KIND, statement.subject or "", "a type must be a class")
-    elif type_ is not None and not is_standard_word(type_) and not _is_foreign(material, type_):
+        yield material.finding(statement, FindingKind.WRONG_KIND, statement.subject or "", "a type must be a class")
+    elif type_ is not None and not _is_standard_word(type_) and not _is_foreign(material, type_):
         yield from _used(material, statement, type_, _CLASSES)
 
 
 def _objects(material: Material, statement: Statement, kinds: tuple[Kind, ...]) -> Iterator[Finding]:
     node = statement.triple.object
     if isinstance(node, ox.Literal):
-        text = f"{material.names.name(statement.predicate)} needs a {kinds[0]}, got the text '{node.value[:60]}'"
-        yield _finding(material, statement, FindingKind.WRONG_KIND, statement.subject or statement.predicate, text)
+        text = f"{statement.predicate} needs a {kinds[0]}, got the text '{node.value[:60]}'"
+        yield material.finding(statement, FindingKind.WRONG_KIND, statement.subject or statement.predicate, text)
     for member in (node, *material.members(node)):
-        yield from _used(material, statement, iri_of(member), kinds)
+        if isinstance(member, ox.NamedNode):
+            yield from _used(material, statement, material.key(member), kinds)
 
 
 def _all_disjoint(material: Material) -> Iterator[Finding]:
     kinds = {
         s.triple.subject: _MEMBERS[s.object]
-        for s in material.about(rdf("type"))
+        for s in material.of("rdf:type")
         if s.object is not None and s.object in _MEMBERS
     }
-    for statement in material.about(owl("members")):
+    for statement in material.of("owl:members"):
         wanted = kinds.get(statement.triple.subject)
         if wanted is not None:
             yield from _objects(material, statement, wanted)
 
 
-def _used(material: Material, statement: Statement, iri: str | None, kinds: tuple[Kind, ...]) -> Iterator[Finding]:
+def _used(material: Material, statement: Statement, name: str | None, kinds: tuple[Kind, ...]) -> Iterator[Finding]:
     """Yields a finding unless the term is anonymous or declared as one of the kinds."""
-    if iri is None or any(iri in material.declared[kind] for kind in kinds):
+    if name is None or any(name in material.declared[kind] for kind in kinds):
         return
-    if is_standard(iri):
-        if not is_standard_word(iri):
-            yield _no_such_word(material, statement, iri)
+    if is_standard(name):
+        if not _is_standard_word(name):
+            yield _no_such_word(material, statement, name)
         return
-    others = material.kinds_of(iri)
-    if not others:
-        yield _undeclared(material, statement, iri, kinds)
+    others = material.kinds(name)
+    if others:
+        text = f"{name} is a {others[0]}, not a {' or '.join(kinds)}"
+        yield material.finding(statement, FindingKind.WRONG_KIND, name, text, name)
         return
-    text = f"{material.names.name(iri)} is a {others[0]}, not a {' or '.join(kinds)}"
-    yield _finding(material, statement, FindingKind.WRONG_KIND, iri, text, at=iri)
+    known = [term for kind in kinds for term in material.declared[kind]]
+    text = f"{UnknownName(' or '.join(kinds), name, known)}{material.likely(statement.document)}"
+    yield material.finding(statement, FindingKind.UNDECLARED, name, text, name)
 
 
-def _undeclared(material: Material, statement: Statement, iri: str, kinds: tuple[Kind, ...]) -> Finding:
-    name: Callable[[str], str] = material.names.name
-    known = [name(term) for kind in kinds for term in material.declared[kind]]
-    absent = sorted(set(statement.document.imports()) - {document.iri for document in material.documents})
-    likely = f" It may be in <{'> or <'.join(absent)}>, imported here, which no file at hand is." if absent else ""
-    text = f"{UnknownName(' or '.join(kinds), name(iri), known)}{likely}"
-    return _finding(material, statement, FindingKind.UNDECLARED, iri, text, at=iri)
-
-
-def _is_foreign(material: Material, iri: str) -> bool:
+def _is_foreign(material: Material, name: str) -> bool:
     """True for a word from a vocabulary of which no file declares anything, such as ``dc:creator``."""
-    return not is_standard(iri) and split_iri(iri)[0] not in material.vocabularies
+    return not is_standard(name) and vocabulary(name) not in material.vocabularies
 
 
 def _foreign_words(material: Material) -> Iterator[Finding]:
     """Notes each vocabulary that is used and of which no file declares anything: its prefix may be misspelt."""
     first: dict[str, tuple[Statement, str]] = {}
-    for statement in material.statements:
-        type_ = statement.object if statement.predicate == rdf("type") else None
-        for iri in (statement.predicate, type_):
-            if iri is not None and _is_foreign(material, iri):
-                first.setdefault(split_iri(iri)[0], (statement, iri))
-    for namespace, (statement, iri) in first.items():
-        text = f"no file declares anything of <{namespace}>: words such as {material.names.name(iri)} are passed over"
-        fault = statement.fault(text, iri)
-        yield finding_of(fault, FindingKind.UNDECLARED, material.names.name(iri), severity=Severity.WARNING)
+    for statement in material.all:
+        type_ = statement.object if statement.predicate == "rdf:type" else None
+        for name in (statement.predicate, type_):
+            if name is not None and _is_foreign(material, name):
+                first.setdefault(vocabulary(name), (statement, name))
+    for statement, name in first.values():
+        namespace, _ = split_iri(material.iri(name) or "")
+        text = f"no file declares anything of <{namespace}>: words such as {name} are ignored"
+        yield material.finding(statement, FindingKind.UNDECLARED, name, text, name, severity=Severity.WARNING)
 
 
-def _no_such_word(material: Material, statement: Statement, iri: str) -> Finding:
-    name = material.names.name(iri)
+def _no_such_word(material: Material, statement: Statement, name: str) -> Finding:
     text = f"{name} is no word of the standard its prefix stands for (is it misspelt? capitals count)"
-    return _finding(material, statement, FindingKind.UNDECLARED, iri, text, at=iri)
+    return material.finding(statement, FindingKind.UNDECLARED, name, text, name)
 
 
 def _two_kinds(material: Material) -> Iterator[Finding]:
@@ -181,12 +170,6 @@ def _two_kinds(material: Material) -> Iterator[Finding]:
     for term in sorted({term for kind in kinds for term in material.declared[kind]}):
         found = [kind for kind in kinds if term in material.declared[kind]]
         if len(found) > 1:
-            name = material.names.name(term)
-            fault = material.declared[found[-1]][term].fault(f"{name} is declared as {' and as '.join(found)}", term)
-            yield finding_of(fault, FindingKind.WRONG_KIND, name)
-
-
-def _finding(
-    material: Material, statement: Statement, kind: FindingKind, term: str, text: str, *, at: str | None = None
-) -> Finding:
-    return finding_of(statement.fault(text, at), kind, material.names.name(term))
+            text = f"{term} is declared as {' and as '.join(found)}"
+            fault = material.declared[found[-1]][term].fault(text, material.iri(term))
+            yield finding_of(fault, FindingKind.WRONG_KIND, term)
