@@ -10,7 +10,7 @@ import signal
 import socket
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from types import FunctionType
@@ -34,20 +34,49 @@ def start_python(function: str, *arguments: object) -> tuple[subprocess.Popen[by
         The process, and our end of the socket.
     """
     module, _, name = function.partition(":")
-    ours, theirs = socket.socketpair()
+
+    def command(line: int) -> list[str]:
+        given = ", ".join(map(repr, (line, *arguments)))
+        return ["-c", f"import sys; sys.path[:] = {sys.path!r}; from {module} import {name}; {name}({given})"]
+
+    return start_connected(command, {**os.environ, **_ONE_THREAD})
+
+
+def start_connected(
+    command: Callable[[int], Sequence[str]], environment: Mapping[str, str], kind: int = socket.SOCK_STREAM
+) -> tuple[subprocess.Popen[bytes], socket.socket]:
+    """Starts Python with a socket to us; see :func:`start_python`.
+
+    Args:
+        command: Returns the arguments of Python, given the descriptor of its socket.
+        environment: Its environment.
+        kind: The kind of socket.
+
+    Returns:
+        The process, and our end of the socket.
+    """
+    ours, theirs = socket.socketpair(socket.AF_UNIX, kind)
     with theirs:
-        given = ", ".join(map(repr, (theirs.fileno(), *arguments)))
-        program = f"import sys; sys.path[:] = {sys.path!r}; from {module} import {name}; {name}({given})"
         process = subprocess.Popen(
-            [sys.executable, "-c", program],
+            [sys.executable, *command(theirs.fileno())],
             pass_fds=[theirs.fileno()],
-            env={**os.environ, **_ONE_THREAD},
+            env=environment,
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=None if os.environ.get("SKIROS_DEBUG") else subprocess.DEVNULL,
             start_new_session=True,
         )
     return process, ours
+
+
+def end_connected(process: subprocess.Popen[bytes], line: socket.socket, grace: float = 1.0) -> None:
+    """Closes our end of the socket, upon which the process ends; kills it if it takes longer than ``grace`` [s]."""
+    line.close()
+    try:
+        process.wait(grace)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
 
 
 def packed(thing: object) -> bytes:

@@ -18,10 +18,10 @@ from typing import Any, TypeVar
 from skiros_py.errors import DeviceError, PlanningError, SkirosError
 from skiros_py.interruptions import Interruption, raise_in, take_back
 from skiros_py.planning.planners.planner import Planner, Planners
-from skiros_py.planning.planners.programs import kill_group, kill_marked
 from skiros_py.planning.replica import MARK, PROCESSOR_TIME
 from skiros_py.planning.requests import Answer, Asked, Request, answered
 from skiros_py.processes import packed
+from skiros_py.programs import kill_group, kill_marked
 from skiros_py.world.queries.outside import Ended, FollowingReplica
 from skiros_py.world.world import World
 

@@ -22,9 +22,9 @@ from typing import Any
 
 from skiros_py.errors import SkirosError, UsageError
 from skiros_py.planning.planners.planner import Planners
-from skiros_py.planning.planners.programs import kill_marked
 from skiros_py.planning.requests import Request, answered
 from skiros_py.processes import packed, receive, send
+from skiros_py.programs import kill_marked
 from skiros_py.world.change import Change
 from skiros_py.world.index import Index
 from skiros_py.world.queries.replica import Replica

@@ -16,11 +16,11 @@ from skiros_py.planning.plan import NoPlan, Plan
 from skiros_py.planning.planners.kairos import Kairos
 from skiros_py.planning.planners.planner import Planner, Planners, Unsolvable
 from skiros_py.planning.planners.program_planner import EVERYTHING, CommandPlanner
-from skiros_py.planning.planners.programs import Limits
 from skiros_py.planning.problem.task import Capability
 from skiros_py.planning.process import ThreadHost
 from skiros_py.planning.requests import PlanRequest
 from skiros_py.planning.service import Planned
+from skiros_py.programs import Limits
 from skiros_py.testing import SKILLS, Bench, tiny_pddl, tiny_world
 from skiros_py.testing.tiny import IN_CONTAINER
 

@@ -11,8 +11,8 @@ import pytest
 
 from skiros_py.errors import PlanningError
 from skiros_py.planning.planners.planner import Answer, Planner, Solved, Unsolvable
-from skiros_py.planning.planners.programs import USUAL_LIMITS, Limits
 from skiros_py.planning.planners.unified import FilesPlanner
+from skiros_py.programs import USUAL_LIMITS, Limits
 from skiros_py.testing.conformance import PlannerContract
 
 

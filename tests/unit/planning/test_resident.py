@@ -12,7 +12,7 @@ import psutil
 import pytest
 
 from skiros_py.planning.planners.fast_downward import Resident, ResidentRun, Run
-from skiros_py.planning.planners.programs import Ended, Limits, run_program
+from skiros_py.programs import Ended, Limits, run_program
 
 SAYS = """
 import os, sys

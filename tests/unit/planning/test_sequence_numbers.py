@@ -19,7 +19,6 @@ from skiros_py.planning.plan_validation import validate
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.kairos import Kairos
 from skiros_py.planning.planners.planner import Answer, Planner, Planners, Solved, Unsolvable
-from skiros_py.planning.planners.programs import Ended
 from skiros_py.planning.problem.task import Capability, PlanningTask
 from skiros_py.planning.replay import Flaw, out_of_sequence, replay
 from skiros_py.planning.requests import Check
@@ -27,6 +26,7 @@ from skiros_py.planning.robots.allocation import deal
 from skiros_py.planning.robots.ordering import order
 from skiros_py.planning.sequence import Round, counts
 from skiros_py.planning.service import plan as plan_for
+from skiros_py.programs import Ended
 from skiros_py.skills.conditions import AllOf, Condition, ConditionType, Exists, Related, Role
 from skiros_py.tasks.goals import parse_goal
 from skiros_py.testing import CONDITIONS, GivenPlanner, tiny_task, tiny_world

@@ -12,8 +12,6 @@ import os
 import select
 import signal
 import socket
-import subprocess
-import sys
 import weakref
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -24,10 +22,8 @@ from threading import Lock
 from skiros_py.errors import PlanningError
 from skiros_py.planning.planners.planner import Answer, Unsolvable
 from skiros_py.planning.planners.program_planner import DOMAIN, PROBLEM, ProgramPlanner, read_plan_file
-from skiros_py.planning.planners.programs import Ended, Limits, Running, kill_group, resource_limits, wait_for_group
-
-_ENDING = 1.0
-"""How long the resident program may take to end [s]."""
+from skiros_py.processes import end_connected, start_connected
+from skiros_py.programs import Ended, Limits, Running, kill_group, resource_limits, wait_for_group
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,21 +108,14 @@ class Resident:
 
     def _started(self) -> socket.socket:
         if self._orders is None:
-            ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
             program = str(Path(__file__).with_name("resident_program.py"))
-            with theirs:
-                process = subprocess.Popen(
-                    # -S: no installed packages; -P: no modules beside the program
-                    [sys.executable, "-S", "-P", program, str(theirs.fileno()), *self._modules],
-                    env=os.environ | {"PYTHONPATH": str(self._search_path)},
-                    pass_fds=[theirs.fileno()],
-                    stdin=subprocess.DEVNULL,
-                    stdout=subprocess.DEVNULL,
-                    stderr=None if os.environ.get("SKIROS_DEBUG") else subprocess.DEVNULL,
-                    start_new_session=True,
-                )
-            self._orders = ours
-            self._end = weakref.finalize(self, _end, process, ours)
+            process, self._orders = start_connected(
+                # -S: no installed packages; -P: no modules beside the program
+                lambda line: ["-S", "-P", program, str(line), *self._modules],
+                os.environ | {"PYTHONPATH": str(self._search_path)},
+                socket.SOCK_SEQPACKET,
+            )
+            self._end = weakref.finalize(self, end_connected, process, self._orders)
         return self._orders
 
     def _drop(self) -> None:
@@ -134,17 +123,8 @@ class Resident:
         self._end()
 
 
-def _end(process: subprocess.Popen[bytes], orders: socket.socket) -> None:
-    orders.close()
-    try:
-        process.wait(_ENDING)
-    except subprocess.TimeoutExpired:
-        process.kill()
-        process.wait()
-
-
 class ResidentRun:
-    """A run under way; a :class:`~skiros_py.planning.planners.programs.Running`.
+    """A run under way; a :class:`~skiros_py.programs.Running`.
 
     Args:
         output, status: Descriptors of the pipes for what it prints, and for its process id and exit code.

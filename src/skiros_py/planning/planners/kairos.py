@@ -17,7 +17,7 @@ from typing import Any
 from skiros_py.errors import PlanningError
 from skiros_py.planning.planners.planner import Answer, Solved, Unsolvable
 from skiros_py.planning.planners.program_planner import CommandLinePlanner
-from skiros_py.planning.planners.programs import Ended, Limits
+from skiros_py.programs import Ended, Limits
 
 _SOLVED, _PROVED_UNSOLVABLE, _OUT_OF_TIME, _OUT_OF_MEMORY, _UNSUPPORTED, _NO_PLAN_FOUND = 0, 10, 11, 12, 13, 14
 _PLAN = "plan"

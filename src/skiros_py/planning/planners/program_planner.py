@@ -14,7 +14,7 @@ from threading import Event
 
 from skiros_py.errors import PlanningError, UsageError
 from skiros_py.planning.planners.planner import Answer, Solved, Unsolvable
-from skiros_py.planning.planners.programs import USUAL_LIMITS, Child, Ended, Limits, Running, run_program
+from skiros_py.programs import USUAL_LIMITS, Child, Ended, Limits, ProgramError, Running, run_program
 
 _STEP = re.compile(
     r"(?:(?P<start>\d+(?:\.\d+)?)\s*:\s*)?"  # 0.003:
@@ -202,6 +202,8 @@ class ProgramPlanner(ABC):
                 return self._solve_in(Path(name), domain, problem, stop)
         except OSError as error:
             raise PlanningError(f"{self.title}: {error}") from error
+        except ProgramError as error:
+            raise PlanningError(str(error)) from error.__cause__
 
     def _solve_in(self, folder: Path, domain: str, problem: str, stop: Event) -> Answer:
         (folder / DOMAIN).write_text(domain, encoding="utf-8")

@@ -19,8 +19,8 @@ from skiros_py.errors import PlanningError
 from skiros_py.planning.planners import solving
 from skiros_py.planning.planners.planner import Answer, Unsolvable
 from skiros_py.planning.planners.program_planner import CommandLinePlanner, read_plan_text
-from skiros_py.planning.planners.programs import USUAL_LIMITS, Ended, Limits
 from skiros_py.processes import packed
+from skiros_py.programs import USUAL_LIMITS, Ended, Limits
 
 _CALL, _REPLY = "call", "reply"
 _STAYS = {"_threads"}

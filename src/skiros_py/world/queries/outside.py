@@ -10,7 +10,6 @@ import os
 import pickle
 import select
 import signal
-import subprocess
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -19,7 +18,7 @@ from types import MappingProxyType
 from typing import Self
 
 from skiros_py.errors import DeviceError, SkirosError, UsageError, WorldError
-from skiros_py.processes import packed, receive, send, start_python
+from skiros_py.processes import end_connected, packed, receive, send, start_python
 from skiros_py.world.change import Change
 from skiros_py.world.index import Index
 from skiros_py.world.queries.answering import Binding, Result
@@ -107,11 +106,7 @@ class ReplicaProcess:
 
     def close(self) -> None:
         """Ends it, and the queries that it runs."""
-        self._control.close()
-        try:
-            self._process.wait(_GRACE)
-        except subprocess.TimeoutExpired:
-            self.kill()
+        end_connected(self._process, self._control, _GRACE)
 
     def kill(self) -> None:
         """Ends it at once."""

@@ -15,6 +15,7 @@ import tempfile
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from importlib.util import find_spec
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -22,7 +23,9 @@ from typing import Protocol, Self
 
 import pyoxigraph as ox
 
+from skiros_py import programs
 from skiros_py.processes import limit, start_python
+from skiros_py.programs import Child, Ended, Limits, ProgramError, run_program
 from skiros_py.world.names import STANDARD_PREFIXES
 
 
@@ -242,6 +245,8 @@ _INCONSISTENT = "InconsistentOntologyException"
 _NO_START = re.compile(r"initialization of VM|Could not (?:create the Java|find or load main)|UnsupportedClassVersion")
 _FAULT = re.compile(r"\w(?:Exception|Error)\b")
 _TOO_BIG = re.compile(r"OutOfMemoryError|StackOverflowError|insufficient memory")
+_LONGEST_ANSWER = 64 << 20
+"""Bytes of the answer, which lists classes."""
 _MEMORY = ("-Xmx2000M", "-Xss256M")  # it goes as deep as classes are deep
 # No shared file of performance counters, and the compiler that is quick for programs of a second.
 _QUICK = ("-XX:-UsePerfData", "-XX:+UseSerialGC", "-XX:TieredStopAtLevel=1")
@@ -292,33 +297,25 @@ class HermiT:
         with tempfile.TemporaryDirectory(prefix="skiros-check-") as name:
             file = Path(name) / "ontology.nt"
             file.write_bytes(ox.serialize(triples, format=ox.RdfFormat.N_TRIPLES) or b"")
-            code, output, errors = self._run(Path(name), [*question, file.as_uri()])
-        if code == 0:
-            return output
-        if _INCONSISTENT in errors:
+            ended = self._run(Path(name), [*question, file.as_uri()])
+        if ended.code == 0:
+            return ended.output
+        if _INCONSISTENT in ended.output:
             return None
-        raise _fault(code, f"{errors}\n{output}")  # Java says on either why it does not start
+        raise _fault(ended.code, ended.output)
 
-    def _run(self, folder: Path, question: list[str]) -> tuple[int, str, str]:
+    def _run(self, folder: Path, question: list[str]) -> Ended:
         path = _class_path()
         options = [*_MEMORY, *_QUICK, f"-Djava.io.tmpdir={folder}", "-cp", path, _MAIN, "--ignoreUnsupportedDatatypes"]
+        command = [self._program, *options, *question]
+        limits = Limits(max(self._deadline - time.monotonic(), 0.0), memory=None, kept=_LONGEST_ANSWER)
         try:
-            done = subprocess.run(
-                [self._program, *options, *question],
-                cwd=folder,
-                stdin=subprocess.DEVNULL,
-                capture_output=True,
-                encoding="utf-8",
-                errors="replace",
-                timeout=max(self._deadline - time.monotonic(), 0.0),
-                start_new_session=True,
-                check=False,
-            )
-        except subprocess.TimeoutExpired:
+            start = partial(Child, self.name, command, folder, limits)
+            return run_program(self.name, start, limits, lambda: False)
+        except programs.NotStarted as error:
+            raise NotStarted(str(error)) from None
+        except ProgramError:
             raise NoAnswer("HermiT found no answer in the time given") from None
-        except OSError as error:
-            raise NotStarted(f"HermiT does not start: {error.strerror or error}") from None
-        return done.returncode, done.stdout, done.stderr
 
 
 def _class_path() -> str:

@@ -23,15 +23,20 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
-from skiros_py.errors import PlanningError
+
+class ProgramError(Exception):
+    """A program was not started, took more than it may, or was stopped. Callers translate it into a fault of theirs."""
+
+
+class NotStarted(ProgramError):
+    """A program could not even be started."""
+
 
 _MARK = "SKIROS_PROGRAM"
 _GLANCE = 0.02
 """Poll interval for cancellation, and for programs that ended without closing their output [s]."""
 _DYING = 0.2
 """Longest wait for killed processes to disappear [s]."""
-_KEPT = 100_000
-"""How many bytes of the output are kept from its start, and from its end."""
 _STACK = ("Traceback (most recent call last):", '  File "')
 _OUT_OF_MEMORY = re.compile(r"MemoryError|bad_alloc|out of memory|cannot allocate memory", re.IGNORECASE)
 """Last output of programs that ran out of memory; the system does not report it."""
@@ -46,12 +51,14 @@ class Limits:
         memory: Address space of each of its processes [bytes]; None for no limit.
         output: What it may print [bytes].
         file: Size of any file that it writes [bytes].
+        kept: How much of the output is kept from its start, and from its end [bytes].
     """
 
     time: float = 120.0
     memory: int | None = 4 << 30
     output: int = 64 << 20
     file: int = 1 << 30
+    kept: int = 100_000
 
 
 USUAL_LIMITS = Limits()
@@ -111,7 +118,7 @@ class Child:
         environment: Its environment.
 
     Raises:
-        PlanningError: It cannot be started.
+        ProgramError: It cannot be started.
     """
 
     def __init__(
@@ -128,7 +135,7 @@ class Child:
                 start_new_session=True,
             )
         except OSError as error:
-            raise PlanningError(f"{title} cannot be started: '{command[0]}': {error.strerror}") from error
+            raise NotStarted(f"{title} cannot be started: '{command[0]}': {error.strerror}") from error
         assert self._process.stdout is not None
         self.output = self._process.stdout.fileno()
         if hasattr(resource, "prlimit"):  # only Linux has it
@@ -168,10 +175,10 @@ def run_program(
         is_alone: True if it is known to start no programs that leave its process group.
 
     Raises:
-        PlanningError: It cannot be started, takes more than it may, or was stopped.
+        ProgramError: It cannot be started, takes more than it may, or was stopped.
     """
     if stopped():
-        raise PlanningError(f"{title} was stopped")
+        raise ProgramError(f"{title} was stopped")
     mark = uuid.uuid4().hex
     running = start(os.environ | {_MARK: mark, "PATH": _search_path()})
     try:
@@ -203,18 +210,18 @@ def _attended(title: str, running: Running, limits: Limits, stopped: Callable[[]
     """Reads what a program prints until it ends.
 
     Raises:
-        PlanningError: It takes more than it may, or was stopped.
+        ProgramError: It takes more than it may, or was stopped.
     """
-    printed = _Printed()
+    printed = _Printed(limits.kept)
     deadline = time.monotonic() + limits.time
     for piece in _pieces(running):
         printed.add(piece)
         if stopped():
-            raise PlanningError(f"{title} was stopped")
+            raise ProgramError(f"{title} was stopped")
         if time.monotonic() > deadline:
-            raise PlanningError(f"{title} found no answer in {limits.time:g} s")
+            raise ProgramError(f"{title} found no answer in {limits.time:g} s")
         if printed.size > limits.output:
-            raise PlanningError(f"{title} printed more than {limits.output >> 20} MiB: {str(printed)[:200]!r} …")
+            raise ProgramError(f"{title} printed more than {limits.output >> 20} MiB: {str(printed)[:200]!r} …")
     return str(printed)
 
 
@@ -305,23 +312,27 @@ def _signal_name(number: int) -> str:
 
 
 class _Printed:
-    """The start and the end of what is printed.
+    """The start and the end of the output of a program.
+
+    Args:
+        kept: How much of each is kept [bytes].
 
     Attributes:
         size: How much it was in all [bytes].
     """
 
-    def __init__(self) -> None:
+    def __init__(self, kept: int) -> None:
         self.size = 0
+        self._kept = kept
         self._start = bytearray()
         self._end = bytearray()
 
     def add(self, piece: bytes) -> None:
         self.size += len(piece)
-        room = _KEPT - len(self._start)
+        room = self._kept - len(self._start)
         self._start += piece[:room]
         self._end += piece[room:]
-        del self._end[:-_KEPT]
+        del self._end[: -self._kept]
 
     def __str__(self) -> str:
         left_out = self.size - len(self._start) - len(self._end)
