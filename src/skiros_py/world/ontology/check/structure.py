@@ -230,7 +230,7 @@ def _edges(material: Material, words: Mapping[str, bool]) -> _Edges:
 
 def _cycles(material: Material, edges: _Edges, says: str) -> Iterator[Finding]:
     for _ in range(_MANY):
-        found = cycle(_adjacent(edges))
+        found = cycle(_adjacent(sorted(edges)))
         if not found:
             return
         start = found.index(min(found))  # the same first name wherever the search began
@@ -241,7 +241,7 @@ def _cycles(material: Material, edges: _Edges, says: str) -> Iterator[Finding]:
 
 def _adjacent(edges: Iterable[tuple[str, str]]) -> Mapping[str, Sequence[str]]:
     above: dict[str, list[str]] = defaultdict(list)
-    for one, other in sorted(edges):
+    for one, other in edges:
         above[one].append(other)
     return above
 
