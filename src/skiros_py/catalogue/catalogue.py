@@ -85,15 +85,10 @@ class Catalogue:
             UsageError: It cannot be loaded, or is no planner; the text says why, and where it is from.
             PlanningError: It breaks when it is made.
         """
-        source = self.sources.get(f"planners/{name}", "this catalogue")
-        try:
-            planner: Planner = self._factory("planner", name, self.planners)()
-            missing = [attribute for attribute in _OF_PLANNERS if not hasattr(planner, attribute)]
-        except SkirosError:
-            raise
-        except Exception as error:
-            raise PlanningError(f"planner '{name}' of {source} breaks: {type(error).__name__}: {error}") from error
+        planner: Planner = self._made("planner", name, self.planners, PlanningError)
+        missing = [attribute for attribute in _OF_PLANNERS if not hasattr(planner, attribute)]
         if missing:
+            source = self._source("planner", name)
             raise UsageError(f"planner '{name}' of {source} is no Planner: it has no {', '.join(missing)}")
         return planner
 
@@ -130,13 +125,7 @@ class Catalogue:
             UsageError: It cannot be loaded; the text says why, and where it is from.
             DeviceError: It breaks when it is made.
         """
-        try:
-            driver: CellDriver = self._factory("driver", name, self.drivers)(*arguments, **options)
-        except SkirosError:
-            raise
-        except Exception as error:
-            source = self.sources.get(f"drivers/{name}", "this catalogue")
-            raise DeviceError(f"driver '{name}' of {source} breaks: {type(error).__name__}: {error}") from error
+        driver: CellDriver = self._made("driver", name, self.drivers, DeviceError, *arguments, **options)
         return driver
 
     def chosen_skills(self, names: Sequence[str]) -> list[Skill]:
@@ -172,7 +161,7 @@ class Catalogue:
         """
         made: list[tuple[SignalProvider, str]] = []
         for name, factory in self.signals.items():
-            source = self.sources.get(f"signals/{name}", "this catalogue")
+            source = self._source("signal", name)
             try:
                 providers = list(factory(cell))
                 wrong = next((problem for one in providers if (problem := provider_problem(one))), None)
@@ -182,6 +171,21 @@ class Catalogue:
                 raise DescriptionError(f"signals '{name}' of {source}: {wrong}")
             made += [(provider, source) for provider in providers]
         return made
+
+    def _made(
+        self, kind: str, name: str, found: Mapping[str, Any], fault: type[SkirosError], *arguments: Any, **options: Any
+    ) -> Any:
+        make = self._factory(kind, name, found)
+        try:
+            return make(*arguments, **options)
+        except SkirosError:
+            raise
+        except Exception as error:
+            breaks = f"{kind} '{name}' of {self._source(kind, name)} breaks"
+            raise fault(f"{breaks}: {type(error).__name__}: {error}") from error
+
+    def _source(self, kind: str, name: str) -> str:
+        return self.sources.get(f"{kind}s/{name}", "this catalogue")
 
     def _factory(self, kind: str, name: str, found: Mapping[str, Any]) -> Any:
         if name in found:

@@ -20,6 +20,7 @@ from skiros_py.world.locks import Locks
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.past import ChangeLog, Past
 from skiros_py.world.reasoners.registry import NO_REASONERS, Proposal, Reasoners
+from skiros_py.world.terms import reached
 from skiros_py.world.transaction import Transaction
 from skiros_py.world.view import NO_SENSORS, Sensors, WorldView
 from skiros_py.world.vocabulary import STRUCTURE
@@ -254,7 +255,7 @@ class World(WorldView):
         """Checks a change that the ontology allows against locks and reasoners."""
         if write.writer in (Writer.PERSON, Writer.JOB):
             concerned = {name for edit in edits for name in edit.concerns()}
-            locked = self.locks.fault((*concerned, *_wholes(before, after, concerned)), write.holder)
+            locked = self.locks.fault(_wholes(before, after, concerned), write.holder)
             if locked is not None:
                 raise Locked(f"refused: {locked}", locked.locks)
         if self.reasoners.may_veto:
@@ -297,28 +298,15 @@ def _kind(writer: Writer) -> Writer:
         raise UsageError(f"a writer is one of {kinds}, not {writer!r}") from None
 
 
-def _wholes(before: Index, after: Index, names: Iterable[str]) -> set[str]:
-    """The wholes that the named elements are parts of, on all levels: locking a kit also locks its compartments."""
-    found: set[str] = set()
-    waiting = list(names)
-    while waiting:
-        name = waiting.pop()
-        owners = {*before.owners(name), *after.owners(name)} - found
-        found |= owners
-        waiting += owners
-    return found
+def _wholes(before: Index, after: Index, names: Iterable[str]) -> tuple[str, ...]:
+    """The named elements and those that they are parts of, on all levels: locking a kit also locks its compartments."""
+    return reached(names, lambda name: (*before.owners(name), *after.owners(name)))
 
 
 def _related(index: Index, names: Iterable[str]) -> set[str]:
-    """The wholes and parts of the named elements, on all levels."""
-    given = set(names)
-    found = _wholes(index, index, given)
-    waiting = list(given)
-    while waiting:
-        pieces = {*index.objects(waiting.pop(), STRUCTURE)} - found
-        found |= pieces
-        waiting += pieces
-    return found
+    """The named elements, their wholes and their parts, on all levels."""
+    given = tuple(names)
+    return {*_wholes(index, index, given), *reached(given, lambda name: index.objects(name, STRUCTURE))}
 
 
 _SAYS = {"author": "who writes", "reason": "why, in words for people"}

@@ -367,5 +367,5 @@ class _Reader:
     def _undeclared(self, term: str, reason: str, at: str) -> FileError:
         return self._statements.undeclared(term, reason, at)
 
-    def _fault(self, term: str, reason: str, at: str | None = None) -> FileError:
-        return self._statements.fault(term, reason, at)
+    def _fault(self, term: str, reason: str, *at: str) -> FileError:
+        return self._statements.fault(term, reason, *at)

@@ -158,9 +158,16 @@ class Statements:
 
     # ------------------------------------------------------------ faults
 
-    def fault(self, subject: str, reason: str, at: str | None = None) -> FileError:
-        """Makes the error for a fault in the statements about a subject, at the name ``at`` where it occurs."""
-        return self._file(subject, at).fault(reason, self.iri(subject), self.iri(at))
+    def fault(self, subject: str, reason: str, *terms: str) -> FileError:
+        """Makes the error for a fault in the statements about a subject.
+
+        Args:
+            subject: The subject.
+            reason: What is wrong.
+            *terms: The predicate or object, or both, of the statement in question; the error is located at the last.
+        """
+        at = terms[-1] if terms else None
+        return self._file(subject, *terms).fault(reason, self.iri(subject), self.iri(at))
 
     def fault_in(self, statement: Statement, reason: str, at: str | None = None) -> FileError:
         """Makes the error for a fault in a statement, at a name in it (by default, its predicate)."""
@@ -183,11 +190,11 @@ class Statements:
         prefix, colon, _ = name.partition(":")
         return self.names.iri(name) if not colon or prefix in self.names.prefixes else name
 
-    def _file(self, subject: str, at: str | None) -> Document:
-        """The first file with statements about the subject that contain the name, else any about the subject."""
+    def _file(self, subject: str, *terms: str) -> Document:
+        """The first file with a statement about the subject that contains the names, else any about the subject."""
         about = [statement for statement in self.all if statement.subject == subject]
-        both = [statement for statement in about if at in (statement.predicate, statement.object)]
-        return next((statement.document for statement in (*both, *about)), self.documents[0])
+        exact = [s for s in about if {s.predicate, s.object}.issuperset(terms)]
+        return next((statement.document for statement in (*exact, *about)), self.documents[0])
 
 
 def english(literals: Sequence[ox.Literal]) -> ox.Literal:

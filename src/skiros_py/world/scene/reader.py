@@ -22,6 +22,7 @@ from skiros_py.world.literals import parse_value
 from skiros_py.world.names import SCENE, Names, local_name
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.ontology.documents import Document
+from skiros_py.world.ontology.statements import Statements
 from skiros_py.world.terms import Family
 from skiros_py.world.vocabulary import BUILT_LIKE, GOAL, LABEL, POSE, POSE_FRAME, STRUCTURE
 from skiros_py.world.vocabulary import SCENE as SCENE_CLASS
@@ -110,27 +111,10 @@ _MOST_SHOWN = 10
 _CURIE = re.compile(r"[\w-]+:[\w-]+")
 
 
-def fault_about(files: Sequence[Document], names: Names, reason: str, name: str, terms: Sequence[str]) -> FileError:
-    """Makes the error for what is wrong with an individual.
-
-    Args:
-        files: The files that may speak of it, that which matters most first.
-        names: How names become IRIs.
-        reason: What is wrong.
-        name: The individual.
-        terms: Names that the statement in question consists of besides; the last one is pointed at.
-    """
-    iri, wanted = _iri(names, name), {_iri(names, term) for term in terms}
-    said = [(file, said) for file in files for said in _statements(file, iri)]
-    exact = [file for file, terms in said if wanted <= set(terms)]
-    file = (exact or [file for file, _ in said] or [files[0]])[0]
-    return file.fault(reason, iri, _iri(names, terms[-1]) if terms else None)
-
-
 def fault_of_all(files: Sequence[Document], names: Names, problems: Sequence[tuple[str, str]]) -> FileError:
     """Makes one error of many (individual, what is wrong with it), each with its line, at the line of the first."""
-    once = list(dict.fromkeys(problems))
-    faults = [_fault(files, names, name or "this", sentence) for name, sentence in once[:_MOST_SHOWN]]
+    once, statements = list(dict.fromkeys(problems)), Statements(files, names)
+    faults = [_fault(statements, name or "this", sentence) for name, sentence in once[:_MOST_SHOWN]]
     faults.sort(key=lambda fault: (fault.path != files[0].path, str(fault.path), fault.line or 0))
     first = faults[0]
     if len(once) == 1:
@@ -140,25 +124,10 @@ def fault_of_all(files: Sequence[Document], names: Names, problems: Sequence[tup
     return FileError(first.path, "\n  - ".join(["is refused:", *shown, *more]), line=first.line)
 
 
-def _fault(files: Sequence[Document], names: Names, name: str, sentence: str) -> FileError:
+def _fault(statements: Statements, name: str, sentence: str) -> FileError:
     """The sentence names the predicate that is to blame, if any is."""
     named = set(_CURIE.findall(sentence))
-    iri = _iri(names, name)
-    predicates = [names.name(said[0]) for file in files for said in _statements(file, iri)]
-    return fault_about(files, names, sentence, name, [p for p in predicates if p in named][:1])
-
-
-def _statements(file: Document, iri: str) -> Iterator[tuple[str, str]]:
-    """Yields (predicate, object) of what a file says of an individual."""
-    for triple in file.triples:
-        if getattr(triple.subject, "value", None) == iri:  # what was written for a name need not be an IRI
-            yield triple.predicate.value, getattr(triple.object, "value", "")
-
-
-def _iri(names: Names, name: str) -> str:
-    """The IRI of a name; a name that no prefix was found for is one itself."""
-    prefix, colon, _ = name.partition(":")
-    return name if colon and prefix not in names.prefixes else names.iri(name)
+    return statements.fault(name, sentence, *[p for p in statements.about(name) if p in named][:1])
 
 
 # ---------------------------------------------------------------- reading individuals
@@ -434,7 +403,7 @@ class Reader:
                 raise self._fault(f"{name} may have one of these, not all: {said}", name, relation)
 
     def _fault(self, reason: str, name: str, *terms: str) -> FileError:
-        return fault_about(self.files, self._names, reason, name, terms)
+        return Statements(self.files, self._names).fault(name, reason, *terms)
 
 
 _SCENE_TYPES = (SCENE_CLASS, "owl:NamedIndividual")
