@@ -7,6 +7,8 @@ from typing import Any
 
 import pytest
 
+from skiros_py.errors import UsageError
+from skiros_py.ports.kinematics import InverseKinematics
 from skiros_py.station.session import Options, Session
 
 SOLVER = """
@@ -19,7 +21,7 @@ from skiros_py.geometry import Pose
 from skiros_py.ports.adapters import Adapter
 from skiros_py.ports.kinematics import InverseKinematics, Kinematics
 
-LOG = Path(__file__).with_name("solved.log")
+LOG = Path(__file__).with_suffix(".log")
 
 
 class Transposed:
@@ -61,10 +63,42 @@ SOLVER = Adapter(
 @pytest.mark.physics
 def test_a_part_is_picked_with_the_inverse_kinematics_of_a_foreign_distribution(site: Any) -> None:
     site.install("sk-solver", {"adapters": {"transposed": "sk_solver:SOLVER"}}, {"sk_solver.py": SOLVER})
-    log = Path(site.folder) / "solved.log"
+    log = Path(site.folder) / "sk_solver.log"
 
     with Session("kitting", Options(seed=3, goal="Holding(gripper_1, starter_1)")) as session:
         report = session.run()
 
     assert report.reached, report
     assert log.read_text(encoding="utf-8").endswith("arm_1")
+
+
+SCENE = """
+@prefix scene: <https://w3id.org/skiros-py/scene#> .
+@prefix sk: <https://w3id.org/skiros-py/core#> .
+@prefix owl: <http://www.w3.org/2002/07/owl#> .
+<https://w3id.org/skiros-py/scenes/solver> a owl:Ontology ; owl:imports <https://w3id.org/skiros-py/core> .
+scene:floor a sk:Floor . scene:unknown_location a sk:UnknownLocation .
+scene:robot_1 a sk:Robot ; sk:model "mobile_panda" ; sk:at scene:unknown_location ; sk:hasA scene:arm_1 ;
+    sk:pose "0 0 0 0 0 0"^^sk:poseLiteral %s.
+scene:arm_1 a sk:Arm ; sk:tip "tcp" ; sk:home "0 -0.8 0 -2.4 0 1.6 0.8"^^sk:vectorLiteral ;
+    sk:joints "panda_joint1 panda_joint2 panda_joint3 panda_joint4 panda_joint5 panda_joint6 panda_joint7" %s.
+"""
+
+
+@pytest.mark.parametrize(("robot", "arm"), [("", '; sk:adapter "right" '), ('; sk:adapter "right" ', "")])
+def test_of_two_foreign_inverse_kinematics_the_one_that_the_scene_names_serves_the_arm(
+    site: Any, tmp_path: Path, robot: str, arm: str
+) -> None:
+    for name in ("left", "right"):
+        text = SOLVER.replace("eager=False", "eager=False, without_physics=True")
+        site.install(f"sk-{name}", {"adapters": {name: f"sk_{name}:SOLVER"}}, {f"sk_{name}.py": text})
+    scene = tmp_path / "solver.ttl"
+    scene.write_text(SCENE % (robot, arm), encoding="utf-8")
+
+    with Session(str(scene), Options(fake=True)) as session:
+        session.runtime.context.port(InverseKinematics, "arm_1")
+
+    assert [log.name for log in Path(site.folder).glob("*.log")] == ["sk_right.log"]
+    scene.write_text(SCENE % ("", ""), encoding="utf-8")
+    with pytest.raises(UsageError, match=r"InverseKinematics of arm_1: left of sk-left .* and right of sk-right"):
+        Session(str(scene), Options(fake=True))

@@ -1,7 +1,8 @@
 """Adapters: implementations of ports, found by the entry-point group ``skiros.adapters`` and asked for by protocol.
 
 A motion planner, kinematics, a part detector: modules name the protocol and the device, never the library behind it.
-Adapters of other distributions take precedence over the built-in ones.
+Where several could serve a device, its individual or its robot's names one (``sk:adapter``); otherwise, adapters of
+other distributions take precedence over the built-in ones.
 """
 
 from __future__ import annotations
@@ -65,7 +66,7 @@ class Ports(Protocol):
     """Finds adapters by protocol."""
 
     def find(self, protocol: Callable[..., T], device: str | None = None) -> T | None:
-        """Returns the adapter for a device, or for the cell; None where there is none.
+        """Returns the adapter for a device, or for the cell; None where there is none, or it depends on the device.
 
         Args:
             protocol: The port's protocol (``ArmPlanner``).
@@ -113,7 +114,8 @@ class InstalledPorts:
         physics: False for a cell without physics.
 
     Raises:
-        UsageError: Two distributions bring an adapter for the same port and device.
+        UnknownName: A device names an adapter that is not installed.
+        UsageError: Several adapters of other distributions serve the same port and device, and it does not name one.
     """
 
     def __init__(self, groups: Sequence[RobotSpec], *, physics: bool = True) -> None:
@@ -122,6 +124,11 @@ class InstalledPorts:
         plugins, faults = load_adapters()
         for fault in faults:
             _log.warning("%s", fault)
+        self._named = {device: names for group in groups for device, names in group.adapters}
+        installed = [plugin.name for plugin in plugins]
+        for by, names in self._named.items():
+            if unknown := [name for name in names if name not in installed]:
+                raise UnknownName("adapter", unknown[0], installed, where=f"of {by} (sk:adapter)")
         self._plugins = [plugin for plugin in plugins if physics or plugin.value.without_physics]
         self._made: dict[tuple[str, str], object] = {}
         self._chosen: dict[tuple[Any, str | None], Plugin | None] = {}
@@ -163,10 +170,15 @@ class InstalledPorts:
         fitting = [
             plugin for plugin in self._plugins if protocol in plugin.value.ports and self._serves(plugin, device)
         ]
-        foreign = [plugin for plugin in fitting if not _is_own(plugin)]
+        names = {name for by, all_ in self._named.items() if device in (None, by) for name in all_}
+        named = [plugin for plugin in fitting if plugin.name in names]
+        foreign = named or [plugin for plugin in fitting if not _is_own(plugin)]
+        if len(foreign) > 1 and device is None and named:
+            foreign, fitting = [], []  # it depends on the device
         if len(foreign) > 1:
-            names = " and ".join(f"{plugin.name} of {plugin.distribution}" for plugin in foreign)
-            raise UsageError(f"more than one adapter for {_name(protocol, device)}: {names}; uninstall all but one")
+            origins = " and ".join(f"{plugin.name} of {plugin.distribution}" for plugin in foreign)
+            hint = "name one of them by sk:adapter, or uninstall all but one"
+            raise UsageError(f"more than one adapter for {_name(protocol, device)}: {origins}; {hint}")
         self._chosen[protocol, device] = next(iter((*foreign, *fitting)), None)
 
     def _serves(self, plugin: Plugin, device: str | None) -> bool:

@@ -61,6 +61,7 @@ class RobotSpec:
         driver: Name of its driver; empty for that of the cell.
         address: Where the driver reaches the hardware, as the driver wants it.
         drivers: Id, driver and address of each of its devices that has a driver or an address of its own.
+        adapters: Names of the adapters that serve its devices where several could, by device.
     """
 
     id: str
@@ -71,6 +72,7 @@ class RobotSpec:
     driver: str = ""
     address: str = ""
     drivers: tuple[tuple[str, str, str], ...] = ()
+    adapters: tuple[tuple[str, tuple[str, ...]], ...] = ()
 
     def by_driver(self) -> tuple[RobotSpec, ...]:
         """Returns it as its drivers see it: for each driver and address the devices that are reached there.

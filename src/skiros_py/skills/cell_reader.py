@@ -239,16 +239,18 @@ def _single(view: WorldView, kinds: DeviceKinds) -> tuple[RobotSpec, ...]:
 
 
 def _driven(view: WorldView, group: str, devices: Sequence[DeviceSpec[Any, Any]]) -> dict[str, Any]:
-    """Reads which driver a robot or device has, at which address, and which of its devices have their own."""
+    """Reads which driver a robot or device has, at which address, which of its devices have their own, and adapters."""
     individual = _Individual(view, group)
-    driver, address = individual.text(v.DRIVER, ""), individual.text(v.ADDRESS, "")
-    own = []
+    driver, address, named = (individual.text(property_, "") for property_ in (v.DRIVER, v.ADDRESS, v.ADAPTER))
+    own, adapters = [], []
     for device in devices:
         reached = _Individual(view, device.id)
         found = reached.text(v.DRIVER, driver), reached.text(v.ADDRESS, address)
         if found != (driver, address):
             own.append((device.id, *found))
-    return {"driver": driver, "address": address, "drivers": tuple(own)}
+        if names := reached.text(v.ADAPTER, named):
+            adapters.append((device.id, tuple(names.split())))
+    return {"driver": driver, "address": address, "drivers": tuple(own), "adapters": tuple(adapters)}
 
 
 def _is_part_of_device(view: WorldView, element: str) -> bool:

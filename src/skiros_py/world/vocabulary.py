@@ -141,6 +141,8 @@ COMMENT: Final = PropertyName("rdfs:comment")
 """What people note about it."""
 LABEL: Final = PropertyName("rdfs:label")
 """What people call it."""
+ADAPTER: Final = PropertyName("sk:adapter")
+"""Names of the adapters that serve a robot or device where several could, separated by blanks."""
 ADDRESS: Final = PropertyName("sk:address")
 """Where the driver reaches the hardware: a host, a port, a serial number, as the driver wants it."""
 APPLIES_TO: Final = PropertyName("sk:appliesTo")

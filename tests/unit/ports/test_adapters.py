@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
 
 from skiros_py.devices.arm import ArmSpec
-from skiros_py.errors import DeviceError, UsageError
+from skiros_py.errors import DeviceError, UnknownName, UsageError
 from skiros_py.ports.adapters import InstalledPorts
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.motion import ArmPlanner
@@ -86,6 +87,52 @@ def test_two_foreign_adapters_for_one_port_are_refused_by_name(install: Any) -> 
 
     with pytest.raises(UsageError, match=r"ArmPlanner of left: first of sk-first 0.3 and second of sk-second 0.3"):
         InstalledPorts(ROBOTS)
+
+
+def named(device: str, *names: str) -> tuple[RobotSpec, ...]:
+    """Returns the robots, of which one device names adapters."""
+    return tuple(replace(one, adapters=((device, names),)) if one.has(device) else one for one in ROBOTS)
+
+
+@pytest.mark.parametrize("name", ["first", "second"])
+def test_of_two_foreign_adapters_the_one_that_the_device_names_serves_it(install: Any, name: str) -> None:
+    made = {entry: install(f"sk-{entry}", **{entry: "LEFT"}).Made for entry in ("first", "second")}
+    ports = InstalledPorts(named("left", "kinematics", name))
+
+    assert type(ports.port(ArmPlanner, "left")) is made[name]
+
+
+def test_devices_may_name_different_adapters_of_the_cell(site: Any) -> None:
+    text = ADAPTERS + "FIRST, SECOND = (Adapter((Tracker,), Made) for _ in range(2))"
+    site.install("sk-two", {"adapters": {"first": "sk_two:FIRST", "second": "sk_two:SECOND"}}, {"sk_two.py": text})
+    tracker = __import__("sk_two").Tracker
+    ports = InstalledPorts((replace(ROBOTS[0], adapters=(("left", ("first",)), ("right", ("second",)))),))
+
+    assert ports.port(tracker, "left") is not ports.port(tracker, "right")
+    assert ports.find(tracker) is None
+
+
+def test_a_device_may_name_the_built_in_adapter(install: Any) -> None:
+    install("sk-left", left="LEFT")
+    ports = InstalledPorts(named("left", "arm-planner"))
+    try:
+        assert type(ports.port(ArmPlanner, "left")).__module__ == "skiros_py.motion.adapters"
+    finally:
+        ports.close()
+
+
+def test_an_adapter_that_is_not_installed_is_refused_with_those_that_are(install: Any) -> None:
+    install("sk-left", left="LEFT")
+
+    with pytest.raises(UnknownName, match=r"unknown adapter 'lefty' of left .*Did you mean 'left'.* arm-planner, "):
+        InstalledPorts(named("left", "lefty"))
+
+
+def test_two_named_adapters_for_one_port_are_refused(install: Any) -> None:
+    install("sk-left", left="LEFT")
+
+    with pytest.raises(UsageError, match=r"ArmPlanner of left: arm-planner of skiros-py .* and left of sk-left 0.3"):
+        InstalledPorts(named("left", "left", "arm-planner"))
 
 
 def test_an_adapter_that_breaks_is_named_with_its_distribution(install: Any) -> None:
