@@ -95,6 +95,17 @@ def test_every_operation_is_named_described_and_its_own(all_operations: list[_Op
     assert not wanting, f"without summary or description: {wanting}"
 
 
+def test_every_parameter_of_a_query_is_described(all_operations: list[_Operation]) -> None:
+    wanting = [
+        f"{one.path}: {parameter['name']}"
+        for one in all_operations
+        for parameter in one.said.get("parameters", ())
+        if parameter["in"] == "query" and not parameter.get("description")
+    ]
+
+    assert wanting == []
+
+
 def test_every_body_in_json_comes_with_an_example(app: Any, all_operations: list[_Operation]) -> None:
     schemas = app.openapi()["components"]["schemas"]
     wanting = []
@@ -198,4 +209,8 @@ def test_the_first_paragraph_of_a_docstring_is_the_title_of_its_operation(app: A
         listed = app.openapi()["paths"]["/api/v1/tasks"]["get"]
 
     assert listed["summary"] == "List the tasks"
-    assert listed["description"].startswith("What the robots pursue")
+    assert (
+        listed["description"] == "Lists the tasks of jobs and others, newest first; the last 100 ended tasks are kept."
+    )
+    described = {parameter["name"]: parameter["description"] for parameter in listed["parameters"]}
+    assert described == {"active": "Only active tasks, or only ended ones.", "limit": "Maximum number of entries."}

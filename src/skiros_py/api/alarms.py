@@ -7,7 +7,7 @@ from datetime import datetime
 
 from pydantic import Field
 
-from skiros_py.api.wire import Answer, Request
+from skiros_py.api.wire import Answer, Page, Request
 
 
 class Severity(enum.StrEnum):
@@ -87,13 +87,8 @@ class AlarmInfo(Answer):
     """Number of the question that a robot asks; null where none does."""
 
 
-class AlarmPage(Answer):
-    """Some alarms, oldest first."""
-
-    items: tuple[AlarmInfo, ...]
-    """The alarms."""
-    next: str | None = None
-    """Where to go on (`cursor`); null where these were the last."""
+AlarmPage = Page[AlarmInfo]
+"""Some alarms, oldest first."""
 
 
 class AlarmAnswer(Request):

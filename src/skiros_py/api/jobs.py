@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import ConfigDict, Field
 
 from skiros_py.api.goals import GoalOrder, Material, TemplateParameter
-from skiros_py.api.wire import Answer, Moment, Name, Request, WantedMoment
+from skiros_py.api.wire import Answer, Items, Moment, Name, Page, Request, WantedMoment
 
 COMMANDS = ("start", "revoke-start", "pause", "resume", "stop", "abort", "cancel", "clear")
 """What may be asked of a job: the last part of the address of each command."""
@@ -214,13 +214,8 @@ class JobCapabilities(Answer):
     """So many are open now."""
 
 
-class JobPage(Answer):
-    """Some of the jobs, in the order in which they were ordered."""
-
-    items: tuple[Job, ...]
-    """The jobs."""
-    next: str | None
-    """The cursor of what comes next; null at the end."""
+JobPage = Page[Job]
+"""Some of the jobs, in the order in which they were ordered."""
 
 
 class JobComment(Request):
@@ -312,13 +307,8 @@ class JobResponse(Answer):
     """Its states, in order."""
 
 
-class JobResponses(Answer):
-    """Some of the job responses, in the order in which the jobs were ordered."""
-
-    items: tuple[JobResponse, ...]
-    """The responses."""
-    next: str | None
-    """The cursor of what comes next; null at the end."""
+JobResponses = Page[JobResponse]
+"""Some of the job responses, in the order in which the jobs were ordered."""
 
 
 class PlannedStep(Answer):
@@ -501,11 +491,8 @@ class Preview(Answer):
     """What went wrong with planners that were asked before."""
 
 
-class PreviewPage(Answer):
-    """The previews that are kept, the latest first."""
-
-    items: tuple[Preview, ...]
-    """The previews."""
+PreviewPage = Items[Preview]
+"""The previews that are kept, the latest first."""
 
 
 class AppliedRepair(Answer):

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, ConfigDict, Field
 
-from skiros_py.api.wire import Answer, Moment, Request
+from skiros_py.api.wire import Answer, Items, Moment, Request
 
 _LONGEST_KEY = 100
 _MOST_ARGUMENTS = 50
@@ -367,11 +367,8 @@ class ModuleRunInfo(Answer):
     """What it wrote into the world; of very many the last 100."""
 
 
-class ModuleRuns(Answer):
-    """Runs, the youngest first."""
-
-    items: list[ModuleRunInfo]
-    """The runs, without progress and changes."""
+ModuleRuns = Items[ModuleRunInfo]
+"""Runs, the youngest first."""
 
 
 class PluginFaultInfo(Answer):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydantic import Field
 
-from skiros_py.api.wire import Answer
+from skiros_py.api.wire import Answer, Page
 from skiros_py.api.world import Value
 
 
@@ -80,22 +80,12 @@ class RelationInfo(Answer):
     """True when a reasoner here works it out on demand."""
 
 
-class PropertyPage(Answer):
-    """Some properties, by name."""
-
-    items: list[PropertyInfo]
-    """The properties."""
-    next: str | None
-    """Cursor of the next page; null at the end."""
+PropertyPage = Page[PropertyInfo]
+"""Some properties, by name."""
 
 
-class RelationPage(Answer):
-    """Some relations, by name."""
-
-    items: list[RelationInfo]
-    """The relations."""
-    next: str | None
-    """Cursor of the next page; null at the end."""
+RelationInfoPage = Page[RelationInfo]
+"""Some relations, by name."""
 
 
 class HowMany(Answer):

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, field_validator
 
-from skiros_py.api.wire import Answer, Request
+from skiros_py.api.wire import Answer, Page, Request
 
 SCENE_NAME = r"^[a-z0-9][a-z0-9_-]{0,63}$"
 """Names under which scenes are saved: safe as names of files everywhere."""
@@ -27,13 +27,8 @@ class SceneEntry(Answer):
     """When it was saved; null for an installed one."""
 
 
-class Scenes(Answer):
-    """Scenes, by name."""
-
-    items: list[SceneEntry]
-    """The scenes."""
-    next: str | None = None
-    """Cursor of the next page; null on the last one."""
+Scenes = Page[SceneEntry]
+"""Scenes, by name."""
 
 
 class SceneRobot(Answer):

@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from skiros_py.api.wire import Answer, Moment, Request, WantedMoment
+from skiros_py.api.wire import Answer, Moment, Page, Request, WantedMoment
 
 RoleName = Literal["viewer", "operator", "engineer", "admin", "mes"]
 """What somebody may do. Each of the first four may do what those before it may; mes may order and command jobs."""
@@ -108,13 +108,8 @@ class AuditRecord(Answer):
     """What the caller said about it."""
 
 
-class AuditPage(Answer):
-    """Some of the audit log, the youngest entry first."""
-
-    items: list[AuditRecord]
-    """The entries."""
-    next: str | None = Field(default=None, examples=["17"])
-    """Cursor of the next page; null on the last."""
+AuditPage = Page[AuditRecord]
+"""Some of the audit log, the youngest entry first."""
 
 
 class Health(Answer):

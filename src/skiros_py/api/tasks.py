@@ -7,7 +7,7 @@ from typing import Annotated, Any, Self
 from pydantic import ConfigDict, Field, model_validator
 
 from skiros_py.api.jobs import JobPolicy, PlannedStep
-from skiros_py.api.wire import Answer, Moment, Name, Request
+from skiros_py.api.wire import Answer, Items, Moment, Name, Request
 
 _MOST_STEPS = 100
 GoalText = Annotated[str, Field(min_length=1, max_length=10_000)]
@@ -133,11 +133,8 @@ class TaskInfo(Answer):
     """What came of it; null until it is over."""
 
 
-class Tasks(Answer):
-    """Tasks, the youngest first."""
-
-    items: tuple[TaskInfo, ...]
-    """The tasks, without their steps."""
+Tasks = Items[TaskInfo]
+"""Tasks, the youngest first."""
 
 
 class TaskTrace(Answer):
@@ -186,11 +183,8 @@ class SequenceInfo(SequenceSummary):
     """The steps, in order."""
 
 
-class Sequences(Answer):
-    """The sequences of a server."""
-
-    items: tuple[SequenceSummary, ...]
-    """By id."""
+Sequences = Items[SequenceSummary]
+"""The sequences of a server."""
 
 
 class NewSequence(Request):

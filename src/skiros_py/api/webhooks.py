@@ -7,7 +7,7 @@ from typing import Annotated
 
 from pydantic import AwareDatetime, Field
 
-from skiros_py.api.wire import Answer, Request
+from skiros_py.api.wire import Answer, Page, Request
 
 STATES = frozenset({"NotAllowedToStart", "AllowedToStart", "Running", "Interrupted", "Ended", "Aborted", "Removed"})
 """States of a job of which a webhook may be told: those of ISA-95, and that it is there no more."""
@@ -112,9 +112,5 @@ class Delivery(Answer):
     """Why the last try failed."""
 
 
-class Deliveries(Answer):
-    """A page of deliveries, the latest first."""
-
-    items: tuple[Delivery, ...]
-    next: str | None = None
-    """Cursor of the next page."""
+Deliveries = Page[Delivery]
+"""A page of deliveries, the latest first."""

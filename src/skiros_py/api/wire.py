@@ -5,11 +5,11 @@ from __future__ import annotations
 import ast
 import inspect
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from functools import cache
 from itertools import pairwise
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Generic, Self, TypeVar
 
 from pydantic import AfterValidator, AwareDatetime, BaseModel, ConfigDict, Field, GetJsonSchemaHandler
 from pydantic.json_schema import JsonSchemaValue
@@ -73,6 +73,23 @@ class Answer(_Documented):
         """
         same = (name for name in cls.model_fields if name not in others and hasattr(source, name))
         return cls(**{name: getattr(source, name) for name in same}, **others)
+
+
+T = TypeVar("T")
+
+
+class Items(Answer, Generic[T]):
+    """A list."""
+
+    items: Sequence[T]
+    """The entries."""
+
+
+class Page(Items[T], Generic[T]):
+    """A part of a list."""
+
+    next: str | None
+    """Cursor of the next page; null at the end."""
 
 
 def _sensible(value: datetime) -> datetime:

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import ConfigDict, Field, StrictBool, StrictInt, field_validator, model_validator
 
-from skiros_py.api.wire import Answer, Request
+from skiros_py.api.wire import Answer, Items, Page, Request
 
 EVERYTHING = "sk:Element"
 """The class of all elements."""
@@ -147,22 +147,12 @@ class ElementDetails(ElementSummary):
     """Its pose in the map, where that is known."""
 
 
-class ElementPage(Answer):
-    """Some elements, in the order of their ids."""
-
-    items: list[ElementSummary]
-    """The elements."""
-    next: str | None
-    """Cursor of the next page; null at the end."""
+ElementPage = Page[ElementSummary]
+"""Some elements, in the order of their ids."""
 
 
-class RelationPage(Answer):
-    """Some relations, in order."""
-
-    items: list[Relation]
-    """The relations."""
-    next: str | None
-    """Cursor of the next page; null at the end."""
+RelationPage = Page[Relation]
+"""Some relations, in order."""
 
 
 class NewRelation(Request):
@@ -518,13 +508,8 @@ class Learned(Answer):
     """Number of the change that touched it last; its ETag."""
 
 
-class LearnedPage(Answer):
-    """Some of what was learned, in the order of ids."""
-
-    items: list[Learned]
-    """What was learned."""
-    next: str | None
-    """Cursor of the next page; null at the end."""
+LearnedPage = Page[Learned]
+"""Some of what was learned, in the order of ids."""
 
 
 class Lock(Answer):
@@ -540,11 +525,8 @@ class Lock(Answer):
     """In how long that is [s]."""
 
 
-class LockList(Answer):
-    """The locks in force, by element."""
-
-    items: list[Lock]
-    """The locks."""
+LockList = Items[Lock]
+"""The locks in force, by element."""
 
 
 class LockOrder(Request):

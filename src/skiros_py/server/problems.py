@@ -258,11 +258,11 @@ PROBLEMS: dict[int | str, dict[str, Any]] = {
         412: "It was changed since: If-Match names an old version.",
         413: "The body is too long.",
         415: "The body is of another media type.",
-        422: "Something in the request is wrong; the text says what would be right.",
-        423: "Somebody else has locked it.",
+        422: "The request is invalid; the text says what would be valid.",
+        423: "Another author has locked it.",
         414: "The address is too long.",
-        429: "Too many requests; Retry-After says when to go on.",
-        503: "Too much to do, or not ready; Retry-After says when to come again.",
+        429: "Too many requests; Retry-After says when to retry.",
+        503: "Overloaded or not ready; Retry-After says when to retry.",
         507: "The disk is full: nothing was changed.",
     }.items()
 }
@@ -282,7 +282,7 @@ _TAG = re.compile(r'(?:W/)?"(\d{1,18})"')
 async def _if_match(
     if_match: Annotated[
         str | None,
-        Header(description="Version that was seen: the ETag of an answer; * for whichever it is.", examples=['"17"']),
+        Header(description="The version that was seen: ETag of a response; * for any.", examples=['"17"']),
     ] = None,
 ) -> Seen | None:
     return None if if_match is None else Seen(expected_version(if_match))
@@ -294,7 +294,7 @@ SeenDep = Annotated[Seen | None, Depends(_if_match)]
 NEEDS_VERSION: dict[int | str, dict[str, Any]] = {
     428: {
         "model": ProblemDetails,
-        "description": "If-Match is missing: say which version you have seen.",
+        "description": "If-Match is missing: it names the version that was seen.",
         "content": {"application/problem+json": {}},
     }
 }

@@ -2211,10 +2211,6 @@ export interface components {
         };
         /** @enum {string} */
         AlarmKind: "halted" | "station" | "cycle" | "manager" | "module" | "task" | "question" | "job" | "plug-in" | "stale" | "webhook";
-        AlarmPage: {
-            items: components["schemas"]["AlarmInfo"][];
-            next?: string | null;
-        };
         ApiKey: {
             id: string;
             name: string;
@@ -2265,10 +2261,6 @@ export interface components {
              */
             form: "ASK";
             answer: boolean;
-        };
-        AuditPage: {
-            items: components["schemas"]["AuditRecord"][];
-            next?: string | null;
         };
         AuditRecord: {
             number: number;
@@ -2482,10 +2474,6 @@ export interface components {
         DecimalLiteral: {
             decimal: string;
         };
-        Deliveries: {
-            items: components["schemas"]["Delivery"][];
-            next?: string | null;
-        };
         Delivery: {
             webhook: string;
             number: number;
@@ -2578,10 +2566,6 @@ export interface components {
             computed: components["schemas"]["Relation"][];
             owner: string | null;
             map_pose: components["schemas"]["Pose"] | null;
-        };
-        ElementPage: {
-            items: components["schemas"]["ElementSummary"][];
-            next: string | null;
         };
         ElementPatch: {
             label?: string | null;
@@ -2735,6 +2719,21 @@ export interface components {
             };
             at?: number | null;
         };
+        Items_Lock_: {
+            items: components["schemas"]["Lock"][];
+        };
+        Items_ModuleRunInfo_: {
+            items: components["schemas"]["ModuleRunInfo"][];
+        };
+        Items_Preview_: {
+            items: components["schemas"]["Preview"][];
+        };
+        Items_SequenceSummary_: {
+            items: components["schemas"]["SequenceSummary"][];
+        };
+        Items_TaskInfo_: {
+            items: components["schemas"]["TaskInfo"][];
+        };
         Job: {
             id: string;
             number: number;
@@ -2814,10 +2813,6 @@ export interface components {
              */
             policy: components["schemas"]["JobPolicy"];
         };
-        JobPage: {
-            items: components["schemas"]["Job"][];
-            next: string | null;
-        };
         JobPlan: {
             steps: components["schemas"]["PlannedStep"][];
         };
@@ -2856,10 +2851,6 @@ export interface components {
             reasons: string[];
             lateness: number | null;
             transitions: components["schemas"]["JobTransition"][];
-        };
-        JobResponses: {
-            items: components["schemas"]["JobResponse"][];
-            next: string | null;
         };
         JobState: {
             number: number;
@@ -2919,19 +2910,12 @@ export interface components {
             };
             version: number;
         };
-        LearnedPage: {
-            items: components["schemas"]["Learned"][];
-            next: string | null;
-        };
         Lock: {
             element: string;
             owner: string;
             /** Format: date-time */
             until: string;
             seconds: number;
-        };
-        LockList: {
-            items: components["schemas"]["Lock"][];
         };
         LockOrder: {
             elements: string[];
@@ -3090,9 +3074,6 @@ export interface components {
                 [key: string]: unknown;
             }[];
         };
-        ModuleRuns: {
-            items: components["schemas"]["ModuleRunInfo"][];
-        };
         ModuleSummary: {
             name: string;
             /** @enum {string} */
@@ -3179,6 +3160,50 @@ export interface components {
         };
         Pace: {
             pace: number;
+        };
+        Page_AlarmInfo_: {
+            items: components["schemas"]["AlarmInfo"][];
+            next: string | null;
+        };
+        Page_AuditRecord_: {
+            items: components["schemas"]["AuditRecord"][];
+            next: string | null;
+        };
+        Page_Delivery_: {
+            items: components["schemas"]["Delivery"][];
+            next: string | null;
+        };
+        Page_ElementSummary_: {
+            items: components["schemas"]["ElementSummary"][];
+            next: string | null;
+        };
+        Page_JobResponse_: {
+            items: components["schemas"]["JobResponse"][];
+            next: string | null;
+        };
+        Page_Job_: {
+            items: components["schemas"]["Job"][];
+            next: string | null;
+        };
+        Page_Learned_: {
+            items: components["schemas"]["Learned"][];
+            next: string | null;
+        };
+        Page_PropertyInfo_: {
+            items: components["schemas"]["PropertyInfo"][];
+            next: string | null;
+        };
+        Page_RelationInfo_: {
+            items: components["schemas"]["RelationInfo"][];
+            next: string | null;
+        };
+        Page_Relation_: {
+            items: components["schemas"]["Relation"][];
+            next: string | null;
+        };
+        Page_SceneEntry_: {
+            items: components["schemas"]["SceneEntry"][];
+            next: string | null;
         };
         PaletteNode: {
             kind: string;
@@ -3327,9 +3352,6 @@ export interface components {
             repairs: components["schemas"]["Repair"][];
             notes: string[];
         };
-        PreviewPage: {
-            items: components["schemas"]["Preview"][];
-        };
         /** @enum {string} */
         PreviewState: "planning" | "planned" | "no plan" | "failed";
         ProblemDetails: {
@@ -3364,10 +3386,6 @@ export interface components {
             says: string;
             unit: string;
             borne_by: string[][];
-        };
-        PropertyPage: {
-            items: components["schemas"]["PropertyInfo"][];
-            next: string | null;
         };
         Query: {
             query: string;
@@ -3577,10 +3595,6 @@ export interface components {
             label: string;
             type: string;
         };
-        Scenes: {
-            items: components["schemas"]["SceneEntry"][];
-            next?: string | null;
-        };
         Seen: {
             type: string | null;
             pose: components["schemas"]["PoseInfo"];
@@ -3616,9 +3630,6 @@ export interface components {
             title: string;
             version: number;
             count: number;
-        };
-        Sequences: {
-            items: components["schemas"]["SequenceSummary"][];
         };
         SetBreakpoints: {
             paths: string[];
@@ -3797,9 +3808,6 @@ export interface components {
             }[];
             forgotten: number;
         };
-        Tasks: {
-            items: components["schemas"]["TaskInfo"][];
-        };
         TemplateParameter: {
             name: string;
             /** @default  */
@@ -3942,14 +3950,6 @@ export interface components {
                 [key: string]: string;
             };
         };
-        skiros_py__api__ontology__RelationPage: {
-            items: components["schemas"]["RelationInfo"][];
-            next: string | null;
-        };
-        skiros_py__api__world__RelationPage: {
-            items: components["schemas"]["Relation"][];
-            next: string | null;
-        };
     };
     responses: never;
     parameters: never;
@@ -3979,7 +3979,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["JobPage"];
+                    "application/json": components["schemas"]["Page_Job_"];
                 };
             };
             default: {
@@ -4759,7 +4759,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["JobResponses"];
+                    "application/json": components["schemas"]["Page_JobResponse_"];
                 };
             };
             default: {
@@ -5039,7 +5039,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["PreviewPage"];
+                    "application/json": components["schemas"]["Items_Preview_"];
                 };
             };
             default: {
@@ -5394,7 +5394,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["ElementPage"];
+                    "application/json": components["schemas"]["Page_ElementSummary_"];
                 };
             };
             default: {
@@ -5560,7 +5560,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["skiros_py__api__world__RelationPage"];
+                    "application/json": components["schemas"]["Page_Relation_"];
                 };
             };
             default: {
@@ -5754,7 +5754,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["skiros_py__api__ontology__RelationPage"];
+                    "application/json": components["schemas"]["Page_RelationInfo_"];
                 };
             };
             default: {
@@ -5784,7 +5784,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["PropertyPage"];
+                    "application/json": components["schemas"]["Page_PropertyInfo_"];
                 };
             };
             default: {
@@ -5880,7 +5880,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["LearnedPage"];
+                    "application/json": components["schemas"]["Page_Learned_"];
                 };
             };
             default: {
@@ -5967,7 +5967,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["LockList"];
+                    "application/json": components["schemas"]["Items_Lock_"];
                 };
             };
             default: {
@@ -5998,7 +5998,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["LockList"];
+                    "application/json": components["schemas"]["Items_Lock_"];
                 };
             };
             default: {
@@ -6028,7 +6028,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["LockList"];
+                    "application/json": components["schemas"]["Items_Lock_"];
                 };
             };
             default: {
@@ -6058,7 +6058,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Scenes"];
+                    "application/json": components["schemas"]["Page_SceneEntry_"];
                 };
             };
             default: {
@@ -6747,7 +6747,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["ModuleRuns"];
+                    "application/json": components["schemas"]["Items_ModuleRunInfo_"];
                 };
             };
             default: {
@@ -7118,7 +7118,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Tasks"];
+                    "application/json": components["schemas"]["Items_TaskInfo_"];
                 };
             };
             default: {
@@ -7266,7 +7266,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Sequences"];
+                    "application/json": components["schemas"]["Items_SequenceSummary_"];
                 };
             };
             default: {
@@ -8123,7 +8123,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["AlarmPage"];
+                    "application/json": components["schemas"]["Page_AlarmInfo_"];
                 };
             };
             default: {
@@ -8556,7 +8556,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Deliveries"];
+                    "application/json": components["schemas"]["Page_Delivery_"];
                 };
             };
             default: {
@@ -8707,7 +8707,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Deliveries"];
+                    "application/json": components["schemas"]["Page_Delivery_"];
                 };
             };
             default: {
@@ -8767,7 +8767,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["AuditPage"];
+                    "application/json": components["schemas"]["Page_AuditRecord_"];
                 };
             };
             default: {

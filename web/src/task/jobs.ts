@@ -55,7 +55,7 @@ async function newest(since: string | undefined): Promise<Job[]> {
   let cursor: string | undefined;
   do {
     const query = { since, limit: PAGE, cursor, newest_first: true };
-    const page: Schema<"JobPage"> = await answer(api.GET("/api/v1/jobs", { params: { query } }));
+    const page: Schema<"Page_Job_"> = await answer(api.GET("/api/v1/jobs", { params: { query } }));
     jobs.push(...page.items);
     cursor = page.next ?? undefined;
   } while (cursor !== undefined && jobs.length < MOST);

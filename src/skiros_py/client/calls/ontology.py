@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from skiros_py.api.ontology import ClassDetails, ClassNode, PlacementOptions, PropertyPage, RelationPage
+from skiros_py.api.ontology import ClassDetails, ClassNode, PlacementOptions, PropertyPage, RelationInfoPage
 from skiros_py.client.request import Call, path_of
 
 
@@ -23,10 +23,10 @@ def read_class(name: str) -> Call[ClassDetails]:
     return Call("GET", path, ClassDetails)
 
 
-def list_ontology_relations(*, limit: int | None = None, cursor: str | None = None) -> Call[RelationPage]:
+def list_ontology_relations(*, limit: int | None = None, cursor: str | None = None) -> Call[RelationInfoPage]:
     """Lists the relations by name."""
     query = {"limit": limit, "cursor": cursor}
-    return Call("GET", "/ontology/relations", RelationPage, query=query)
+    return Call("GET", "/ontology/relations", RelationInfoPage, query=query)
 
 
 def list_ontology_properties(*, limit: int | None = None, cursor: str | None = None) -> Call[PropertyPage]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from fastapi import FastAPI
@@ -28,7 +28,8 @@ _SCHEMES = {
 class GuardedApi(FastAPI):
     """An API whose description lists the permitted roles of each operation as ``x-roles``.
 
-    The first paragraph of a route's docstring is the title of the operation, the rest its description.
+    The first paragraph of a route's docstring is the title of the operation, the rest its description; a last section
+    "Parameters:" describes its parameters.
     """
 
     def openapi(self) -> dict[str, Any]:
@@ -43,10 +44,25 @@ class GuardedApi(FastAPI):
             for method, operation in item.items():
                 if (method.upper(), path) in OPEN:
                     operation["security"] = []
-                title, _, text = operation.pop("description").partition("\n\n")
+                text, _, described = operation.pop("description").partition("\n\nParameters:\n")
+                title, _, text = text.partition("\n\n")
+                _describe(operation.get("parameters", ()), described)
                 operation |= {"summary": title.rstrip("."), "description": text} if text else {"summary": title}
                 operation["x-roles"] = _roles(asked.get((method.upper(), path), ()))
         return schema
+
+
+_LISTS = {"limit": "Maximum number of entries.", "cursor": "`next` of the previous page."}
+"""Parameters of all lists."""
+
+
+def _describe(parameters: Iterable[dict[str, Any]], text: str) -> None:
+    """Describes the parameters of an operation, from lines such as "rate: Maximum rate [Hz]."."""
+    words = {name: what for name, _, what in (line.strip().partition(": ") for line in text.splitlines())}
+    for parameter in parameters:
+        name = parameter["name"]
+        if name in words or name in _LISTS:
+            parameter.setdefault("description", words.get(name) or _LISTS[name])
 
 
 def operations(app: FastAPI) -> Mapping[str, tuple[Need, ...]]:

@@ -20,17 +20,17 @@ from skiros_py.station.requests import addressed
 
 router = APIRouter(prefix="/audit", tags=["access"])
 
-Limit = Annotated[int, Query(ge=1, le=1000, description="At most so many.")]
-Cursor = Annotated[str | None, Query(pattern="^[0-9]{1,18}$", description="From the page before.")]
+Limit = Annotated[int, Query(ge=1, le=1000)]
+Cursor = Annotated[str | None, Query(pattern="^[0-9]{1,18}$")]
 
 
 @router.get("", dependencies=[needs(Role.ADMIN)])
 def list_audit(services: ServicesDep, limit: Limit = 100, cursor: Cursor = None) -> AuditPage:
-    """Who did what.
+    """List the audit log.
 
-    Lists requests that changed something or were refused, the youngest first. The last 100,000 are kept.
+    Lists requests that changed something or were refused, newest first. The last 100,000 are kept.
 
-    Keys and bodies are never in it. Of one address, 30 refusals in a minute are written down.
+    Keys and bodies are never recorded. At most 30 refusals per minute are recorded for one address.
     """
     entries = services.audit.page(int(cursor) if cursor is not None else None, limit)
     next_ = str(entries[-1][0]) if len(entries) == limit else None
@@ -48,18 +48,18 @@ KeyId = Annotated[str, Path(max_length=64, description="Id of the key.", example
 
 @keys_router.get("", dependencies=[needs(Role.ADMIN)])
 def list_keys(services: ServicesDep) -> list[ApiKey]:
-    """All keys.
+    """List keys.
 
-    Lists the keys, revoked and expired ones too; what is secret about them is kept nowhere.
+    Lists all keys, including revoked and expired ones; their secrets are not stored.
     """
     return [shown(key) for key in services.keys.all()]
 
 
 @keys_router.post("", status_code=201, dependencies=[needs(Role.ADMIN)])
 def create_key(order: KeyOrder, services: ServicesDep, response: Response) -> NewKey:
-    """Make a key.
+    """Create a key.
 
-    Makes a key. It is shown in this answer and never again; with the first one, everybody needs one.
+    Creates a key. The secret is returned only in this response. Once the first key exists, every caller needs one.
     """
     expires = order.expires.timestamp() if order.expires is not None else None
     key, text = services.keys.create(order.name, Role(order.role), expires)
@@ -69,9 +69,9 @@ def create_key(order: KeyOrder, services: ServicesDep, response: Response) -> Ne
 
 @keys_router.get("/{key_id}", dependencies=[needs(Role.ADMIN)])
 def get_key(key_id: KeyId, services: ServicesDep) -> ApiKey:
-    """One key.
+    """Get a key.
 
-    Describes a key.
+    Returns a key.
     """
     with addressed("UnknownKey"):
         return shown(services.keys.key(key_id))
@@ -81,9 +81,9 @@ def get_key(key_id: KeyId, services: ServicesDep) -> ApiKey:
 def revoke_key(key_id: KeyId, services: ServicesDep) -> ApiKey:
     """Revoke a key.
 
-    Takes a key out of use, at once and for good; its logins and streams end. Once more does no harm.
+    Revokes a key immediately and permanently; its sessions and streams end. Repeating the request has no effect.
 
-    Where other machines reach the server, the last key of an administrator stays.
+    If other machines can reach the server, the last admin key cannot be revoked.
     """
     with addressed("UnknownKey"):
         return shown(services.keys.revoke(key_id, open_to_others=not is_loopback(services.settings.host)))
@@ -100,11 +100,11 @@ session_router = APIRouter(prefix="/session", tags=["access"])
 
 @session_router.get("", dependencies=[needs(Role.VIEWER, mes=True)])
 def get_session(request: Request, services: ServicesDep, caller: CallerDep) -> Me:
-    """Who am I?
+    """Get the caller's identity.
 
-    Returns who the caller is and what they may do, so that a page offers nothing that would be refused.
+    Returns who the caller is and which operations they may use, so that a page offers only these.
 
-    Answered with 401 where a key is needed and none was shown.
+    Responds with 401 if a key is needed and none was sent.
     """
     return _me(request, services, caller)
 
@@ -113,7 +113,7 @@ def get_session(request: Request, services: ServicesDep, caller: CallerDep) -> M
 async def login(login: Login, request: Request, services: ServicesDep, response: Response) -> Me:
     """Log in.
 
-    Takes a key, and gives a cookie for it, for pages in a browser; for 12 hours, or until the key is revoked.
+    Exchanges a key for a cookie, for web pages; it is valid for 12 hours, or until the key is revoked.
     """
     address = request.client.host if request.client is not None else ""
     key, text = services.authenticator.login(login.key, address)
@@ -126,7 +126,7 @@ async def login(login: Login, request: Request, services: ServicesDep, response:
 async def logout(request: Request, services: ServicesDep) -> Response:
     """Log out.
 
-    Ends the login that the cookie stands for. Once more does no harm.
+    Ends the session of the cookie. Repeating the request has no effect.
     """
     services.authenticator.logout(request.headers)
     response = Response(status_code=204)

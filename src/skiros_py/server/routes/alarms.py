@@ -26,22 +26,25 @@ AlarmId = Annotated[str, Path(max_length=200, description="Id of the alarm.", ex
 @router.get("", dependencies=[needs(Role.VIEWER, mes=True)])
 def list_alarms(
     station: StationDep,
-    active: Annotated[bool | None, Query(description="Only those that are active, or only others.")] = None,
-    limit: Annotated[int, Query(ge=1, le=1000, description="At most so many.")] = 100,
-    cursor: Annotated[str, Query(max_length=200, description="From the page before.")] = "",
+    active: bool | None = None,
+    limit: Annotated[int, Query(ge=1, le=1000)] = 100,
+    cursor: Annotated[str, Query(max_length=200)] = "",
 ) -> AlarmPage:
-    """What stopped a robot, or waits for a person.
+    """List alarms.
 
-    Lists alarms, oldest first: all that are active, and the last thousand that are over.
+    Lists alarms, oldest first: all active ones, and the last thousand inactive ones.
+
+    Parameters:
+        active: Only active alarms, or only inactive ones.
     """
     return station.alarms.all(active=active, limit=limit, after=_number(cursor))
 
 
 @router.get("/{alarm}", dependencies=[needs(Role.VIEWER, mes=True)])
 def get_alarm(alarm: AlarmId, station: StationDep) -> AlarmInfo:
-    """One alarm.
+    """Get an alarm.
 
-    Describes one alarm.
+    Returns an alarm.
     """
     return station.alarms.get(alarm)
 
@@ -50,7 +53,7 @@ def get_alarm(alarm: AlarmId, station: StationDep) -> AlarmInfo:
 def acknowledge_alarm(alarm: AlarmId, station: StationDep, caller: CallerDep) -> AlarmInfo:
     """Acknowledge an alarm.
 
-    Notes that somebody has seen it; it goes when its reason does, and not because of this.
+    Records that a person has seen the alarm; it stays active until its cause is gone.
     """
     return station.alarms.acknowledge(alarm, caller.author)
 
@@ -61,10 +64,10 @@ def answer_alarm(
 ) -> AlarmInfo:
     """Answer an alarm.
 
-    Passes an answer on to the job or the robot that waits for it; the alarm goes when they have taken it.
+    Passes an answer to the waiting job or robot; the alarm ends when the answer was accepted.
 
-    It is an answer to what this alarm asks and to nothing later: who names the `question` that they have seen is told
-    (409) where another is asked by now.
+    The answer applies to the question that this alarm asks now. If the request names a `question` and another one is
+    asked by now, it is refused (409).
     """
     known = station.alarms.get(alarm)
     note(request, job=known.job, comment=answer.answer)
@@ -107,10 +110,10 @@ _BODY: dict[str, Any] = {
 async def stop(request: Request, response: Response, station: StationDep, caller: CallerDep) -> StopInfo:
     """Stop everything.
 
-    Halts all robots in the next control cycle, past all queues.
+    Halts all robots in the next control cycle, bypassing all queues.
 
-    Running jobs are held, and nothing moves until somebody resets the station and answers. Whatever is wrong with the
-    body of this request, it is obeyed.
+    Running jobs are held, and nothing moves until a person resets the station and answers. The request is obeyed even
+    if its body is invalid.
     """
     reason = await _reason(request) or "a stop was asked for"
     stopped = await station.stops.stop(reason, caller.name)
@@ -121,20 +124,20 @@ async def stop(request: Request, response: Response, station: StationDep, caller
 
 @stop_router.get("/stop", dependencies=[needs(Role.VIEWER, mes=True)])
 async def get_stop(station: StationDep) -> StopInfo:
-    """See whether everything is halted.
+    """Get the halt state.
 
-    Returns whether everything is halted, why, since when and by whom, and whether all stands.
+    Returns whether everything is halted, why, since when and by whom, and whether all devices stand still.
     """
     return _info(station.stops.now())
 
 
 @stop_router.post("/reset", dependencies=[needs(Role.OPERATOR)])
 def reset(station: StationDep, caller: CallerDep) -> StopInfo:
-    """Let things start again.
+    """Reset a halt.
 
-    Lets things start again after a halt; look first why that was, and that no person is near.
+    Allows motion again after a halt. First check why it was halted, and that no person is near.
 
-    Held jobs go on when they are answered. Where nothing is halted, this changes nothing.
+    Held jobs continue when they are answered. If nothing is halted, this has no effect.
     """
     return _info(station.stops.reset(caller.name))
 

@@ -43,25 +43,24 @@ _WRITES = NEEDS_VERSION | tagged()
 @router.get("/elements", dependencies=[needs(Role.VIEWER)])
 def list_elements(
     station: StationDep,
-    class_: Annotated[
-        str, Query(alias="class", min_length=1, max_length=300, description="Of this class or one below.")
-    ] = EVERYTHING,
-    label: Annotated[str | None, Query(max_length=1000, description="Called exactly so.")] = None,
-    text: Annotated[
-        str | None, Query(max_length=200, description="With this text in id, label or class; case does not count.")
-    ] = None,
-    place: Annotated[
-        str | None, Query(max_length=300, description="Placed directly here, by whatever relation.")
-    ] = None,
-    abstract: Annotated[
-        bool, Query(description="What the ontology describes and what was learned, instead of the scene.")
-    ] = False,
+    class_: Annotated[str, Query(alias="class", min_length=1, max_length=300)] = EVERYTHING,
+    label: Annotated[str | None, Query(max_length=1000)] = None,
+    text: Annotated[str | None, Query(max_length=200)] = None,
+    place: Annotated[str | None, Query(max_length=300)] = None,
+    abstract: bool = False,
     limit: Limit = 100,
     cursor: Cursor = None,
 ) -> ElementPage:
     """List elements.
 
     Lists elements in the order of their ids; all conditions must be met.
+
+    Parameters:
+        class: Only this class and its subclasses.
+        label: Only with this label.
+        text: Only with this text in id, label or class; case is ignored.
+        place: Only elements placed directly here, by any relation.
+        abstract: Elements of the ontology and learned concepts, instead of the scene.
     """
     return station.elements.all(
         class_, label=label, text=text, place=place, abstract=abstract, limit=limit, after=cursor or ""
@@ -73,16 +72,16 @@ def read_element(
     element: ElementPath,
     station: StationDep,
     response: Response,
-    computed: Annotated[
-        list[Name],
-        Query(max_length=50, description='Computed relations to work out, such as sk:near; "all" for all of them.'),
-    ] = [],  # noqa: B006  FastAPI copies it
+    computed: Annotated[list[Name], Query(max_length=50)] = [],  # noqa: B006  FastAPI copies it
 ) -> ElementDetails:
-    """Read an element.
+    """Get an element.
 
-    Tells its values with their origin, its relations in both directions, and where it is.
+    Returns its values with their origin, its relations in both directions, and its pose.
 
-    The answer's ETag is what `If-Match` takes when the element is changed.
+    The ETag is used with `If-Match` to change the element.
+
+    Parameters:
+        computed: Computed relations to evaluate, such as sk:near; "all" for all of them.
     """
     return with_etag(station.elements.get(element, computed), response)
 
@@ -91,15 +90,16 @@ def read_element(
 def list_relations(
     element: ElementPath,
     station: StationDep,
-    relation: Annotated[
-        str | None, Query(max_length=300, description="Only of this relation or one below, also a computed one.")
-    ] = None,
+    relation: Annotated[str | None, Query(max_length=300)] = None,
     limit: Limit = 100,
     cursor: Cursor = None,
 ) -> RelationPage:
-    """List an element's relations.
+    """List the relations of an element.
 
-    Lists what is stated of an element, in both directions, in order.
+    Lists the relations of an element, in both directions, sorted.
+
+    Parameters:
+        relation: Only this relation and its sub-relations; may be a computed one.
     """
     return station.elements.relations(element, relation, number_cursor(cursor), limit)
 
@@ -108,13 +108,16 @@ def list_relations(
 def read_element_history(
     element: ElementPath,
     station: StationDep,
-    newest_first: Annotated[bool, Query(description="Go back in time.")] = True,
+    newest_first: bool = True,
     limit: ChangeLimit = 100,
     cursor: Cursor = None,
 ) -> ChangePage:
-    """Read an element's history.
+    """Get the history of an element.
 
-    Returns which changes touched an element, by whom and why; the element may be gone.
+    Lists the changes of an element, which may have been removed since, with their authors and reasons.
+
+    Parameters:
+        newest_first: From the newest change backwards.
     """
     start = number_cursor(cursor, _LATEST if newest_first else 0)
     return station.elements.history(element, start, limit, newest_first=newest_first)
@@ -127,9 +130,9 @@ def read_element_history(
 def add_element(new: NewElement, station: StationDep, caller: CallerDep, response: Response) -> ElementDetails:
     """Add an element.
 
-    Adds an element with its values, its place and its relations, all at once.
+    Adds an element with its values, its placement and its relations, as one change.
 
-    While something runs this changes what is believed, nothing else.
+    While the station is working, only beliefs change.
     """
     element = station.elements.add(new, caller.author)
     response.headers["Location"] = f"/api/v1/elements/{quote(element.id, safe='')}"
@@ -147,7 +150,7 @@ def change_element(
 ) -> ElementDetails:
     """Change an element.
 
-    Changes label, values and place of an element in one transaction; `If-Match` says which version was seen.
+    Changes label, values and placement of an element as one change; `If-Match` names the version that was seen.
     """
     return with_etag(station.elements.change(element, patch, seen, caller.author), response)
 
@@ -158,7 +161,7 @@ def remove_element(
 ) -> Written:
     """Remove an element.
 
-    Removes an element with its pieces; what was placed there moves to where it was.
+    Removes an element with its parts; things placed there move to where the element was.
     """
     return station.elements.remove(element, seen, caller.author, reason)
 
@@ -196,9 +199,9 @@ def take_back_relation(
     response: Response,
     reason: WhyQuery = "",
 ) -> Written:
-    """Take back a relation.
+    """Remove a relation.
 
-    Takes back a stated relation; not a placement, for everything that is really there is somewhere.
+    Removes a stated relation; placements cannot be removed, since every element has a place.
     """
     written = station.elements.unrelate(element, relation, other, seen, caller.author, reason)
     _tag(station.elements.version(element), response)

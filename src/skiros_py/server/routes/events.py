@@ -23,19 +23,19 @@ _OF_MES = frozenset({Kind.JOB, Kind.ALARM, Kind.SYSTEM})
 _LOOKED_THROUGH = 20_000
 """So many events are looked through for one page: where few fit, the next page goes on from there."""
 
-Kinds = Annotated[list[Kind] | None, Query(max_length=20, description="Only of these kinds; several may be given.")]
+Kinds = Annotated[list[Kind] | None, Query(max_length=20, description="Only these kinds; may be repeated.")]
 Types = Annotated[
     list[Annotated[str, Query(max_length=50)]] | None,
-    Query(
-        alias="type", max_length=50, description="Only where this happened; several may be given.", examples=["Ended"]
-    ),
+    Query(alias="type", max_length=50, description="Only these types; may be repeated.", examples=["Ended"]),
 ]
-JobId = Annotated[str, Query(max_length=200, description="Only what belongs to this job.")]
-ElementId = Annotated[str, Query(max_length=200, description="Only what touches this element of the world.")]
+JobId = Annotated[str, Query(max_length=200, description="Only events of this job.")]
+ElementId = Annotated[str, Query(max_length=200, description="Only events that affect this element.")]
 After = Annotated[
     str | None,
     Query(
-        max_length=100, description="Id of the last event seen; `Last-Event-ID` counts more.", examples=["1f2e3d4c-9"]
+        max_length=100,
+        description="Id of the last event seen; `Last-Event-ID` takes precedence.",
+        examples=["1f2e3d4c-9"],
     ),
 ]
 LastSeen = Annotated[
@@ -70,11 +70,11 @@ async def stream_events(
     after: After = None,
     last_event_id: LastSeen = None,
 ) -> EventStream:
-    """Follow what happens.
+    """Stream events.
 
-    Streams events as they happen, and those since the last one that was seen.
+    Streams events as they happen, beginning after the last one seen.
 
-    Where that cannot be done without a gap, there comes a `reset` first: it says why, and what to read again.
+    If events are missing, the stream begins with a `reset`, which says why and what to read again.
     """
     choice = _choice(caller, kind, type_, job, element)
     return _stream(services, caller, choice, _first_given(last_event_id, after))
@@ -89,11 +89,11 @@ def list_events(
     job: JobId = "",
     element: ElementId = "",
     after: After = None,
-    limit: Annotated[int, Query(ge=1, le=1000, description="At most so many.")] = 100,
+    limit: Annotated[int, Query(ge=1, le=1000)] = 100,
 ) -> EventPage:
-    """Ask what happened.
+    """List events.
 
-    Lists events after a place, oldest first, for those who cannot keep a stream open; without a place, all kept.
+    Lists events after a position, oldest first, for clients that cannot keep a stream open; by default, all kept.
     """
     choice = _choice(caller, kind, type_, job, element)
     log = services.station.events
@@ -117,15 +117,18 @@ def list_events(
     openapi_extra=_ENDLESS,
 )
 def stream_job_events(
-    job: Annotated[str, Path(max_length=200, description="Id of the job.")],
+    job: Annotated[str, Path(max_length=200)],
     services: ServicesDep,
     caller: CallerDep,
     after: After = None,
     last_event_id: LastSeen = None,
 ) -> EventStream:
-    """Follow a job.
+    """Stream the events of a job.
 
-    Streams what happens for one job: first all that is kept of it, or what came after the event seen last.
+    Streams the events of one job: first all recorded ones, or those after the last one seen.
+
+    Parameters:
+        job: Id of the job.
     """
     services.station.jobs.get(job)
     return _stream(services, caller, Choice(job=job), _first_given(last_event_id, after) or "")
@@ -143,11 +146,14 @@ def stream_job_events(
 async def stream_state(
     services: ServicesDep,
     caller: CallerDep,
-    rate: Annotated[float, Query(ge=0.1, le=20.0, description="How often at most [Hz].", examples=[10])] = 10.0,
+    rate: Annotated[float, Query(ge=0.1, le=20.0, examples=[10])] = 10.0,
 ) -> EventStream:
-    """Watch the robots move.
+    """Stream the state of the robots.
 
-    Streams the present state of all robots. Only the latest counts: what a client is too slow for is left out.
+    Streams the current state of all robots. A slow client receives only the latest state.
+
+    Parameters:
+        rate: Maximum rate [Hz].
     """
     frames = services.streams.follow_state(services.station.live, rate, caller)
     return EventStream(frames, services.streams.listening(caller))
@@ -155,9 +161,9 @@ async def stream_state(
 
 @router.get("/state", dependencies=[needs(Role.VIEWER)])
 def get_state(services: ServicesDep) -> StationState:
-    """See what the robots do.
+    """Get the state of the robots.
 
-    Returns the state of all robots at this moment.
+    Returns the current state of all robots.
     """
     return StationState.model_validate(services.station.live.state(services.station.session))
 

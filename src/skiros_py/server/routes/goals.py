@@ -30,16 +30,16 @@ router = APIRouter(tags=["goals"])
 def check_goal(order: GoalOrder, station: StationDep) -> CheckedGoal:
     """Check a goal.
 
-    Says how a goal is understood, and whether each condition holds now, and why not; nothing is ordered.
+    Returns how a goal is understood, whether each condition holds now, and why not; nothing is ordered.
     """
     return station.goals.check(order)
 
 
 @router.get("/goals", dependencies=[needs(Role.VIEWER, mes=True)], responses=tagged())
 def get_goals(station: StationDep, response: Response) -> SceneGoals:
-    """The goals of the scene.
+    """Get the goals of the scene.
 
-    Shows the goals that go with the scene; they are pursued only when they are ordered as a job.
+    Returns the goals stored with the scene; they are pursued only if they are ordered as a job.
     """
     return _tagged(station.goals.get(), response)
 
@@ -48,7 +48,7 @@ def get_goals(station: StationDep, response: Response) -> SceneGoals:
 def put_goals(body: GoalTexts, station: StationDep, caller: CallerDep, seen: SeenDep, response: Response) -> SceneGoals:
     """Replace the goals of the scene.
 
-    Replaces the goals that go with the scene; `If-Match` names the version that was seen.
+    Replaces the goals stored with the scene; `If-Match` names the version that was seen.
     """
     goals = station.goals.put(body, seen, caller.author)
     return _tagged(goals, response)
@@ -57,13 +57,14 @@ def put_goals(body: GoalTexts, station: StationDep, caller: CallerDep, seen: See
 @router.get("/goals/conditions", dependencies=[needs(Role.VIEWER, mes=True)])
 def list_goal_conditions(
     station: StationDep,
-    every: Annotated[
-        bool, Query(alias="all", description="Also those that no present robot can do anything for.")
-    ] = False,
+    every: Annotated[bool, Query(alias="all")] = False,
 ) -> ConditionWords:
-    """The words of goals.
+    """List the conditions of goals.
 
-    Lists the words that the present robots can fulfil, with the classes of their arguments.
+    Lists the conditions that the present robots can achieve, with the classes of their arguments.
+
+    Parameters:
+        all: Include conditions that no present robot can achieve.
     """
     return station.goals.words(every=every)
 
@@ -81,9 +82,9 @@ PreviewId = Annotated[str, Path(min_length=1, max_length=20, description="Id of 
 
 @previews_router.post("/previews", status_code=202, dependencies=_NEEDS)
 def ask_preview(order: GoalOrder, station: StationDep, response: Response) -> Preview:
-    """Plan without doing.
+    """Plan without executing.
 
-    Begins to plan for a goal from what is believed now; nothing is done. At most two are planned at a time.
+    Plans for a goal from the current beliefs; nothing is executed. At most two previews are planned at a time.
     """
     preview = station.previews.ask(order)
     response.headers["Location"] = f"/api/v1/previews/{quote(preview.id, safe='')}"
@@ -95,7 +96,7 @@ def ask_preview(order: GoalOrder, station: StationDep, response: Response) -> Pr
 def list_previews(station: StationDep) -> PreviewPage:
     """List previews.
 
-    Lists the previews that are kept, the latest first: a hundred, and none over a restart or another scene.
+    Lists the last hundred previews, newest first; they are deleted at a restart or when another scene is loaded.
     """
     return station.previews.all()
 
@@ -104,11 +105,14 @@ def list_previews(station: StationDep) -> PreviewPage:
 def get_preview(
     id: PreviewId,  # noqa: A002 - the name in the address
     station: StationDep,
-    wait: Annotated[float, Query(ge=0.0, le=30.0, description="How long to wait for the answer [s].")] = 0.0,
+    wait: Annotated[float, Query(ge=0.0, le=30.0)] = 0.0,
 ) -> Preview:
-    """Look at a preview.
+    """Get a preview.
 
-    Shows the plan with order and planned starts; or why there is none, and what would help.
+    Returns the plan with its order and planned start times, or why there is no plan, and what would help.
+
+    Parameters:
+        wait: Maximum time to wait for the result [s].
     """
     return station.previews.get(id, wait)
 
@@ -116,13 +120,16 @@ def get_preview(
 @previews_router.post("/previews/{id}/repairs/{number}/apply", dependencies=[needs(Role.OPERATOR)])
 def apply_repair(
     id: PreviewId,  # noqa: A002 - the name in the address
-    number: Annotated[int, Path(ge=0, le=1000, description="Number of the repair.", examples=[0])],
+    number: Annotated[int, Path(ge=0, le=1000, examples=[0])],
     station: StationDep,
     caller: CallerDep,
 ) -> AppliedRepair:
-    """Make a repair.
+    """Apply a repair.
 
-    Makes what a repair changes in the world, as one transaction by the caller; the goal is left to them.
+    Applies the changes of a repair to the world, as one transaction by the caller; the goal is not ordered.
+
+    Parameters:
+        number: Number of the repair.
     """
     return station.previews.apply_repair(id, number, caller.author)
 

@@ -19,9 +19,9 @@ router = APIRouter(tags=["operation"])
 @router.head("/healthz", include_in_schema=False)
 @router.get("/healthz", responses={503: {"model": Health}})
 async def get_health(station: StationDep, response: Response) -> Health:
-    """Is the server alive?
+    """Check that the server is alive.
 
-    Answers 200 while the control cycle goes round or the station is being opened, else 503. Needs no key.
+    Responds with 200 while the control cycle runs or the station is being opened, else with 503. Needs no key.
     """
     control = station.control
     if control.fault is not None:
@@ -47,9 +47,9 @@ def _unhealthy(response: Response, why: str) -> Health:
 @router.head("/readyz", include_in_schema=False)
 @router.get("/readyz", responses={503: {"model": Readiness}})
 async def get_readiness(station: StationDep, response: Response) -> Readiness:
-    """Can orders be fulfilled?
+    """Check that orders can be executed.
 
-    Answers 200 while the station runs, halted or not, and what is ordered can be kept; else 503. Needs no key.
+    Responds with 200 while the station runs, halted or not, and orders can be stored, else with 503. Needs no key.
     """
     why = _not_ready(station)
     if why:
@@ -69,8 +69,8 @@ def _not_ready(station: Station) -> str:
 
 @router.get("/metrics", dependencies=[needs(Role.VIEWER)], response_class=Response, responses=PROBLEMS)
 def get_metrics(services: ServicesDep) -> Response:
-    """Figures for Prometheus.
+    """Get the metrics for Prometheus.
 
-    Gives the server's figures in Prometheus' text format.
+    Returns the metrics of the server in the text format of Prometheus.
     """
     return Response(generate_latest(services.metrics.registry), media_type=CONTENT_TYPE_LATEST)

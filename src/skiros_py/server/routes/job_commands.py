@@ -15,8 +15,8 @@ from skiros_py.server.services import StationDep
 from skiros_py.station.requests import Author
 
 JobId = Annotated[str, Path(min_length=1, max_length=200, description="Id of the job.", examples=["line-1-kit-4711"])]
-CursorQuery = Annotated[str | None, Query(pattern=r"^\d{1,15}$", description="The `next` of the page before.")]
-NewestFirstQuery = Annotated[bool, Query(description="Go back from the job that was ordered last.")]
+CursorQuery = Annotated[str | None, Query(pattern=r"^\d{1,15}$")]
+NewestFirstQuery = Annotated[bool, Query(description="From the newest job backwards.")]
 
 
 async def _expected(seen: SeenDep) -> int | None:  # asynchronous to spare each request a turn in the thread pool
@@ -59,7 +59,7 @@ def _wish(
     request: Request,
     caller: CallerDep,
     expected: ExpectedDep,
-    body: Annotated[JobComment, Body(description="Why; may be left out.")] = _NO_COMMENT,
+    body: Annotated[JobComment, Body(description="Reason; optional.")] = _NO_COMMENT,
 ) -> _Wish:
     """Reads who commands a job and why, and notes it for the audit log: a removed job takes its record along."""
     note(request, job=id, comment=body.comment)
@@ -72,63 +72,63 @@ WishDep = Annotated[_Wish, Depends(_wish)]
 
 @router.post("/jobs/{id}/start", dependencies=_NEEDS)
 def start_job(id: JobId, station: StationDep, wish: WishDep, response: Response) -> AcceptedJob:  # noqa: A002
-    """Give a job leave to start.
+    """Allow a job to start.
 
-    Lets a job start by itself when its turn comes.
+    Allows a job to start when its turn comes.
     """
     return accepted(station.jobs.command(id, "start", **wish), response)
 
 
 @router.post("/jobs/{id}/revoke-start", dependencies=_NEEDS)
 def revoke_start_of_job(id: JobId, station: StationDep, wish: WishDep, response: Response) -> AcceptedJob:  # noqa: A002
-    """Take back the leave to start.
+    """Revoke the permission to start.
 
-    Keeps a job that has not begun until somebody gives leave to start again.
+    Prevents a job from starting until it is allowed to start again.
     """
     return accepted(station.jobs.command(id, "revoke_start", **wish), response)
 
 
 @router.post("/jobs/{id}/pause", dependencies=_NEEDS)
 def pause_job(id: JobId, station: StationDep, wish: WishDep, response: Response) -> AcceptedJob:  # noqa: A002
-    """Let a job stand for a while.
+    """Pause a job.
 
-    Lets a job come to a standstill where it is.
+    Pauses a job: everything that it moves comes to a standstill.
     """
     return accepted(station.jobs.command(id, "pause", **wish), response)
 
 
 @router.post("/jobs/{id}/resume", dependencies=_NEEDS)
 def resume_job(id: JobId, station: StationDep, wish: WishDep, response: Response) -> AcceptedJob:  # noqa: A002
-    """Go on with a job that stands.
+    """Resume a job.
 
-    Goes on with a job that stands; what waits for an answer goes on with that.
+    Resumes a paused job; a job that waits for an answer continues when it is answered.
     """
     return accepted(station.jobs.command(id, "resume", **wish), response)
 
 
 @router.post("/jobs/{id}/stop", dependencies=_NEEDS)
 def stop_job(id: JobId, station: StationDep, wish: WishDep, response: Response) -> AcceptedJob:  # noqa: A002
-    """End a job in good order.
+    """Stop a job.
 
-    Ends a job that is under way; it is over when everything that it moved stands.
+    Ends a running job in an orderly way; it is over when everything that it moved stands still.
     """
     return accepted(station.jobs.command(id, "stop", **wish), response)
 
 
 @router.post("/jobs/{id}/abort", dependencies=_NEEDS)
 def abort_job(id: JobId, station: StationDep, wish: WishDep, response: Response) -> AcceptedJob:  # noqa: A002
-    """Give a job up.
+    """Abort a job.
 
-    Gives a job up, begun or not; it is over when everything that it moved stands.
+    Ends a job, started or not; it is over when everything that it moved stands still.
     """
     return accepted(station.jobs.command(id, "abort", **wish), response)
 
 
 @router.post("/jobs/{id}/cancel", dependencies=_NEEDS)
 def cancel_job(id: JobId, station: StationDep, wish: WishDep, response: Response) -> AcceptedJob:  # noqa: A002
-    """Remove a job that has not begun.
+    """Remove a job that has not started.
 
-    Removes a job that has not begun, and answers with what it was.
+    Removes a job that has not started, and returns its last state.
     """
     return accepted(station.jobs.command(id, "cancel", **wish), response)
 
@@ -137,7 +137,7 @@ def cancel_job(id: JobId, station: StationDep, wish: WishDep, response: Response
 def clear_job(id: JobId, station: StationDep, wish: WishDep, response: Response) -> AcceptedJob:  # noqa: A002
     """Remove a job that is over.
 
-    Says that its result was fetched: removes a job that is over with all that is known of it.
+    Confirms that the result was fetched: removes a job that is over, with all its data.
     """
     return accepted(station.jobs.command(id, "clear", **wish), response)
 
@@ -149,11 +149,14 @@ def remove_job(
     station: StationDep,
     expected: ExpectedDep,
     response: Response,
-    comment: Annotated[str, Query(max_length=1000, description="Why, for the audit log.")] = "",
+    comment: Annotated[str, Query(max_length=1000)] = "",
 ) -> AcceptedJob:
     """Remove a job.
 
-    Removes a job that has not begun, or is over: cancel or clear, whichever fits.
+    Removes a job that has not started or is over: cancel or clear, whichever applies.
+
+    Parameters:
+        comment: Reason, for the audit log.
     """
     note(request, job=id, comment=comment)
     return accepted(station.jobs.command(id, "remove", expects=expected), response)
@@ -169,9 +172,9 @@ def answer_job(
     expected: ExpectedDep,
     response: Response,
 ) -> AcceptedJob:
-    """Answer what a job waits for.
+    """Answer a job's question.
 
-    Answers what a job waits for: with one of its `choices`.
+    Answers the question for which a job waits, with one of its `choices`.
     """
     note(request, job=id, comment=body.answer)
     return accepted(station.jobs.answer(id, body, expects=expected, author=caller.author), response)

@@ -38,18 +38,18 @@ _Time = partial(Query, ge=0.0, allow_inf_nan=False)
 
 @router.get("/jobs/{id}/response", dependencies=_NEEDS)
 def get_job_response(id: JobId, station: StationDep) -> JobResponse:  # noqa: A002 - the name in the address
-    """What a job has come to (ISA-95 job response).
+    """Get the result of a job (ISA-95 job response).
 
-    Says what was done to which part, by which skills, in which states, and why not where it was not.
+    Returns what was done with which material, by which skills, in which states, and why not if it was not done.
     """
     return station.jobs.response(id)
 
 
 @router.get("/jobs/{id}/plan", dependencies=_NEEDS)
 def get_job_plan(id: JobId, station: StationDep) -> JobPlan:  # noqa: A002 - the name in the address
-    """The last plan of a job.
+    """Get the plan of a job.
 
-    Shows the steps of the last plan, with what each waits for; empty where there is none (yet).
+    Returns the steps of the last plan, with what each waits for; empty if there is none (yet).
     """
     return station.jobs.plan(id)
 
@@ -58,39 +58,39 @@ def get_job_plan(id: JobId, station: StationDep) -> JobPlan:  # noqa: A002 - the
 def get_job_trace(
     id: JobId,  # noqa: A002 - the name in the address
     station: StationDep,
-    limit: Annotated[int, Query(ge=1, le=1000, description="How many at most.")] = 100,
-    cursor: Annotated[str, Query(pattern=r"^\d{1,15}$", description="The `next` of the page before.")] = "0",
+    limit: Annotated[int, Query(ge=1, le=1000)] = 100,
+    cursor: Annotated[str, Query(pattern=r"^\d{1,15}$")] = "0",
 ) -> JobTrace:
-    """What happened for a job.
+    """Get the trace of a job.
 
-    Lists what happened, in sentences and as data; of what runs, the last second may be missing.
+    Lists what happened, as text and as data; for a running job, the last second may be missing.
     """
     return station.jobs.trace(id, int(cursor), limit)
 
 
 @router.get("/jobs/{id}/report", dependencies=_NEEDS)
 def get_job_report(id: JobId, station: StationDep) -> JobReport:  # noqa: A002 - the name in the address
-    """The report of a job.
+    """Get the report of a job.
 
-    Reports what came of each condition and of each step, as `skiros run` does.
+    Returns the outcome of each condition and of each step, as `skiros run` does.
     """
     return station.jobs.report(id)
 
 
 @router.get("/jobs/{id}/transitions", dependencies=_NEEDS)
 def get_job_transitions(id: JobId, station: StationDep) -> JobTransitions:  # noqa: A002 - the name in the address
-    """The changes of state of a job.
+    """List the state changes of a job.
 
-    Lists the states that a job went through: when, and who wanted it and why.
+    Lists the states that a job went through: when, who requested it, and why.
     """
     return station.jobs.transitions(id)
 
 
 @router.get("/jobs/{id}/explanation", dependencies=_NEEDS)
 def get_job_explanation(id: JobId, station: StationDep) -> JobExplanation:  # noqa: A002 - the name in the address
-    """Why there is no plan.
+    """Explain why there is no plan.
 
-    Says why there is no plan for a job, and what would help; empty if there is one, or planning has not begun.
+    Returns why there is no plan for a job, and what would help; empty if there is one, or planning has not started.
     """
     return station.jobs.explanation(id)
 
@@ -104,8 +104,8 @@ def get_job_explanation(id: JobId, station: StationDep) -> JobExplanation:  # no
 def get_job_replay(
     id: JobId,  # noqa: A002 - the name in the address
     station: StationDep,
-    start: Annotated[float, _Time(description="From this run time on [s].")] = 0.0,
-    end: Annotated[float | None, _Time(description="Up to this run time [s]; left out: to the end.")] = None,
+    start: float = 0.0,
+    end: float | None = None,
     accept_encoding: Annotated[str, Header(max_length=1000)] = "",
 ) -> Response:
     """What a job looked like.
@@ -114,6 +114,10 @@ def get_job_replay(
 
     A range of time begins with the world at that time, and has the frames just before and after it as well.
     Of a job that runs, the last seconds may be missing. Replays are kept for the last 200 jobs, and go with the job.
+
+    Parameters:
+        start: From this run time on [s].
+        end: Up to this run time [s]; left out: to the end.
     """
     text = station.recordings.replay(id, start, math.inf if end is None else end)
     headers = {"Cache-Control": "no-cache", "Vary": "Accept-Encoding"}
@@ -145,9 +149,9 @@ def get_job_recording(
 
 @router.get("/capabilities", dependencies=_NEEDS)
 def get_capabilities(station: StationDep) -> JobCapabilities:
-    """What may be ordered here.
+    """List what can be ordered.
 
-    Lists what an order may name: goal templates, classes of material, robots; and how many orders are taken.
+    Lists what an order may name: goal templates, material classes, robots; and the maximum number of orders.
     """
     return station.jobs.capabilities()
 
@@ -155,15 +159,19 @@ def get_capabilities(station: StationDep) -> JobCapabilities:
 @router.get("/job-responses", dependencies=_NEEDS)
 def list_job_responses(
     station: StationDep,
-    state: Annotated[list[StateName] | None, Query(max_length=6, description="Of jobs in these states only.")] = None,
-    since: Annotated[WantedMoment | None, Query(description="Of those only that changed since then.")] = None,
-    limit: Annotated[int, Query(ge=1, le=100, description="How many at most.")] = 100,
+    state: Annotated[list[StateName] | None, Query(max_length=6)] = None,
+    since: WantedMoment | None = None,
+    limit: Annotated[int, Query(ge=1, le=100)] = 100,
     cursor: CursorQuery = None,
     newest_first: NewestFirstQuery = False,
 ) -> JobResponses:
-    """What jobs have come to (ISA-95 job responses).
+    """List the results of jobs (ISA-95 job responses).
 
-    Lists the job responses of the jobs that were not removed, in the order in which they were ordered.
+    Lists the job responses of all jobs that were not removed, in the order in which they were ordered.
+
+    Parameters:
+        state: Only jobs in these states.
+        since: Only jobs changed since then.
     """
     after = None if cursor is None else int(cursor)
     return station.jobs.responses(state, since, limit, after, newest_first=newest_first)

@@ -33,19 +33,18 @@ _WAIT = re.compile(r'(?:^|[,;\s])wait\s*=\s*"?(\d{1,6})"?')
 _KEY = re.compile(r'"?([\x21\x23-\x5b\x5d-\x7e]{1,200})"?')
 """A key in printable characters, with the quotes of a structured field or without."""
 _TAKEN: dict[int | str, dict[str, Any]] = {
-    200: {"model": AcceptedJob, "description": "It was there already, or it is over (Prefer: wait)."}
+    200: {"model": AcceptedJob, "description": "The job existed already, or is over (Prefer: wait)."}
 }
 
 _REMOVED: dict[int | str, dict[str, Any]] = {
-    410: {"model": ProblemDetails, "description": "The same order came before, and its job was removed (`last`)."}
+    410: {"model": ProblemDetails, "description": "The job of this order was removed (`last`)."}
 }
 
-StartQuery = Annotated[bool, Query(description="False to keep it until somebody gives leave to start.")]
-AgainQuery = Annotated[
-    bool, Query(description="True where it is meant although there was a job of that id that was removed.")
-]
+StartQuery = Annotated[bool, Query(description="False to hold the job until it is allowed to start.")]
+AgainQuery = Annotated[bool, Query(description="Accept the order although a job with this id was removed.")]
 PreferHeader = Annotated[
-    str | None, Header(max_length=200, description="wait=N: answer when it is over or stands, after N s at the latest.")
+    str | None,
+    Header(max_length=200, description="wait=N: respond when the job is over or paused, after N s at the latest."),
 ]
 
 
@@ -58,17 +57,17 @@ def order_job(
     response: Response,
     start: StartQuery = True,
     again: AgainQuery = False,
-    idempotency_key: Annotated[
-        str | None,
-        Header(max_length=202, description="Marks the request: the same one again leads to no second job."),
-    ] = None,
+    idempotency_key: Annotated[str | None, Header(max_length=202)] = None,
     prefer: PreferHeader = None,
 ) -> AcceptedJob:
     """Order a job.
 
-    Takes a job order; it is on the disk when this is answered; the plan comes later.
+    Accepts a job order, which is on disk when this responds; it is planned later.
 
-    Without an id the server makes one; an `Idempotency-Key` makes that repeatable for at least 24 h.
+    Without an id, the server generates one; an `Idempotency-Key` makes that repeatable for at least 24 h.
+
+    Parameters:
+        idempotency-key: Identifies the request: repeating it does not create a second job.
     """
     key, holder = _key_of(idempotency_key), caller.key or caller.name
     result = station.jobs.order(order, start=start, again=again, key=key, author=caller.author, holder=holder)
@@ -92,15 +91,15 @@ def put_job(
     if_match: Annotated[str | None, Header()] = None,
     prefer: PreferHeader = None,
 ) -> AcceptedJob:
-    """Order a job under an id of one's own, or change its order.
+    """Order a job under a given id, or change its order.
 
-    Takes a job order. The same order again is answered with the same job (200), whatever has become of it.
+    Accepts a job order. Repeating the same order returns the same job (200), whatever its state.
 
-    Where that was removed, it is refused for at least 7 days (410, with what the job was last), unless `again` is true.
-    A job that was kept from starting is given leave by the same order with `start=true`, once.
+    If that job was removed, the order is refused for at least 7 days (410, with the last state of the job), unless
+    `again` is true. A job that was not allowed to start is allowed by the same order with `start=true`, once.
 
-    Another order under the same id is refused (409), unless the job has not begun and `If-Match` names its version:
-    then it is ordered instead.
+    Another order under the same id is refused (409), unless the job has not started and `If-Match` names its version:
+    then it replaces the order.
     """
     result = station.jobs.put(
         id,
@@ -120,24 +119,28 @@ def put_job(
 @router.get("/jobs", dependencies=[needs(Role.VIEWER, mes=True)])
 def list_jobs(
     station: StationDep,
-    state: Annotated[list[StateName] | None, Query(max_length=6, description="In these states only.")] = None,
-    since: Annotated[WantedMoment | None, Query(description="Those only that changed since then.")] = None,
-    limit: Annotated[int, Query(ge=1, le=1000, description="How many at most.")] = 100,
+    state: Annotated[list[StateName] | None, Query(max_length=6)] = None,
+    since: WantedMoment | None = None,
+    limit: Annotated[int, Query(ge=1, le=1000)] = 100,
     cursor: CursorQuery = None,
     newest_first: NewestFirstQuery = False,
 ) -> JobPage:
     """List jobs.
 
-    Lists the jobs that were not removed, open or over, in the order in which they were ordered.
+    Lists all jobs that were not removed, in the order in which they were ordered.
+
+    Parameters:
+        state: Only jobs in these states.
+        since: Only jobs changed since then.
     """
     return station.jobs.all(state, since, limit, None if cursor is None else int(cursor), newest_first=newest_first)
 
 
 @router.get("/jobs/{id}", dependencies=[needs(Role.VIEWER, mes=True)], responses=tagged())
 def get_job(id: JobId, station: StationDep, response: Response) -> Job:  # noqa: A002 - the name in the address
-    """Look at a job.
+    """Get a job.
 
-    Shows a job as it is now.
+    Returns the current state of a job.
     """
     return shown(station.jobs.get(id), response)
 

@@ -43,7 +43,7 @@ def location_of(run: ModuleRunInfo) -> str:
 def list_managers(station: StationDep) -> list[ManagerInfo]:
     """List the skill managers.
 
-    Every subsystem of a robot that can do something, what it runs now, and why it is lost, if so.
+    Lists the subsystems that can execute modules, what each is executing, and why it is lost, if it is.
     """
     return station.modules.managers()
 
@@ -52,7 +52,7 @@ def list_managers(station: StationDep) -> list[ManagerInfo]:
 def open_manager(agent: Id, station: StationDep) -> ManagerInfo:
     """Open a skill manager.
 
-    Opens the skill manager of a subsystem, such as one that was closed or lost: its skills are on offer again.
+    Opens the skill manager of a subsystem, for example one that was closed or lost: its skills become available again.
     """
     return station.modules.open_manager(agent)
 
@@ -61,13 +61,16 @@ def open_manager(agent: Id, station: StationDep) -> ManagerInfo:
 def close_manager(
     agent: Id,
     station: StationDep,
-    force: Annotated[bool, Query(description="Stop first what it runs.")] = False,
+    force: bool = False,
 ) -> None:
     """Close a skill manager.
 
-    Closes the skill manager of a subsystem: its skills leave the world model, and nothing is planned with them.
+    Closes the skill manager of a subsystem: its skills are removed from the world model and from planning.
 
-    Refused (409) while it runs something, unless `force`.
+    Refused (409) while it is executing a module, unless `force` is true.
+
+    Parameters:
+        force: Stop its running modules first.
     """
     station.modules.close_manager(agent, force=force)
 
@@ -76,7 +79,7 @@ def close_manager(
 def list_modules(station: StationDep) -> list[ModuleSummary]:
     """List all modules.
 
-    Every skill and primitive once, with the subsystems that can run it.
+    Lists every skill and primitive once, with the subsystems that can run it.
     """
     return station.modules.all()
 
@@ -85,16 +88,18 @@ def list_modules(station: StationDep) -> list[ModuleSummary]:
 def get_module(agent: Id, module: Id, station: StationDep) -> ModuleDetails:
     """Describe a module.
 
-    Parameters with JSON schema, conditions, and the ways of doing it; parameters for planning are marked.
+    Returns its parameters with their JSON schemas, its conditions and its implementations; parameters for planning are
+    marked.
     """
     return station.modules.get(agent, module)
 
 
 @router.post("/modules/{agent}/{module}/panel", dependencies=[needs(Role.ENGINEER)])
 def show_panel(agent: Id, module: Id, request: PanelRequest, station: StationDep) -> PanelInfo:
-    """Look before it runs.
+    """Check a module before it runs.
 
-    What a module would be run with now, which of its conditions hold, and why the others do not; nothing runs.
+    Returns the arguments with which a module would run now, which of its conditions hold, and why the others do not;
+    nothing is run.
     """
     return station.modules.panel(agent, module, request.arguments)
 
@@ -103,11 +108,11 @@ def show_panel(agent: Id, module: Id, request: PanelRequest, station: StationDep
 def run_module(
     agent: Id, module: Id, request: RunModule, station: StationDep, caller: CallerDep, response: Response
 ) -> ModuleRunInfo:
-    """Run a module by itself.
+    """Run a single module.
 
-    Starts a skill or primitive, so many times one after the other, and returns at once.
+    Starts a skill or primitive, as many times in a row as requested, and returns immediately.
 
-    It is answered where the run can be followed (`Location`). It waits for devices that something else uses.
+    `Location` is the address of the run. The run waits for devices that are in use.
     """
     run = station.modules.run(
         agent,
@@ -125,7 +130,7 @@ def run_module(
 def reset_module(agent: Id, module: Id, station: StationDep) -> None:
     """Reset a module.
 
-    Makes a module fit to run again after a fault: what it keeps between runs is made again.
+    Resets a module after a fault: data kept between runs is created again.
     """
     station.modules.reset(agent, module)
 
@@ -133,21 +138,24 @@ def reset_module(agent: Id, module: Id, station: StationDep) -> None:
 @router.get("/module-runs", dependencies=[needs(Role.VIEWER)])
 def list_module_runs(
     station: StationDep,
-    active: Annotated[bool | None, Query(description="Only what is under way, or only what is over.")] = None,
-    limit: Annotated[int, Query(ge=1, le=1000, description="So many at most.")] = 100,
+    active: bool | None = None,
+    limit: Annotated[int, Query(ge=1, le=1000)] = 100,
 ) -> ModuleRuns:
     """List runs of modules.
 
-    What was started from outside, the youngest first; of what is over the last 200 are kept.
+    Lists the runs started through the API, newest first; the last 200 ended runs are kept.
+
+    Parameters:
+        active: Only active runs, or only ended ones.
     """
     return station.modules.runs(active=active, limit=limit)
 
 
 @router.get("/module-runs/{id}", dependencies=[needs(Role.VIEWER)])
 def get_module_run(id: Id, station: StationDep) -> ModuleRunInfo:  # noqa: A002 - as the address says it
-    """Follow a run.
+    """Get a run.
 
-    How far it is, what was inferred, what it reported, what it wrote into the world, and what came of it.
+    Returns its progress, inferred arguments, reports, changes of the world, and outcome.
     """
     return station.modules.get_run(id)
 
@@ -156,7 +164,7 @@ def get_module_run(id: Id, station: StationDep) -> ModuleRunInfo:  # noqa: A002 
 def set_breakpoints(id: Id, request: SetBreakpoints, station: StationDep) -> ModuleRunInfo:  # noqa: A002
     """Set breakpoints.
 
-    Pauses a run before these nodes and no others; the command `resume` lets it go on.
+    Pauses a run before these nodes and no others; the command `resume` continues it.
     """
     return station.modules.set_breakpoints(id, request.paths)
 
@@ -165,7 +173,7 @@ def set_breakpoints(id: Id, request: SetBreakpoints, station: StationDep) -> Mod
 def command_module_run(id: Id, command: Command, station: StationDep) -> ModuleRunInfo:  # noqa: A002
     """Command a run.
 
-    Pauses it where it stands, resumes it, lets it do one cycle while it is paused, or stops it at once.
+    Pauses or resumes a run, executes one cycle of a paused run, or stops it immediately.
     """
     return station.modules.command_run(id, command)
 
@@ -174,7 +182,7 @@ def command_module_run(id: Id, command: Command, station: StationDep) -> ModuleR
 def list_skills(station: StationDep) -> list[SkillInfo]:
     """List the skills.
 
-    The skills that somebody offers now, as people and planners see them: parameters, conditions, effects.
+    Lists the available skills as people and planners see them: parameters, conditions, effects.
     """
     return station.modules.skills()
 
@@ -183,7 +191,7 @@ def list_skills(station: StationDep) -> list[SkillInfo]:
 def get_skill(name: Id, station: StationDep) -> SkillInfo:
     """Describe a skill.
 
-    One skill, apart from how it is done.
+    Returns a skill without its implementations.
     """
     return station.modules.skill(name)
 
@@ -195,7 +203,7 @@ plugins_router = APIRouter(tags=["plugins"])
 def list_plugins(station: StationDep) -> Plugins:
     """List the plug-ins.
 
-    Every entry point that is installed, from which distribution, and whether it works; as the server started.
+    Lists every installed entry point, its distribution, and whether it works; determined when the server started.
     """
     return station.plugins.all()
 
@@ -204,7 +212,7 @@ def list_plugins(station: StationDep) -> Plugins:
 def list_plugin_faults(station: StationDep) -> list[PluginFaultInfo]:
     """List broken plug-ins.
 
-    What does not load or fit into the present scene, with the traceback for its author; all else works.
+    Lists the plug-ins that do not load or do not fit the present scene, with the traceback for their authors.
     """
     return station.plugins.faults()
 

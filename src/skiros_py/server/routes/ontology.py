@@ -11,7 +11,7 @@ from skiros_py.api.ontology import (
     ClassNode,
     PlacementOptions,
     PropertyPage,
-    RelationPage,
+    RelationInfoPage,
 )
 from skiros_py.api.world import EVERYTHING
 from skiros_py.server.access.roles import Role, needs
@@ -24,14 +24,16 @@ router = APIRouter(prefix="/ontology", tags=["ontology"])
 @router.get("/classes", dependencies=[needs(Role.VIEWER)])
 def read_classes(
     station: StationDep,
-    root: Annotated[
-        str, Query(min_length=1, max_length=300, description="Where to begin.", examples=["sk:Manipulatable"])
-    ] = EVERYTHING,
-    depth: Annotated[int, Query(ge=0, le=50, description="How many levels below it.")] = 50,
+    root: Annotated[str, Query(min_length=1, max_length=300, examples=["sk:Manipulatable"])] = EVERYTHING,
+    depth: Annotated[int, Query(ge=0, le=50)] = 50,
 ) -> ClassNode:
     """Read the classes as a tree.
 
-    Returns what kinds of things there can be; a class with several parents stands below its primary one.
+    Returns the classes of elements; a class with several parents is listed below its primary one.
+
+    Parameters:
+        root: The class at the root.
+        depth: Number of levels below it.
     """
     return station.ontology.classes(root, depth)
 
@@ -40,16 +42,16 @@ def read_classes(
 def read_class(name: NamePath, station: StationDep) -> ClassDetails:
     """Read a class.
 
-    Returns what a class means, what its things may have, how many there are, and what takes them.
+    Returns the meaning of a class, the properties and relations of its elements, and how many there are.
     """
     return station.ontology.class_(name)
 
 
 @router.get("/relations", dependencies=[needs(Role.VIEWER)])
-def list_ontology_relations(station: StationDep, limit: Limit = 1000, cursor: Cursor = None) -> RelationPage:
+def list_ontology_relations(station: StationDep, limit: Limit = 1000, cursor: Cursor = None) -> RelationInfoPage:
     """List relations.
 
-    Lists relations by name, with what may stand at their ends.
+    Lists relations by name, with the classes permitted at their ends.
     """
     return station.ontology.relations(limit, cursor or "")
 
@@ -66,19 +68,23 @@ def list_ontology_properties(station: StationDep, limit: Limit = 1000, cursor: C
 @router.get("/placements", dependencies=[needs(Role.VIEWER)])
 def read_placements(
     station: StationDep,
-    class_: Annotated[
-        str | None, Query(alias="class", min_length=1, max_length=300, description="A new thing of this class.")
-    ] = None,
-    element: Annotated[str | None, Query(min_length=1, max_length=300, description="This element.")] = None,
-    relation: Annotated[str | None, Query(min_length=1, max_length=300, description="Only by this relation.")] = None,
-    limit: Annotated[int, Query(ge=1, le=200, description="How many places of each relation at most.")] = 50,
+    class_: Annotated[str | None, Query(alias="class", min_length=1, max_length=300)] = None,
+    element: Annotated[str | None, Query(min_length=1, max_length=300)] = None,
+    relation: Annotated[str | None, Query(min_length=1, max_length=300)] = None,
+    limit: Annotated[int, Query(ge=1, le=200)] = 50,
     cursor: Cursor = None,
 ) -> PlacementOptions:
-    """Ask what may be put where.
+    """List possible placements.
 
-    Tells by which relations a thing may be placed, and of each place there is whether it would take it now.
+    Returns the relations by which an element may be placed, and whether each existing place accepts it now.
 
-    Either `class` or `element` says what is to be put somewhere. Each place is tried in a private state: what
-    ontology and reasoners would refuse is refused here in the same words.
+    Give either `class` or `element`. Each place is tried on a copy of the world: what the ontology or a reasoner would
+    refuse is reported with the same message.
+
+    Parameters:
+        class: Class of a new element.
+        element: Id of an existing element.
+        relation: Only this relation.
+        limit: Maximum number of places per relation.
     """
     return station.ontology.placements(class_, element, relation, limit, cursor)

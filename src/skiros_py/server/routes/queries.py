@@ -28,13 +28,13 @@ _TEXT = {"schema": {"type": "string"}}
     },
 )
 def ask_question(question: Query, request: Request, station: StationDep) -> Response:
-    """Ask a question in SPARQL.
+    """Run a SPARQL query.
 
-    Answers SELECT, ASK or CONSTRUCT over ontology, scene, what was learned, and computed relations.
+    Runs a SELECT, ASK or CONSTRUCT query over the ontology, the scene, learned concepts and computed relations.
 
-    Nothing can be changed by it. It runs in a process of its own: for `time_limit` at most, with 1 GiB of memory,
-    10,000 rows and 16 MiB of answer; four at once, then 503. `Accept: text/csv` asks for the rows of a SELECT as CSV,
-    `Accept: text/turtle` for the triples of a CONSTRUCT as Turtle.
+    A query cannot change anything. It runs in a process of its own, with the limits `time_limit`, 1 GiB of memory,
+    10,000 rows and 16 MiB of results; at most four run at once, further ones get 503. `Accept: text/csv` returns the
+    rows of a SELECT as CSV, `Accept: text/turtle` the triples of a CONSTRUCT as Turtle.
     """
     return answer_response(station.ontology.query(question), request.headers.get("accept", ""))
 

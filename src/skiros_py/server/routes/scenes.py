@@ -34,8 +34,8 @@ TURTLE = "text/turtle"
 SceneName = Annotated[
     str, Path(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$", description="Name of the scene.", examples=["kitting"])
 ]
-Limit = Annotated[int, Query(ge=1, le=1000, description="At most so many.")]
-Cursor = Annotated[str | None, Query(max_length=100, description="From the page before.")]
+Limit = Annotated[int, Query(ge=1, le=1000)]
+Cursor = Annotated[str | None, Query(max_length=100)]
 
 
 # ---------------------------------------------------------------- scenes that can be loaded
@@ -43,9 +43,9 @@ Cursor = Annotated[str | None, Query(max_length=100, description="From the page 
 
 @router.get("/scenes", dependencies=[needs(Role.VIEWER)])
 def list_scenes(station: StationDep, limit: Limit = 100, cursor: Cursor = None) -> Scenes:
-    """Scenes that can be loaded.
+    """List scenes.
 
-    Lists the scenes that came with packages and those saved here, by name.
+    Lists the scenes installed with packages and those saved here, by name.
     """
     return station.scenes.all(limit, cursor or "")
 
@@ -54,9 +54,9 @@ def list_scenes(station: StationDep, limit: Limit = 100, cursor: Cursor = None) 
 def save_scene(wanted: SaveScene, station: StationDep, seen: SeenDep, response: Response) -> SceneEntry:
     """Save the present scene.
 
-    Saves what is believed now as a scene, whole or not at all; where everything is, and which goals go with it.
+    Saves the current beliefs as a scene, atomically: all elements and the goals.
 
-    A saved scene of that name is replaced if ``If-Match`` says which version of it you have seen.
+    To replace a saved scene of that name, `If-Match` names the version that was seen.
     """
     entry, version = station.scenes.save(wanted.name, seen)
     response.headers["Location"] = f"/api/v1/scenes/{wanted.name}"
@@ -66,9 +66,9 @@ def save_scene(wanted: SaveScene, station: StationDep, seen: SeenDep, response: 
 
 @router.get("/scenes/{name}", dependencies=[needs(Role.VIEWER)], responses=tagged())
 def get_scene_file(name: SceneName, station: StationDep, response: Response) -> Scene:
-    """One scene that can be loaded.
+    """Get a scene.
 
-    Returns what a scene consists of, without loading it.
+    Describes a scene without loading it.
     """
     scene = station.scenes.get(name)
     response.headers["ETag"] = etag(scene.version)
@@ -77,9 +77,9 @@ def get_scene_file(name: SceneName, station: StationDep, response: Response) -> 
 
 @router.delete("/scenes/{name}", status_code=204, dependencies=[needs(Role.OPERATOR)])
 def delete_scene(name: SceneName, station: StationDep, seen: SeenDep) -> None:
-    """Remove a saved scene.
+    """Delete a saved scene.
 
-    Removes a saved scene; what is believed now stays. With ``If-Match`` only that version of it.
+    Deletes a saved scene; the current beliefs do not change. With `If-Match`, only if that is its version.
     """
     station.scenes.delete(name, seen)
 
@@ -89,9 +89,9 @@ def delete_scene(name: SceneName, station: StationDep, seen: SeenDep) -> None:
 
 @router.get("/scene", dependencies=[needs(Role.VIEWER)], responses=tagged())
 def get_scene(station: StationDep, response: Response) -> PresentScene:
-    """The present scene.
+    """Get the present scene.
 
-    Returns which scene was loaded last, what is in it now, and whether that is another by now.
+    Returns which scene was loaded last, what it contains now, and whether it was changed since.
     """
     return with_etag(station.scenes.present(), response)
 
@@ -146,12 +146,12 @@ def load_scene(
 ) -> PresentScene:
     """Load a scene.
 
-    Makes the present scene another one: one by name, or one sent as Turtle. What robots were taught stays.
+    Replaces the present scene by another one, named or sent as Turtle. Learned concepts are kept.
 
-    It is read and checked beside the present one, which stays where anything is wrong; nothing is fetched from
-    anywhere. Then robots, skill managers and bodies are brought up as the new scene has them, and that is answered when
-    it is done; other requests wait meanwhile, jobs stay in their queue. Only while nothing is under way.
-    ``If-Match`` names the version of the world that you have seen.
+    The new scene is read and checked first; if there is any fault, the present one is kept. Nothing is fetched from the
+    network. Then robots, skill managers and bodies are brought up, and the response is sent when that is done; other
+    requests wait meanwhile, jobs stay in the queue. The station must be idle. `If-Match` names the version of the world
+    that was seen.
     """
     return with_etag(station.scenes.load(wish.name, wish.turtle, seen, caller.author), response)
 
@@ -163,9 +163,9 @@ def load_scene(
     responses={200: {"description": "The scene.", "content": {TURTLE: {}}, **tagged()[200]}},
 )
 def get_scene_turtle(station: StationDep) -> Response:
-    """The present scene as Turtle.
+    """Export the present scene as Turtle.
 
-    Writes what is believed now as a scene file, in an order that depends on content alone.
+    Returns the current beliefs as a scene file; equal contents give equal files.
     """
     text, version = station.scenes.turtle()
     return Response(text, media_type=TURTLE, headers={"ETag": etag(version)})
@@ -174,21 +174,17 @@ def get_scene_turtle(station: StationDep) -> Response:
 @router.get("/scene/diff", dependencies=[needs(Role.VIEWER)])
 def get_scene_difference(
     station: StationDep,
-    with_: Annotated[
-        str,
-        Query(
-            alias="with",
-            pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$",
-            description="Name of the other scene.",
-            examples=["kitting"],
-        ),
-    ],
+    with_: Annotated[str, Query(alias="with", pattern="^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$", examples=["kitting"])],
     limit: Limit = 100,
-    cursor: Annotated[str | None, Query(pattern=r"^\d{1,9}$", description="From the page before.")] = None,
+    cursor: Annotated[str | None, Query(pattern=r"^\d{1,9}$")] = None,
 ) -> SceneDifference:
-    """What was changed in a scene.
+    """Compare with another scene.
 
-    Returns what makes the present scene of another one.
+    Returns the edits that turn another scene into the present one.
+
+    Parameters:
+        with: Name of the other scene.
+        cursor: `next` of the previous page.
     """
     return station.scenes.difference(with_, int(cursor or 0), limit)
 
@@ -202,18 +198,18 @@ _PICTURE: dict[int | str, dict[str, Any]] = {200: {"description": "The picture."
 
 @simulation_router.get("", dependencies=[needs(Role.VIEWER)])
 def get_simulation(station: StationDep) -> SimulationState:
-    """How the simulation goes on.
+    """Get the state of the simulation.
 
-    Returns what is behind the robots, whether time goes on and how fast, and what waits for a reset.
+    Returns which driver is used, whether simulated time advances and how fast, and what waits for a reset.
     """
     return station.simulation.state()
 
 
 @simulation_router.get("/bodies", dependencies=[needs(Role.VIEWER)], openapi_extra={"x-truth": True})
 def list_bodies(station: StationDep) -> Bodies:
-    """Where everything really is.
+    """List the true poses of bodies.
 
-    Lists the bodies with their true poses. This is for people who watch: no robot learns it.
+    Lists the bodies with their true poses, for people only: robots have no access to them.
     """
     return station.simulation.true_bodies()
 
@@ -222,16 +218,16 @@ def list_bodies(station: StationDep) -> Bodies:
 def move_body(body: BodyId, pose: BodyPose, station: StationDep) -> None:
     """Move a body.
 
-    Puts a body somewhere else, at rest. No robot is told: it has to find out, as if somebody had done it by hand.
+    Moves a body, and brings it to rest. No robot is informed: it has to notice, as if a person had moved it.
     """
     station.simulation.move(body, pose)
 
 
 @simulation_router.delete("/bodies/{body}", status_code=204, dependencies=[needs(Role.ENGINEER)])
 def remove_body(body: BodyId, station: StationDep) -> None:
-    """Take a body away.
+    """Remove a body.
 
-    Takes a body away. No robot is told; a reset brings it back where it is believed to be.
+    Removes a body. No robot is informed; a reset restores it where it is believed to be.
     """
     station.simulation.remove(body)
 
@@ -239,23 +235,25 @@ def remove_body(body: BodyId, station: StationDep) -> None:
 @simulation_router.post("/reset", dependencies=[needs(Role.ENGINEER)])
 def reset_simulation(
     station: StationDep,
-    force: Annotated[bool, Query(description="Stop first whatever is under way; its jobs wait for a person.")] = False,
+    force: bool = False,
 ) -> SimulationState:
     """Reset the simulation.
 
-    Brings everything up again: robots where the scene puts them, bodies as they are believed, beliefs as they are.
+    Brings everything up again: robots at the start poses of the scene, bodies where they are believed to be.
 
-    It is answered when the station is up again. This also helps where the control cycle broke. Where everything was
-    halted, it still is.
+    The response is sent when the station is up again. It also helps after a fault of the control cycle; a halt remains.
+
+    Parameters:
+        force: Stop everything that is running first; its jobs wait for a person.
     """
     return station.simulation.reset(force=force)
 
 
 @simulation_router.put("/pace", dependencies=[needs(Role.ENGINEER)])
 def set_pace(wanted: NewPace, station: StationDep) -> Pace:
-    """Go on faster or slower.
+    """Set the pace.
 
-    Changes how fast simulated time goes on, where the server was started with a pace and not in lockstep.
+    Changes the speed of simulated time, if the server was started with a pace and not in lockstep.
     """
     return Pace(pace=station.simulation.set_pace(wanted.pace))
 
@@ -263,18 +261,20 @@ def set_pace(wanted: NewPace, station: StationDep) -> Pace:
 @simulation_router.get("/picture", dependencies=[needs(Role.VIEWER)], response_class=Response, responses=_PICTURE)
 def get_picture(
     station: StationDep,
-    eye: Annotated[
-        str, Query(pattern=_COORDINATES, description="Where the observer is: x,y,z in the map [m].")
-    ] = "3.5,-3.5,3",
-    target: Annotated[
-        str, Query(pattern=_COORDINATES, description="Where the observer looks: x,y,z [m].")
-    ] = "0.5,0,0.3",
-    width: Annotated[int, Query(ge=16, le=1280, description="[px].")] = 640,
-    height: Annotated[int, Query(ge=16, le=960, description="[px].")] = 480,
+    eye: Annotated[str, Query(pattern=_COORDINATES)] = "3.5,-3.5,3",
+    target: Annotated[str, Query(pattern=_COORDINATES)] = "0.5,0,0.3",
+    width: Annotated[int, Query(ge=16, le=1280)] = 640,
+    height: Annotated[int, Query(ge=16, le=960)] = 480,
 ) -> Response:
-    """A picture of the scene.
+    """Render a picture of the scene.
 
-    Draws the scene as it really is now, as PNG. One at a time: 503 says when to ask again.
+    Renders the true state of the scene as PNG. One at a time: 503 says when to retry.
+
+    Parameters:
+        eye: Position of the observer: x,y,z in the map [m].
+        target: Point at which the observer looks: x,y,z in the map [m].
+        width: Width [px].
+        height: Height [px].
     """
     png = station.simulation.picture(_point(eye), _point(target), width, height)
     return Response(png, media_type="image/png", headers={"Cache-Control": "no-store"})

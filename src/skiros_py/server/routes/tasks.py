@@ -38,23 +38,26 @@ def place_of(task: TaskInfo) -> str:
 @router.get("/tasks", dependencies=[needs(Role.VIEWER)])
 def list_tasks(
     station: StationDep,
-    active: Annotated[bool | None, Query(description="Only what is under way, or only what is over.")] = None,
-    limit: Annotated[int, Query(ge=1, le=1000, description="So many at most.")] = 100,
+    active: bool | None = None,
+    limit: Annotated[int, Query(ge=1, le=1000)] = 100,
 ) -> Tasks:
     """List the tasks.
 
-    What the robots pursue, for jobs and beside them, the youngest first; of what is over the last 100 are kept.
+    Lists the tasks of jobs and others, newest first; the last 100 ended tasks are kept.
+
+    Parameters:
+        active: Only active tasks, or only ended ones.
     """
     return station.tasks.all(active=active, limit=limit)
 
 
 @router.post("/tasks", status_code=202, dependencies=[needs(Role.OPERATOR)])
 def begin_task(request: NewTask, station: StationDep, caller: CallerDep, response: Response) -> TaskInfo:
-    """Begin a task.
+    """Start a task.
 
-    Begins at once to pursue a goal, or to run steps as they are; it is not kept over a restart, as jobs are.
+    Starts to pursue a goal, or to run given steps, immediately; unlike a job, a task does not survive a restart.
 
-    For a person who stands at the robot; a factory system orders jobs.
+    For a person at the robot; a factory system orders jobs.
     """
     task = station.tasks.begin(request, caller.author)
     response.headers["Location"] = place_of(task)
@@ -63,9 +66,9 @@ def begin_task(request: NewTask, station: StationDep, caller: CallerDep, respons
 
 @router.get("/tasks/{name}", dependencies=[needs(Role.VIEWER)])
 def get_task(name: Name, station: StationDep) -> TaskInfo:
-    """Follow a task.
+    """Get a task.
 
-    What it does, its plan with order and starts, the steps that were started, what it asks, what came of it.
+    Returns its state, its plan with order and start times, the steps started, its questions, and its outcome.
     """
     return station.tasks.get(name)
 
@@ -74,11 +77,14 @@ def get_task(name: Name, station: StationDep) -> TaskInfo:
 def get_task_trace(
     name: Name,
     station: StationDep,
-    limit: Annotated[int, Query(ge=1, le=1000, description="The last so many entries.")] = 1000,
+    limit: Annotated[int, Query(ge=1, le=1000)] = 1000,
 ) -> TaskTrace:
-    """See what happened in a task.
+    """Get the trace of a task.
 
-    What happened, in sentences and as data, oldest first; of very much the last 1000 entries are kept.
+    Lists what happened, as text and as data, oldest first; at most the last 1000 entries are kept.
+
+    Parameters:
+        limit: Maximum number of entries, counted from the last one.
     """
     return station.tasks.trace(name, limit)
 
@@ -87,9 +93,9 @@ def get_task_trace(
 def command_task(name: Name, command: Command, station: StationDep, caller: CallerDep) -> TaskInfo:
     """Command a task.
 
-    Pauses a task, resumes it, lets it do one step, or stops it; obeyed in the coming control cycle.
+    Pauses or resumes a task, executes one step, or stops it, from the next control cycle on.
 
-    A job's task is commanded through the job.
+    A task of a job is commanded through the job.
     """
     return station.tasks.command(name, command, caller.author)
 

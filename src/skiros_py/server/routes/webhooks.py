@@ -32,26 +32,26 @@ router = APIRouter(prefix="/webhooks", tags=["webhooks"], dependencies=[needs(Ro
 
 WebhookId = Annotated[str, Path(max_length=100, description="Id of the webhook.", examples=["wh_5f0c"])]
 Number = Annotated[int, Path(ge=1, lt=2**53, description="Number of the delivery.")]
-Limit = Annotated[int, Query(ge=1, le=1000, description="At most so many.")]
-Cursor = Annotated[str | None, Query(max_length=30, description="From the page before.")]
+Limit = Annotated[int, Query(ge=1, le=1000)]
+Cursor = Annotated[str | None, Query(max_length=30)]
 
 _UNKNOWN = "UnknownWebhook"
 
 
 @router.get("")
 def list_webhooks(services: ServicesDep) -> list[Webhook]:
-    """All webhooks.
+    """List webhooks.
 
-    Lists who is told of jobs, with how much waits for them.
+    Lists the webhooks, with the number of pending deliveries.
     """
     return [_shown(services, one) for one in services.webhooks.subscriptions]
 
 
 @router.post("", status_code=201)
 def create_webhook(order: WebhookOrder, services: ServicesDep, response: Response) -> WebhookSecret:
-    """Have another system told of jobs.
+    """Create a webhook.
 
-    Makes a webhook. It is told of what happens from now on; the key of its signatures is shown this once.
+    Creates a webhook, which receives events from now on; the key of its signatures is returned only in this response.
     """
     _check(order, services)
     secret = order.secret or new_secret()
@@ -65,18 +65,18 @@ def create_webhook(order: WebhookOrder, services: ServicesDep, response: Respons
 
 @router.get("/dead-letters")
 def list_dead_letters(services: ServicesDep, limit: Limit = 100, cursor: Cursor = None) -> Deliveries:
-    """Messages that were given up.
+    """List dead letters.
 
-    Lists what no target took for a day; ``POST …/redeliver`` sends it again.
+    Lists the messages that no target accepted for a day; ``POST …/redeliver`` sends one again.
     """
     return _page(services, None, DeliveryState.DEAD, cursor, limit)
 
 
 @router.get("/{webhook}")
 def get_webhook(webhook: WebhookId, services: ServicesDep) -> Webhook:
-    """One webhook.
+    """Get a webhook.
 
-    Describes one webhook; its key is not shown again.
+    Returns a webhook without its key.
     """
     with addressed(_UNKNOWN):
         return _shown(services, services.webhooks.subscription(webhook))
@@ -86,7 +86,7 @@ def get_webhook(webhook: WebhookId, services: ServicesDep) -> Webhook:
 def change_webhook(webhook: WebhookId, change: WebhookChange, services: ServicesDep) -> Webhook:
     """Change a webhook.
 
-    Changes what a webhook is told, or lets it rest; what happens meanwhile is kept for it.
+    Changes the events that a webhook receives, or suspends it; events are kept for it meanwhile.
     """
     _check_states(change.states or ())
     with addressed(_UNKNOWN):
@@ -97,9 +97,9 @@ def change_webhook(webhook: WebhookId, change: WebhookChange, services: Services
 
 @router.delete("/{webhook}", status_code=204)
 def delete_webhook(webhook: WebhookId, services: ServicesDep) -> None:
-    """Remove a webhook.
+    """Delete a webhook.
 
-    Removes a webhook with all that waits for it.
+    Deletes a webhook with its pending deliveries.
     """
     with addressed(_UNKNOWN):
         services.webhooks.remove(webhook)
@@ -107,7 +107,7 @@ def delete_webhook(webhook: WebhookId, services: ServicesDep) -> None:
 
 @router.post("/{webhook}/ping", status_code=202)
 def ping_webhook(webhook: WebhookId, services: ServicesDep, response: Response) -> None:
-    """Try a webhook out.
+    """Test a webhook.
 
     Sends a message of type ``io.skiros.ping.v1``; the deliveries show whether it arrived.
     """
@@ -121,13 +121,16 @@ def ping_webhook(webhook: WebhookId, services: ServicesDep, response: Response) 
 def list_deliveries(
     webhook: WebhookId,
     services: ServicesDep,
-    state: Annotated[DeliveryState | None, Query(description="Only those in this state.")] = None,
+    state: DeliveryState | None = None,
     limit: Limit = 100,
     cursor: Cursor = None,
 ) -> Deliveries:
-    """What became of the messages.
+    """List deliveries.
 
-    Lists the messages of a webhook, the latest first; of those that arrived the last thousand.
+    Lists the messages of a webhook, newest first; the last thousand delivered ones are kept.
+
+    Parameters:
+        state: Only deliveries in this state.
     """
     with addressed(_UNKNOWN):
         services.webhooks.subscription(webhook)
@@ -136,7 +139,7 @@ def list_deliveries(
 
 @router.post("/{webhook}/deliveries/{number}/redeliver", status_code=202)
 def redeliver(webhook: WebhookId, number: Number, services: ServicesDep) -> None:
-    """Send a dead letter again.
+    """Redeliver a dead letter.
 
     Sends a message again that was given up.
     """

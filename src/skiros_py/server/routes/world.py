@@ -27,14 +27,16 @@ from skiros_py.server.access.roles import CallerDep, Role, needs
 from skiros_py.server.problems import NEEDS_VERSION, Problem, SeenDep, etag, tagged
 from skiros_py.server.services import StationDep
 
-Limit = Annotated[int, Query(ge=1, le=1000, description="How many at most.")]
-ChangeLimit = Annotated[int, Query(ge=1, le=200, description="How many at most.")]
-Cursor = Annotated[str | None, Query(max_length=300, description="Where to read on: `next` of the page before.")]
+Limit = Annotated[int, Query(ge=1, le=1000)]
+ChangeLimit = Annotated[int, Query(ge=1, le=200)]
+Cursor = Annotated[str | None, Query(max_length=300)]
 ElementPath = Annotated[
     str, Path(max_length=300, description="Id of the element.", examples=["starter_1", "learned:taught_grasp_1"])
 ]
 NamePath = Annotated[str, Path(max_length=300, description="A name of the ontology.", examples=["kitting:Starter"])]
-WhyQuery = Annotated[str, Query(max_length=1000, description="Why, for people.", examples=["delivered this morning"])]
+WhyQuery = Annotated[
+    str, Query(max_length=1000, description="Reason, for people.", examples=["delivered this morning"])
+]
 
 
 def also_refused(status: int, why: str) -> dict[int | str, dict[str, Any]]:
@@ -72,9 +74,9 @@ _LATEST = 2**62
 
 @router.get("/world", dependencies=[needs(Role.VIEWER)], responses=tagged())
 def read_world(station: StationDep, response: Response) -> WorldInfo:
-    """Read what there is, in numbers.
+    """Get the state of the world.
 
-    Tells the world's version, how much is in it, and what an undo would take back; its ETag is the version.
+    Returns the version of the world, its number of elements, and what an undo would revert; the ETag is the version.
     """
     info = station.world.info()
     response.headers["ETag"] = etag(info.version)
@@ -84,40 +86,45 @@ def read_world(station: StationDep, response: Response) -> WorldInfo:
 @router.get("/tree", dependencies=[needs(Role.VIEWER)])
 def read_tree(
     station: StationDep,
-    root: Annotated[
-        str, Query(max_length=300, description="Where to begin; above everything where left out.", examples=["kit_1"])
-    ] = "",
-    depth: Annotated[int, Query(ge=0, le=20, description="How many levels below it.")] = 3,
-    limit: Annotated[int, Query(ge=1, le=1000, description="How many children of each node at most.")] = 100,
+    root: Annotated[str, Query(max_length=300, examples=["kit_1"])] = "",
+    depth: Annotated[int, Query(ge=0, le=20)] = 3,
+    limit: Annotated[int, Query(ge=1, le=1000)] = 100,
     cursor: Cursor = None,
 ) -> TreeNode:
     """Read the world as a tree.
 
-    Returns what is placed where and what things are built of: at most 2000 nodes, those next to the root first.
+    Returns the tree of placements and parts: at most 2000 nodes, those nearest to the root first.
 
-    Where `children_total` is more than the children given, read on with `root=<id>&cursor=<next>`.
+    If `children_total` is greater than the number of children returned, read on with `root=<id>&cursor=<next>`.
+
+    Parameters:
+        root: The element at the root; the root of the world if omitted.
+        depth: Number of levels below it.
+        limit: Maximum number of children per node.
     """
     return station.world.tree(root, depth, limit, cursor or "")
 
 
-_FORGOTTEN = also_refused(410, "The changes are remembered no longer.")
+_FORGOTTEN = also_refused(410, "The changes are no longer stored.")
 
 
 @router.get("/world/changes", dependencies=[needs(Role.VIEWER)], responses=_FORGOTTEN)
 def list_changes(
     station: StationDep,
-    since: Annotated[int, Query(ge=0, le=_LATEST, description="Only changes after this number.")] = 0,
-    newest_first: Annotated[
-        bool, Query(description="Go back in time instead, from the latest; `since` is ignored.")
-    ] = False,
+    since: Annotated[int, Query(ge=0, le=_LATEST)] = 0,
+    newest_first: bool = False,
     limit: ChangeLimit = 100,
     cursor: Cursor = None,
 ) -> ChangePage:
     """List changes.
 
-    Returns what changed, by whom and why; of each change the first 100 edits.
+    Lists changes with their authors and reasons, each with its first 100 edits.
 
-    Of a long edit history only the later part may be remembered: 410 where an older one is asked for.
+    Old changes may have been removed: 410 if one of these is requested.
+
+    Parameters:
+        since: Only changes after this number.
+        newest_first: From the newest change backwards; `since` is ignored.
     """
     start = number_cursor(cursor, _LATEST if newest_first else since)
     return station.world.changes(start, limit, newest_first=newest_first)
@@ -126,13 +133,16 @@ def list_changes(
 @router.get("/world/changes/{number}", dependencies=[needs(Role.VIEWER)], responses=_FORGOTTEN)
 def read_change(
     station: StationDep,
-    number: Annotated[int, Path(ge=0, le=_LATEST, description="Its number.", examples=[1])],
+    number: Annotated[int, Path(ge=0, le=_LATEST, examples=[1])],
     limit: Limit = 1000,
     cursor: Cursor = None,
 ) -> Change:
-    """Read a change.
+    """Get a change.
 
-    Tells a change with all its edits, as many at a time as wanted.
+    Returns a change with its edits, in pages.
+
+    Parameters:
+        number: Its number.
     """
     return station.world.change(number, number_cursor(cursor), limit)
 
@@ -144,12 +154,12 @@ def read_change(
 def write_transaction(
     order: TransactionOrder, station: StationDep, caller: CallerDep, seen: SeenDep, response: Response
 ) -> Written:
-    """Write several things at once.
+    """Execute a transaction.
 
-    Does all operations, as one change, or none; a refusal names everything that is wrong.
+    Executes all operations as one change, or none; a refusal lists all problems.
 
-    What is there already is changed only by who says what they have seen: by `expects`, or by `If-Match` with the
-    version of the world (`*` for whatever it is).
+    Existing elements are changed only if the caller names the versions seen: in `expects`, or in `If-Match` with the
+    version of the world (`*` for any).
     """
     written = station.world.write(order, seen, caller.author)
     response.headers["ETag"] = etag(written.version)
@@ -158,11 +168,11 @@ def write_transaction(
 
 @router.post("/world/undo", dependencies=[needs(Role.OPERATOR)])
 def undo_edit(station: StationDep, caller: CallerDep, order: UndoOrder | None = None) -> Change:
-    """Undo the last edit by a person.
+    """Undo the last edit of a person.
 
-    Takes back the last edit that a person made and that was not undone yet, as a change of its own.
+    Reverts the last edit of a person that was not reverted yet, as a new change.
 
-    What skills sensed is never undone; 409 where something was built on the edit since.
+    Changes by skills are never reverted; 409 if later changes depend on the edit.
     """
     return station.world.undo(order, caller.author)
 
@@ -172,9 +182,9 @@ learned_router = APIRouter(tags=["learned"])
 
 @learned_router.get("/learned", dependencies=[needs(Role.VIEWER)])
 def list_learned(station: StationDep, limit: Limit = 100, cursor: Cursor = None) -> LearnedPage:
-    """List what robots were taught.
+    """List learned concepts.
 
-    Lists what robots were taught and keep beyond this scene, in the order of ids.
+    Lists the concepts taught to robots, which persist beyond this scene, in the order of ids.
     """
     return station.world.learned(limit, cursor or "")
 
@@ -183,9 +193,9 @@ def list_learned(station: StationDep, limit: Limit = 100, cursor: Cursor = None)
 def forget_learned(
     element: ElementPath, station: StationDep, caller: CallerDep, seen: SeenDep, reason: WhyQuery = ""
 ) -> Written:
-    """Forget something.
+    """Forget a learned concept.
 
-    Forgets something with its pieces; an undo brings it back.
+    Deletes a learned concept with its parts; an undo restores it.
     """
     return station.world.forget(element, seen, caller.author, reason)
 
@@ -197,11 +207,11 @@ def forget_learned(
     responses={200: {"content": {"text/turtle": {"schema": {"type": "string"}}}}},
 )
 def export_learned(station: StationDep) -> Response:
-    """Read what robots were taught as Turtle.
+    """Export learned concepts as Turtle.
 
-    Writes everything that was learned as the text of a file.
+    Returns all learned concepts as the text of a Turtle file.
 
-    Another robot knows it from the start when the file lies in its new data directory as learned.ttl.
+    A new data directory that contains this file as learned.ttl starts with them.
     """
     return Response(station.world.learned_turtle(), media_type="text/turtle; charset=utf-8")
 
@@ -213,7 +223,7 @@ locks_router = APIRouter(tags=["locks"])
 def list_locks(station: StationDep) -> LockList:
     """List locks.
 
-    Returns who alone may edit which elements, and until when.
+    Lists the locks of elements, with their owners and expiry times.
     """
     return station.world.locks()
 
@@ -222,9 +232,9 @@ def list_locks(station: StationDep) -> LockList:
 def lock_elements(order: LockOrder, station: StationDep, caller: CallerDep) -> LockList:
     """Lock elements.
 
-    Keeps other people and jobs from editing elements, all of them or none; locking again makes it last longer.
+    Prevents other people and jobs from editing elements, all of them or none; locking again extends the lock.
 
-    Skills are not kept from saying what they sensed. Locks end with the server, and when another scene is loaded.
+    Skills can still report what they sense. Locks end with the server, and when another scene is loaded.
     """
     return station.world.lock(order, caller.author)
 
@@ -233,16 +243,16 @@ def lock_elements(order: LockOrder, station: StationDep, caller: CallerDep) -> L
 def end_locks(
     station: StationDep,
     caller: CallerDep,
-    elements: Annotated[
-        list[ElementId] | None, Query(max_length=100, description="Which; all of the owner where left out.")
-    ] = None,
-    owner: Annotated[
-        str | None, Query(max_length=300, description="Whose locks; those of others only an admin ends.")
-    ] = None,
+    elements: Annotated[list[ElementId] | None, Query(max_length=100)] = None,
+    owner: Annotated[str | None, Query(max_length=300)] = None,
 ) -> LockList:
-    """End locks.
+    """Release locks.
 
-    Ends one's own locks, and answers with those that are left; what is not locked stays as it is.
+    Releases the caller's locks, and returns the remaining ones; elements that are not locked are ignored.
+
+    Parameters:
+        elements: The elements; all those of the owner if omitted.
+        owner: Owner of the locks; only an admin releases the locks of others.
     """
     if owner not in (None, caller.name) and caller.role is not Role.ADMIN:
         raise Problem(403, "RoleTooLow", f"locks of {owner} are ended by {owner} or by an admin")
@@ -260,23 +270,20 @@ _Id = Annotated[str, Query(max_length=300)]
 @router.get("/view", dependencies=[needs(Role.VIEWER)], response_model=WorldView, responses=_ANSWERS)
 def read_view(
     station: StationDep,
-    element: Annotated[
-        list[_Id] | None,
-        Query(
-            max_length=100,
-            description="Only these elements, with what moves or is gone with them; everything where left out.",
-            examples=[["kit_1"]],
-        ),
-    ] = None,
-    if_none_match: Annotated[str | None, Header(max_length=1000, description="ETag of the view that is known.")] = None,
+    element: Annotated[list[_Id] | None, Query(max_length=100, examples=[["kit_1"]])] = None,
+    if_none_match: Annotated[str | None, Header(max_length=1000)] = None,
 ) -> Response:
-    """Read what there is to be seen.
+    """Get the shapes and poses of all elements.
 
-    Tells where everything is believed to be, and what it looks like: boxes and cylinders.
+    Returns the believed poses of all elements and their shapes: boxes and cylinders.
 
-    Read everything once; then follow the events of the world, and read anew the elements that they name. What is on a
-    robot's base is told in the frame of that base, and what a gripper holds in that of the tool: where these are is
-    told by `/state` and its stream from moment to moment.
+    Read everything once, then follow the events of the world and read the named elements again. Poses of elements on a
+    robot's base are relative to that base, those of held elements to the tool: `/state` and its stream contain the
+    current poses of these.
+
+    Parameters:
+        element: Only these elements, with those that move or disappear with them; everything if omitted.
+        if-none-match: ETag of the view already known.
     """
     tag = f'"{station.world.view_tag()}"'
     if _knows(if_none_match, tag):

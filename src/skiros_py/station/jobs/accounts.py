@@ -34,21 +34,19 @@ def response_of(jobs: JobManager, job: Job, now: float) -> JobResponse:
     """
     view = job_view(job, now)
     state = view.state
-    return JobResponse(
+    return JobResponse.view_of(
+        view,
         job_response_id=job.id,
         job_order_id=job.id,
-        description=job.order.description,
+        description=view.order.description,
         start_time=view.started,
         end_time=view.ended,
         job_state=(
             StateEntry(number=state.number, text=state.text),
             *(StateEntry(number=None, text=text) for text in state.substates),
         ),
-        outcome=view.outcome,
-        conditions=view.conditions,
         material_actuals=view.materials,
         job_response_data=steps_view(jobs.intents(job.id)),
-        reasons=job.reasons,
         lateness=job.lateness,
         transitions=transitions_view(jobs.transitions(job.id)),
     )

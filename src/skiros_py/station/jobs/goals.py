@@ -59,13 +59,8 @@ def checked_goal(
 def _checked(condition: Condition, view: WorldView) -> CheckedCondition:
     verdict = believed(condition, view)
     (data,) = goal_as_data((condition,))
-    return CheckedCondition(
-        text=goal_as_text((condition,)),
-        data=data,
-        holds=verdict.holds,
-        why=verdict.why,
-        lines=tuple(verdict.lines()),
-    )
+    text = goal_as_text((condition,))
+    return CheckedCondition.view_of(verdict, text=text, data=data, lines=tuple(verdict.lines()))
 
 
 # ------------------------------------------------------------------ words
@@ -86,13 +81,8 @@ def condition_words(
     for name, type_ in sorted(conditions.items()):
         wanted = tuple(_wanted(type_.pattern, ontology))
         skills = [skill for skill, changes in brought.items() if any(one(c) for one in wanted for c in changes)]
-        yield ConditionWord(
-            name=name,
-            help=type_.help,
-            roles=tuple(_roles(type_, [c.skill for c in capabilities if c.skill.name in skills], ontology)),
-            abstract=type_.abstract,
-            skills=tuple(sorted(skills)),
-        )
+        roles = tuple(_roles(type_, [c.skill for c in capabilities if c.skill.name in skills], ontology))
+        yield ConditionWord.view_of(type_, name=name, roles=roles, skills=tuple(sorted(skills)))
 
 
 def _roles(type_: ConditionType, skills: Sequence[SkillDescription], ontology: Ontology) -> Iterator[Role]:

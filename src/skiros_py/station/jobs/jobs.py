@@ -318,12 +318,7 @@ class JobService(Service):
         session = self._station.session
         return JobCapabilities(
             work_masters=tuple(
-                WorkMaster(
-                    id=one.name,
-                    version=one.version,
-                    description=one.content.description,
-                    parameters=one.content.parameters,
-                )
+                WorkMaster.view_of(one.content, id=one.name, version=one.version)
                 for one in self._station.template_store.all()
             ),
             material_class_ids=tuple(sorted(session.world.ontology.subclasses(MANIPULATABLE))),

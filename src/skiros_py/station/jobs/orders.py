@@ -12,9 +12,7 @@ from skiros_py.api.jobs import JobOrder as Ordered
 from skiros_py.api.wire import fault_words
 from skiros_py.errors import UsageError
 from skiros_py.station.jobs.templates import TemplateStore, goal_texts
-from skiros_py.tasks.handle import Policy
 from skiros_py.tasks.jobs import JobOrder
-from skiros_py.tasks.jobs.job import Material
 
 LONGEST = 64 << 10
 """Maximum size of an order, with its goal and all other fields [bytes]."""
@@ -68,19 +66,7 @@ def job_order(ordered: Ordered, id_: str, goal: tuple[str, ...]) -> JobOrder:
     if id_ in _NO_IDS:
         raise UsageError(f"'{id_}' cannot be the id of a job: it means something else in an address")
     try:
-        return JobOrder(
-            id=id_,
-            goal=goal,
-            description=ordered.description,
-            priority=ordered.priority,
-            not_before=ordered.not_before,
-            deadline=ordered.deadline,
-            expires=ordered.expires,
-            policy=Policy(**ordered.policy.model_dump()),
-            work_master=ordered.work_master,
-            parameters=dict(ordered.parameters),
-            materials=tuple(Material(**material.model_dump()) for material in ordered.materials),
-        )
+        return JobOrder.model_validate(ordered.model_dump(by_alias=True) | {"id": id_, "goal": goal})
     except ValidationError as error:
         faults = ((".".join(map(str, one["loc"])), fault_words(one)) for one in error.errors())
         raise UsageError("; ".join(f"{field}: {_said(field, words)}" for field, words in faults)) from None

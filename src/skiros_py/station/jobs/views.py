@@ -89,12 +89,7 @@ def steps_view(intents: Iterable[Intent]) -> tuple[JobStep, ...]:
 def transitions_view(transitions: Iterable[Transition]) -> tuple[JobTransition, ...]:
     """Returns a job's changes of state as the API shows them."""
     return tuple(
-        JobTransition(
-            at=datetime.fromtimestamp(one.wall, UTC),
-            trigger=one.trigger,
-            state=state_view(one.state),
-            comment=one.comment,
-        )
+        JobTransition.view_of(one, at=datetime.fromtimestamp(one.wall, UTC), state=state_view(one.state))
         for one in transitions
     )
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from datetime import UTC, datetime
-from typing import Any, Literal, cast
+from typing import Any
 
 from skiros_py.api.modules import (
     BodyEdge,
@@ -36,8 +36,6 @@ from skiros_py.skills.surroundings import owner
 from skiros_py.station.modules.runs import ModuleRun, Round
 from skiros_py.station.session import Session
 
-ModuleKind = Literal["skill", "primitive", "document"]
-
 # ---------------------------------------------------------------------- managers and modules
 
 
@@ -50,15 +48,14 @@ def manager(session: Session, manager: SkillManager) -> ManagerInfo:
     """Describes a skill manager."""
     element = session.world.element(manager.agent) if session.world.has(manager.agent) else None
     offered = set(manager.descriptions)
-    return ManagerInfo(
-        agent=manager.agent,
+    return ManagerInfo.view_of(
+        manager,
         label=element.label if element else "",
         type=element.type if element else "",
         robot=_place(session, manager.agent).robot,
         skills=sorted(offered),
         primitives=[name for name in manager.modules if manager.info(name).kind == "primitive"],
         running=[RunningInfo(module=name, status=run.status) for name, run in sorted(manager.running.items())],
-        lost=manager.lost,
     )
 
 
@@ -78,13 +75,7 @@ def modules(session: Session) -> list[ModuleSummary]:
 
 def _summary(session: Session, name: str, able: list[SkillManager]) -> ModuleSummary:
     info = able[0].info(name)
-    return ModuleSummary(
-        name=name,
-        kind=cast(ModuleKind, info.kind),
-        help=info.help,
-        version=info.version,
-        agents=[_place(session, manager.agent) for manager in able],
-    )
+    return ModuleSummary.view_of(info, agents=[_place(session, manager.agent) for manager in able])
 
 
 def module(manager: SkillManager, name: str) -> ModuleDetails:
@@ -97,12 +88,9 @@ def module(manager: SkillManager, name: str) -> ModuleDetails:
     ways = manager.implementations(name) if info.kind == "skill" else ()
     description = ways[0].description if ways else None
     document = manager.document(name)
-    return ModuleDetails(
+    return ModuleDetails.view_of(
+        info,
         agent=manager.agent,
-        name=name,
-        kind=cast(ModuleKind, info.kind),
-        help=info.help,
-        version=info.version,
         parameters=_parameters(info.params),
         pre=_conditions(description.pre if description else ()),
         hold=_conditions(description.hold if description else ()),
@@ -113,12 +101,10 @@ def module(manager: SkillManager, name: str) -> ModuleDetails:
 
 def _parameters(params: Iterable[Param]) -> list[ModuleParameter]:
     return [
-        ModuleParameter(
-            key=param.key,
+        ModuleParameter.view_of(
+            param,
             type=param.type_name,
             kind=param.kind.value,
-            help=param.help,
-            unit=param.unit,
             required=param.kind.is_required,
             planning=param.kind is Kind.PLANNING,
             default=as_json(param, param.default),
@@ -142,12 +128,9 @@ def _conditions(conditions: Iterable[Condition]) -> list[SkillCondition]:
 
 
 def _implementation(way: Skill) -> Implementation:
-    return Implementation(
-        label=way.label,
-        version=way.version,
+    return Implementation.view_of(
+        way,
         driver=way.driver or "",
-        order=way.order,
-        requires=list(way.requires),
         when=_conditions(way.when),
         nodes=_nodes(way.parts),
         edges=_edges(way.parts),
@@ -170,7 +153,7 @@ def _edges(parts: Mapping[str, Behaviour]) -> list[BodyEdge]:
     drawn = (edge for part, root in parts.items() for node in nodes_of(root, part) for edge in node.edges)
     return [
         *(BodyEdge(source="", target=part, label="") for part in parts),
-        *(BodyEdge(source=edge.source, target=edge.target, label=edge.label) for edge in drawn),
+        *map(BodyEdge.view_of, drawn),
     ]
 
 
@@ -240,8 +223,8 @@ def run_info(run: ModuleRun, *, in_full: bool = True) -> ModuleRunInfo:
 def _round(one: Round) -> ModuleRound:
     outcome = one.outcome
     if isinstance(outcome, Failure):
-        return ModuleRound(success=False, code=outcome.code, text=outcome.reason, start=one.start, end=one.end)
-    return ModuleRound(success=True, code=1, text=outcome.message, start=one.start, end=one.end)
+        return ModuleRound.view_of(one, success=False, code=outcome.code, text=outcome.reason)
+    return ModuleRound.view_of(one, success=True, code=1, text=outcome.message)
 
 
 def _progress(event: ModuleEvent) -> ModuleProgress:

@@ -164,10 +164,7 @@ def _seen(shot: _Shot) -> tuple[Seen, ...]:
     except SkirosError:  # reported by the caller of the request
         return ()
     if isinstance(result, LookResult):
-        return tuple(
-            Seen(type=one.type, pose=_pose(one.pose), size=one.size, cost=one.cost, margin=one.margin)
-            for one in result.detections
-        )
+        return tuple(Seen.view_of(one, pose=_pose(one.pose)) for one in result.detections)
     return _registered(shot, result) if isinstance(result, RegistrationResult) else ()
 
 

@@ -67,12 +67,10 @@ class PreviewService(Service):
 
 def _shown(preview: Known) -> Preview:
     planned, plan, none = preview.planned, preview.plan, preview.no_plan
-    return Preview(
-        id=preview.id,
+    return Preview.view_of(
+        preview,
         state=_state(preview),
-        goal=preview.goal,
         conditions=tuple(map(str, preview.conditions)),
-        world=preview.world,
         asked=moment(preview.asked),
         wall=None if planned is None else planned.wall,
         planner="" if planned is None else planned.planner,

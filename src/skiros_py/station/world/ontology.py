@@ -41,11 +41,9 @@ def _primary_children(ontology: Ontology) -> Mapping[str, list[str]]:
 
 def _node(view: Index, name: str, children: Mapping[str, list[str]], depth: int) -> api.ClassNode:
     class_, below = view.ontology.classes[name], children.get(name, [])
-    return api.ClassNode(
+    return api.ClassNode.view_of(
+        class_,
         name=name,
-        label=class_.label,
-        comment=class_.comment,
-        parents=list(class_.parents),
         instances=view.count(name),
         children=[_node(view, child, children, depth - 1) for child in below] if depth else [],
         children_total=len(below),
@@ -61,19 +59,15 @@ def class_details(view: Index, name: str, catalogue: Catalogue) -> api.ClassDeta
     ontology = view.ontology
     ancestors = ontology.ancestors(name)
     class_: Class = ontology.classes[name]
-    return api.ClassDetails(
+    return api.ClassDetails.view_of(
+        class_,
         name=name,
-        label=class_.label,
-        comment=class_.comment,
-        parents=list(class_.parents),
         ancestors=list(ancestors),
         subclasses=list(ontology.subclasses(name)),
         properties=[_class_property(view, name, p) for p in _fitting_properties(ontology, name)],
         relations_from=[r.curie for r in _relations(ontology) if not ontology.missed_end(name, r.domains)],
         relations_to=[r.curie for r in _relations(ontology) if not ontology.missed_end(name, r.ranges)],
-        how_many=[
-            api.HowMany(relation=n.relation, least=n.least, most=n.most, of=n.of) for n in ontology.cardinalities(name)
-        ],
+        how_many=list(map(api.HowMany.view_of, ontology.cardinalities(name))),
         instances=view.count(name),
         some_instances=list(view.some_instances(name, _MOST_SHOWN)),
         individuals=list(view.abstracts(name))[:_MOST_SHOWN],

@@ -10,7 +10,7 @@ from decimal import Decimal
 from itertools import islice
 from typing import Any
 
-from skiros_py.api.ontology import ClassDetails, ClassNode, PlacementOptions, PropertyPage, RelationPage
+from skiros_py.api.ontology import ClassDetails, ClassNode, PlacementOptions, PropertyPage, RelationInfoPage
 from skiros_py.api.queries import Bound, DecimalLiteral, Query, TextLiteral
 from skiros_py.errors import Busy, DeviceError, UsageError
 from skiros_py.station.control import ControlThread
@@ -154,11 +154,11 @@ class OntologyService(Service):
         with addressed():
             return class_details(session.world.snapshot(), name, session.catalogue)
 
-    def relations(self, limit: int = 1000, after: str = "") -> RelationPage:
+    def relations(self, limit: int = 1000, after: str = "") -> RelationInfoPage:
         """Lists relations by name, with the classes at their ends."""
         view = self._view
         names, more = _page(view.ontology.relations, limit, after)
-        return RelationPage(items=[relation_info(view, view.ontology.relations[name]) for name in names], next=more)
+        return RelationInfoPage(items=[relation_info(view, view.ontology.relations[name]) for name in names], next=more)
 
     def properties(self, limit: int = 1000, after: str = "") -> PropertyPage:
         """Lists properties by name, with data type and unit."""
