@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 from fastapi.routing import APIRoute, iter_route_contexts
 
+from skiros_py.cli.call import operations
 from skiros_py.server.app import create_app
 from skiros_py.server.services import Services
 from skiros_py.server.settings import ServerSettings
@@ -24,6 +25,10 @@ OWN = {
 """About the server itself: its keys, logins, audit log, webhooks and health."""
 STREAMS = {"list_events", "stream_events", "stream_state"}
 """Each listener has a position of its own in the log of events, or a rate of its own."""
+FOLLOWED = {"stream_events", "stream_job_events", "stream_state"}
+"""Endless: the client follows them (``Client.follow``); on the command line ``skiros job watch`` does."""
+MONITORING = {"get_health", "get_metrics", "get_readiness"}
+"""For programs that monitor servers, outside of the API's prefix; each is an address without arguments."""
 SEVERAL = {
     "answer_alarm": "who may answer depends on the alarm",
     "read_view": "the view is made only where its tag is another one",
@@ -83,3 +88,10 @@ def test_each_use_case_that_a_route_calls_is_a_public_method_of_the_station(tmp_
             topic, method = call.split(".")
             assert callable(getattr(getattr(station, topic), method)), call
             assert not method.startswith("_")
+
+
+def test_each_route_is_an_operation_of_the_client_and_of_skiros_call(tmp_path: Path) -> None:
+    names = {route.endpoint.__name__ for route in routes(tmp_path)}
+    called = {method.make.__name__ for _, method in operations()}
+
+    assert names - called == FOLLOWED | MONITORING

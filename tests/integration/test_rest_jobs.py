@@ -506,7 +506,7 @@ def test_the_client_says_the_same(served):
         assert job.outcome == "goal already satisfied"
         assert client.send(calls.get_job(job.id)) == job
         assert client.send(calls.list_jobs(states=["Ended"], limit=1000)).items[-1] == job
-        assert client.send(calls.list_jobs(states=["Ended"], limit=1, newest_first=True)).items == (job,)
+        assert client.send(calls.list_jobs(states=["Ended"], limit=1, newest_first=True)).items == [job]
         assert client.send(calls.list_job_responses(limit=1, newest_first=True)).items[0].job_order_id == job.id
         assert client.send(calls.get_job_response(job.id)).outcome == job.outcome
         assert client.send(calls.get_job_plan(job.id)).steps == ()

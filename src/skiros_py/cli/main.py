@@ -25,6 +25,7 @@ _COMMANDS = {
     "signal": ("cell:signal", "List, read and set the signals of a server."),
     "device": ("cell:device", "List, open, close, jog and teach the devices of a server while it runs."),
     "document": ("document", "Write, run and debug the documents of a server: trees, nets and graphs."),
+    "call": ("call", "Call any operation of a server; list them."),
     "report": ("report", "Make a page about a run: timeline, pictures, what happened and why."),
     "plan": ("plan", "Show domain, problem and plan without doing anything."),
     "skills": ("skills", "List the skills, primitives and conditions that were found."),

@@ -1,4 +1,4 @@
-"""The composition root: reads the scene, loads plug-ins, wires adapters to ports, starts and stops everything."""
+"""The composition root: reads the scene, loads plug-ins, connects adapters to ports, opens and closes everything."""
 
 from __future__ import annotations
 
@@ -100,12 +100,18 @@ class Options:
 
 
 class Session:
-    """A scene brought to life: world, robots, skill managers, task manager. Close it, or use it in a ``with``.
+    """An open cell: world, robots, skill managers, planning, task manager. Close it, or use it in a ``with``.
+
+    Its caller steps it: nothing moves unless a method such as :meth:`run` steps the control cycle, so a run in lockstep
+    depends on its seed alone. ``skiros run``, ``plan`` and ``module``, tests and benchmarks use it like this, for one
+    goal in one thread. A :class:`~skiros_py.station.station.Station` lets a control thread step its session, and adds
+    what several callers share: events, alarms, recordings, documents, previews. Both start a goal by :meth:`begin` and
+    a module by :meth:`start_module`; there is no other way.
 
     Args:
         scene: Name or path of the scene; empty where the data directory has its world already.
         options: How to open it.
-        catalogue: Plug-ins, where they were found already.
+        catalogue: Plug-ins that were found already; None to find them.
 
     Attributes:
         world: The live world model.
@@ -117,10 +123,10 @@ class Session:
         runtime: Runs modules on the cell.
         cycle: The control cycle.
         managers: The skill managers by the id of their subsystem.
-        questions: What the robots ask a person.
-        planning: Where it is planned.
-        stopped: True when somebody asked for a stop.
-        left_out: Bodies that it was opened without, each with the reason: what people have written of them does not do.
+        questions: Questions of the robots to a person.
+        planning: The planning service.
+        stopped: True if a stop was requested.
+        left_out: Bodies without which it was opened, each with the reason: their descriptions are incomplete.
     """
 
     def __init__(self, scene: str, options: Options = Options(), *, catalogue: Catalogue | None = None) -> None:
@@ -194,7 +200,7 @@ class Session:
 
     @property
     def simulates(self) -> bool:
-        """True where bodies move as physics wants."""
+        """True if physics moves the bodies."""
         return self.options.driver is None and not self.options.fake
 
     def _own_goal(self) -> tuple[Condition, ...]:
@@ -208,7 +214,7 @@ class Session:
 
     @property
     def _source(self) -> Path:
-        """Where the world comes from: a scene, or the data directory alone."""
+        """The file of the world: a scene, or the data directory alone."""
         if self.scene or self.options.data is None:
             return find_scene(self.scene)
         return self.options.data
@@ -271,14 +277,14 @@ class Session:
             asked.cancel()
 
     def run(self, goal: str | Sequence[Condition] | Sequence[str] | None = None) -> GoalReport:
-        """Pursues a goal to its end, or until :meth:`stop`.
+        """Pursues a goal until it ends, or until :meth:`stop`; steps the control cycle.
 
         Args:
             goal: Conditions or goal texts; None for the goal of the scene.
 
         Raises:
             UsageError: There is no goal.
-            WrongState: Everything was halted and not :meth:`reset`.
+            WrongState: The cell is halted; see :meth:`reset`.
         """
         wanted = self._conditions(goal)
         self.runtime.require_ready()
@@ -305,32 +311,32 @@ class Session:
     def begin(
         self, goal: str | Sequence[Condition] | Sequence[str] | None = None, policy: Policy | None = None
     ) -> TaskHandle:
-        """Begins to pursue a goal, and returns at once; it goes on as the control cycle is stepped.
+        """Starts to pursue a goal, and returns immediately; it continues as the control cycle is stepped.
 
         Args:
             goal: Conditions or goal texts; None for the goal of the scene.
-            policy: What to do when something cannot be reached.
+            policy: What to do if part of the goal cannot be reached.
 
         Raises:
             UsageError: There is no goal.
-            WrongState: Everything was halted and not :meth:`reset`.
+            WrongState: The cell is halted; see :meth:`reset`.
         """
         conditions = self._conditions(goal)
         self.runtime.require_ready()
         return self.tasks.begin(conditions, policy=policy)
 
     def start_module(self, module: str, arguments: Mapping[str, Any], agent: str | None = None) -> RunningModule:
-        """Starts one skill or primitive by itself; step the cycle until it is done.
+        """Starts a single skill or primitive; step the cycle until it has ended.
 
         Args:
             module: Its name.
-            arguments: Its parameters; what is left out is inferred.
-            agent: Id of the subsystem; None for the first that can.
+            arguments: Its parameters; the others are inferred.
+            agent: Id of the subsystem; None for the first that can run it.
 
         Raises:
             UnknownName: There is no such module or subsystem.
             UsageError: It has no implementation for the driver.
-            WrongState: It cannot be started now: it runs already, its manager is lost, everything was halted.
+            WrongState: It cannot be started now: it is running, its manager is lost, or the cell is halted.
         """
         self.runtime.require_ready()
         if agent is not None and agent not in self.managers:
@@ -354,7 +360,7 @@ class Session:
         return self.managers.who_runs(module)
 
     def run_module(self, module: str, arguments: Mapping[str, Any], agent: str | None = None) -> Outcome:
-        """Runs one skill or primitive by itself to its end, or until :meth:`stop`; see :meth:`start_module`."""
+        """Runs a single skill or primitive until it ends, or until :meth:`stop`; see :meth:`start_module`."""
         running = self.start_module(module, arguments, agent)
         self.runtime.finish(running, lambda: self._stop_wanted)
         self._obey_stop()
@@ -362,7 +368,7 @@ class Session:
 
     @cached_property
     def jobs(self) -> JobManager:
-        """The queue of jobs; kept in the data directory, where there is one.
+        """The queue of jobs; stored in the data directory, if there is one.
 
         Raises:
             FileError: The file with the jobs cannot be used.
@@ -374,37 +380,37 @@ class Session:
         return JobManager(self.tasks, self.runtime, store, self.parse)
 
     def run_jobs(self) -> None:
-        """Lets jobs run until none is under way and none may start now, or until :meth:`stop`."""
+        """Steps the control cycle until no job is active or allowed to start, or until :meth:`stop`."""
         while not (self.jobs.idle or self._stop_wanted or self.cycle.halted):
             self.cycle.step()
         self._obey_stop()
 
     @property
     def resting(self) -> bool:
-        """True while nothing is under way that anybody started, or would start by itself: no job, task or module.
+        """True if no job, task or module is active, and no job would start by itself.
 
-        While everything is halted, jobs that wait do not start.
+        While the cell is halted, waiting jobs do not start.
         """
         at_work = self.tasks.active or any(manager.running for manager in self.managers.values())
         return not at_work and ("jobs" not in self.__dict__ or bool(self.cycle.halted) or self.jobs.idle)
 
     def reset(self) -> None:
-        """Lets things start again after everything was halted: by the watchdog, by a module, by ``cycle.halt``.
+        """Ends a halt by the watchdog, a module or ``cycle.halt``; check its reason first.
 
-        Look at the reason first. After :meth:`stop` it is not needed.
+        It is not needed after :meth:`stop`.
 
         Raises:
-            UsageError: Something still moves.
+            UsageError: A device still moves.
         """
         if self.cycle.halted:
             self.cycle.reset()
             self._watch()
 
     def _obey_stop(self) -> bool:
-        """Stops everything where :meth:`stop` was called and nothing has halted it; then it is ready again.
+        """Stops everything if :meth:`stop` was called and the cell is not halted; afterwards it is ready again.
 
         Returns:
-            True where it was stopped.
+            True if it was stopped.
         """
         wanted, self._stop_wanted = self._stop_wanted, False
         if not wanted or self.cycle.halted:
@@ -414,7 +420,7 @@ class Session:
         return True
 
     def stop(self) -> None:
-        """Asks the run to stop: everything halts in the next cycle; safe to call from a signal handler."""
+        """Requests a stop: everything halts in the next cycle; safe to call from a signal handler."""
         self._stop_wanted = self.stopped = True
 
     def _conditions(self, goal: str | Sequence[Condition] | Sequence[str] | None) -> tuple[Condition, ...]:
@@ -441,7 +447,7 @@ class Session:
 
     @property
     def simulation(self) -> SimulatedCell:
-        """The physics simulation, for what only a simulation can do (moving bodies, outside pictures).
+        """The physics simulation, for operations that only a simulation offers (moving bodies, pictures from outside).
 
         Raises:
             UsageError: The session runs on a fake.

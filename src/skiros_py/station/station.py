@@ -61,9 +61,10 @@ class StationLimits:
 
 
 class Station:
-    """A running cell with its use cases. Start and close it, or use it in a ``with``.
+    """A running cell with its use cases, for several callers at once. Start and close it, or use it in a ``with``.
 
-    Everything that belongs to a session is set up for each session by listeners of the control thread.
+    A control thread steps its :class:`~skiros_py.station.session.Session`, and opens another one when a scene is loaded
+    or after a fault. Listeners of the control thread set up everything that belongs to a session.
 
     Args:
         opening: Opens the session.

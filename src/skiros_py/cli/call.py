@@ -1,0 +1,106 @@
+"""``skiros call``: any operation of a server's API, with its result as JSON."""
+
+from __future__ import annotations
+
+import inspect
+import json
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from skiros_py.cli.options import key_values
+from skiros_py.cli.output import REACHED, tell
+from skiros_py.cli.reaching import reach, server_options
+from skiros_py.errors import FileError, UnknownName, UsageError
+
+if TYPE_CHECKING:
+    from skiros_py.client.request import Method
+
+
+@click.command("call", epilog="Example: skiros call scenes.load name=kitting --data cell")
+@click.argument("operation", required=False)
+@click.argument("arguments", nargs=-1, metavar="[NAME=VALUE]...")
+@server_options
+def command(
+    operation: str | None, arguments: tuple[str, ...], data: Path | None, url: str | None, key_file: Path | None
+) -> int:
+    """Calls an OPERATION of a server and prints its result as JSON; without OPERATION, lists all operations.
+
+    A VALUE is text or JSON; @FILE takes the content of a file. Pictures and other files are written to stdout as they
+    are.
+    """
+    known = dict(operations())
+    if operation is None:
+        for name, method in known.items():
+            click.echo(f"{name}{_parameters(method)}\n    {inspect.cleandoc(method.__doc__ or '').splitlines()[0]}")
+        return REACHED
+    if operation not in known:
+        raise UnknownName("operation", operation, known)
+    call = _call(known[operation], arguments)
+    with reach(data, url, key_file) as client:
+        result = client.send(call)
+    if isinstance(result, bytes):
+        sys.stdout.buffer.write(result)
+    elif isinstance(result, str):
+        click.echo(result)
+    elif result is not None:
+        tell(result, as_json=True)
+    return REACHED
+
+
+def operations() -> Iterator[tuple[str, Method[..., Any]]]:
+    """Yields the operations of the client, by name ("scenes.load")."""
+    from skiros_py.client.request import Method
+    from skiros_py.client.topics import Topics
+
+    for topic, part in vars(Topics[Any](None)).items():
+        for name, method in vars(type(part)).items():
+            if isinstance(method, Method):
+                yield f"{topic}.{name}", method
+
+
+def _parameters(method: Method[..., Any]) -> str:
+    parameters = inspect.signature(method.make).parameters.values()
+    return "".join(f" {p.name}=…" if p.default is p.empty else f" [{p.name}=…]" for p in parameters)
+
+
+def _call(method: Method[..., Any], texts: Sequence[str]) -> Any:
+    """Returns the call of an operation with arguments given as texts.
+
+    Raises:
+        UsageError: An argument is unknown, missing or invalid.
+        FileError: The file of an argument cannot be read.
+    """
+    parameters = inspect.signature(method.make, eval_str=True).parameters
+    given = key_values("call", texts, "name=kitting")
+    if unknown := next((name for name in given if name not in parameters), None):
+        raise UnknownName("argument", unknown, parameters)
+    values = {name: _value(text, parameters[name]) for name, text in given.items()}
+    several = [one for p in parameters.values() if p.kind is p.VAR_POSITIONAL for one in values.pop(p.name, ())]
+    try:
+        return method.make(*several, **values)
+    except TypeError as error:
+        raise UsageError(f"{error}; needed:{_parameters(method)}") from None
+
+
+def _value(text: str, parameter: inspect.Parameter) -> Any:
+    from pydantic import TypeAdapter, ValidationError
+
+    if text.startswith("@"):
+        try:
+            text = Path(text[1:]).read_text(encoding="utf-8")
+        except (OSError, ValueError) as error:
+            raise FileError(Path(text[1:]), f"cannot be read: {error}") from error
+    kind = parameter.annotation
+    adapter = TypeAdapter(tuple[kind, ...] if parameter.kind is parameter.VAR_POSITIONAL else kind)
+    try:
+        return adapter.validate_python(text)
+    except ValidationError:
+        pass
+    try:
+        return adapter.validate_python(json.loads(text))
+    except ValueError as error:
+        raise UsageError(f"{parameter.name}: {error}") from None
