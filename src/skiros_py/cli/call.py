@@ -7,6 +7,7 @@ import json
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from types import GenericAlias
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -95,7 +96,8 @@ def _value(text: str, parameter: inspect.Parameter) -> Any:
         except (OSError, ValueError) as error:
             raise FileError(Path(text[1:]), f"cannot be read: {error}") from error
     kind = parameter.annotation
-    adapter = TypeAdapter(tuple[kind, ...] if parameter.kind is parameter.VAR_POSITIONAL else kind)
+    several = parameter.kind is parameter.VAR_POSITIONAL
+    adapter = TypeAdapter[Any](GenericAlias(tuple, (kind, ...)) if several else kind)
     try:
         return adapter.validate_python(text)
     except ValidationError:
