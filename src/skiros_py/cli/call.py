@@ -95,9 +95,10 @@ def _value(text: str, parameter: inspect.Parameter) -> Any:
             text = Path(text[1:]).read_text(encoding="utf-8")
         except (OSError, ValueError) as error:
             raise FileError(Path(text[1:]), f"cannot be read: {error}") from error
-    kind = parameter.annotation
-    several = parameter.kind is parameter.VAR_POSITIONAL
-    adapter = TypeAdapter[Any](GenericAlias(tuple, (kind, ...)) if several else kind)
+    kind: Any = parameter.annotation
+    if parameter.kind is parameter.VAR_POSITIONAL:
+        kind = GenericAlias(tuple, (kind, ...))
+    adapter = TypeAdapter(kind)
     try:
         return adapter.validate_python(text)
     except ValidationError:
