@@ -1,4 +1,4 @@
-"""Branches: the tree of elements attached to an element, and elements that are written down before they are added."""
+"""Branches: the tree of elements attached to an element; drafts of elements before they are added."""
 
 from __future__ import annotations
 
@@ -53,9 +53,8 @@ def children(view: WorldView, element: str, *relations: str) -> tuple[str, ...]:
     Args:
         view: The world.
         element: Id of the element.
-        *relations: By which relations: the children of a subject are the objects, those of a place what is placed
-            there. Narrower relations count. ``^`` before the name reads it the other way. Structure and placement
-            where none is given.
+        *relations: The relations to follow: the children of a subject are the objects, those of a place the elements
+            placed there. Sub-relations count. ``^`` before the name inverts it. By default, structure and placement.
 
     Raises:
         UnknownName: There is no such element or relation.
@@ -64,11 +63,11 @@ def children(view: WorldView, element: str, *relations: str) -> tuple[str, ...]:
 
 
 def parent(view: WorldView, element: str, *relations: str) -> str | None:
-    """Returns the id of what an element hangs on, or None; the other way round from :func:`children`.
+    """Returns the id of the parent of an element, or None; the inverse of :func:`children`.
 
     Raises:
         UnknownName: There is no such element or relation.
-        UsageError: It hangs on several.
+        UsageError: It has several parents.
     """
     view.element(element)
     found = sorted({name for relation in relations or _SCENE for name in _above(view, element, relation)})
@@ -78,9 +77,9 @@ def parent(view: WorldView, element: str, *relations: str) -> str | None:
 
 
 def branch(view: WorldView, element: str, *relations: str) -> Branch:
-    """Returns an element with all that hangs on it, however deep; relations as for :func:`children`.
+    """Returns an element with all its descendants; relations as for :func:`children`.
 
-    What hangs on several, or above itself, appears once: where it is met first, nearest to the beginning.
+    An element with several parents, or in a cycle, appears once: where it is reached first, nearest to the start.
 
     Raises:
         UnknownName: There is no such element or relation.
@@ -89,7 +88,7 @@ def branch(view: WorldView, element: str, *relations: str) -> Branch:
 
 
 def tree(view: WorldView) -> tuple[Branch, ...]:
-    """Returns the scene from its roots (the floor, the unknown location, what is not spatial) down, sorted by id."""
+    """Returns the scene from its roots (the floor, the unknown location, non-spatial elements), sorted by id."""
     roots = [name for name in view.instances(ELEMENT) if view.placement(name) is None and not _owners(view, name)]
     return tuple(_grown(view, root, _SCENE, {root}) for root in roots)
 
@@ -110,7 +109,7 @@ def _grown(view: WorldView, start: str, relations: tuple[str, ...], seen: set[st
 
 
 def _hanging(view: WorldView, element: str, relations: tuple[str, ...]) -> dict[str, str]:
-    """What hangs directly on an element, and by which narrowest relation; the relation given first counts."""
+    """The children of an element, each with the narrowest relation; the relation given first counts."""
     view.element(element)
     found: dict[str, str] = {}
     for relation in relations:
@@ -134,7 +133,7 @@ def _read(relation: str) -> tuple[str, bool]:
 
 
 def _contents(view: WorldView, element: str, relation: str) -> tuple[str, ...]:
-    """The objects of an element; of a placement, whichever end is the place, what is placed there."""
+    """The objects of an element; for a placement, the elements placed there, whichever end is the place."""
     if not view.ontology.is_placement(relation):
         return view.objects(element, relation)
     within = view.ontology.sub_relations(relation)
@@ -144,7 +143,7 @@ def _contents(view: WorldView, element: str, relation: str) -> tuple[str, ...]:
 
 
 def _places(view: WorldView, element: str, relation: str) -> tuple[str, ...]:
-    """The subjects of an element; of a placement, where the element is."""
+    """The subjects of an element; for a placement, its place."""
     if not view.ontology.is_placement(relation):
         return view.subjects(relation, element)
     at = view.placement(element)
@@ -209,7 +208,7 @@ def add_draft(tx: Transaction, draft: Draft, *, learned: bool = False) -> dict[D
     Args:
         tx: The open transaction.
         draft: The draft to add.
-        learned: True for something that the robot was taught.
+        learned: True for a learned concept.
 
     Returns:
         The id of each draft, that of the given one first.
@@ -226,11 +225,10 @@ def add_draft(tx: Transaction, draft: Draft, *, learned: bool = False) -> dict[D
 
 
 def draft_of(view: WorldView, element: str, *relations: str) -> Draft:
-    """Returns a draft of an element and all that hangs on it: a copy, once it is added.
+    """Returns a draft of an element and its descendants: a copy, once it is added.
 
-    It has their labels, own values and relations among each other, and their plain relations to others. It does not say
-    where the element is. A pose is kept where it is given in the frame of something that is copied too; any other
-    is that of the original.
+    It has their labels, own values and relations among each other, and their plain relations to others, but not the
+    placement of the element. A pose is copied only if it is given in the frame of an element that is copied, too.
 
     Args:
         view: The world.
@@ -244,13 +242,13 @@ def draft_of(view: WorldView, element: str, *relations: str) -> Draft:
 
 
 def instantiate(tx: Transaction, abstract: str, placement: Placement | None = None) -> str:
-    """Adds to the scene what an abstract element describes, with its pieces and what is placed in them.
+    """Adds a copy of an abstract element to the scene, with its pieces and the elements placed in them.
 
-    It is copied as by :func:`draft_of`; relations to what else is abstract are left out.
+    It is copied as by :func:`draft_of`; relations to other abstract elements are left out.
 
     Args:
         tx: The open transaction.
-        abstract: Id of an individual of the ontology or of something learned.
+        abstract: Id of an individual of the ontology or of a learned concept.
         placement: Where the new element is.
 
     Returns:
@@ -269,10 +267,10 @@ def instantiate(tx: Transaction, abstract: str, placement: Placement | None = No
 
 
 def learn(tx: Transaction, element: str, *relations: str) -> str:
-    """Adds to what is learned a copy of an element of the scene and of what hangs on it, as :func:`draft_of` makes it.
+    """Adds a copy of an element of the scene and its descendants to the learned concepts, as made by :func:`draft_of`.
 
-    Relations to the rest of the scene are left out: what is learned outlives it. To learn what the scene does not have,
-    add a draft with ``learned=True``.
+    Relations to the rest of the scene are left out, since learned concepts outlive it. To learn a concept that is not
+    in the scene, add a draft with ``learned=True``.
 
     Returns:
         The id of the copy ("learned:mug_1").
@@ -291,7 +289,7 @@ def _first(ids: Mapping[Draft, str]) -> str:
 
 
 def _copied(view: WorldView, start: str, relations: tuple[str, ...], keeps: Callable[[str], bool]) -> Draft:
-    """Copies a branch; ``keeps`` says to which elements outside of it a plain relation is kept."""
+    """Copies a branch; ``keeps`` selects the elements outside of it to which plain relations are copied."""
     for relation in relations:
         if view.ontology.family(relation.removeprefix(BACKWARDS)) is Family.COMPUTED:
             raise UsageError(f"{relation} is computed: what is copied hangs together by stated relations")
@@ -317,7 +315,7 @@ def _alone(view: WorldView, element: Element, copied: Collection[str]) -> Draft:
 
 
 def _stated(view: WorldView, subject: str) -> list[tuple[str, str]]:
-    """The relations of an element, without those that follow from a narrower one, and without computed ones."""
+    """The relations of an element, except those implied by a sub-relation, and computed ones."""
     ontology = view.ontology
     return [
         (relation, other)

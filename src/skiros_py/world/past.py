@@ -11,17 +11,17 @@ from skiros_py.world.ids import Ids
 from skiros_py.world.index import Index
 
 GOALS = ""
-"""Stands for the goals among what a change is about; no element has this id."""
+"""Stands for the goals among the subjects of a change; no element has this id."""
 
 
 def subjects_of(change: Change) -> frozenset[str]:
-    """Returns what a change is about: the elements that it marks, and :data:`GOALS`."""
+    """Returns the subjects of a change: the elements that it marks, and :data:`GOALS`."""
     sets_goals = any(isinstance(edit, GoalsEdit) for edit in change.edits)
     return change.marks() | {GOALS} if sets_goals else change.marks()
 
 
 class ChangeLog(Protocol):
-    """Keeps changes in order."""
+    """Stores changes in order."""
 
     @property
     def version(self) -> int:
@@ -30,14 +30,14 @@ class ChangeLog(Protocol):
 
     @property
     def first(self) -> int:
-        """Number of the oldest change that is remembered."""
+        """Number of the oldest change that is kept."""
         ...
 
     def append(self, change: Change) -> None:
-        """Keeps a change; when this returns, it is kept.
+        """Stores a change; it is stored when this returns.
 
         Raises:
-            SkirosError: It cannot be kept, and is not.
+            SkirosError: It cannot be stored.
         """
         ...
 
@@ -45,7 +45,7 @@ class ChangeLog(Protocol):
         """Returns the changes after a version, in order.
 
         Raises:
-            WorldError: Some of them are remembered no longer.
+            WorldError: Some of them are no longer kept.
         """
         ...
 
@@ -54,7 +54,7 @@ class ChangeLog(Protocol):
         ...
 
     def about(self, subjects: Iterable[str], after: int) -> Sequence[Change]:
-        """Returns the remembered changes after a version that are about any of the subjects, in order.
+        """Returns the stored changes after a version that are about any of the subjects, in order.
 
         Args:
             subjects: Ids of elements; :data:`GOALS`.
@@ -64,7 +64,7 @@ class ChangeLog(Protocol):
 
 
 class MemoryLog:
-    """Keeps changes as long as the process lives."""
+    """Stores changes in memory."""
 
     def __init__(self) -> None:
         self._changes: list[Change] = []
@@ -76,11 +76,11 @@ class MemoryLog:
 
     @property
     def first(self) -> int:
-        """Number of the oldest change that is remembered."""
+        """Number of the oldest change that is kept."""
         return 1
 
     def append(self, change: Change) -> None:
-        """Keeps a change."""
+        """Stores a change."""
         self._changes.append(change)
 
     def since(self, version: int) -> Sequence[Change]:

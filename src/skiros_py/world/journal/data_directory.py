@@ -1,4 +1,4 @@
-"""A folder that persists a world: its journal, learned data, and a lock for the process using it."""
+"""A folder that stores a world: its journal, learned data, and a lock for the process that uses it."""
 
 from __future__ import annotations
 
@@ -25,16 +25,16 @@ from skiros_py.world.world import World
 
 
 class DirectoryLock:
-    """The right to use a folder, until :meth:`release` or the end of the process, however it ends.
+    """The exclusive right to use a folder, until :meth:`release` or the end of the process, however it ends.
 
-    The kernel holds it, so leftovers of a killed process are no obstacle; the file names the holder for users.
+    The kernel holds the lock, so a killed process leaves none behind; the file names the holder for users.
     """
 
     def __init__(self, folder: Path) -> None:
         """Takes the lock.
 
         Raises:
-            FileError: Somebody else has it, or the folder does not take the file.
+            FileError: Another process has it, or the file cannot be written.
         """
         path = folder / "lock"
         try:
@@ -52,7 +52,7 @@ class DirectoryLock:
         self._sign()
 
     def release(self) -> None:
-        """Lets others in; may be called twice."""
+        """Releases the lock; may be called twice."""
         file, self._file = self._file, None
         if file is not None:
             os.close(file)
@@ -65,7 +65,7 @@ class DirectoryLock:
             os.ftruncate(self._file, 0)
             os.pwrite(self._file, text.encode(), 0)
         except OSError:
-            return  # a full disk: who is kept out learns less, and the lock holds all the same
+            return  # a full disk: the lock holds, but others do not see who has it
 
 
 def _command() -> str:
@@ -93,7 +93,7 @@ def _serving(folder: Path, pid: int) -> str:
 _log = logging.getLogger(__name__)
 
 _LONG = 20_000
-"""Changes since the last snapshot from which on opening makes a new one."""
+"""Number of changes since the last snapshot after which opening makes a new one."""
 
 
 class DataDirectory:
@@ -101,7 +101,7 @@ class DataDirectory:
 
     Attributes:
         path: The folder.
-        world: The world that lives in it.
+        world: The world stored in it.
         journal: Its changes, with queries on them.
     """
 
@@ -124,16 +124,16 @@ class DataDirectory:
         imports: Sequence[Path] = (),
         create: bool = True,
     ) -> Self:
-        """Opens a folder, where there is none a new one.
+        """Opens a folder; creates it if there is none.
 
         Args:
             path: The folder.
-            ontology: What may be.
-            reasoners: What works out computed relations in its world.
-            scene: The scene file that is the first content of a new one; later it counts no more. What a file
-                ``learned.ttl`` in it says comes along.
+            ontology: The ontology of its world.
+            reasoners: The reasoners for computed relations in its world.
+            scene: The scene file that is the first content of a new one; ignored for an existing one. The learned
+                concepts in a file ``learned.ttl`` of the folder are added.
             imports: More files or folders in which the scene's imports are looked up.
-            create: False if a folder without a world is a mistake.
+            create: False to refuse a folder without a world.
 
         Raises:
             FileError: Another process uses it, it cannot be read or written, is damaged, or does not fit the ontology;
@@ -160,10 +160,10 @@ class DataDirectory:
         return cls(path, world, journal, stack, made)
 
     def compact(self, keep: int) -> None:
-        """Forgets all but the latest changes: the file gets short, history and undo reach back no further.
+        """Deletes all but the latest changes: the file gets smaller, history and undo go back no further.
 
         Args:
-            keep: How many changes are still remembered.
+            keep: How many changes are kept.
 
         Raises:
             FileError: There is no room for it; nothing was changed.
@@ -179,7 +179,7 @@ class DataDirectory:
         self.close()
 
     def close(self) -> None:
-        """Lets others in; the world can still be read, but not written. May be called twice."""
+        """Releases the folder; the world can still be read, but not written. May be called twice."""
         self._stack.close()
 
     def __enter__(self) -> Self:
@@ -190,17 +190,17 @@ class DataDirectory:
 
 
 def _prepare(path: Path, *, create: bool) -> None:
-    """Makes the folder where it is missing and may be made."""
+    """Creates the folder if it is missing and ``create`` allows it."""
     if not create and not (path / "journal.db").exists():
         raise FileError(path, "is no data directory: there is no journal.db in it")
     make_folder(path)
 
 
 def make_folder(path: Path) -> None:
-    """Makes the folder of a data directory, where it is missing.
+    """Creates the folder of a data directory if it is missing.
 
     Raises:
-        FileError: It cannot be made, or is something else.
+        FileError: It cannot be created, or is not a folder.
     """
     try:
         path.mkdir(parents=True, exist_ok=True)
@@ -211,7 +211,7 @@ def make_folder(path: Path) -> None:
 
 
 def _files_to_be_made(journal: Journal, path: Path) -> tuple[Path, ...]:
-    """Returns the files of a world that is about to begin; none if one lives there."""
+    """Returns the files that a new world will create; none if the folder has a world."""
     if journal.version:
         return ()
     learned = path / "learned.ttl"
@@ -225,14 +225,14 @@ def _fresh(ontology: Ontology, reasoners: Reasoners, scene: Path | None, imports
 
 
 def _first_content(journal: Journal, learned: LearnedFile, fresh: World) -> Past:
-    """Lets a new journal begin with a world that was just made, and what the folder brings along, in one go."""
+    """Starts a new journal with a new world and the learned concepts of the folder, in one transaction."""
     learned.read_into(fresh)
     journal.append_all(fresh.changes)
     return Past(fresh.snapshot(), journal.ids(), journal)
 
 
 def _shorten(journal: Journal, world: World) -> None:
-    """Makes opening quick again; on a full disk it stays slow."""
+    """Makes a snapshot so that the next opening is fast; on a full disk it stays slow."""
     if journal.since_snapshot <= _LONG:
         return
     try:

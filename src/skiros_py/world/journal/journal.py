@@ -35,10 +35,10 @@ _MOST_EDITS = 100_000
 
 
 class Recent:
-    """The changes up to a version, as many as are few; any thread may ask.
+    """The latest changes, up to a maximum number; thread-safe.
 
     Args:
-        version: Number of the last change so far.
+        version: Number of the last change.
     """
 
     def __init__(self, version: int) -> None:
@@ -62,7 +62,7 @@ class Recent:
             self._version = change.number
 
     def since(self, version: int) -> tuple[Change, ...] | None:
-        """Returns the changes after a version, in order; None if some of them are not here any more."""
+        """Returns the changes after a version, in order; None if some of them are no longer kept."""
         with self._guard:
             wanted = self._version - version
             if wanted > len(self._changes):
@@ -83,16 +83,16 @@ _MOST_PROBLEMS = 20
 
 
 class Journal:
-    """A :class:`~skiros_py.world.past.ChangeLog` in a file that outlives the process, however that ends.
+    """A :class:`~skiros_py.world.past.ChangeLog` in a file that survives the process, however it ends.
 
-    Any thread may ask; changes are appended by the one that writes to the world.
+    Any thread may read; changes are appended by the thread that writes to the world.
     """
 
     def __init__(self, path: Path) -> None:
-        """Opens a journal, or makes a new one.
+        """Opens a journal, or creates a new one.
 
         Raises:
-            FileError: The file cannot be opened or made, is damaged or another program's.
+            FileError: The file cannot be opened or created, is damaged or belongs to another program.
         """
         self._path = path
         self._process = os.getpid()
@@ -117,22 +117,22 @@ class Journal:
 
     @property
     def first(self) -> int:
-        """Number of the oldest change that is remembered."""
+        """Number of the oldest change that is kept."""
         return self._first
 
     def append(self, change: Change) -> None:
-        """Keeps a change; when this returns, it is kept.
+        """Stores a change durably.
 
         Raises:
-            FileError: It could not be stored: the disk is full or missing.
+            FileError: It cannot be stored: the disk is full or missing.
         """
         self.append_all([change])
 
     def append_all(self, changes: Sequence[Change]) -> None:
-        """Keeps several changes, or none.
+        """Stores several changes, or none.
 
         Raises:
-            FileError: They cannot be kept, and are not.
+            FileError: They cannot be stored.
         """
         if os.getpid() != self._process:
             raise FileError(
@@ -152,7 +152,7 @@ class Journal:
         """Returns the changes after a version, in order.
 
         Raises:
-            WorldError: Some of them are remembered no longer.
+            WorldError: Some of them are no longer kept.
         """
         with self._database.reading():  # a compaction meanwhile would look like damage
             if version < self._first - 1:

@@ -1,4 +1,4 @@
-"""The state that a journal leads to: snapshots in pieces, changes put together, and whether all fits the ontology."""
+"""The state that a journal leads to: snapshots in pieces, the changes after them, and whether all fits the ontology."""
 
 from __future__ import annotations
 
@@ -32,9 +32,9 @@ _Entry = TypeVar("_Entry")
 
 
 class Content:
-    """A state in plain tables, to which edits are done one after the other.
+    """A state in plain tables, to which edits are applied one by one.
 
-    Only what is left in the end needs to fit the ontology: what went long ago may have been of classes that are gone.
+    Only the final state must fit the ontology: elements removed long ago may have had classes that no longer exist.
     """
 
     def __init__(self) -> None:
@@ -46,30 +46,30 @@ class Content:
         self._source = SceneSource()
 
     def apply(self, edits: Iterable[Edit]) -> None:
-        """Does edits in their order.
+        """Applies edits in order.
 
         Raises:
-            KeyError: One speaks of an element that is not there.
+            KeyError: One is about an element that does not exist.
         """
         for edit in edits:
             self._apply(edit)
 
     def take(self, change: Change) -> None:
-        """Does a change, and stamps what it touched.
+        """Applies a change, and stamps the elements that it touched.
 
         Raises:
-            KeyError: It speaks of an element that is not there.
+            KeyError: It is about an element that does not exist.
         """
         self.apply(change.edits)
         stamp = Stamp(change.number, change.time)
         self.stamp(dict.fromkeys(change.marks(), stamp))
 
     def stamp(self, stamps: Mapping[str, Stamp]) -> None:
-        """Notes the last changes of elements."""
+        """Sets the last changes of elements."""
         self._stamps.update(stamps)
 
     def problems(self, ontology: Ontology) -> tuple[str, ...]:
-        """Returns a sentence for each thing that the ontology does not declare, or declares as another kind."""
+        """Returns a sentence for each name that the ontology does not declare, or declares as another kind."""
         found = (
             *_class_problems(ontology, {element.type for element in self._elements.values()}),
             *_placement_problems(ontology, {placement.relation for placement in self._placements.values()}),
@@ -79,7 +79,7 @@ class Content:
         return tuple(found)
 
     def index(self, beginning: Index) -> Index:
-        """Returns the state, on top of what is there from the beginning."""
+        """Returns the state, added to an initial one."""
         index = beginning.copy()
         for element in self._elements.values():
             index.put_element(element)
@@ -140,7 +140,7 @@ def _relation_problems(ontology: Ontology, relations: Iterable[str]) -> Iterator
 
 
 def _value_problems(ontology: Ontology, elements: Iterable[Element]) -> Iterator[str]:
-    """One value of each Python type is enough to see that a property is of another type now."""
+    """Checks one value of each Python type: enough to find properties that have another type now."""
     samples: dict[tuple[str, type], tuple[str, Value]] = {}
     for element in elements:
         for name, value in element.properties.items():
@@ -159,9 +159,9 @@ _ELEMENTS_IN_PIECE = 1000
 
 
 def snapshot_pieces(index: Index) -> Iterator[tuple[str, str]]:
-    """Yields the texts of edits that lead from nothing to the state, with the stamps of what they are about.
+    """Yields the texts of edits that lead from nothing to the state, with the stamps of their elements.
 
-    The individuals of the ontology are not in it: they come from the ontology's files.
+    The individuals of the ontology are left out: they come from the ontology's files.
     """
     yield encode_edits([GoalsEdit((), index.goals), SourceEdit(SceneSource(), index.source)]), "{}"
     relations = _relations(index)
@@ -173,10 +173,10 @@ def snapshot_pieces(index: Index) -> Iterator[tuple[str, str]]:
 
 
 def read_piece(content: Content, edits: str, stamps: str) -> None:
-    """Adds what a piece says.
+    """Adds the content of a piece.
 
     Raises:
-        ValueError: It is not what :func:`snapshot_pieces` writes.
+        ValueError: It was not written by :func:`snapshot_pieces`.
     """
     try:
         content.apply(decode_edits(edits))
@@ -194,7 +194,7 @@ def _edits(index: Index, name: str, relations: Iterable[RelationEdit]) -> Iterat
 
 
 def _relations(index: Index) -> dict[str, list[RelationEdit]]:
-    """Every relation but placements, by its subject."""
+    """Returns every relation except placements, by its subject."""
     found: dict[str, list[RelationEdit]] = {}
     for subject, relation, object_ in index.statements():
         if not index.ontology.is_placement(relation) and (is_learned(subject) or not is_abstract(subject)):

@@ -1,9 +1,8 @@
-"""Reads what ontology files declare, and refuses what would be misunderstood later.
+"""Reads the declarations of ontology files, and refuses those that would be misunderstood later.
 
-OWL says more than a world is checked by. What is read: classes with their superclasses, equivalents and cardinalities;
-relations and properties with domains and ranges, also as unions and intersections; characteristics of relations; values
-that classes give to their individuals, and what these are related to. What else an ontology states stays in the graph
-for queries and OWL reasoners.
+The world model uses a part of OWL: classes with their superclasses, equivalents and cardinalities; relations and
+properties with domains and ranges, also as unions and intersections; characteristics of relations; values and relations
+that classes give to their individuals. All other statements stay in the graph for queries and OWL reasoners.
 """
 
 from __future__ import annotations
@@ -47,17 +46,17 @@ _NUMBERS = {
     "owl:maxCardinality": (False, True),
     "owl:maxQualifiedCardinality": (False, True),
 }
-"""Whether each says the least, the most."""
+"""Whether each states a minimum, a maximum."""
 _FILLERS = {"owl:someValuesFrom": True, "owl:allValuesFrom": True, "owl:hasValue": False}
 """Whether each names a class."""
 
 
 def end(statements: Statements, expressions: list[Node], known: Callable[[str], bool]) -> End:
-    """Returns what several expressions together allow at an end of a relation.
+    """Returns the classes that several expressions together require at an end of a relation.
 
     Args:
         statements: All statements.
-        expressions: Domains or ranges: all must be met.
+        expressions: Domains or ranges; all must be satisfied.
         known: Returns whether a name stands for a class that can be checked, or raises.
     """
     parts = (part for expression in expressions for part in statements.conjuncts(expression))
@@ -66,10 +65,10 @@ def end(statements: Statements, expressions: list[Node], known: Callable[[str], 
 
 
 def cardinalities(statements: Statements, expression: Node) -> Iterator[Cardinality]:
-    """Yields the numbers that a restriction states of a relation or property that has a name.
+    """Yields the cardinalities that a restriction states for a named relation or property.
 
     Raises:
-        ValueError: A number is none.
+        ValueError: A number is malformed.
     """
     if not isinstance(expression, ox.BlankNode):
         return
@@ -83,7 +82,7 @@ def cardinalities(statements: Statements, expression: Node) -> Iterator[Cardinal
 
 
 def fillers(statements: Statements, expression: Node) -> Iterator[Filler]:
-    """Yields what a restriction states of what its individuals are related to, as far as that has names."""
+    """Yields the named classes and individuals that a restriction relates its individuals to."""
     if not isinstance(expression, ox.BlankNode):
         return
     node = statements.key(expression)
@@ -94,7 +93,7 @@ def fillers(statements: Statements, expression: Node) -> Iterator[Filler]:
 
 
 def _counted(statements: Statements, node: str) -> str | None:
-    """The class or data type that is counted; "" for all, None if it has no name."""
+    """The class or data type that is counted; "" for all, None if it is anonymous."""
     counted = [*statements.objects(node, "owl:onClass"), *statements.objects(node, "owl:onDataRange")]
     if not counted:
         return ""
@@ -126,11 +125,11 @@ _COMMENT = Property("rdfs:comment", "comment", "What people note about it.", (),
 
 @dataclass(frozen=True, slots=True)
 class Declarations:
-    """Everything that the files declare, by CURIE.
+    """All declarations of the files, by CURIE.
 
     Attributes:
         classes, relations, properties: The terms.
-        class_values: What a class itself gives to its individuals: value by property, by class.
+        class_values: Values that a class itself gives to its individuals: by property, by class.
         individuals: CURIEs of the individuals that the files describe, sorted; those of scenes are not among them.
     """
 
@@ -145,10 +144,10 @@ def read_declarations(files: Sequence[Document], names: Names) -> Declarations:
     """Reads the terms of all files; a term may use those of any other file.
 
     A word must be declared by some file, unless it is a predicate or a type from a vocabulary of which no file declares
-    anything (as ``dc:creator`` often is): it then says nothing to a world and is passed over.
+    anything (as ``dc:creator`` often is): then it is ignored.
 
     Raises:
-        FileError: A term is used that no file declares, or a declaration says too little or too much.
+        FileError: A term is used that no file declares, or a declaration is incomplete or contradictory.
     """
     reader = _Reader(Statements(files, names), names)
     properties = {term: reader.property(term) for term in reader.declared[Kind.PROPERTY]}
@@ -163,7 +162,7 @@ def read_declarations(files: Sequence[Document], names: Names) -> Declarations:
 
 
 class _Reader:
-    """Statements of all files, and what can be made of them."""
+    """Reads terms from the statements of all files."""
 
     def __init__(self, statements: Statements, names: Names) -> None:
         self._statements = statements
@@ -278,7 +277,7 @@ class _Reader:
         return Property(term, self._label(term), self._comment(term), self._end(term, "rdfs:domain"), range_, unit)
 
     def _data_range(self, term: str, node: Node) -> str:
-        """A data type that values can be checked by; one that files define themselves stands for any literal."""
+        """The data type of values; one that a file defines itself stands for any literal."""
         if not isinstance(node, ox.NamedNode):
             return ANY_LITERAL
         name = self._statements.key(node)
@@ -304,7 +303,7 @@ class _Reader:
     # ------------------------------------------------------------ individuals
 
     def individuals(self) -> tuple[str, ...]:
-        """Returns what is of a class and no term itself."""
+        """Returns the individuals of declared classes, except terms."""
         found: list[str] = []
         for name, _ in self._statements.subjects():
             types = self._statements.named(name, "rdf:type")

@@ -1,9 +1,9 @@
-"""Reads the text of a query, and puts it to a store with prefixes, parameters and computed relations.
+"""Checks the text of a query, and runs it on a store with prefixes, parameters and computed relations.
 
-Names with prefixes become IRIs in full, so the engine reads what was checked here: it needs no blank between a keyword
-and a name, and would take ``SERVICE:x`` for both.
+Names with prefixes are expanded to full IRIs, so that the engine reads exactly what was checked here: it needs no blank
+between a keyword and a name, and would read ``SERVICE:x`` as both.
 
-Queries by strangers go through :class:`~skiros_py.world.queries.outside.OutsideQueries`: what runs for ever here does.
+External queries go through :class:`~skiros_py.world.queries.outside.OutsideQueries`; nothing limits the time here.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 
 DEEPEST = 100
-"""Brackets within brackets that a query may have: engines that read by recursion crash on thousands."""
+"""Maximum nesting of brackets in a query: recursive parsers crash on thousands."""
 
 _FORMS = ("SELECT", "ASK", "CONSTRUCT")
 _UPDATES = ("INSERT", "DELETE", "LOAD", "CLEAR", "DROP", "CREATE", "ADD", "MOVE", "COPY", "WITH")
@@ -85,12 +85,12 @@ _NOT_IN_IRI = re.compile(r"""[<>"{}|^`\\\x00-\x20]""")
 
 @dataclass(frozen=True, slots=True)
 class QueryText:
-    """A query that was checked; see :func:`parsed`.
+    """A checked query; see :func:`parsed`.
 
     Attributes:
         form: "SELECT", "ASK" or "CONSTRUCT".
-        pieces: The text, with IRIs in full; each second piece is the name of a parameter.
-        iris: The IRIs that it mentions.
+        pieces: The text with full IRIs; every second piece is the name of a parameter.
+        iris: The IRIs in it.
         parameters: The names of its parameters.
     """
 
@@ -120,10 +120,10 @@ class QueryText:
 
 @lru_cache(maxsize=512)
 def parsed(sparql: str, names: Names) -> QueryText:
-    """Reads and checks a query without running it.
+    """Parses and checks a query without running it.
 
     Raises:
-        UsageError: It is no query, changes something, asks beyond this world, or is nested too deep.
+        UsageError: It is no query, is an update, asks another server, or is nested too deep.
         UnknownName: It uses an undeclared prefix.
     """
     return _Reader(names).read(sparql)
@@ -252,25 +252,25 @@ def _problem(character: str) -> str:
 
 
 class Text(str):
-    """Marks a bound text as a literal; any other string that is bound is a name."""
+    """Marks a bound string as a literal; any other bound string is a name."""
 
     __slots__ = ()
 
 
 Binding = Value | Decimal
-"""What a parameter may stand for. A pattern is met by a number of the same type only: of an ``xsd:decimal`` property, a
+"""The values of parameters. A pattern matches numbers of the same type only: for an ``xsd:decimal`` property, a
 Decimal. ``FILTER`` compares numbers of all types."""
 
 
 def bound_term(names: Names, value: Binding) -> ox.NamedNode | ox.Literal:
-    """Returns what a parameter stands for.
+    """Returns the value of a parameter as a term.
 
     Args:
         names: The prefix table.
         value: A string is a scene id or CURIE, :class:`Text` a text, anything else a value.
 
     Raises:
-        UsageError: It is no name, or no value.
+        UsageError: It is neither a name nor a value.
     """
     if isinstance(value, str) and not isinstance(value, Text):
         try:
@@ -288,10 +288,10 @@ def bound_term(names: Names, value: Binding) -> ox.NamedNode | ox.Literal:
 
 
 def literal(names: Names, value: Value) -> ox.Literal:
-    """Returns a value as a literal of the type that is Python's.
+    """Returns a value as a literal of the data type that corresponds to its Python type.
 
     Raises:
-        ValueError: It is none that a property may have.
+        ValueError: No property can have it.
     """
     if isinstance(value, str):
         return ox.Literal(str(value))
@@ -331,12 +331,12 @@ def _as_terms(view: WorldView, names: Names, function: Callable[..., Value | Non
     return call
 
 
-# ---------------------------------------------------------------- putting a query to a store
+# ---------------------------------------------------------------- running a query on a store
 
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """What a SELECT answers.
+    """The answer to a SELECT.
 
     Attributes:
         variables: The columns.
@@ -350,7 +350,7 @@ class Table:
 
 @dataclass(frozen=True, slots=True)
 class Constructed:
-    """What a CONSTRUCT answers.
+    """The answer to a CONSTRUCT.
 
     Attributes:
         statements: Subject, predicate and object: scene ids and CURIEs as strings, literals as Python values.
@@ -369,9 +369,9 @@ class Question:
     """A query with its parameters bound; see :meth:`of`.
 
     Attributes:
-        text: What it is.
-        sparql: As the engine reads it.
-        iris: What it mentions, parameters too.
+        text: The query.
+        sparql: The query as the engine reads it.
+        iris: The IRIs in it and in its parameters.
     """
 
     text: QueryText
@@ -383,7 +383,7 @@ class Question:
         """Binds the parameters of a query.
 
         Raises:
-            UsageError: It is no query that can be put; see :func:`~skiros_py.world.queries.answering.parsed`.
+            UsageError: It is not a query that can be run; see :func:`~skiros_py.world.queries.answering.parsed`.
         """
         text = parsed(sparql, names)
         terms = {name: bound_term(names, value) for name, value in bindings.items()}
@@ -391,25 +391,25 @@ class Question:
         return cls(text, text.filled(terms), text.iris | bound if bound else text.iris)
 
     def must_be(self, form: str) -> None:
-        """Checks what is asked for.
+        """Checks the form of the query.
 
         Raises:
-            UsageError: It is another form.
+            UsageError: It has another form.
         """
         if self.text.form != form:
             raise UsageError(f"the query is no {form} but {_A[self.text.form]}: ask it by {self.text.form.lower()}()")
 
     def needs_state(self, ontology: Ontology, reasoners: Reasoners) -> bool:
-        """Returns whether reasoners have a part in the answer."""
+        """Returns whether the answer depends on reasoners."""
         return not self.iris.isdisjoint(_reasoned(ontology, reasoners))
 
     def answer(self, store: QuadStore, view: Index | None, limits: AnswerLimits = UNLIMITED) -> Answer:
-        """Puts it to a store.
+        """Runs it on a store.
 
         Args:
-            store: What is asked; not shared meanwhile.
-            view: The state that it holds, or None if no reasoner has a part in the answer.
-            limits: How large the answer may get.
+            store: The store; not shared meanwhile.
+            view: The state that it contains; None if the answer does not depend on reasoners.
+            limits: Maximum size of the answer.
 
         Raises:
             UsageError: It cannot be answered; the text says why.
@@ -429,7 +429,7 @@ class Question:
 
 
 def mentioned_relations(ontology: Ontology, iris: frozenset[str]) -> frozenset[str]:
-    """Returns the computed relations among what a query mentions, and those below them, as CURIEs."""
+    """Returns the computed relations in a query, and their sub-relations, as CURIEs."""
     names = [ontology.names.name(iri) for iri in iris]
     named = [name for name in names if name in ontology.relations and ontology.family(name) is Family.COMPUTED]
     return frozenset(below for name in named for below in ontology.sub_relations(name))
@@ -439,7 +439,7 @@ _A = {"SELECT": "a SELECT", "ASK": "an ASK", "CONSTRUCT": "a CONSTRUCT"}
 
 
 def typed(names: Names, answer: Answer) -> Result:
-    """Returns an answer with names and Python values for terms."""
+    """Returns an answer with names and Python values instead of terms."""
     if isinstance(answer, bool):
         return answer
     if isinstance(answer, Rows):
@@ -453,7 +453,7 @@ def typed(names: Names, answer: Answer) -> Result:
 
 @lru_cache(maxsize=8)
 def _reasoned(ontology: Ontology, reasoners: Reasoners) -> frozenset[str]:
-    """IRIs of all that reasoners compute: relations and functions."""
+    """IRIs of all relations and functions that reasoners compute."""
     computed = (name for name, relation in ontology.relations.items() if relation.family is Family.COMPUTED)
     functions = (name for reasoner in reasoners for name in reasoner.functions)
     return frozenset(ontology.names.iri(name) for name in (*computed, *functions))
@@ -465,14 +465,15 @@ def _reasoned(ontology: Ontology, reasoners: Reasoners) -> frozenset[str]:
 def select(world: World, sparql: str, *, entailed: bool = False, **bindings: Binding) -> list[dict[str, Value | None]]:
     """Runs a SELECT over all graphs as one; the ontology's prefixes and ``scene:`` are declared already.
 
-    Relations that a reasoner computes answer like any other where the query names them (``?a sk:near ?b``); they are
-    worked out for what the query asks. Reasoners' functions can be called (``BIND(sk:distance(?a, ?b) AS ?d)``).
+    Computed relations can be used like any other if the query names them (``?a sk:near ?b``); they are evaluated for
+    the elements in question. Reasoners' functions can be called (``BIND(sk:distance(?a, ?b) AS ?d)``).
 
     Args:
-        world: What is asked.
+        world: The world.
         sparql: The query.
-        entailed: Whether what OWL entails counts too: inverses, symmetry, transitivity, equivalence, sub-relations.
-        bindings: What its parameters stand for, written ``$name`` in the query: a string is a scene id or CURIE,
+        entailed: Whether to include triples entailed by OWL: inverses, symmetry, transitivity, equivalence,
+            sub-relations.
+        bindings: Values of its parameters, written ``$name`` in the query: a string is a scene id or CURIE,
             :class:`Text` a text, anything else a value.
 
     Returns:
@@ -481,7 +482,7 @@ def select(world: World, sparql: str, *, entailed: bool = False, **bindings: Bin
 
     Raises:
         UsageError: It does not parse, is no SELECT, asks another server or names graphs to fetch, leaves a parameter
-            unbound, or asks for more computed relations than can be worked out.
+            unbound, or needs too many pairs of computed relations.
         UnknownName: It uses an undeclared prefix, or a computed relation that no reasoner computes.
     """
     result = _result(world, sparql, "SELECT", bindings, entailed=entailed)

@@ -1,8 +1,8 @@
-"""Computed relations in queries: worked out for what a query mentions, and in the store while it runs.
+"""Computed relations in queries: evaluated as far as a query needs them, and in the store while it runs.
 
-What is said to hold around a group is true of every solution that can matter, so that whatever the group asks for has
-to be worked out only for what agrees with it. Where that is not certain (a subquery, the far side of another OPTIONAL)
-nothing is said.
+The patterns known to hold around a group are true of every solution that can matter, so the relations in the group
+are evaluated only for elements that match them. Where that is not certain (a subquery, the far side of another
+OPTIONAL) no such patterns are collected.
 """
 
 from __future__ import annotations
@@ -54,14 +54,14 @@ class Known:
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """Triple patterns that must hold together, and what surely holds around them."""
+    """Triple patterns that must hold together, and the patterns certain to hold around them."""
 
     steps: tuple[Step, ...]
     around: tuple[Known, ...]
 
 
 Stored = Callable[[Predicate], bool]
-"""Whether a predicate can only be met by what is stored."""
+"""Whether a predicate can only match stored triples."""
 
 
 def query_groups(sparql: str, stored: Stored) -> list[Group]:
@@ -76,7 +76,7 @@ def query_groups(sparql: str, stored: Stored) -> list[Group]:
 
 
 def known(step: Step) -> Known:
-    """Returns a step as something that holds."""
+    """Returns a step as a pattern known to hold."""
     ends = (step.subject, step.object)
     predicate = step.predicate
     variables = frozenset(term for term in (*ends, predicate) if isinstance(term, Variable))
@@ -100,10 +100,10 @@ def _algebra(sparql: str) -> CompValue:
 
 
 class _Walk:
-    """Goes through the algebra of a query.
+    """Walks the algebra of a query.
 
-    ``around`` is what holds of every solution of a part that can matter. It comes from what the part is joined with, so
-    it may go down only to where dropping a solution drops no more than that: never to the optional side of something.
+    ``around`` are patterns that hold for every solution of a part that can matter. They come from the parts that it is
+    joined with, so they are passed down only where dropping a solution drops nothing else: never to an optional side.
     """
 
     def __init__(self, stored: Stored) -> None:
@@ -131,7 +131,7 @@ class _Walk:
             self._barrier(node)
 
     def _barrier(self, node: CompValue) -> None:
-        """Grouping, slices, projections: what holds outside says nothing of what is counted or cut off inside."""
+        """Grouping, slices, projections: patterns outside do not restrict the solutions counted or cut off inside."""
         for part in node.values():
             if isinstance(part, CompValue) and part.name in _PARTS:
                 self.visit(part, ())
@@ -146,7 +146,7 @@ class _Walk:
             self.visit(graph, around)
 
     def _sure(self, node: CompValue) -> tuple[Known, ...]:
-        """What holds of every solution of a part."""
+        """Patterns that hold for every solution of a part."""
         name = node.name
         if name == "BGP":
             return tuple(known(step) for step in _steps(node) if self._stored(step.predicate))
@@ -178,11 +178,11 @@ def _existences(part: object) -> Iterator[CompValue]:
             yield from _existences(inner)
 
 
-# ---------------------------------------------------------------- what expressions and tables say of variables
+# ---------------------------------------------------------------- variables restricted by expressions and tables
 
 
 def _said_by(expression: object) -> tuple[Known, ...]:
-    """What a filter says: ``?x = <iri>`` and ``?x IN (<iri>, …)``, also joined by "and"."""
+    """Restrictions in a filter: ``?x = <iri>`` and ``?x IN (<iri>, …)``, also joined by "and"."""
     if not isinstance(expression, CompValue):
         return ()
     if expression.name == "ConditionalAndExpression":
@@ -206,7 +206,7 @@ def _constant(variable: object, values: Iterable[object]) -> tuple[Known, ...]:
 
 
 def _inline(values: CompValue) -> tuple[Known, ...]:
-    """What a VALUES says of each variable that it always binds to a name."""
+    """Restrictions of a VALUES on each variable that it always binds to a name."""
     rows: list[Mapping[object, object]] = list(values.res or ())
     variables = {variable for row in rows for variable in row}
     return tuple(k for v in sorted(variables, key=str) for k in _constant(v, dict.fromkeys(r.get(v) for r in rows)))
@@ -246,27 +246,27 @@ def _predicate(term: object) -> Predicate:
 
 
 MOST_PAIRS = 1_000_000
-"""Pairs of elements that one query may have looked at."""
+"""Maximum number of pairs of elements that are evaluated for one query."""
 
 _Ids = Collection[str] | None
-"""Elements that come into question at one end; None is all."""
+"""Candidate elements at one end; None stands for all."""
 
 
 @contextmanager
 def worked_out(store: QuadStore, view: Index, sparql: str, relations: frozenset[str]) -> Iterator[None]:
-    """Lets the store hold the computed relations that a query asks for, as long as the block lasts.
+    """Adds the computed relations that a query needs to a store, for the duration of the block.
 
-    Of the relations that the query mentions every pair is there that can matter to its answer. A variable in the place
-    of a relation stands for those too.
+    Every pair that can matter to the answer is added. A variable in the place of a relation stands for computed
+    relations, too.
 
     Args:
-        store: What the query is put to; not shared meanwhile.
-        view: The state that it holds.
+        store: The store that the query runs on; not shared meanwhile.
+        view: The state that it contains.
         sparql: The query, with IRIs in full.
         relations: The computed relations that it mentions, and those below them.
 
     Raises:
-        UsageError: It does not parse, or leaves too many pairs open.
+        UsageError: It does not parse, or needs too many pairs.
         UnknownName: No reasoner computes a relation.
     """
     pairs = _Pairs(store, view, relations)
@@ -280,7 +280,7 @@ def worked_out(store: QuadStore, view: Index, sparql: str, relations: frozenset[
 
 
 def _work_out(group: Group, pairs: _Pairs, store: QuadStore) -> None:
-    """Computes one step after the other, the most constrained first: each constrains the next."""
+    """Evaluates the steps one by one, the most constrained first: each constrains the next."""
     known_here = [*group.around, *(known(step) for step in group.steps if pairs.is_stored(step.predicate))]
     waiting = [step for step in group.steps if not pairs.is_stored(step.predicate)]
     while waiting:
@@ -297,7 +297,7 @@ def _ends_known(step: Step, known_here: Sequence[Known]) -> int:
 
 
 def _candidates(end: End, known_here: Sequence[Known], store: QuadStore, pairs: _Pairs) -> _Ids:
-    """The elements that an end can stand for, as far as known."""
+    """The elements that an end can stand for; None if any."""
     if isinstance(end, URIRef):
         return pairs.elements([ox.NamedNode(str(end))])
     if isinstance(end, Literal):
@@ -311,7 +311,7 @@ def _candidates(end: End, known_here: Sequence[Known], store: QuadStore, pairs: 
 
 
 def _connected(end: Variable, known_here: Sequence[Known]) -> list[Known]:
-    """What is known of a variable, of the other variables in that, and so on."""
+    """The known patterns with a variable, with the other variables in those, and so on."""
     variables, left, found = {end}, list(known_here), list[Known]()
     while more := [one for one in left if not variables.isdisjoint(one.variables)]:
         found += more
@@ -321,10 +321,10 @@ def _connected(end: Variable, known_here: Sequence[Known]) -> list[Known]:
 
 
 class _Pairs:
-    """The computed relations of one query, as far as they are worked out.
+    """The computed relations of one query evaluated so far.
 
     Attributes:
-        looked_at: How many pairs of elements were looked at.
+        looked_at: Number of evaluated pairs of elements.
     """
 
     def __init__(self, store: QuadStore, view: Index, relations: frozenset[str]) -> None:
@@ -336,7 +336,7 @@ class _Pairs:
         self._done: set[tuple[str, tuple[str, ...], tuple[str, ...]]] = set()
 
     def is_stored(self, predicate: Predicate) -> bool:
-        """Returns whether only what is stored can meet a predicate."""
+        """Returns whether a predicate can only match stored triples."""
         if isinstance(predicate, URIRef):
             return str(predicate) not in self._relations
         if isinstance(predicate, Variable | NegatedPath):
@@ -349,7 +349,7 @@ class _Pairs:
         return [name for name in ids if self._view.has(name)]
 
     def add(self, predicate: Predicate, subjects: _Ids, objects: _Ids) -> None:
-        """Puts into the store whatever can meet a predicate between these ends."""
+        """Adds to the store every pair that can match a predicate between these ends."""
         if isinstance(predicate, URIRef):
             if str(predicate) in self._relations:
                 self._add(self._relations[str(predicate)], subjects, objects)
@@ -369,7 +369,7 @@ class _Pairs:
                 self.add(choice, subjects, objects)
         elif isinstance(path, MulPath) and path.mod == "?":
             self.add(path.path, subjects, objects)
-        else:  # on the way, anything may come into question
+        else:  # on the way, any element is a candidate
             for part in _parts(path):
                 self.add(part, None, None)
 

@@ -30,11 +30,11 @@ QUERIES = "skiros_py.world.queries.replica:QueryReplica"
 """Answers SPARQL queries."""
 
 _LONGEST_START = 120.0
-"""How long a replica may take to begin with a query [s]: there may be much to write into it first."""
+"""How long a replica may take to start a query [s]: there may be many changes to apply first."""
 _GRACE = 1.0
-"""How much later than the kernel we look at the clock [s]."""
+"""How much later than the kernel we check the clock [s]."""
 _LOOK = 0.1
-"""Time between two looks at the clock [s]."""
+"""Interval between checks of the clock [s]."""
 _PIECE = 1 << 16
 
 
@@ -51,8 +51,8 @@ class ReplicaProcess:
         Args:
             version: Number of the last change.
             index: The state.
-            program: What it does for an order, see :func:`skiros_py.world.queries.replica.main`.
-            *more: What that program is made with besides.
+            program: The class that handles its orders, see :func:`skiros_py.world.queries.replica.main`.
+            *more: Further arguments of that class.
 
         Raises:
             DeviceError: It does not start.
@@ -79,11 +79,11 @@ class ReplicaProcess:
         return self._process.pid
 
     def ask(self, changes: Sequence[Change], order: bytes) -> Pending:
-        """Hands it a query.
+        """Sends it a query.
 
         Args:
-            changes: What was written after its version.
-            order: The query, as bytes that the program reads.
+            changes: The changes after its version.
+            order: The query, as bytes that its program decodes.
 
         Raises:
             DeviceError: It is gone.
@@ -105,11 +105,11 @@ class ReplicaProcess:
         return pending
 
     def close(self) -> None:
-        """Ends it, and the queries that it runs."""
+        """Ends it and its running queries."""
         end_connected(self._process, self._control, _GRACE)
 
     def kill(self) -> None:
-        """Ends it at once."""
+        """Kills it."""
         self._process.kill()
         self._process.wait()
 
@@ -119,7 +119,7 @@ class Ended:
     """A query that has ended.
 
     Attributes:
-        answer: What it wrote.
+        answer: Its output.
         code: Its exit status, or the negative number of the signal that ended it.
     """
 
@@ -128,11 +128,11 @@ class Ended:
 
 
 class Pending:
-    """A query that was handed to a replica.
+    """A query that was sent to a replica.
 
     Args:
-        answer, status: Descriptors of the pipes on which its answer, and what becomes of it, come.
-        replica: What it was handed to.
+        answer, status: Descriptors of the pipes for its answer, and for its start and exit status.
+        replica: The replica.
     """
 
     def __init__(self, answer: int, status: int, replica: ReplicaProcess) -> None:
@@ -170,7 +170,7 @@ class Pending:
 
         Args:
             stopped: Returns True once it is no longer needed.
-            every: Time between two looks whether it is [s].
+            every: Interval at which that is checked [s].
 
         Raises:
             DeviceError: The replica died.
@@ -199,7 +199,7 @@ class Pending:
             self.close()
 
     def close(self) -> None:
-        """Waits no longer."""
+        """Stops waiting."""
         os.close(self._answer)
         os.close(self._status)
 
@@ -211,8 +211,8 @@ class FollowingReplica:
 
     Args:
         world: The world.
-        program: What it does for an order; see :class:`ReplicaProcess`.
-        *more: What that program is made with besides.
+        program: The class that handles its orders; see :class:`ReplicaProcess`.
+        *more: Further arguments of that class.
         on_death: Called with the process id of one that died before it was closed.
     """
 
@@ -233,12 +233,12 @@ class FollowingReplica:
         return None if replica is None or not replica.is_alive() else replica.pid
 
     def start(self) -> None:
-        """Makes the replica, as the first order does otherwise; of a million triples that takes half a minute."""
+        """Starts the replica, as the first order would; a million triples take half a minute."""
         with self._lock:
             self._started()
 
     def ask(self, order: bytes) -> tuple[int, Pending]:
-        """Hands it an order about the world as it is now; returns the version of that, too.
+        """Sends it an order about the present world; returns the version of that, too.
 
         Raises:
             DeviceError: It died, cannot be started, or was closed.
@@ -254,7 +254,7 @@ class FollowingReplica:
             return replica.version, pending
 
     def close(self) -> None:
-        """Ends the process and all that it runs; may be called twice."""
+        """Ends the process and its running orders; may be called twice."""
         with self._lock:
             self._closed = True
             self._drop()
@@ -297,10 +297,10 @@ class Limits:
     Attributes:
         text: Characters of the query.
         time: Seconds.
-        memory: Bytes beside what the world itself takes.
+        memory: Bytes in addition to the memory of the world itself.
         rows: Rows or triples of the answer.
         bytes: Characters of all terms of the answer together.
-        at_once: Queries that may run at the same time; others wait for their turn, as long as they may take.
+        at_once: Queries that may run at the same time; others wait for their turn, up to their time limit.
     """
 
     text: int = 64 * 1024
@@ -312,10 +312,10 @@ class Limits:
 
 
 class OutsideQueries:
-    """Answers queries from outside. Close it, or use it in a ``with``; any thread may ask.
+    """Answers external queries. Close it, or use it in a ``with``; any thread may ask.
 
     Args:
-        world: What is asked; each query sees all that was written before it.
+        world: The world; each query sees everything written before it.
         limits: Limits of a query.
     """
 
@@ -325,7 +325,7 @@ class OutsideQueries:
         self._replica = FollowingReplica(world)
 
     def start(self) -> None:
-        """Makes the replica, as the first query does otherwise; of a million triples that takes half a minute."""
+        """Starts the replica, as the first query would; a million triples take half a minute."""
         self._replica.start()
 
     def close(self) -> None:
@@ -352,9 +352,9 @@ class OutsideQueries:
 
         Args:
             sparql: The query.
-            bindings: What its parameters stand for, by name.
-            entailed: Whether what OWL entails counts too.
-            time_limit: How long it may take [s]; None for the usual time.
+            bindings: Values of its parameters, by name.
+            entailed: Whether to include triples entailed by OWL.
+            time_limit: Time limit [s]; None for the default.
 
         Raises:
             UsageError: It cannot be answered, or not within its limits; the text says which.
@@ -392,7 +392,7 @@ class OutsideQueries:
 
 
 def _why(code: int, order: Order) -> str:
-    """Why a query ended without an answer."""
+    """Returns why a query ended without an answer."""
     if code == -signal.SIGALRM:
         return f"the query took longer than {order.time_limit:g} s: ask for less, or bind more of it"
     if code in (OUT_OF_MEMORY, -signal.SIGABRT, -signal.SIGKILL):

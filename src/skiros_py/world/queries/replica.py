@@ -1,7 +1,7 @@
 """A process with a replica of the world, which forks for each query from outside.
 
 A copy costs next to nothing and is a process with limits of its own: whatever a query does to it, the replica stays as
-it is. The replica has one thread, so that forking is safe.
+it is. The replica has one thread, so forking is safe.
 """
 
 from __future__ import annotations
@@ -37,19 +37,19 @@ def main(control: int, program: str) -> None:
 
     Args:
         control: Descriptor of the socket to that process.
-        program: What is done for an order, a subclass of :class:`Replica`: "package.module:Class".
+        program: The subclass of :class:`Replica` that handles orders: "package.module:Class".
     """
     module, name = program.split(":")
     make = getattr(import_module(module), name)
     with socket.socket(fileno=control) as parent:
         replica: Replica = make(*pickle.loads(receive(parent)[0]))  # noqa: S301  from our own parent
-        gc.freeze()  # what is here stays: looking at it would copy it into each order's process
+        gc.freeze()  # these objects stay: collecting would copy their pages into each order's process
         send(parent, b"ready")
         replica.serve(parent)
 
 
 class Replica(ABC):
-    """A replica of the world in a process of its own, and what it does for its parent.
+    """A replica of the world in a process of its own, which handles orders of its parent.
 
     Attributes:
         index: The world.
@@ -59,7 +59,7 @@ class Replica(ABC):
         self.index = index
 
     def follow(self, changes: Sequence[Change]) -> None:
-        """Does what was changed."""
+        """Applies changes."""
         for change in changes:
             for edit in change.edits:
                 self.index.apply(edit)
@@ -67,20 +67,20 @@ class Replica(ABC):
 
     @abstractmethod
     def serve(self, parent: socket.socket) -> None:
-        """Answers until the parent goes."""
+        """Handles orders until the parent exits."""
 
 
 @dataclass(frozen=True, slots=True)
 class Order:
-    """A query to be answered.
+    """A query to answer.
 
     Attributes:
         sparql: The query.
-        bindings: What its parameters stand for.
-        entailed: Whether what OWL entails counts.
-        time_limit: How long it may take [s].
-        memory: How much memory it may take [bytes].
-        limits: How large the answer may get.
+        bindings: Values of its parameters, by name.
+        entailed: Whether to include triples entailed by OWL.
+        time_limit: Time limit [s].
+        memory: Memory limit [bytes].
+        limits: Maximum size of the answer.
     """
 
     sparql: str
@@ -92,7 +92,7 @@ class Order:
 
 
 class QueryReplica(Replica):
-    """Answers queries from outside."""
+    """Answers external queries."""
 
     def __init__(self, version: int, index: Index) -> None:
         _warm_up()
@@ -101,12 +101,12 @@ class QueryReplica(Replica):
         super().__init__(version, index)
 
     def follow(self, changes: Sequence[Change]) -> None:
-        """Does what was changed, to the triples too."""
+        """Applies changes, to the triples too."""
         super().follow(changes)
         self._projection.follow(changes)
 
     def serve(self, parent: socket.socket) -> None:
-        """Answers until the parent goes."""
+        """Handles orders until the parent exits."""
         self._selector.register(parent, selectors.EVENT_READ)
         try:
             while True:
@@ -136,7 +136,7 @@ class QueryReplica(Replica):
         self._selector.register(os.pidfd_open(child), selectors.EVENT_READ, (child, status))
 
     def _report_end(self, key: selectors.SelectorKey) -> None:
-        """A query's process has ended: says how."""
+        """Reports how a query's process has ended."""
         child, status = key.data
         self._selector.unregister(key.fileobj)
         assert isinstance(key.fileobj, int)
@@ -165,7 +165,7 @@ class QueryReplica(Replica):
             os._exit(code)
 
     def _outcome(self, order: Order) -> object:
-        """Returns the answer, or the fault that it is."""
+        """Returns the answer, or the error instead of it."""
         try:
             return self._result(order)
         except SkirosError as error:
@@ -183,7 +183,7 @@ class QueryReplica(Replica):
 
 
 def _warm_up() -> None:
-    """Does once what each query would do in its copy: imports, and what rdflib's parser makes when first used."""
+    """Does once what each query would repeat in its copy: imports, and the tables of rdflib's parser."""
     from skiros_py.world.queries.computed import query_groups
 
     query_groups("ASK { ?a ?b ?c }", lambda _: True)

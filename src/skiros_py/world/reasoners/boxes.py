@@ -23,7 +23,7 @@ Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
 MAP = -1
-"""The root of what hangs on the map."""
+"""The root of frames below the map."""
 
 _Extents = tuple[float, float, float, float, float, float]
 _POINT: _Extents = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -38,8 +38,8 @@ class Boxes:
         centres: (n, 3), middles in the frame of the root [m].
         halves: (n, 3), half lengths along the box's own x, y, z [m].
         axes: (n, 3, 3), the box's own x, y, z in the frame of the root, as columns.
-        roots: (n,), which frame that is: :data:`MAP`, or some number of an element whose own pose is not known (a
-            gripper that moves) for that and for what hangs on it. Only boxes of one root can be compared.
+        roots: (n,), which frame that is: :data:`MAP`, or some number of an element whose own pose is unknown (a
+            gripper that moves), for it and the frames below it. Only boxes of one root can be compared.
         sized: (n,), False for a point: a thing of unknown size.
         hollow: (n,), True if the box is room, not matter.
     """
@@ -94,7 +94,7 @@ def read_boxes(view: WorldView, ids: Sequence[str]) -> Boxes:
 
 
 class _Reader:
-    """Gathers elements and the frames they hang on, then works them all out together."""
+    """Collects elements and their frames, then evaluates all together."""
 
     def __init__(self, view: WorldView) -> None:
         self._view = view
@@ -106,7 +106,7 @@ class _Reader:
         self._of_class: dict[str, tuple[Value | None, ...]] = {}
 
     def read(self, element: str) -> int:
-        """Returns the number of an element, which is read with what it hangs on when it is met first."""
+        """Returns the number of an element; on first use, it is read with its frames."""
         number = len(self._poses)
         known = self._numbers.setdefault(element, number)
         if known != number:
@@ -117,7 +117,7 @@ class _Reader:
         return number
 
     def _take(self, name: str) -> str | None:
-        """Reads one element that has a number, and returns the frame it hangs on if that was never met."""
+        """Reads one element that has a number, and returns its frame if that was not read yet."""
         element = self._view.element(name)
         own = element.properties
         pose, solid, size, hollow = map(own.get, _READ, self._class_values(element.type))
@@ -153,7 +153,7 @@ class _Reader:
         return every.take(np.array(numbers, dtype=np.int64))
 
     def _frames(self) -> tuple[Array, Array, Ints]:
-        """Returns where the frames of all that were read are in their roots, level by level down the trees."""
+        """Returns the poses of all frames in their roots, level by level down the trees."""
         from scipy.spatial.transform import Rotation  # half a second of imports that most processes never need
 
         count = len(self._poses)
@@ -173,7 +173,7 @@ class _Reader:
             axes[level] = axes[above] @ axes[level]
             roots[level] = roots[above]
             done[level] = True
-        # What is left are frames that hang on each other: a world refuses them, an overlay may suppose them.
+        # The rest are frames in a cycle: a world refuses them, an overlay may contain them.
         roots[~done] = np.flatnonzero(~done)
         return positions, axes, roots
 
@@ -182,7 +182,7 @@ _HERE = Pose()
 
 
 def _extents(solid: Value | None, size: Value | None) -> _Extents | None:
-    """The box around a shape; else the one of the size that is said, around the frame; else none."""
+    """The box around a shape; else one of the stated size, around the frame; else none."""
     if isinstance(solid, str):
         try:
             return extents(solid)
@@ -198,7 +198,7 @@ def _extents(solid: Value | None, size: Value | None) -> _Extents | None:
 
 
 _MANY = 200
-"""For fewer elements it is quicker to read them than everything."""
+"""For fewer elements, reading them alone is faster."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -243,7 +243,7 @@ def _read(view: Index) -> _Remembered:
 
 
 def _brought_up(last: _Remembered, view: Index) -> _Remembered | None:
-    """The boxes of a later state, if the same things hang on the same frames and what changed hangs on the map."""
+    """The boxes of a later state, if its frames are the same and those that changed are below the map."""
     ids = view.instances(SPATIAL_THING)
     if not view.has_relations_of(last.state) or ids != tuple(last.numbers):
         return None

@@ -26,12 +26,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """Whether a computed relation holds.
+    """The answer whether a computed relation holds.
 
     Attributes:
         holds: Whether it does.
-        reason: Why or why not, in words for people.
-        value: What it was decided by (a distance [m], a room left [m]), or None if there is no such number.
+        reason: Why or why not, in readable form.
+        value: The number that decided it (a distance [m], a clearance [m]), or None if there is none.
     """
 
     holds: bool
@@ -55,9 +55,9 @@ class Proposal:
 
     Attributes:
         before, after: The world without and with it.
-        edits: What it changes.
-        author: Who writes.
-        writer: What kind of author that is.
+        edits: Its edits.
+        author: Its author.
+        writer: The kind of author.
     """
 
     before: WorldView
@@ -68,16 +68,16 @@ class Proposal:
 
 
 class Reasoner:
-    """Knows about one kind of data. A plug-in of the group ``skiros.reasoners`` names a subclass.
+    """Evaluates relations and functions over one kind of data; plug-ins of ``skiros.reasoners`` name subclasses.
 
-    A reasoner has no state of its own: everything it knows it reads from the view it is given, so the same reasoner
-    serves the live world, snapshots and suppositions.
+    A reasoner has no state: it reads everything from the given view, so the same reasoner serves the live world,
+    snapshots and hypothetical views.
 
     Attributes:
-        name: What it is called in messages.
-        relations: CURIEs of the computed relations that it answers, each declared below ``sk:computed``.
+        name: Its name in messages.
+        relations: CURIEs of the computed relations that it evaluates, each declared below ``sk:computed``.
         functions: Functions for SPARQL by CURIE (``BIND(sk:distance(?a, ?b) AS ?d)``), called with the view and the
-            arguments: elements as ids, literals as values; None for no answer.
+            arguments: elements as ids, literals as values; they return None if there is no answer.
         keys: Names of the data that :meth:`data` reads and :meth:`store` writes.
     """
 
@@ -87,7 +87,7 @@ class Reasoner:
     keys: ClassVar[frozenset[str]] = frozenset()
 
     def answer(self, view: WorldView, subject: str, relation: str, object_: str) -> Answer:
-        """Says whether one of its :attr:`relations` holds between two elements, and why.
+        """Returns whether one of its :attr:`relations` holds between two elements, and why.
 
         A subclass with relations overrides this; one that does not is refused when it is loaded.
         """
@@ -96,7 +96,7 @@ class Reasoner:
     def pairs(
         self, view: WorldView, relation: str, subjects: Iterable[str], objects: Sequence[str]
     ) -> Iterator[tuple[str, str]]:
-        """Yields the pairs between which a relation holds; overridden where many are found faster together."""
+        """Yields the pairs between which a relation holds; override it if evaluating many together is faster."""
         for subject in subjects:
             for object_ in objects:
                 if subject != object_ and self.answer(view, subject, relation, object_).holds:
@@ -108,7 +108,7 @@ class Reasoner:
         return tuple(ComputedRelation(subject, r, object_, a.value) for r, a in answers if a.holds)
 
     def data(self, view: WorldView, element: str, key: str) -> Value | None:
-        """Reads data from an element in the form that the key names ("pose in the map"), or None if it has none.
+        """Returns data of an element in the form named by the key ("pose in the map"), or None if it has none.
 
         Raises:
             UsageError: It has no such key.
@@ -116,7 +116,7 @@ class Reasoner:
         raise UsageError(f"{self.name} reads no '{key}'")
 
     def store(self, tx: Transaction, element: str, key: str, value: Value) -> None:
-        """Writes data into an element in the form that the key names.
+        """Writes data of an element in the form named by the key.
 
         Raises:
             UsageError: It has no such key.
@@ -124,15 +124,15 @@ class Reasoner:
         raise UsageError(f"{self.name} stores no '{key}'")
 
     def similarity(self, view: WorldView, a: str, b: str) -> float | None:
-        """Returns how alike two elements are, from 0 to 1, or None if it cannot tell."""
+        """Returns the similarity of two elements, from 0 to 1, or None if it is unknown."""
         return None
 
     def classify(self, view: WorldView, element: str, classes: Sequence[str]) -> tuple[tuple[str, float], ...]:
-        """Returns how likely an element is of each class, likeliest first; classes it cannot judge are left out."""
+        """Returns the likelihood of each class for an element, highest first; unknown ones are left out."""
         return ()
 
     def veto(self, proposal: Proposal) -> str | None:
-        """Says why a change must not take effect, or None. Called for every change: be quick."""
+        """Returns why a change must not take effect, or None. Called for every change, so it must be fast."""
         return None
 
 
@@ -145,7 +145,7 @@ def computed_objects(
         view: The world.
         subject: Id of the subject.
         relation: CURIE of the relation.
-        among: Ids of the elements that count; those of the scene where left out.
+        among: Ids of the candidates; by default, all elements of the scene.
 
     Raises:
         UnknownName: There is no such element, or no reasoner computes the relation.
@@ -178,7 +178,7 @@ _T = TypeVar("_T")
 
 
 class Reasoners(Sequence[Reasoner]):
-    """Some reasoners, of which no two compute the same relation.
+    """Reasoners, no two of which compute the same relation.
 
     Raises:
         UsageError: Two do.
@@ -237,7 +237,7 @@ class Reasoners(Sequence[Reasoner]):
         return found
 
     def answer(self, view: WorldView, subject: str, relation: str, object_: str) -> Answer:
-        """Says whether a computed relation, or a narrower one, holds, and why.
+        """Returns whether a computed relation, or a sub-relation, holds, and why.
 
         Raises:
             UnknownName: There is no such element, or no reasoner computes the relation.
@@ -263,13 +263,13 @@ class Reasoners(Sequence[Reasoner]):
     def between(self, view: WorldView, subject: str, object_: str) -> tuple[ComputedRelation, ...]:
         """Returns all computed relations that hold from one element to another, reasoner by reasoner.
 
-        Those are left out whose declared ends the elements are not.
+        Relations whose declared ends do not fit the elements are left out.
         """
         held = (found for reasoner in self._all for found in _between(reasoner, view, subject, object_))
         return tuple(found for found in held if _may_hold(view, found))
 
     def vetoes(self, proposal: Proposal) -> tuple[str, ...]:
-        """Returns why the change must not take effect, in the words of each reasoner that objects."""
+        """Returns the objections of reasoners to a change."""
         found = ((reasoner.name, _objection(reasoner, proposal)) for reasoner in self._vetoing)
         return tuple(f"{name}: {text}" for name, text in found if text)
 
@@ -292,7 +292,7 @@ class Reasoners(Sequence[Reasoner]):
 
 
 def _guarded(reasoner: Reasoner, call: Callable[[], _T]) -> _T:
-    """Lets a plug-in fail under its own name."""
+    """Calls a plug-in; its errors name it."""
     try:
         return call()
     except SkirosError:
@@ -306,7 +306,7 @@ def _between(reasoner: Reasoner, view: WorldView, subject: str, object_: str) ->
 
 
 def _objection(reasoner: Reasoner, proposal: Proposal) -> str | None:
-    """A reasoner that breaks while it is asked has no objection: one bad plug-in must not stop all writing."""
+    """A reasoner that raises has no objection: one bad plug-in must not block all writes."""
     try:
         return _guarded(reasoner, lambda: reasoner.veto(proposal))
     except SkirosError:
@@ -325,7 +325,7 @@ def _may_hold(view: WorldView, found: ComputedRelation) -> bool:
 
 
 NO_REASONERS = Reasoners()
-"""Of worlds in which nothing is computed."""
+"""For worlds without computed relations."""
 
 
 GROUP = "skiros.reasoners"
@@ -338,12 +338,12 @@ def load_reasoners(ontology: Ontology | None = None) -> tuple[Reasoners, tuple[P
     """Loads all reasoners, in the order of their entry points' names, the built-in ones first.
 
     Args:
-        ontology: What must declare the relations that they compute; None if that does not matter.
+        ontology: Must declare the relations that they compute; None to skip that check.
 
     Returns:
-        Those that can be used together; and the faults of the others, which are left out: what did not load, is no
-        reasoner, has the name of an earlier one, computes what an earlier one computes or what the ontology does not
-        declare as computed.
+        Those that can be used together; and the faults of the others, which are left out: they did not load, are no
+        reasoners, have the name or a relation of an earlier one, do not evaluate their relations, or have relations
+        that the ontology does not declare as computed.
     """
     plugins, broken = load_plugins(GROUP)
     good: list[Reasoner] = []

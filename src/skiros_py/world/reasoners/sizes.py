@@ -62,7 +62,7 @@ class SizeReasoner(Reasoner):
     keys = frozenset({"dimensions"})
 
     def answer(self, view: WorldView, subject: str, relation: str, object_: str) -> Answer:
-        """Says whether one thing fits into another, or a gripper can grasp it; the value is the room left [m]."""
+        """Returns whether one thing fits into another, or a gripper can grasp it; the value is the clearance [m]."""
         return _fits(view, subject, object_) if relation == FITS_IN else _graspable(view, subject, object_)
 
     def pairs(
@@ -110,7 +110,7 @@ class SizeReasoner(Reasoner):
         return tuple(sorted(likely, key=lambda found: (-found[1], found[0])))
 
     def veto(self, proposal: Proposal) -> str | None:
-        """Refuses that a person or a job puts a thing where it does not fit; what a robot sensed is so."""
+        """Refuses placements by people and jobs where a thing does not fit; sensed placements are accepted."""
         if proposal.writer not in (Writer.PERSON, Writer.JOB):
             return None
         objections = (_objection(proposal.after, edit) for edit in proposal.edits if isinstance(edit, PlacementEdit))
@@ -118,7 +118,7 @@ class SizeReasoner(Reasoner):
 
 
 def _objection(view: WorldView, edit: PlacementEdit) -> str | None:
-    """Says why a thing cannot be where an edit puts it, or None: also where a size is not known."""
+    """Returns why a thing cannot be where an edit puts it; None also if a size is unknown."""
     new, ontology = edit.new, view.ontology
     if new is None or new.relation not in ontology.sub_relations(IN):
         return None
@@ -178,10 +178,10 @@ _COMPARED: Mapping[str, tuple[_Read, _Read, float]] = MappingProxyType(
         GRASPABLE_BY: (_grasp_width, _greatest_gap, math.ulp(0.0)),  # more than nothing at all
     }
 )
-"""By relation: what the subject needs, what the object offers, and how much must be left [m]."""
+"""By relation: the sizes of subject and object, and the required clearance [m]."""
 
 
 def _known(view: WorldView, elements: Iterable[str], read: _Read) -> tuple[list[str], Array]:
-    """Those elements of which something can be read, and what that is, row by row [m]."""
+    """The elements with a known size, and the sizes, row by row [m]."""
     found = [(element, size) for element in elements if (size := read(view, element)) is not None]
     return [element for element, _ in found], np.array([size for _, size in found])

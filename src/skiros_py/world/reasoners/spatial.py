@@ -422,7 +422,7 @@ class SpatialReasoner(Reasoner):
     # ------------------------------------------------------------ relations
 
     def answer(self, view: WorldView, subject: str, relation: str, object_: str) -> Answer:
-        """Says whether one of its relations holds between two elements, and why; the value is in metres."""
+        """Returns whether one of its relations holds between two elements, and why; the value is in metres."""
         meant = SPATIAL_RELATIONS[relation]
         boxes = read_boxes(view, (subject, object_))
         unknown = _unknown(meant, boxes, (subject, object_))
@@ -502,18 +502,18 @@ _STORES = (
 
 
 def _parsed(key: str) -> tuple[str, str | None]:
-    """What a key asks for, and of which other element."""
+    """The requested data of a key, and the other element."""
     what, _, other = key.partition(" to " if key.startswith("distance") else " in ")
     return what, other or None
 
 
 def _comparable(meant: SpatialRelation, boxes: Boxes) -> Bools:
-    """Of which boxes enough is known for a relation."""
+    """Selects the boxes that have the data for a relation."""
     return np.asarray((boxes.sized | (not meant.needs_size)) & ((boxes.roots == MAP) | (not meant.needs_map)))
 
 
 def _unknown(meant: SpatialRelation, boxes: Boxes, names: tuple[str, str]) -> str | None:
-    """Says what must be known of two elements for a relation and is not, or None."""
+    """Returns which data of two elements a relation lacks, or None."""
     adrift = [name for name, root in zip(names, boxes.roots, strict=True) if root != MAP]
     if adrift and (meant.needs_map or boxes.roots[0] != boxes.roots[1]):
         return f"the pose of {' and that of '.join(adrift)} in the map is not known"

@@ -171,14 +171,13 @@ def _change(what: str, old: str, new: str) -> str:
 
 
 def robot_document(iri: str) -> tuple[Document | None, tuple[PluginFault, ...]]:
-    """Looks among the plug-ins for the file that declares an IRI, and loads no more of them than needed.
+    """Finds the plug-in's file that declares an IRI, and loads as few plug-ins as possible.
 
     Args:
-        iri: What a scene imports ("http://example.org/robots/crane"); the plug-in called like the last part of it is
-            asked first.
+        iri: The imported IRI ("http://example.org/robots/crane"); the plug-in named like its last part is tried first.
 
     Returns:
-        The file, or None; and the faults of plug-ins that were asked.
+        The file, or None; and the faults of the plug-ins that were loaded.
     """
     entries, faults = unambiguous(installation().of(GROUP))
     name = iri.rstrip("#/").rpartition("/")[2]
@@ -193,7 +192,7 @@ def robot_document(iri: str) -> tuple[Document | None, tuple[PluginFault, ...]]:
 
 
 def documents_of(entry: Entry) -> Iterator[Document | PluginFault]:
-    """Yields the files that an entry point brings, read; and what is wrong with it."""
+    """Yields the parsed files of an entry point, and its faults."""
     paths = _files(entry)
     if isinstance(paths, PluginFault):
         yield paths

@@ -28,11 +28,10 @@ def learned_turtle(view: Index) -> str:
 
 
 def read_learned(ontology: Ontology, path: Path) -> list[Edit]:
-    """Returns the edits that bring what a file says was learned into a world that has learned nothing yet.
+    """Returns the edits that add the learned concepts of a file to a world without any.
 
     Raises:
-        FileError: The file is missing, in no language that is read, or says what the ontology does not allow; with the
-            line where known.
+        FileError: The file is missing, has an unknown format, or does not fit the ontology; with the line if known.
     """
     reader = Reader(ontology, LEARNED)
     reader.take(read_document(path), whole=True)
@@ -48,9 +47,9 @@ _log = logging.getLogger(__name__)
 
 
 class LearnedFile:
-    """Mirrors the learned part of a world, which the journal holds, in a Turtle file.
+    """Mirrors the learned part of a world, which is stored in the journal, in a Turtle file.
 
-    A file that cannot be written stays as it was until the next change; the world goes on.
+    If the file cannot be written, it stays unchanged until the next change; the world is not affected.
 
     Attributes:
         path: The file.
@@ -62,10 +61,10 @@ class LearnedFile:
         self._taken = False
 
     def read_into(self, world: World) -> None:
-        """Lets a world begin with what the file says, if it is there.
+        """Adds the content of the file to a new world, if the file exists.
 
         Raises:
-            FileError: It says what the ontology does not allow.
+            FileError: It does not fit the ontology.
         """
         self._taken = True
         if not self.path.exists():
@@ -78,7 +77,7 @@ class LearnedFile:
             raise FileError(self.path, str(error)) from None
 
     def follow(self, world: World) -> None:
-        """Makes the file as the world is, and keeps it so."""
+        """Writes the file, and updates it whenever the world changes."""
         self._tidy()
         if not self._taken:
             self._keep_another(learned_turtle(world.snapshot()))
@@ -86,7 +85,7 @@ class LearnedFile:
         world.subscribe(lambda change: self._on_change(world, change))
 
     def _keep_another(self, text: str) -> None:
-        """Keeps a file that was edited since it was written: it is not used, but must not be lost."""
+        """Keeps a copy of a file that was edited: it is not used, but must not be lost."""
         try:
             found = self.path.read_bytes() if self.path.exists() else b""
             if not found.strip() or found == text.encode():
@@ -120,13 +119,13 @@ class LearnedFile:
             _log.warning("%s is not up to date: %s", self.path, error)
 
     def _tidy(self) -> None:
-        """Removes what a process that was killed while it wrote left behind."""
+        """Removes temporary files of a process that was killed while writing."""
         for left in self.path.parent.glob(f".{self.path.name}.*.tmp"):
             left.unlink(missing_ok=True)
 
 
 def _kept(path: Path, content: bytes) -> Path:
-    """Puts a copy beside a file, under the next free name; none if the same was kept before."""
+    """Copies a file under the next free name, unless such a copy exists."""
     for number in itertools.count(1):
         copy = path.with_name(f"{path.name}.kept-{number}")
         if not copy.exists():

@@ -1,6 +1,6 @@
-"""Gathers what files say of individuals, as the edits that bring them into a world.
+"""Reads individuals from files, as the edits that add them to a world.
 
-A scene says ``scene:robot_2 sk:builtLike scene:robot_1`` and, for the parts, only the differences, such as where
+A scene may state ``scene:robot_2 sk:builtLike scene:robot_1`` and, for the parts, only the differences, such as where
 base_2 starts.
 """
 
@@ -102,7 +102,7 @@ def _complete(copy: Individual, like: Individual, names: Mapping[str, str], onto
 
 
 def _kind(relation: str, ontology: Ontology) -> str:
-    """Returns what is copied together or not at all: all placements, all pieces, or one relation."""
+    """Returns the group of relations copied together: all placements, all pieces, or one relation."""
     family = ontology.family(relation)
     return family if family in (Family.PLACEMENT, Family.STRUCTURE) else relation
 
@@ -112,7 +112,7 @@ _CURIE = re.compile(r"[\w-]+:[\w-]+")
 
 
 def fault_of_all(files: Sequence[Document], names: Names, problems: Sequence[tuple[str, str]]) -> FileError:
-    """Makes one error of many (individual, what is wrong with it), each with its line, at the line of the first."""
+    """Combines many problems (individual, sentence) in one error, each with its line, located at the first."""
     once, statements = list(dict.fromkeys(problems)), Statements(files, names)
     faults = [_fault(statements, name or "this", sentence) for name, sentence in once[:_MOST_SHOWN]]
     faults.sort(key=lambda fault: (fault.path != files[0].path, str(fault.path), fault.line or 0))
@@ -134,7 +134,7 @@ def _fault(statements: Statements, name: str, sentence: str) -> FileError:
 
 
 class Kind(Enum):
-    """What a predicate says of an individual."""
+    """Kinds of predicates."""
 
     TYPE = auto()
     VALUE = auto()
@@ -148,8 +148,8 @@ class Predicate:
 
     Attributes:
         name: Its CURIE.
-        kind: What it says.
-        range: CURIE of the data type of its values; "" where it has none.
+        kind: Its kind.
+        range: CURIE of the data type of its values; empty if it has none.
     """
 
     name: str
@@ -158,7 +158,7 @@ class Predicate:
 
 
 class Predicates:
-    """Predicates by IRI; each is looked up once, since files say the same few words again and again."""
+    """Predicates by IRI; each is looked up once, since files repeat a few of them."""
 
     def __init__(self, ontology: Ontology) -> None:
         self._ontology = ontology
@@ -166,14 +166,14 @@ class Predicates:
         self._types: dict[str, str] = {}
 
     def of(self, iri: str) -> Predicate:
-        """Returns what a predicate means."""
+        """Returns a predicate."""
         return self._by_iri.get(iri) or self._by_iri.setdefault(iri, self._look_up(iri))
 
     def value(self, predicate: Predicate, literal: ox.Literal) -> Value:
         """Reads a value of a predicate that has values.
 
         Raises:
-            ValueError: The literal does not fit; the text says what would.
+            ValueError: The literal does not fit; the text says what does.
         """
         iri = literal.datatype.value
         type_ = self._types.get(iri) or self._types.setdefault(iri, self._ontology.names.name(iri))

@@ -36,11 +36,11 @@ def scene_turtle(index: Index) -> str:
 
 
 _MANY = 1000
-"""Elements from which on it is quicker to go through all statements than to look up those of each."""
+"""Number of elements above which iterating over all statements is faster than looking up those of each."""
 
 
 class TurtleWriter:
-    """Writes elements of a state as paragraphs of Turtle, and keeps account of the words that they use."""
+    """Writes elements of a state as paragraphs of Turtle, and collects the words that they use."""
 
     def __init__(self, index: Index) -> None:
         self._index = index
@@ -53,8 +53,8 @@ class TurtleWriter:
         """Returns the whole file.
 
         Args:
-            graph: IRI of the graph that it holds, and of the file.
-            paragraphs: What it says of individuals, whose names begin with that.
+            graph: IRI of its graph and of the file.
+            paragraphs: The paragraphs about individuals, whose IRIs begin with that.
         """
         body = list(paragraphs)
         imports = [("owl:imports", f"<{other}>") for other in _declaring(self._ontology, self._used())]
@@ -75,11 +75,11 @@ class TurtleWriter:
             yield self.paragraph(name, element.type, [*self._values(element), *related.get(name, ())])
 
     def paragraph(self, name: str, class_: str, statements: Iterable[tuple[str, str]]) -> str:
-        """Returns what is said of one individual, as (predicate, object as it is written)."""
+        """Returns the paragraph of one individual, given (predicate, object as written)."""
         return self._block(self._token(name), self._token(class_), statements)
 
     def literal(self, property_: str, value: Value) -> str:
-        """Returns a value as it is written."""
+        """Returns the text of a value."""
         range_ = "xsd:string" if property_ == LABEL else self._ontology.properties[property_].range
         text, type_ = format_value(value, range_), literal_type(value, range_)
         if type_ in _BARE and _BARE[type_].fullmatch(text):
@@ -90,7 +90,7 @@ class TurtleWriter:
         return quoted if type_ == "xsd:string" else f"{quoted}^^{self._token(type_)}"
 
     def _statements(self, names: list[str]) -> Iterable[tuple[str, str, str]]:
-        """What is stated of the elements, and perhaps of others: of many, it is quicker to go through everything."""
+        """The statements about the elements, possibly also about others: for many, iterating over all is faster."""
         if len(names) > _MANY:
             return self._index.statements()
         return (said for name in names for said in self._index.statements_about(name) if said[0] == name)
@@ -101,7 +101,7 @@ class TurtleWriter:
             yield property_, self.literal(property_, value)
 
     def _block(self, subject: str, class_: str, statements: Iterable[tuple[str, str]]) -> str:
-        """Ends each line alike, so that a line more or less changes no other."""
+        """Ends every line alike, so that adding or removing a line changes no other."""
         lines = [f"    {self._token(p)} {said} ;\n" for p, said in sorted(statements, key=self._key)]
         return f"{subject} a {class_} ;\n{''.join(lines)}    .\n"
 
@@ -111,7 +111,7 @@ class TurtleWriter:
         return *key, said
 
     def _rank(self, predicate: str) -> tuple[int, str]:
-        """What people want to know first: what it is called, where it is, what it is built of."""
+        """The most important first: label, placement, parts."""
         relation = self._ontology.relations.get(predicate)
         family = _OTHERS if relation is None else _FAMILIES.get(relation.family, _OTHERS)
         return _FIRST.get(predicate, family), predicate
@@ -133,7 +133,7 @@ class TurtleWriter:
 def _declaring(ontology: Ontology, terms: set[str]) -> list[str]:
     """The IRIs of the files that declare any of the terms, sorted.
 
-    Not of those with individuals of scenes (robots): these are in the scene that is written.
+    Files with scene individuals (robots) are left out: their individuals are part of the written scene.
     """
     return sorted(
         file.iri

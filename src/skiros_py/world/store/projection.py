@@ -1,7 +1,7 @@
-"""Ontology, scene and what was learned as one RDF dataset that follows a world.
+"""Ontology, scene and learned concepts as one RDF dataset that follows a world.
 
-There is a graph for each ontology file, for the scene, for what was learned and, while a query needs it, for what was
-inferred.
+There is a graph for each ontology file, for the scene, for the learned concepts and, while a query needs it, for
+inferred triples.
 """
 
 from __future__ import annotations
@@ -34,9 +34,9 @@ _LEARNED_GRAPH = ox.NamedNode(LEARNED_GRAPH)
 
 
 class Triples:
-    """Writes the things of one ontology's worlds as triples.
+    """Converts worlds of one ontology to triples.
 
-    What is said of a learned individual is in the graph of what was learned, all else that can change in the scene's.
+    Triples about learned individuals are in the graph of learned concepts, all others that can change in the scene's.
     """
 
     def __init__(self, ontology: Ontology) -> None:
@@ -44,7 +44,7 @@ class Triples:
         self._names: dict[str, ox.NamedNode] = {}
 
     def state(self, index: Index) -> Iterator[ox.Quad]:
-        """Yields all there is in a state, without what its ontology's files say."""
+        """Yields the triples of a state, except those of the ontology's files."""
         yield from self.goals(index.goals)
         for name in index.ids():
             if not is_abstract(name) or is_learned(name):
@@ -55,7 +55,7 @@ class Triples:
                 yield self.relation(*statement)
 
     def ontology(self) -> Iterator[ox.Quad]:
-        """Yields what the ontology's files say, each in a graph of its own."""
+        """Yields the triples of the ontology's files, each file in a graph of its own."""
         seen: set[ox.Triple] = set()
         for file in self._ontology.sources:
             graph = ox.NamedNode(file.iri)
@@ -65,14 +65,14 @@ class Triples:
                     yield ox.Quad(triple.subject, triple.predicate, triple.object, graph)
 
     def goals(self, goals: tuple[str, ...]) -> Iterator[ox.Quad]:
-        """Yields the individual that bears the goals."""
+        """Yields the individual that has the goals."""
         scene = ox.NamedNode(SCENE + "this")
         yield ox.Quad(scene, self._node("rdf:type"), self._node(SCENE_CLASS), _SCENE_GRAPH)
         for goal in goals:
             yield ox.Quad(scene, self._node(GOAL), ox.Literal(goal), _SCENE_GRAPH)
 
     def element(self, element: Element) -> Iterator[ox.Quad]:
-        """Yields what an element is by itself: type, label, own values."""
+        """Yields type, label and own values of an element."""
         subject, graph = self._element(element.id), _graph(element.id)
         yield ox.Quad(subject, self._node("rdf:type"), self._node(element.type), graph)
         yield ox.Quad(subject, self._node(LABEL), ox.Literal(element.label), graph)
@@ -88,11 +88,11 @@ class Triples:
         return ox.Quad(self._element(element), self._node(property_), self._literal(property_, value), _graph(element))
 
     def before(self, edit: Edit) -> list[ox.Quad]:
-        """Returns the triples that an edit takes away."""
+        """Returns the triples that an edit removes."""
         return self._side(edit, new=False)
 
     def after(self, edit: Edit) -> list[ox.Quad]:
-        """Returns the triples that an edit brings."""
+        """Returns the triples that an edit adds."""
         return self._side(edit, new=True)
 
     def _side(self, edit: Edit, *, new: bool) -> list[ox.Quad]:
@@ -122,7 +122,7 @@ class Triples:
         return ox.Literal(format_value(value, range_), datatype=self._node(literal_type(value, range_)))
 
     def _node(self, name: str) -> ox.NamedNode:
-        """The IRI of a word of the ontology: there are few, and they come again and again."""
+        """The IRI of a word of the ontology; cached, since there are few."""
         node = self._names.get(name)
         if node is None:
             node = self._names[name] = ox.NamedNode(self._ontology.names.iri(name))
@@ -137,7 +137,7 @@ def _graph(subject: str) -> ox.NamedNode:
 
 
 def _terms(file: Document) -> Iterator[ox.Triple]:
-    """What a file says of the ontology; its scene individuals would be there twice once a scene imports them."""
+    """The triples of a file except those about scene individuals, which scenes import themselves."""
     for triple in file.triples:
         if not (isinstance(triple.subject, ox.NamedNode) and triple.subject.value.startswith(SCENE)):
             yield triple
@@ -150,8 +150,8 @@ class Projection:
     """One state of a world in a store, brought to later states change by change.
 
     Attributes:
-        store: What holds it.
-        version: Number of the last change that it shows.
+        store: The store with its triples.
+        version: Number of the last change in it.
     """
 
     def __init__(self, version: int, index: Index, store: Callable[[], QuadStore] = QuadStore) -> None:
@@ -160,7 +160,7 @@ class Projection:
         Args:
             version: The number of the last change that led to the state.
             index: The state.
-            store: Makes an empty store.
+            store: Creates an empty store.
         """
         self.version = version
         self._new = store
@@ -171,7 +171,7 @@ class Projection:
         self.store.bulk_load(self._triples.state(index))
 
     def follow(self, changes: Iterable[Change]) -> None:
-        """Does the changes that come after its version, in order."""
+        """Applies the changes after its version, in order."""
         for change in changes:
             for edit in change.edits:
                 self.store.remove(self._triples.before(edit))
@@ -179,7 +179,7 @@ class Projection:
             self.version = change.number
 
     def entailed(self) -> QuadStore:
-        """Returns a store of its own that also holds what OWL entails; the same until the version is another."""
+        """Returns a separate store that also contains entailed triples; the same one until the version changes."""
         if self._entailed is None or self._entailed[0] != self.version:
             self._entailed = None  # the old one need not be in memory while the new one is made
             self._entailed = (self.version, entailed_store(self.store, self._new))
@@ -187,7 +187,7 @@ class Projection:
 
 
 def entailed_store(stated: QuadStore, new: Callable[[], QuadStore]) -> QuadStore:
-    """Returns a new store with all that is stated, and what follows in the graph of the inferred."""
+    """Returns a new store with the stated triples, and the entailed ones in the graph of inferred triples."""
     quads = stated.quads()
     store = new()
     store.bulk_load(quads)
@@ -196,7 +196,7 @@ def entailed_store(stated: QuadStore, new: Callable[[], QuadStore]) -> QuadStore
 
 
 def _entailed(quads: Iterable[ox.Quad]) -> Iterator[ox.Quad]:
-    """What OWL 2 RL entails: inverses, symmetry, transitivity, equivalence, sub-terms."""
+    """Yields the triples that OWL 2 RL entails: inverses, symmetry, transitivity, equivalence, sub-terms."""
     try:
         from reasonable import PyReasoner  # with rdflib, which most queries do without
     except ModuleNotFoundError:
@@ -216,8 +216,8 @@ class TripleStore:
     """The projection of a live world; it follows the world's changes whenever it is opened.
 
     Args:
-        world: What it shows.
-        store: Makes an empty store.
+        world: The world.
+        store: Creates an empty store.
     """
 
     def __init__(self, world: World, store: Callable[[], QuadStore] = QuadStore) -> None:
@@ -228,12 +228,12 @@ class TripleStore:
 
     @property
     def version(self) -> int:
-        """Number of the last change that it shows."""
+        """Number of the last change in it."""
         return self._projection.version
 
     @contextmanager
     def opened(self) -> Iterator[QuadStore]:
-        """Lends the store, up to date, to one reader at a time."""
+        """Lends the up-to-date store to one reader at a time."""
         while True:
             with self._lock:
                 if self._caught_up(self._world.version):
@@ -243,10 +243,10 @@ class TripleStore:
 
     @contextmanager
     def opened_with_state(self, *, entailed: bool = False) -> Iterator[tuple[QuadStore, Index]]:
-        """Lends the store together with the state that it shows, to one reader at a time.
+        """Lends the store together with the corresponding state, to one reader at a time.
 
         Args:
-            entailed: Whether to lend the store that also holds what OWL entails.
+            entailed: Whether to lend the store that also contains entailed triples.
         """
         while True:
             # The state comes before the lock: a writer that holds the state may be waiting for the store.
@@ -260,7 +260,7 @@ class TripleStore:
                 self._rebuild()
 
     def _caught_up(self, version: int) -> bool:
-        """Brings the store to a version or leaves it at a later one; False if the changes are forgotten."""
+        """Updates the store to at least a version; False if the changes are no longer kept."""
         if self.version >= version:
             return True
         try:

@@ -16,30 +16,30 @@ from skiros_py.errors import UsageError
 
 _FAULT = re.compile(r"error at (\d+):(\d+): expected (?:one of )?(.*)", re.DOTALL)
 _LISTED = re.compile(r'"(?:\\.|[^"\\])*"|\[[^\]]*\]', re.DOTALL)
-"""What is no phrase: signs in quotes, and sets of signs."""
+"""Parts of a message that are not words: quoted signs, and sets of signs."""
 _SIGN = re.compile(r'"((?:\\.|[^"\\])+)"|\[(.)[^\]]*\]')
 _WORD = re.compile(r"<[^>\s]*>|[?$]?\w+|\S")
 _BEFORE, _AFTER = 3, 2
-"""Words shown around the place."""
+"""Number of words shown around the location."""
 _KINDS = {
     "a variable": ("?", "$"),
     "a name": (":", "<", "_:"),
     "a value": ('\\"', "'", "+", "true"),
     "a number": ("[0",),
 }
-"""Kinds of what can be written, each with signs that it begins with."""
+"""Kinds of tokens, each with signs that it begins with."""
 _BRACKETS = ("{", "}", "(", ")", "=", ",", ";", "*", "/", "|", "^")
 _LONGEST = 60
 
 
 def parse_fault(text: str, message: str) -> str:
-    """Returns where a query stops to parse and what could follow; the message itself where it says something else.
+    """Returns where parsing a query stops and what could follow; the message itself if it is of another kind.
 
     Column numbers are omitted: names have been expanded since the query was written.
 
     Args:
         text: The query as the engine has read it.
-        message: What the engine says.
+        message: The message of the engine.
     """
     found = _FAULT.fullmatch(message)
     if found is None:
@@ -58,20 +58,20 @@ def parse_fault(text: str, message: str) -> str:
 
 
 def _reason(signs: str) -> str:
-    """Returns what the engine says in words among the signs, "Prefix not found"; empty if it only lists them."""
+    """Returns the words of a message ("Prefix not found"); empty if it only lists signs."""
     said = (each.strip() for each in _LISTED.sub("", signs).split(","))
     return next((each for each in said if each[:1].isalpha() and " " in each), "")
 
 
 def _near(before: str, after: str) -> str:
-    """Returns some words around a place: the engine looks ahead, so it may be just before or just after it."""
+    """Returns the words around a location: the engine looks ahead, so the fault may be just before or after it."""
     words = [*_WORD.findall(before)[-_BEFORE:], *_WORD.findall(after)[:_AFTER]]
     said = (re.split("[#/]", word.strip("<>"))[-1] if word.startswith("<") else word for word in words)
     return f"'{' '.join(said)[:_LONGEST]}'"
 
 
 def _expected(signs: str) -> str:
-    """Names the kinds of what could have come; keywords are left out, of which the engine names any that is near."""
+    """Names the expected kinds of tokens, without keywords: the engine lists too many."""
     known = {match[1] or f"[{match[2]}" for match in _SIGN.finditer(signs.replace("['", "["))}
     kinds = [kind for kind, begins in _KINDS.items() if known.intersection(begins)]
     if "a value" in kinds:
@@ -84,23 +84,23 @@ def _expected(signs: str) -> str:
 
 
 INFERRED_GRAPH = ox.NamedNode("https://w3id.org/skiros-py/inferred")
-"""The graph of what OWL entails, for queries that ask for that."""
+"""The graph of triples entailed by OWL, for queries that request them."""
 
 COMPUTED_GRAPH = ox.NamedNode("https://w3id.org/skiros-py/computed")
-"""The graph of what reasoners worked out for a query; empty as soon as that is answered."""
+"""The graph of the computed relations of a query; empty as soon as it is answered."""
 
 Term = ox.NamedNode | ox.BlankNode | ox.Literal
 """A term of a triple."""
 
 Functions = Mapping[str, Callable[..., Term | None]]
-"""Functions that a query may call, by IRI; None is no answer."""
+"""Functions that a query may call, by IRI; they return None if there is no answer."""
 
 NO_FUNCTIONS: Functions = MappingProxyType({})
 
 
 @dataclass(frozen=True, slots=True)
 class Rows:
-    """What a SELECT answers: a term or None for each variable of each row."""
+    """The answer to a SELECT: a term or None for each variable of each row."""
 
     variables: tuple[str, ...]
     rows: tuple[tuple[Term | None, ...], ...]
@@ -109,16 +109,16 @@ class Rows:
 _Row = TypeVar("_Row", bound=Iterable[object])
 
 Answer = Rows | bool | tuple[ox.Triple, ...]
-"""What SELECT, ASK and CONSTRUCT answer."""
+"""The answers to SELECT, ASK and CONSTRUCT."""
 
 
 @dataclass(frozen=True, slots=True)
 class AnswerLimits:
-    """How large an answer may get; a store stops reading where it gets larger.
+    """Maximum size of an answer; a store stops reading when it is exceeded.
 
     Attributes:
-        rows: Rows or triples; None for any number.
-        bytes: Characters of all terms together; None for any number.
+        rows: Rows or triples; None for no limit.
+        bytes: Characters of all terms together; None for no limit.
     """
 
     rows: int | None = None
@@ -128,7 +128,7 @@ class AnswerLimits:
         """Yields the rows or triples of an answer.
 
         Raises:
-            UsageError: There are too many; said before the first one too many is kept.
+            UsageError: There are too many; raised before the first of them is stored.
         """
         if self.rows is None and self.bytes is None:
             yield from rows
@@ -154,53 +154,53 @@ _PIECE = 100_000
 class QuadStore:
     """Triples in named graphs, in memory, and SPARQL over all of them as one.
 
-    Each triple belongs in one graph at most. One thread at a time. Whatever is returned is complete: an iterator of
-    results that another thread finishes kills the process, so none ever leaves a method.
+    Each triple belongs to one graph at most. For one thread at a time. All results are returned complete: an iterator
+    of results that is finished by another thread kills the process, so none leaves a method.
     """
 
     def __init__(self) -> None:
         self._store = ox.Store()
 
     def add(self, quad: ox.Quad) -> None:
-        """Adds one."""
+        """Adds a quad."""
         self._store.add(quad)
 
     def extend(self, quads: Iterable[ox.Quad]) -> None:
-        """Adds some: all or, if that fails, none."""
+        """Adds several quads: all or, if that fails, none."""
         self._store.extend(quads)
 
     def remove(self, quads: Iterable[ox.Quad]) -> None:
-        """Takes some out."""
+        """Removes quads."""
         for quad in quads:
             self._store.remove(quad)
 
     def bulk_load(self, quads: Iterable[ox.Quad]) -> None:
-        """Adds very many."""
+        """Adds very many quads."""
         waiting = iter(quads)
         while piece := list(islice(waiting, _PIECE)):
             self._store.bulk_extend(piece)
 
     def clear(self, graph: ox.NamedNode) -> None:
-        """Takes a graph out."""
+        """Removes a graph."""
         self._store.remove_graph(graph)
 
     def graphs(self) -> tuple[str, ...]:
-        """Returns the IRIs of the graphs that hold something, sorted."""
+        """Returns the IRIs of the graphs that are not empty, sorted."""
         named = [graph for graph in self._store.named_graphs() if isinstance(graph, ox.NamedNode)]
         return tuple(sorted(g.value for g in named if any(self._store.quads_for_pattern(None, None, None, g))))
 
     def quads(self, graph: ox.NamedNode | None = None) -> list[ox.Quad]:
-        """Returns what is in a graph, or in all, in no order."""
+        """Returns the quads of a graph, or of all, in no order."""
         return list(self._store.quads_for_pattern(None, None, None, graph))
 
     def __len__(self) -> int:
         return len(self._store)
 
     def query(self, text: str, *, functions: Functions = NO_FUNCTIONS, limits: AnswerLimits = UNLIMITED) -> Answer:
-        """Answers SELECT, ASK or CONSTRUCT over all graphs as one; IRIs are written in full.
+        """Answers SELECT, ASK or CONSTRUCT over the union of all graphs; IRIs must be written in full.
 
         Raises:
-            UsageError: It does not parse, calls a function that there is not, or the answer gets too large.
+            UsageError: It does not parse, calls an unknown function, or the answer is too large.
         """
         own: Any = {ox.NamedNode(iri): function for iri, function in functions.items()}
         try:

@@ -1,4 +1,4 @@
-"""Checks ontology files: what is declared, and whether it can be true."""
+"""Checks ontology files: their declarations, and whether they are consistent."""
 
 from skiros_py.world.ontology.check.checking import CheckReport, ReasonerChoice, check_ontology
 from skiros_py.world.ontology.check.material import Finding, FindingKind, Severity

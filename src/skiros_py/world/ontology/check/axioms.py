@@ -1,4 +1,4 @@
-"""Axioms: the statements that a reasoner takes or leaves as one, each with the anonymous nodes that hang on it."""
+"""Axioms: groups of statements that a reasoner treats as one, each with its anonymous nodes."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ _ONLY_DECLARE = frozenset({"owl:Class", "owl:ObjectProperty", "owl:DatatypePrope
 
 @dataclass(frozen=True, slots=True)
 class Axiom:
-    """One thing that a file states.
+    """One axiom of a file.
 
     Attributes:
         head: The statement that starts it.
-        body: What hangs on it by anonymous nodes: lists, restrictions, class expressions.
+        body: The statements about its anonymous nodes: lists, restrictions, class expressions.
         is_assertion: True when it is about individuals, False when about classes, relations and properties.
     """
 
@@ -44,11 +44,11 @@ class Axiom:
 
 @dataclass(frozen=True, slots=True)
 class Axioms:
-    """What the files state to a reasoner.
+    """The input of a reasoner.
 
     Attributes:
-        declarations: What is a class, relation, property or data type; always given to a reasoner.
-        said: All else, in file order.
+        declarations: Declarations of classes, relations, properties and data types; always included.
+        said: All other axioms, in file order.
     """
 
     declarations: tuple[ox.Triple, ...]
@@ -56,9 +56,9 @@ class Axioms:
 
 
 def axioms_of(material: Material) -> Axioms:
-    """Sorts the statements of all files into axioms; words for people and class-level values are left out.
+    """Groups the statements of all files into axioms, without labels, comments and class-level values.
 
-    Class-level values are defaults that subclasses may override, which OWL does not know.
+    Class-level values are defaults that subclasses may override, which OWL does not support.
     """
     logical = [statement for statement in material.all if _is_logical(material, statement)]
     declarations = dict.fromkeys(statement.triple for statement in logical if _declares(statement))
@@ -173,11 +173,11 @@ _FILLERS: Mapping[str, str] = {
 }
 _JOINED: Mapping[str, str] = {"owl:unionOf": " or ", "owl:intersectionOf": " and ", "owl:oneOf": " or "}
 _DEEP = 6
-"""Class expressions within each other that are spelt out."""
+"""Maximum depth of class expressions that are written out."""
 
 
 def in_words(axiom: Axiom, material: Material) -> str:
-    """Returns what an axiom states, and where: "every kitting:Kit is sk:Container (kitting.ttl:51)"."""
+    """Returns an axiom as a sentence, with its location: "every kitting:Kit is sk:Container (kitting.ttl:51)"."""
     fault = place_of(axiom, material)
     where = f"{fault.path}:{fault.line}" if fault.line else f"{fault.path}"
     return f"{_Words(material).sentence(axiom.head)} ({where})"

@@ -1,4 +1,4 @@
-"""The whole check: read, look at the structure, let a reasoner judge, and try whether the world model takes it."""
+"""The whole check: parsing, structure, reasoning, and a trial of loading the files into the world model."""
 
 from __future__ import annotations
 
@@ -31,18 +31,18 @@ from skiros_py.world.vocabulary import ELEMENT
 ReasonerChoice = Literal["auto", "hermit", "owl-rl", "none"]
 
 _NO_REASONING = frozenset({FindingKind.CYCLE, FindingKind.DEPTH})
-"""What makes reasoners take all time and memory, and their answers useless."""
+"""Findings that make reasoners run out of time and memory, and their answers useless."""
 
 
 @dataclass(frozen=True, slots=True)
 class CheckReport:
-    """What a check found.
+    """The result of a check.
 
     Attributes:
         files: The files that were read.
-        findings: What is wrong: errors first, then by file and line.
-        reasoner: Name of the reasoner that judged the files, or None if none did.
-        note: Why it was this one.
+        findings: The findings: errors first, then by file and line.
+        reasoner: Name of the reasoner that checked the files, or None.
+        note: Why it was chosen.
         seconds: How long reasoning took [s].
     """
 
@@ -54,7 +54,7 @@ class CheckReport:
 
     @property
     def errors(self) -> int:
-        """How many findings say that the ontology is wrong."""
+        """Number of findings that are errors."""
         return sum(finding.is_error for finding in self.findings)
 
 
@@ -68,13 +68,13 @@ def check_ontology(
 
     Args:
         paths: Files and folders.
-        reasoner: ``hermit`` needs Java; ``auto`` takes it where there is Java, else (or where it gives no answer)
-            the OWL-RL reasoner, which sees less.
-        time_limit: Time for each reasoner [s]; it is ended then.
-        progress: Called with what is being done.
+        reasoner: ``hermit`` needs Java; ``auto`` uses it if there is Java, else (or if it gives no answer) the OWL-RL
+            reasoner, which is incomplete.
+        time_limit: Time limit of each reasoner [s].
+        progress: Called with a description of each step.
 
     Raises:
-        UsageError: There is no file, or HermiT was asked for and there is no Java.
+        UsageError: There is no file, or HermiT was requested and there is no Java.
     """
     if not rdf_files(paths):
         raise UsageError(f"there is no ontology file below {', '.join(map(str, paths)) or 'nothing'}")
@@ -93,7 +93,7 @@ def check_ontology(
 
 @dataclass(frozen=True, slots=True)
 class _Asked:
-    """Which reasoning was asked for; the path of ``java`` where it may be used."""
+    """The requested reasoning; the path of ``java`` if it may be used."""
 
     choice: ReasonerChoice
     java: str | None
@@ -118,11 +118,11 @@ def _java(asked: ReasonerChoice) -> str | None:
 
 
 def _reasoned(material: Material, findings: Sequence[Finding], asked: _Asked) -> _Judged:
-    """Asks one reasoner after the other until one judges the files; none if their structure forbids it."""
+    """Tries the reasoners in order until one gives an answer; none if the structure has errors."""
     if asked.choice == "none":
         return _Judged(None, "no reasoning was asked for", [])
     if any(finding.kind in _NO_REASONING for finding in findings):
-        text = "no reasoner was asked: mend the cycles and depths of the hierarchies first"
+        text = "no reasoner was asked: fix the cycles and depths of the hierarchies first"
         return _Judged(None, "the structure has errors", [_silence(text)])
     if not has_extra("ontology"):
         return _Judged(None, "no reasoner is installed", [_silence(str(MissingExtra("ontology", "reasoning")))])
@@ -135,7 +135,7 @@ def _silence(text: str) -> Finding:
 
 
 def _choices(asked: _Asked, owl_rl: Reasoner) -> Iterator[Reasoner]:
-    """The reasoners to try, in order; the time of each begins when it is its turn."""
+    """The reasoners to try, in order; the time of each starts with its turn."""
     if asked.java is not None:
         yield HermiT(asked.java, time.monotonic() + asked.time_limit)
     if asked.choice != "hermit":
@@ -160,14 +160,14 @@ def _first_answer(material: Material, choices: Iterator[Reasoner], owl_rl: Reaso
 
 
 def _why(asked: _Asked) -> str:
-    """Why the first reasoner is asked."""
+    """Returns why the first reasoner is chosen."""
     if asked.choice != "auto":
         return "as asked for"
     return "Java is there" if asked.java is not None else "no Java: contradictions that need a choice are not seen"
 
 
 def _refusal(paths: Sequence[Path], findings: Sequence[Finding]) -> Iterator[Finding]:
-    """What the world model would say when it loads the files, unless it was said already."""
+    """The error of the world model when it loads the files, if no error was found before."""
     if any(finding.is_error for finding in findings):
         return
     try:

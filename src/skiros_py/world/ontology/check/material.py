@@ -19,59 +19,59 @@ from skiros_py.world.terms import Kind, closure
 
 
 class Severity(StrEnum):
-    """How bad a finding is."""
+    """Severity of a finding."""
 
     ERROR = "error"
-    """The ontology is wrong: it cannot be used, or says something that cannot be."""
+    """The ontology cannot be used, or contradicts itself."""
     WARNING = "warning"
-    """It can be used; a person should look."""
+    """It can be used, but a person should look at it."""
 
 
 class FindingKind(StrEnum):
-    """What a finding is about."""
+    """Kinds of findings."""
 
     UNREADABLE = "unreadable"
     """A file, or a declaration in it, cannot be understood."""
     UNDECLARED = "undeclared"
     """A term is used that no file declares."""
     WRONG_KIND = "wrong-kind"
-    """A term is used, or declared twice, as something else than it is."""
+    """A term is used as another kind than declared, or declared as two kinds."""
     DOMAIN = "domain"
-    """A domain is no class, or a subject is not of it."""
+    """A domain is no class, or a subject does not fit it."""
     RANGE = "range"
-    """A range is no class or data type, or an object or value is not of it."""
+    """A range is no class or data type, or an object or value does not fit it."""
     CYCLE = "cycle"
-    """Something is above, part of or placed in itself."""
+    """Something is above, part of or placed in itself, directly or indirectly."""
     DEPTH = "depth"
     """A term has too many above it."""
     PLACEMENT = "placement"
-    """A placement relation does not say which end is the place."""
+    """A placement relation does not declare which end is the place."""
     PARENT = "parent"
-    """A class names a primary parent that is none of its superclasses."""
+    """The primary parent of a class is none of its superclasses."""
     UNSATISFIABLE = "unsatisfiable"
-    """A class that nothing can ever be of."""
+    """A class cannot have individuals."""
     INCONSISTENT = "inconsistent"
     """Statements that cannot all be true."""
     IMPORT = "import"
-    """An imported ontology is not at hand."""
+    """An imported ontology is missing."""
     UNEXPLAINED = "unexplained"
     """A term has no label or no comment."""
     REASONER = "reasoner"
-    """A reasoner could not answer."""
+    """A reasoner found no answer."""
 
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """One thing that is wrong, or that a person should look at.
+    """One fault, or something that a person should look at.
 
     Attributes:
-        severity: How bad it is.
-        kind: What it is about.
-        term: The term it is about, as CURIE, or the IRI of a file's ontology.
-        text: What is wrong and what would be right.
-        file: The file that says it, or None if none says it alone.
-        line: 1-based line in it, or None if it has none.
-        explanation: The statements that together make it so, in words, each with its file and line.
+        severity: Its severity.
+        kind: Its kind.
+        term: The term in question, as CURIE, or the IRI of a file's ontology.
+        text: The fault and how to fix it.
+        file: The file with the fault, or None if it is in no single file.
+        line: 1-based line in it, or None if unknown.
+        explanation: The statements that together cause it, as sentences, each with its file and line.
     """
 
     severity: Severity
@@ -84,19 +84,19 @@ class Finding:
 
     @property
     def is_error(self) -> bool:
-        """True when the ontology is wrong."""
+        """True if it is an error."""
         return self.severity is Severity.ERROR
 
 
 def finding_of(
     fault: FileError, kind: FindingKind, term: str, *, severity: Severity = Severity.ERROR, why: tuple[str, ...] = ()
 ) -> Finding:
-    """Makes a finding of a fault that was or could have been raised."""
+    """Makes a finding of an error."""
     return Finding(severity, kind, term, fault.reason, fault.path, fault.line, why)
 
 
 def in_order(findings: list[Finding]) -> tuple[Finding, ...]:
-    """Returns the findings each once: errors first, then by file and line."""
+    """Returns the findings without duplicates: errors first, then by file and line."""
     return tuple(sorted(set(findings), key=_order))
 
 
@@ -165,7 +165,7 @@ class Material(Statements):
 
 
 def read_material(paths: Iterable[Path]) -> tuple[Material, list[Finding]]:
-    """Reads all files (of a folder: all below it) and says which could not be read."""
+    """Reads all files (of a folder: all below it); files that cannot be read become findings."""
     documents: list[Document] = []
     findings: list[Finding] = []
     for path in rdf_files(paths):

@@ -68,11 +68,11 @@ _AT_MOST_ONE = (
 _PREFIXES = "".join(f"PREFIX {name}: <{STANDARD_PREFIXES[name]}> " for name in ("rdf", "owl"))
 
 _DEPTH = 8
-"""How far things that must exist are invented from things invented before."""
+"""Maximum depth of invented individuals that follow from invented ones."""
 _MERGING = 2
-"""How often things that must be one are looked for after the last is invented."""
+"""Number of steps that merge individuals after the last one was invented."""
 _MANY = 500
-"""Statements about invented things that are added at each step, unless things are invented only once."""
+"""Maximum number of statements about invented individuals in a step, unless they are invented only once."""
 _WITNESS = "urn:skiros-check:something:"
 
 _RDF, _RDFS, _OWL = (STANDARD_PREFIXES[name] for name in ("rdf", "rdfs", "owl"))
@@ -86,7 +86,7 @@ class OwlRl:
     """Asks the OWL 2 RL reasoner.
 
     Args:
-        deadline: Time of :func:`time.monotonic` after which nothing more is begun [s].
+        deadline: Time of :func:`time.monotonic` after which no step is started [s].
     """
 
     name = "OWL-RL"
@@ -96,7 +96,7 @@ class OwlRl:
         self._deadline = deadline
 
     def judge(self, triples: Sequence[ox.Triple], classes: Sequence[str]) -> Verdict:
-        """Looks for contradictions, and for classes (IRIs) that nothing can be of.
+        """Finds contradictions and unsatisfiable classes (IRIs).
 
         Raises:
             NoAnswer: It takes too long.
@@ -115,7 +115,7 @@ class OwlRl:
         return not self._saturated(triples)[1]
 
     def _impossible(self, base: Sequence[ox.Triple], classes: list[str]) -> set[str]:
-        """Makes up one thing of each class at once, again without those that cannot be, until no more are found."""
+        """Invents one individual of each class, repeatedly without the unsatisfiable ones, until no more are found."""
         impossible: set[str] = set()
         while True:
             left = [class_ for class_ in classes if class_ not in impossible]
@@ -128,9 +128,9 @@ class OwlRl:
             impossible |= new
 
     def _among(self, base: Sequence[ox.Triple], classes: list[str]) -> Iterator[str]:
-        """Halves the classes until each that makes a contradiction on its own is found.
+        """Halves the classes until each that causes a contradiction on its own is found.
 
-        Things of several classes at once might clash where each alone does not.
+        Individuals of several classes together might clash although each alone does not.
         """
         if not classes or not self._saturated([*base, *map(one_of, classes)])[1]:
             return
@@ -142,7 +142,7 @@ class OwlRl:
         yield from self._among(base, classes[half:])
 
     def _saturated(self, triples: Sequence[ox.Triple], inventing: int = _DEPTH) -> tuple[ox.Store, set[Term]]:
-        """All that follows, and the individuals at which it contradicts itself; things are invented so many times."""
+        """Returns all entailed statements, and the individuals with contradictions."""
         reasoner, as_term = PyReasoner(), cache(from_rdflib)
         added = [*triples, *_unions(triples)]
         for step in range(inventing + _MERGING + 1):
@@ -182,7 +182,7 @@ def _is_known(node: Term) -> bool:
 
 
 def _blamed(facts: ox.Store, found: set[Term], classes: list[str]) -> tuple[set[str], list[str]]:
-    """The classes whose made-up things clash: those that nothing else can have to do with, and the others."""
+    """The classes whose invented individuals clash: those unconnected to others, and the rest."""
     made_up: dict[Term, str] = {ox.NamedNode(some(class_)): class_ for class_ in classes}
     alone: set[str] = set()
     entangled: set[str] = set()
@@ -195,7 +195,7 @@ def _blamed(facts: ox.Store, found: set[Term], classes: list[str]) -> tuple[set[
 
 
 def _connected(facts: ox.Store) -> list[set[Term]]:
-    """Returns the individuals in groups between which no relation holds; what is in none is a group of its own."""
+    """Returns the individuals in groups that no relation connects."""
     group: dict[Term, set[Term]] = defaultdict(set)
     for (one,) in _rows(facts, "DISTINCT ?one", "?one a ?class"):
         group[one] = {one}
@@ -210,7 +210,7 @@ def _connected(facts: ox.Store) -> list[set[Term]]:
 
 
 def _unions(triples: Sequence[ox.Triple]) -> Iterator[ox.Triple]:
-    """The members of a disjoint union are subclasses of it, which the library does not know."""
+    """The members of a disjoint union are subclasses of it; the library has no rule for that."""
     if any(triple.predicate == _UNION_OF for triple in triples):
         facts = _stored((t.subject, t.predicate, t.object) for t in triples)
         for member, union in _rows(facts, "?member ?union", f"?union owl:disjointUnionOf/{_MEMBER} ?member"):
@@ -218,7 +218,7 @@ def _unions(triples: Sequence[ox.Triple]) -> Iterator[ox.Triple]:
 
 
 def _witnesses(facts: ox.Store, depth: int) -> Iterator[ox.Triple]:
-    """What must exist by a restriction and is not known yet: one new thing for each."""
+    """Statements about a new individual for each that a restriction requires and that is not known."""
     variables, number = "DISTINCT ?individual ?property ?class", count()
     found = (_rows(facts, variables, pattern, "ORDER BY ?class ?property ?individual") for pattern in _MISSING)
     for individual, property_, class_ in chain.from_iterable(found):
@@ -229,7 +229,7 @@ def _witnesses(facts: ox.Store, depth: int) -> Iterator[ox.Triple]:
 
 
 def _merged(facts: ox.Store) -> Iterator[ox.Triple]:
-    """Where at most one is allowed, all there are are the same."""
+    """Statements that individuals are the same where at most one is allowed."""
     variables = "?restriction ?individual ?object"
     rows = _rows(facts, variables, _AT_MOST_ONE, f"ORDER BY {variables}")
     for _, fitting in groupby(rows, key=lambda row: row[:2]):

@@ -1,6 +1,7 @@
-"""Reasoners as the check sees them: the port, and the OWL-RL reasoner in a process of its own, which may be killed.
+"""The interface of reasoners; the OWL-RL reasoner in a process of its own, which may be killed; and HermiT.
 
-One process answers all questions of a check, as it takes half a second to start. The kernel limits its memory and time.
+One process answers all questions of a check, since starting it takes half a second. The kernel limits its memory and
+time.
 """
 
 from __future__ import annotations
@@ -30,21 +31,21 @@ from skiros_py.world.names import STANDARD_PREFIXES
 
 
 class NoAnswer(Exception):
-    """A reasoner could not answer: too little time, or statements that it does not take; the text says which."""
+    """A reasoner could not answer: too little time, or unsupported statements; the text says which."""
 
 
 class NotStarted(NoAnswer):
-    """A reasoner could not even be started, whatever the statements are; the text says why."""
+    """A reasoner could not be started; the text says why."""
 
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """What a reasoner found.
+    """The answer of a reasoner.
 
     Attributes:
         consistent: False when the statements contradict each other.
-        unsatisfiable: IRIs of the classes that nothing can be of, sorted; empty if not consistent.
-        near: IRIs of individuals at which a contradiction shows; empty if the reasoner does not say.
+        unsatisfiable: IRIs of the unsatisfiable classes, sorted; empty if not consistent.
+        near: IRIs of individuals at which a contradiction was found; empty if unknown.
     """
 
     consistent: bool
@@ -53,7 +54,7 @@ class Verdict:
 
 
 class Reasoner(Protocol):
-    """What the check asks of a reasoner."""
+    """A reasoner."""
 
     @property
     def name(self) -> str:
@@ -62,14 +63,14 @@ class Reasoner(Protocol):
 
     @property
     def is_complete(self) -> bool:
-        """True when it sees every contradiction of OWL 2 DL."""
+        """True if it finds every contradiction of OWL 2 DL."""
         ...
 
     def judge(self, triples: Sequence[ox.Triple], classes: Sequence[str]) -> Verdict:
-        """Looks for contradictions, and for classes (IRIs) that nothing can be of.
+        """Finds contradictions and unsatisfiable classes (IRIs).
 
         Raises:
-            NoAnswer: It could not be found out.
+            NoAnswer: It found no answer.
         """
         ...
 
@@ -77,18 +78,18 @@ class Reasoner(Protocol):
         """Returns False when the statements contradict each other.
 
         Raises:
-            NoAnswer: It could not be found out.
+            NoAnswer: It found no answer.
         """
         ...
 
 
 def some(class_: str) -> str:
-    """Returns the IRI of the one thing that is made up to be of a class (IRI)."""
+    """Returns the IRI of the individual invented for a class (IRI)."""
     return f"urn:skiros-check:one-of:{class_}"
 
 
 def one_of(class_: str) -> ox.Triple:
-    """Returns the statement that there is something of a class (IRI): a contradiction where nothing can be."""
+    """Returns the statement that a class (IRI) has an individual: a contradiction if it is unsatisfiable."""
     return ox.Triple(ox.NamedNode(some(class_)), ox.NamedNode(STANDARD_PREFIXES["rdf"] + "type"), ox.NamedNode(class_))
 
 
@@ -96,11 +97,11 @@ def one_of(class_: str) -> ox.Triple:
 
 
 MEMORY = 2000 << 20
-"""Bytes that it may take beside what it takes at its start."""
+"""Memory limit, in addition to its memory at start [bytes]."""
 _OUT_OF_MEMORY = 99
-"""Exit status of a process that ran out of memory and could still say so."""
+"""Exit status of a process that ran out of memory."""
 _GRACE = 1.0
-"""How much later than we the kernel ends it [s]."""
+"""How much later than our time limit the kernel ends it [s]."""
 
 _Answer = Verdict | bool | NoAnswer
 
@@ -109,8 +110,8 @@ class OwlRlProcess:
     """Asks the OWL 2 RL reasoner. Close it, or use it in a ``with``.
 
     Args:
-        time_limit: How long it may take for all questions together, from the first on [s].
-        memory: Bytes that it may take beside what it takes at its start.
+        time_limit: Time limit for all questions together, from the first on [s].
+        memory: Memory limit, in addition to its memory at start [bytes].
     """
 
     name = "OWL-RL"
@@ -125,7 +126,7 @@ class OwlRlProcess:
         self._why_none = ""
 
     def judge(self, triples: Sequence[ox.Triple], classes: Sequence[str]) -> Verdict:
-        """Looks for contradictions, and for classes (IRIs) that nothing can be of.
+        """Finds contradictions and unsatisfiable classes (IRIs).
 
         Raises:
             NoAnswer: It takes too long or too much memory.
@@ -145,7 +146,7 @@ class OwlRlProcess:
         return answer
 
     def close(self) -> None:
-        """Ends the process, whatever it does, and waits for it; there are no answers any more."""
+        """Kills the process and waits for it; no more answers are given."""
         self._why_none = self._why_none or "the OWL-RL reasoner was closed"
         if self._line is not None:
             self._line.close()
@@ -182,13 +183,13 @@ class OwlRlProcess:
         return self._line
 
     def _given_up(self, why: str) -> NoAnswer:
-        """Asked again, it would fail again: it is ended."""
+        """Ends the process: asked again, it would fail again."""
         self._why_none = why
         self.close()
         return NoAnswer(why)
 
     def _why_it_died(self) -> str:
-        """What ended the process, which closed its end of the line."""
+        """Returns why the process ended."""
         assert self._process is not None
         try:
             code = self._process.wait(_GRACE)
@@ -208,9 +209,9 @@ def main(line: int, deadline: float, memory: int) -> None:
     """Answers questions until the parent is gone.
 
     Args:
-        line: Descriptor of the socket on which questions come and answers go.
-        deadline: Time of :func:`time.monotonic` at which it is given up [s].
-        memory: Bytes that it may take beside what it takes now.
+        line: Descriptor of the socket for questions and answers.
+        deadline: Time of :func:`time.monotonic` at which it gives up [s].
+        memory: Memory limit, in addition to its present memory [bytes].
     """
     try:
         from skiros_py.world.ontology.check.owl_rl import OwlRl  # rdflib takes its time
@@ -262,7 +263,7 @@ class HermiT:
 
     Args:
         program: Path of ``java``.
-        deadline: Time of :func:`time.monotonic` at which a question is given up [s].
+        deadline: Time of :func:`time.monotonic` at which it gives up [s].
     """
 
     name = "HermiT"
@@ -273,10 +274,10 @@ class HermiT:
         self._deadline = deadline
 
     def judge(self, triples: Sequence[ox.Triple], classes: Sequence[str]) -> Verdict:
-        """Looks for contradictions, and for classes (IRIs) that nothing can be of.
+        """Finds contradictions and unsatisfiable classes (IRIs).
 
         Raises:
-            NoAnswer: It takes too long, or HermiT does not take the statements.
+            NoAnswer: It takes too long, or HermiT does not support the statements.
         """
         output = self._ask(triples, "--unsatisfiable", "--no-prefixes")
         if output is None:
@@ -288,7 +289,7 @@ class HermiT:
         """Returns False when the statements contradict each other.
 
         Raises:
-            NoAnswer: It takes too long, or HermiT does not take the statements.
+            NoAnswer: It takes too long, or HermiT does not support the statements.
         """
         return self._ask(triples, "--consistency") is not None
 
@@ -327,7 +328,7 @@ def _class_path() -> str:
 
 
 def _fault(code: int, errors: str) -> NoAnswer:
-    """What a run without an answer means: a Java that does not start, too little memory, or statements refused."""
+    """Returns why a run has no answer: Java does not start, too little memory, or unsupported statements."""
     reason = _reason(errors)
     if _TOO_BIG.search(errors) or code == -signal.SIGKILL:
         return NoAnswer(f"HermiT needs more memory than it may take ({_MEMORY[0].removeprefix('-Xmx')})")
@@ -338,6 +339,6 @@ def _fault(code: int, errors: str) -> NoAnswer:
 
 
 def _reason(errors: str) -> str:
-    """The first line of a fault of HermiT's own, without the names of its classes; nothing if there is none."""
+    """The first line of an error of HermiT, without class names; empty if there is none."""
     line = next((line for line in errors.splitlines() if _FAULT.search(line)), "")
     return (line.rpartition("Exception: ")[2] or line).strip()[:300]

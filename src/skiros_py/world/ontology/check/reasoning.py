@@ -1,4 +1,4 @@
-"""What reasoners find wrong, explained."""
+"""Contradictions found by reasoners, explained."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from skiros_py.world.ontology.check.reasoner import NoAnswer, Reasoner, Verdict,
 from skiros_py.world.terms import Kind, closure
 
 _QUESTIONS = 60
-"""Questions put to the complete reasoner for one explanation; each takes some tenths of a second."""
+"""Maximum number of questions to the complete reasoner for one explanation; each takes some tenths of a second."""
 
 _Sees = Callable[[Sequence[Axiom]], bool]
 
@@ -24,8 +24,8 @@ class Explanation:
     """Axioms that together cannot be.
 
     Attributes:
-        axioms: They, in file order; none if none were found in time.
-        smallest: False when time or questions ran out before every one was shown to be needed.
+        axioms: The axioms, in file order; none if none were found in time.
+        smallest: False if time or questions ran out before each was shown to be necessary.
     """
 
     axioms: tuple[Axiom, ...]
@@ -36,8 +36,8 @@ class Explainer:
     """Explains contradictions among axioms.
 
     Args:
-        axioms: What the files say.
-        reasoners: Whom to ask, the quickest first.
+        axioms: The axioms of the files.
+        reasoners: The reasoners to use, the fastest first.
     """
 
     def __init__(self, axioms: Axioms, reasoners: Sequence[Reasoner]) -> None:
@@ -45,23 +45,23 @@ class Explainer:
         self._reasoners = reasoners
 
     def explain(self, said: Sequence[Axiom], near: Iterable[str], assumed: Sequence[ox.Triple] = ()) -> Explanation:
-        """Returns a smallest part of the axioms that contradicts itself, or what is assumed.
+        """Returns a smallest subset of the axioms that contradicts itself, or the assumptions.
 
         Args:
-            said: Axioms that are known to be in contradiction.
-            near: Names of terms or individuals to begin at.
-            assumed: Statements that always count, such as that there is something of a class.
+            said: Axioms that are known to contradict each other.
+            near: Names of terms or individuals to start from.
+            assumed: Statements that are always included, such as that a class has an individual.
         """
         areas = [*_areas(said, frozenset(near)), tuple(said)]
         for reasoner in self._reasoners:
             sees = self._sight(reasoner, assumed)
-            # Of the complete reasoner it is known that it sees the contradiction in everything.
+            # The complete reasoner is known to find the contradiction in all axioms.
             if reasoner.is_complete or _ask(sees, areas[-1]):
                 return _contracted(_first_seen(areas, sees), sees)
         return Explanation((), smallest=False)
 
     def _sight(self, reasoner: Reasoner, assumed: Sequence[ox.Triple]) -> _Sees:
-        """The question whether some axioms contradict each other, which may be put a bounded number of times."""
+        """Returns a test whether axioms contradict each other, with a limited number of calls."""
         given = [*self._axioms.declarations, *assumed]
         left = _QUESTIONS
 
@@ -69,7 +69,7 @@ class Explainer:
             nonlocal left
             left -= reasoner.is_complete
             if left < 0:
-                raise NoAnswer(f"{reasoner.name} was asked often enough")
+                raise NoAnswer(f"{reasoner.name} was asked too often")
             return not reasoner.consistent([*given, *triples_of(axioms)])
 
         return sees
@@ -83,12 +83,12 @@ def _ask(sees: _Sees, axioms: Sequence[Axiom]) -> bool:
 
 
 def _first_seen(areas: Sequence[tuple[Axiom, ...]], sees: _Sees) -> tuple[Axiom, ...]:
-    """The smallest of ever larger areas in which the contradiction is seen; in the last it is."""
+    """The smallest of growing areas in which the contradiction is found; it is known to be in the last."""
     return areas[bisect_left(range(len(areas) - 1), True, key=lambda index: _ask(sees, areas[index]))]
 
 
 def _contracted(axioms: Sequence[Axiom], sees: _Sees) -> Explanation:
-    """Leaves out ever smaller pieces while the contradiction stays; at the end each axiom was tried on its own."""
+    """Removes ever smaller pieces while the contradiction remains; finally each axiom is tried on its own."""
     kept = list(axioms)
     size = max(len(kept) // 2, 1)
     try:
@@ -108,7 +108,7 @@ def _contracted(axioms: Sequence[Axiom], sees: _Sees) -> Explanation:
 
 
 def _areas(said: Sequence[Axiom], near: frozenset[str]) -> Iterator[tuple[Axiom, ...]]:
-    """Ever larger parts of the axioms around some names: what is said of them, then what mentions them."""
+    """Growing sets of axioms around some names: axioms about them, then axioms that mention them."""
     for touches in (_is_about, _mentions):
         names, count = near, -1
         while True:
@@ -132,23 +132,23 @@ def _mentions(axiom: Axiom, names: frozenset[str]) -> bool:
 
 
 _CONTRADICTIONS = 10
-"""Contradictions that are looked for; the rest shows once these are mended."""
+"""Maximum number of contradictions searched; the rest appears once these are fixed."""
 _CLASSES = 50
-"""Unsatisfiable classes that are reported one by one; of more of them, only the number."""
+"""Maximum number of unsatisfiable classes reported one by one; of more, only the number is reported."""
 _STATEMENTS = 30
-"""Statements of an explanation that are shown, should it not be a smallest one."""
+"""Maximum number of statements shown of an explanation that is not a smallest one."""
 
 
 def logical_findings(material: Material, reasoner: Reasoner, helpers: Sequence[Reasoner] = ()) -> list[Finding]:
-    """Returns contradictions in the files, and classes that nothing can be of.
+    """Returns contradictions in the files, and unsatisfiable classes.
 
     Args:
         material: The files.
-        reasoner: The one that judges.
-        helpers: Quicker ones that may explain what the first found.
+        reasoner: The reasoner.
+        helpers: Faster reasoners that may explain its findings.
 
     Raises:
-        NoAnswer: The reasoner could not judge the files.
+        NoAnswer: The reasoner found no answer.
     """
     axioms = axioms_of(material)
     return _Reasoning(material, axioms, reasoner, Explainer(axioms, [*helpers, reasoner])).findings()
@@ -179,7 +179,7 @@ class _Reasoning:
         return found + list(self._impossible(verdict, said))
 
     def _judge(self, said: Sequence[Axiom]) -> Verdict:
-        """Judges the axioms; in names instead of IRIs."""
+        """Returns the verdict on axioms, with names instead of IRIs."""
         classes = sorted(self._material.names.iri(name) for name in self._material.declared[Kind.CLASS])
         verdict = self._reasoner.judge([*self._axioms.declarations, *triples_of(said)], classes)
         unsatisfiable, near = (tuple(map(self._material.names.name, f)) for f in (verdict.unsatisfiable, verdict.near))
@@ -193,7 +193,7 @@ class _Reasoning:
         return self._finding(FindingKind.INCONSISTENT, name, text, at, why)
 
     def _impossible(self, verdict: Verdict, said: Sequence[Axiom]) -> Iterator[Finding]:
-        """The classes that nothing can be of: first those that none above them explains."""
+        """The unsatisfiable classes: first those that no superclass explains."""
         impossible = frozenset(verdict.unsatisfiable)
         above = {class_: self._above(class_, impossible) for class_ in verdict.unsatisfiable}
         ordered = sorted(verdict.unsatisfiable, key=lambda class_: above[class_] is not None)
@@ -201,7 +201,7 @@ class _Reasoning:
             upper = above[class_]
             yield self._excluded(class_, said) if upper is None else self._below(class_, upper)
         if len(ordered) > _CLASSES:
-            text = f"nothing can be of {len(ordered) - _CLASSES} more classes: mend these first"
+            text = f"nothing can be of {len(ordered) - _CLASSES} more classes: fix these first"
             yield Finding(Severity.ERROR, FindingKind.UNSATISFIABLE, "", text)
 
     def _below(self, class_: str, above: str) -> Finding:
@@ -218,7 +218,7 @@ class _Reasoning:
         return self._finding(FindingKind.UNSATISFIABLE, class_, text, at, why)
 
     def _above(self, class_: str, impossible: frozenset[str]) -> str | None:
-        """A class directly above that is impossible too, unless both are above each other."""
+        """A direct superclass that is unsatisfiable, too, unless both are above each other."""
         for above in sorted(set(self._material.parents.get(class_, ()))):
             if above in impossible and class_ not in closure(self._material.parents, above):
                 return above
@@ -235,11 +235,11 @@ class _Reasoning:
         shown = [in_words(axiom, self._material) for axiom in why.axioms[:_STATEMENTS]]
         hidden = len(why.axioms) - len(shown)
         more = [f"… and {hidden} more"] if hidden else []
-        return (*shown, *more, "(time or questions ran out before it was known which of all statements are needed)")
+        return (*shown, *more, "(time or questions ran out before it was known which statements are necessary)")
 
 
 def _without(said: Sequence[Axiom], why: Explanation) -> list[Axiom]:
-    """What stays when an explained contradiction is mended: by leaving its assertions out, else all of it."""
+    """The axioms without an explained contradiction: without its assertions, or else without all its axioms."""
     assertions = {id(axiom) for axiom in why.axioms if axiom.is_assertion}
     gone = assertions or {id(axiom) for axiom in why.axioms}
     return [axiom for axiom in said if id(axiom) not in gone]

@@ -1,4 +1,4 @@
-"""All that can be found without reasoning: every finding, not only the first."""
+"""All faults that can be found without reasoning."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _THING = "owl:Thing"
 
 
 def bad_ends(material: Material) -> Iterator[Finding]:
-    """Finds domains and ranges that are no class or data type, or that no sub-relation can meet."""
+    """Finds domains and ranges that are no class or data type, or that do not fit those of the super-relation."""
     for kind, word in _ENDS.items():
         for statement in material.of(word):
             yield from _end(material, statement, kind)
@@ -55,7 +55,7 @@ def _why(material: Material, end: str, wanted: Kind) -> str:
 
 
 def _widened(material: Material, kind: FindingKind, word: str) -> Iterator[Finding]:
-    """Finds relations whose end is apart from that of the relation above: both must hold, which is hardly meant."""
+    """Finds relations whose end is not below that of the super-relation: both apply, which is rarely intended."""
     ends = {s.subject: s for s in material.of(word) if s.subject and s.object in material.declared[Kind.CLASS]}
     for below, above in sorted(material.pairs("rdfs:subPropertyOf")):
         if below in ends and above in ends:
@@ -72,7 +72,7 @@ def _widened(material: Material, kind: FindingKind, word: str) -> Iterator[Findi
 def misfits(material: Material) -> Iterator[Finding]:
     """Finds statements about individuals, and class-level values, that the domain or range does not allow.
 
-    An individual without a type is not judged: it may be another file's.
+    Individuals without a type are skipped: they may be declared in another file.
     """
     for relation in material.declared[Kind.RELATION]:
         for end in FindingKind.DOMAIN, FindingKind.RANGE:
@@ -127,7 +127,7 @@ def _value_problem(material: Material, statement: Statement, range_: str) -> str
 
 
 def _classes(material: Material, property_: str, word: str) -> Sequence[str]:
-    """The named classes that an end must be of; anonymous ones are for OWL reasoners."""
+    """The named classes required at an end; anonymous ones are left to OWL reasoners."""
     return [end for end in material.named(property_, word) if end in material.declared[Kind.CLASS]]
 
 
@@ -136,7 +136,7 @@ _CORE_IRI = CORE.removesuffix("#")
 
 
 def house_rules(material: Material) -> Iterator[Finding]:
-    """Finds what the world model could not use, and what people could not read."""
+    """Finds terms that the world model cannot use, or that people cannot understand."""
     yield from _place_ends(material)
     yield from _two_families(material)
     yield from _primary_parents(material)
@@ -182,7 +182,7 @@ def _primary_parents(material: Material) -> Iterator[Finding]:
 
 
 def _without_words(material: Material) -> Iterator[Finding]:
-    """Finds terms without label or comment, in files that build on the upper ontology: people meet these in the UI."""
+    """Finds terms without label or comment in files that import the upper ontology: the UI shows them."""
     worded = {word: {s.subject for s in material.of(word)} for word in ("rdfs:label", "rdfs:comment")}
     own = {id(d) for d in material.documents if d.iri == _CORE_IRI or _CORE_IRI in d.imports()}
     for kind in (Kind.CLASS, Kind.RELATION, Kind.PROPERTY):
@@ -197,9 +197,9 @@ def _without_words(material: Material) -> Iterator[Finding]:
 
 
 _MANY = 50
-"""Cycles reported of one kind."""
+"""Maximum number of cycles reported of one kind."""
 _SHOWN = 50
-"""Statements of one cycle that are shown."""
+"""Maximum number of statements shown of one cycle."""
 
 _Edges = dict[tuple[str, str], Statement]
 
@@ -287,5 +287,5 @@ _CHECKS: tuple[Callable[[Material], Iterator[Finding]], ...] = (
 
 
 def structural_findings(material: Material) -> list[Finding]:
-    """Returns what is wrong with the declarations and statements of the files as they stand."""
+    """Returns the faults in the declarations and statements of the files."""
     return list(chain.from_iterable(check(material) for check in _CHECKS))

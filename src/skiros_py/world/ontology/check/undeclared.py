@@ -1,4 +1,4 @@
-"""Terms that are used: is each declared, and as what it is used?"""
+"""Checks that each used term is declared, and as the kind as which it is used."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ _OBJECTS: Mapping[str, tuple[Kind, ...]] = {
     "owl:unionOf": _FILLERS,
     "owl:intersectionOf": _FILLERS,
 }
-"""What the objects, or the members of the lists, of these predicates must be; ends of relations are looked at apart."""
+"""The kinds required of objects, or members of lists, of these predicates; ends of relations are checked elsewhere."""
 
 _MEMBERS: Mapping[str, tuple[Kind, ...]] = {
     "owl:AllDisjointClasses": _CLASSES,
@@ -60,7 +60,7 @@ def _is_standard_word(name: str) -> bool:
 
 
 def undeclared_terms(material: Material) -> Iterator[Finding]:
-    """Finds terms that no file declares, or that are used as what they are not."""
+    """Finds terms that no file declares, or that are used as another kind."""
     for statement in material.all:
         yield from _predicate(material, statement)
         yield from _literal(material, statement)
