@@ -98,7 +98,8 @@ def constants(paths: tuple[Path, ...], namespaces: tuple[str, ...], output: Path
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
 def list_files(paths: tuple[Path, ...], as_json: bool) -> int:
     """Lists the files of PATHS with their IRIs and how much each declares."""
-    from skiros_py.world.ontology.documents import inventory, rdf_files, read_document
+    from skiros_py.world.ontology.documents import rdf_files, read_document
+    from skiros_py.world.ontology.statements import inventory
 
     found = [inventory(read_document(path)) for path in rdf_files(_or_installed(paths))]
     if as_json:

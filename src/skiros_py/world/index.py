@@ -261,7 +261,7 @@ class Index(WorldView):
 
     def statements(self) -> Iterator[tuple[str, str, str]]:
         """Yields every stated (subject, relation, object), placements too, sorted."""
-        placed = (self._placement_statement(name, placement) for name, placement in self._placements.items())
+        placed = (self.ontology.placement_statement(name, placement) for name, placement in self._placements.items())
         related = ((s, r, o) for (s, r), objects in self._objects.items() for o in objects.ids())
         yield from sorted((*placed, *related))
 
@@ -274,7 +274,7 @@ class Index(WorldView):
                 found |= {(s, relation, element_id) for s in self._subjects.get((relation, element_id), EMPTY).ids()}
         for name in (element_id, *self.contents(element_id)):
             if name in self._placements:
-                found.add(self._placement_statement(name, self._placements[name]))
+                found.add(self.ontology.placement_statement(name, self._placements[name]))
         return sorted(found)
 
     # ------------------------------------------------------------ writing: only before publication
@@ -353,10 +353,6 @@ class Index(WorldView):
                 places.append(own.place)
         guests = _merged(self._guests, keys)
         return tuple(sorted({*places, *guests})) if places else guests
-
-    def _placement_statement(self, element_id: str, placement: Placement) -> tuple[str, str, str]:
-        subject, object_ = self.ontology.placement_pair(element_id, placement)
-        return subject, placement.relation, object_
 
 
 def with_value(element: Element, property_: str, value: Value | None) -> Element:

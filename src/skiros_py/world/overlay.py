@@ -51,10 +51,10 @@ class Overlay(WorldView):
         """
         self.element(place)
         placement = Placement(relation, place)
-        subject, object_ = self.ontology.placement_pair(element, placement)
+        statement = self.ontology.placement_statement(element, placement)
         self.unplace(element)
         self._placements[element] = placement
-        self._suppose(subject, relation, object_)
+        self._added.add(statement)
 
     def unplace(self, element: str) -> None:
         """Leaves an element without any place.
@@ -65,8 +65,7 @@ class Overlay(WorldView):
         old = self.placement(element)
         self._placements[element] = None
         if old is not None:
-            subject, object_ = self.ontology.placement_pair(element, old)
-            self._suppose_not(subject, old.relation, object_)
+            self._suppose_not(*self.ontology.placement_statement(element, old))
 
     def set_relation(self, subject: str, relation: str, object_: str) -> None:
         """Lets a relation hold; a placement moves its element, a functional relation replaces its object.
@@ -86,7 +85,7 @@ class Overlay(WorldView):
         if self.ontology.relation(relation).functional:
             for old in self.objects(subject, relation):
                 self._suppose_not(subject, relation, old)
-        self._suppose(subject, relation, object_)
+        self._added.add((subject, relation, object_))
 
     def unset_relation(self, subject: str, relation: str, object_: str) -> None:
         """Removes a relation and its sub-relations; does nothing if it does not hold.
@@ -181,9 +180,6 @@ class Overlay(WorldView):
         return self._placements[element_id] if element_id in self._placements else self._base.placement(element_id)
 
     # ------------------------------------------------------------ differences
-
-    def _suppose(self, subject: str, relation: str, object_: str) -> None:
-        self._added.add((subject, relation, object_))
 
     def _suppose_not(self, subject: str, relation: str, object_: str) -> None:
         gone = {(subject, below, object_) for below in self.ontology.sub_relations(relation)}

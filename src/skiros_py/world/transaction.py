@@ -99,7 +99,7 @@ class Transaction:
             self._refuse(element, f"'{relation}' does not place {element}: use one of {leaves}")
             return
         placement = Placement(relation, place)
-        if self._may_relate(*_triple(self._view, element, placement)):
+        if self._may_relate(*ontology.placement_statement(element, placement)):
             self._work.place(element, placement)
 
     def relate(self, subject: str, relation: str, object_: str) -> None:
@@ -290,8 +290,3 @@ def _refusal(problems: list[str]) -> str:
     if len(problems) > _MOST_SHOWN:
         shown.append(f"and {len(problems) - _MOST_SHOWN} more")
     return "\n  - ".join(["refused:", *shown]) if len(shown) > 1 else f"refused: {shown[0]}"
-
-
-def _triple(view: Index, element: str, placement: Placement) -> tuple[str, str, str]:
-    subject, object_ = view.ontology.placement_pair(element, placement)
-    return subject, placement.relation, object_

@@ -169,8 +169,7 @@ def _new_place(view: Index, guest: str, refuge: Placement | None) -> tuple[Place
     relations = [refuge.relation, *([old.relation] if old else []), *view.ontology.sub_relations(PLACEMENT)[1:]]
     for relation in relations:
         placement = Placement(relation, refuge.place)
-        subject, object_ = view.ontology.placement_pair(guest, placement)
-        if relation_problem(view, subject, relation, object_) is None:
+        if relation_problem(view, *view.ontology.placement_statement(guest, placement)) is None:
             return placement, ""
     return None, f"{guest} cannot be placed at {refuge.place}: place it elsewhere first"
 

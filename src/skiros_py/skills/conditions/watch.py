@@ -124,8 +124,7 @@ def touched_by(edit: Edit, ontology: Ontology) -> Iterator[Key]:
         case PlacementEdit(element, old_place, new_place):
             yield ("place", element)
             for place in filter(None, (old_place, new_place)):
-                subject, object_ = ontology.placement_pair(element, place)
-                yield from _statement(subject, place.relation, object_)
+                yield from _statement(*ontology.placement_statement(element, place))
         case GoalsEdit() | SourceEdit():
             pass
         case _:

@@ -176,10 +176,11 @@ class Ontology:
         self.relation(relation)
         return self._sub_relations[relation]
 
-    def placement_pair(self, element: str, placement: Placement) -> tuple[str, str]:
-        """Returns (subject, object) of the statement that says the element has the placement."""
-        place_is_object = self.relation(placement.relation).place_end == "object"
-        return (element, placement.place) if place_is_object else (placement.place, element)
+    def placement_statement(self, element: str, placement: Placement) -> tuple[str, str, str]:
+        """Returns the statement (subject, relation, object) that an element has a placement."""
+        relation, place = placement.relation, placement.place
+        place_is_object = self.relation(relation).place_end == "object"
+        return (element, relation, place) if place_is_object else (place, relation, element)
 
     def placed(self, subject: str, relation: str, object_: str) -> tuple[str, Placement]:
         """Returns which element a placement statement places, and where."""

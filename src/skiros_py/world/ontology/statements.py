@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import NamedTuple
 
 import pyoxigraph as ox
@@ -12,7 +14,7 @@ import pyoxigraph as ox
 from skiros_py.errors import FileError
 from skiros_py.world.element import is_abstract, is_learned
 from skiros_py.world.names import Names
-from skiros_py.world.ontology.documents import Document
+from skiros_py.world.ontology.documents import Document, common_names
 from skiros_py.world.terms import DECLARES, Kind, reached
 
 Node = ox.NamedNode | ox.BlankNode | ox.Literal | ox.Triple
@@ -215,3 +217,33 @@ def is_standard(name: str) -> bool:
 
 def _may_be_term(name: str) -> bool:
     return is_abstract(name) and not is_learned(name) and not name.startswith("_:")
+
+
+# ---------------------------------------------------------------- inventory
+
+
+_COUNTED = {"classes": Kind.CLASS, "relations": Kind.RELATION, "properties": Kind.PROPERTY}
+
+
+@dataclass(frozen=True, slots=True)
+class Inventory:
+    """The content of one file.
+
+    Attributes:
+        path: The file.
+        iri: IRI of its ontology.
+        counts: Number of terms and individuals that it declares, and of its statements.
+    """
+
+    path: Path
+    iri: str
+    counts: Mapping[str, int]
+
+
+def inventory(document: Document) -> Inventory:
+    """Counts the declarations of a file; individuals are named things of a class that is not of the standard."""
+    statements = Statements([document], common_names([document]))
+    counts = {name: len(statements.declared[kind]) for name, kind in _COUNTED.items()}
+    individuals = {one for one, type_ in statements.pairs("rdf:type") if not is_standard(type_)}
+    counts |= {"individuals": len(individuals), "statements": len(statements.all)}
+    return Inventory(document.path, document.iri, counts)

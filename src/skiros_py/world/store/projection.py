@@ -112,10 +112,7 @@ class Triples:
         return [self.relation(edit.subject, edit.relation, edit.object)] if holds else []
 
     def _placement(self, element: str, placement: Placement | None) -> list[ox.Quad]:
-        if placement is None:
-            return []
-        subject, object_ = self._ontology.placement_pair(element, placement)
-        return [self.relation(subject, placement.relation, object_)]
+        return [] if placement is None else [self.relation(*self._ontology.placement_statement(element, placement))]
 
     def _literal(self, property_: str, value: Value) -> ox.Literal:
         range_ = "xsd:string" if property_ == LABEL else self._ontology.properties[property_].range
