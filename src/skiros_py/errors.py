@@ -3,27 +3,27 @@
 ::
 
     SkirosError
-    ├── UsageError            somebody asked for something that does not exist or does not parse
-    │   ├── UnknownName       ... and here are the names that do exist
+    ├── UsageError            a request for something that does not exist or does not parse
+    │   ├── UnknownName       ... with the names that do exist
     │   │   └── NotFound      ... which the request is addressed to
     │   ├── GoalSyntaxError   ... at this column of the goal
     │   ├── MissingExtra      ... that needs an extra of the distribution, which is not installed
-    │   ├── KeyReused         ... with the key of an earlier request, which was another one
+    │   ├── KeyReused         ... with the key of an earlier, different request
     │   └── WrongState        ... that cannot be done now, in the state things are in
-    │       └── Removed       ... since it was done before, and what came of it was removed
+    │       └── Removed       ... since its result was removed
     ├── Refused               a use case cannot be done now, with a code for programs: no plan, no simulation, ...
     ├── FileError             a file cannot be read or understood: path, line, reason
     ├── WorldError            a write to the world model was refused
     │   ├── StaleVersion      ... because the author had not seen the latest change
-    │   └── Locked            ... because somebody else has locked an element
-    ├── DescriptionError      a skill, primitive or robot is described wrongly (its author must mend it)
-    ├── ModuleError           a skill or primitive broke while it ran, or was stopped with everything else
+    │   └── Locked            ... because another user has locked an element
+    ├── DescriptionError      a skill, primitive or robot is described wrongly (its author must fix it)
+    ├── ModuleError           a skill or primitive raised while it ran, or was stopped with everything else
     ├── PlanningError         a planner broke (not: "there is no plan", which is an answer)
     ├── DeviceError           a device or the simulation broke
-    ├── Busy                  there is too much to do already: the same request may do later
+    ├── Busy                  overload: the same request may succeed later
     └── MissingSystemLibrary  a library that pip cannot install is absent
 
-Beside it stands Interruption: the platform cancels what runs; only the platform catches it.
+Interruption is not part of the tree: the platform raises it to cancel a run; only the platform catches it.
 
 Expected outcomes ("no plan", "part not found", "condition does not hold") are values, never exceptions.
 """
@@ -39,7 +39,7 @@ from pathlib import Path
 
 
 class SkirosError(Exception):
-    """Base of every fault this platform raises on purpose; its text is meant for the user."""
+    """Base of every error that this platform raises on purpose; its text is meant for the user."""
 
     def __reduce__(self) -> tuple[Callable[..., SkirosError], tuple[object, ...]]:
         # Faults travel from worker processes; their constructors take other arguments than the text in ``args``.
@@ -53,16 +53,16 @@ def _restored(kind: type[SkirosError], args: tuple[object, ...], fields: dict[st
 
 
 class UsageError(SkirosError):
-    """Somebody asked for something that does not exist or does not parse."""
+    """A request for something that does not exist or does not parse."""
 
 
 class UnknownName(UsageError):
     """An unknown name.
 
     Attributes:
-        kind: What was looked for, in the user's words ("scene", "condition", ...).
+        kind: The kind of name, in the user's words ("scene", "condition", ...).
         name: The name given.
-        known: The names that exist, sorted; of very many, those that are like the given one.
+        known: The names that exist, sorted; of very many, those similar to the given one.
         nearest: The known name most like the given one, or None.
     """
 
@@ -83,26 +83,26 @@ class UnknownName(UsageError):
 
 
 class NotFound(UnknownName):
-    """What a request is addressed to does not exist.
+    """The object that a request addresses does not exist.
 
     Attributes:
-        code: The kind of thing, for programs.
+        code: The kind of object, for programs.
     """
 
     code = "NotFound"
 
     @classmethod
     def of(cls, error: UnknownName, code: str) -> NotFound:
-        """Makes one of an unknown name."""
+        """Converts an unknown name."""
         found = cls.__new__(cls, *error.args)
         found.__dict__.update(error.__dict__, code=code)
         return found
 
 
 _MANY = 1000
-"""Of more names than these, only so many are compared with the given one: that takes 10 ms, and all seconds."""
+"""Maximum number of names compared with the given one: that takes 10 ms, all of them would take seconds."""
 _TOO_MANY = 20_000
-"""More names than these are not even looked through: that takes 10 ms."""
+"""Maximum number of names that are iterated: that takes 10 ms."""
 _LONGEST_SHOWN = 100
 _NONE = " There is none."
 
@@ -120,7 +120,7 @@ def _alike(name: str, known: Collection[str]) -> Iterable[str]:
 
 
 def _misspelt(name: str) -> Iterator[str]:
-    """Yields the names that one slip of the finger, or capitals, may have turned into the given one."""
+    """Yields the names that differ from the given one by one typing error, or by capitals."""
     for text in {name, name.casefold()}:
         yield text
         for at in range(len(text) + 1):
@@ -136,7 +136,7 @@ _LETTERS = string.ascii_letters + string.digits + "_:"
 
 
 def _around(name: str, names: list[str]) -> list[str]:
-    """Picks those names that stand next to the given one in the order: they begin alike."""
+    """Returns the names next to the given one in sorted order: they have similar beginnings."""
     places = {bisect_left(names, spelling) for spelling in (name, name.casefold(), name[:-1])}
     reach = _MANY // (2 * len(places))
     return sorted({other for at in places for other in names[max(0, at - reach) : at + reach]})
@@ -159,15 +159,15 @@ class GoalSyntaxError(UsageError):
 
 
 class KeyReused(UsageError):
-    """Somebody uses the key of an earlier request for another one."""
+    """A request has the key of an earlier, different one."""
 
 
 class WrongState(UsageError):
-    """Something that cannot be done now: a job that is over takes no pause, what is halted starts nothing."""
+    """A request that is invalid in the present state: a finished job cannot be paused."""
 
 
 class Removed(WrongState):
-    """Something that was there and was removed: asking for it once more does not bring it back."""
+    """A repeated request whose result was removed; it is not created again."""
 
 
 class Refused(SkirosError):
@@ -189,8 +189,8 @@ class FileError(SkirosError):
 
     Attributes:
         path: The file.
-        line: 1-based line, or None where the fault has no line.
-        reason: What is wrong and what would be right.
+        line: 1-based line, or None if unknown.
+        reason: The fault and how to fix it.
     """
 
     def __init__(self, path: Path, reason: str, *, line: int | None = None) -> None:
@@ -206,10 +206,10 @@ class WorldError(SkirosError):
 
 
 class StaleVersion(WorldError):
-    """An edit was based on a state that is no longer the latest; look again, then decide.
+    """An edit was based on an outdated state; read the present one, then decide.
 
     Attributes:
-        present: The present version, where it is known.
+        present: The present version, if known.
     """
 
     def __init__(self, text: str, *, present: int | None = None) -> None:
@@ -218,10 +218,10 @@ class StaleVersion(WorldError):
 
 
 class Locked(WorldError):
-    """Somebody else has locked an element that an edit is about.
+    """Another user has locked an element of an edit.
 
     Attributes:
-        locks: Of each lock that prevents it its element, its owner and how long it still lasts [s].
+        locks: Element, owner and remaining time [s] of each lock that prevents it.
     """
 
     def __init__(self, text: str, locks: tuple[tuple[str, str, float], ...] = ()) -> None:
@@ -230,11 +230,11 @@ class Locked(WorldError):
 
 
 class DescriptionError(SkirosError):
-    """A skill, primitive, condition or robot is described wrongly; its author must mend it."""
+    """A skill, primitive, condition or robot is described wrongly; its author must fix it."""
 
 
 class ModuleError(SkirosError):
-    """A skill or primitive broke while it ran (tried to end the program, held the control cycle), or was halted."""
+    """A skill or primitive raised, exited or blocked the control cycle while it ran, or was halted."""
 
 
 class PlanningError(SkirosError):
@@ -246,10 +246,10 @@ class DeviceError(SkirosError):
 
 
 class Busy(SkirosError):
-    """There is too much to do already; nothing was taken, and the same request may do later.
+    """Overload: the request was not accepted; it may succeed later.
 
     Attributes:
-        retry_after: When it is worth trying again [s].
+        retry_after: Recommended time before the next attempt [s].
     """
 
     def __init__(self, text: str, *, retry_after: float = 1.0) -> None:
@@ -258,7 +258,7 @@ class Busy(SkirosError):
 
 
 class MissingExtra(UsageError):
-    """An extra of the distribution is needed and not installed.
+    """A required extra of the distribution is not installed.
 
     Attributes:
         extra: Its name.
@@ -270,10 +270,10 @@ class MissingExtra(UsageError):
 
 
 class MissingSystemLibrary(SkirosError):
-    """A system library that pip cannot bring is absent.
+    """A system library that pip cannot install is missing.
 
     Attributes:
-        package: The Debian package that holds it.
+        package: The Debian package that contains it.
     """
 
     def __init__(self, needed_by: str, library: str, package: str) -> None:

@@ -1,4 +1,4 @@
-"""What plug-ins brought, checked before it is used."""
+"""The contributions of plug-ins, checked before they are used."""
 
 from skiros_py.catalogue.catalogue import Catalogue, choose_planners
 from skiros_py.catalogue.loading import KINDS, Kind, Surveyed, fitting, load_catalogue, survey

@@ -1,4 +1,4 @@
-"""What plug-ins brought, and which modules cannot be used: names that mean two things, calls of broken skills."""
+"""The contributions of plug-ins, and the modules that cannot be used: ambiguous names, calls of broken skills."""
 
 from __future__ import annotations
 
@@ -30,22 +30,22 @@ _OF_PLANNERS = ("name", "supports", "solve", "close")
 
 @dataclass(frozen=True, slots=True)
 class Catalogue:
-    """What plug-ins brought: skills, primitives and conditions; and the faults of those that did not load.
+    """The contributions of plug-ins; and the faults of those that did not load.
 
     Attributes:
         skills: Skills by the names of their entry points.
-        primitives: Primitives by name, each is loaded when it is first asked for.
+        primitives: Primitives by name; each is loaded on first use.
         conditions: Conditions by word.
-        planners: What makes a planner, by name; each is loaded when it is first asked for.
-        sources: Where each is from ("skiros-skills 0.1.0"), by kind and name ("skills/drive").
+        planners: Factories of planners by name; each is loaded on first use.
+        sources: Distributions ("skiros-skills 0.1.0") by kind and name ("skills/drive").
         early: Faults that were known when the catalogue was made.
         reasoners: Reasoners that worlds are opened with.
-        drivers: What makes a cell driver, by name; each is loaded when it is first asked for.
-        behaviours: Kinds of node by name; each is loaded when it is first asked for.
-        documents: Kinds of document by name; each is loaded when it is first asked for.
-        signals: What makes signal providers of a cell, by name.
-        elsewhere: Names of skills that are there, but not for the driver that this catalogue was made to fit.
-        fake: True where it was made to fit fakes.
+        drivers: Factories of cell drivers by name; each is loaded on first use.
+        behaviours: Kinds of node by name; each is loaded on first use.
+        documents: Kinds of document by name; each is loaded on first use.
+        signals: Factories of the signal providers of a cell, by name.
+        elsewhere: Names of skills without an implementation for the driver of this catalogue.
+        fake: True if the driver is the fake one.
     """
 
     skills: Mapping[str, Skill]
@@ -64,12 +64,12 @@ class Catalogue:
 
     @property
     def faults(self) -> tuple[PluginFault, ...]:
-        """All faults known by now, also of plug-ins that turned out broken when they were first asked for."""
+        """All faults known so far, also of plug-ins that failed on first use."""
         late = (fault for lazy in self._lazy() for fault in lazy.faults)
         return tuple(dict.fromkeys((*self.early, *late)))
 
     def load_all(self) -> None:
-        """Loads what would be loaded when it is first asked for; :attr:`faults` says what is broken."""
+        """Loads everything that is loaded on first use; :attr:`faults` then has all faults."""
         for lazy in self._lazy():
             lazy.load_all()
 
@@ -82,8 +82,8 @@ class Catalogue:
 
         Raises:
             UnknownName: There is none of that name.
-            UsageError: It cannot be loaded, or is no planner; the text says why, and where it is from.
-            PlanningError: It breaks when it is made.
+            UsageError: It cannot be loaded, or is no planner; the text gives the reason and the distribution.
+            PlanningError: Its factory raises.
         """
         planner: Planner = self._made("planner", name, self.planners, PlanningError)
         missing = [attribute for attribute in _OF_PLANNERS if not hasattr(planner, attribute)]
@@ -93,19 +93,19 @@ class Catalogue:
         return planner
 
     def planners_only(self) -> Catalogue:
-        """Returns a catalogue of the planners alone: what planning needs of it."""
+        """Returns a catalogue with the planners only: planning needs no more."""
         sources = {name: source for name, source in self.sources.items() if name.startswith("planners/")}
         return Catalogue({}, {}, {}, self.planners, sources)
 
     def choice_of_planners(self, wanted: str | None = None) -> Planners:
-        """Returns the planners to choose from, by what each takes; close it.
+        """Returns the planners to choose from, by their supported requirements; close it.
 
         Args:
-            wanted: The only one that shall plan; None for whichever fits.
+            wanted: Name of the only planner to use; None to choose by requirements.
 
         Raises:
             UnknownName: There is none of that name.
-            UsageError: The one that is wanted cannot be loaded; the text says why, and where it is from.
+            UsageError: The requested one cannot be loaded; the text gives the reason and the distribution.
         """
         if wanted is not None:
             self._factory("planner", wanted, self.planners)
@@ -117,13 +117,13 @@ class Catalogue:
 
         Args:
             name: Its name.
-            *arguments: What drivers are made with: the cell.
-            **options: As well: the seed.
+            *arguments: Arguments of its factory: the cell.
+            **options: Further arguments: the seed.
 
         Raises:
             UnknownName: There is none of that name.
-            UsageError: It cannot be loaded; the text says why, and where it is from.
-            DeviceError: It breaks when it is made.
+            UsageError: It cannot be loaded; the text gives the reason and the distribution.
+            DeviceError: Its factory raises.
         """
         driver: CellDriver = self._made("driver", name, self.drivers, DeviceError, *arguments, **options)
         return driver
@@ -145,7 +145,7 @@ class Catalogue:
         return [skill for skill in skills if not names or skill.description.name in names]
 
     def why_elsewhere(self, *skills: str) -> str:
-        """Says of skills that are there that they are not for the driver in use."""
+        """Returns a message that skills have no implementation for the driver in use."""
         are, have = ("is", "has") if len(skills) == 1 else ("are", "have")
         lacks = "no implementation for driver fake" if self.fake else "implementations for driver fake only"
         return f"{', '.join(skills)} {are} there, but {have} {lacks}"
@@ -154,10 +154,10 @@ class Catalogue:
         """Makes the signal providers of a cell.
 
         Returns:
-            Each with the distribution that it is from.
+            Each with its distribution.
 
         Raises:
-            DescriptionError: A plug-in breaks when it makes them, or makes something else; the text names it.
+            DescriptionError: A plug-in raises, or returns something else; the text names it.
         """
         made: list[tuple[SignalProvider, str]] = []
         for name, factory in self.signals.items():
@@ -206,7 +206,7 @@ def choose_planners(catalogue: Catalogue, wanted: str | None = None, command: st
 
     Args:
         catalogue: The planners there are.
-        wanted: Name of the only one that shall plan; None for all.
+        wanted: Name of the only planner to use; None for all.
         command: Command line of a planner, instead of a name.
     """
     if command is not None:
@@ -216,12 +216,12 @@ def choose_planners(catalogue: Catalogue, wanted: str | None = None, command: st
 
 @dataclass(frozen=True, slots=True)
 class Named:
-    """Something that an entry point brought.
+    """An object that an entry point names.
 
     Attributes:
         plugin: The entry point, loaded.
-        key: Name in the catalogue: that of the entry point, with a number where it names several.
-        value: The thing.
+        key: Name in the catalogue: that of the entry point, with a number if it names several.
+        value: The object.
     """
 
     plugin: Plugin
@@ -230,12 +230,12 @@ class Named:
 
     @property
     def origin(self) -> str:
-        """Where it is from, for people."""
+        """Its key and distribution, for people."""
         return f"{self.key} of {self.plugin.distribution}"
 
 
 def clashes_of_modules(skills: Sequence[Named], primitives: Collection[Entry]) -> tuple[dict[str, str], dict[str, str]]:
-    """Finds skills and primitives whose name compositions cannot use, because it means something else, too.
+    """Finds skills and primitives with ambiguous names, which compositions cannot use.
 
     Several implementations of one description are no clash. Different descriptions of one name are, and so are two
     implementations of one label for one driver, and a skill and a primitive of one name, for compositions call both.
@@ -254,7 +254,7 @@ def clashes_of_modules(skills: Sequence[Named], primitives: Collection[Entry]) -
 
 
 def clashes_of_conditions(conditions: Sequence[Named]) -> dict[str, str]:
-    """Returns the reasons, by key, why conditions cannot count: their word means something else elsewhere."""
+    """Returns the reasons, by key, why conditions cannot be used: their word is ambiguous."""
     words = _by(conditions, lambda condition: condition.name)
     return {
         one.key: _twice("condition", word, own)

@@ -1,4 +1,4 @@
-"""Loads what is installed: what each entry-point group must name, and which skills an ontology can be used with."""
+"""Loads plug-ins: the requirements of each entry-point group, and the skills that can be used with an ontology."""
 
 from __future__ import annotations
 
@@ -47,9 +47,9 @@ class Kind:
 
     Attributes:
         group: The group ("skiros.skills").
-        names: What an entry point of it must name, for people.
-        is_one: Tells whether an object is such a thing.
-        finer: Says what is wrong with one that is, or None.
+        names: The objects that its entry points name, for people.
+        is_one: Returns whether an object is of that kind.
+        finer: Returns a further problem of such an object, or None.
     """
 
     group: str
@@ -96,7 +96,7 @@ def _wrong_condition(plugin: Plugin) -> str | None:
 
 
 def _no_text(value: Any) -> str | None:
-    """Writes out what should be a text and is none."""
+    """Returns the representation of a value that is not a text; None for a text."""
     return None if isinstance(value, str) else repr(value)
 
 
@@ -162,10 +162,10 @@ KINDS: Mapping[str, Kind] = {
 
 
 def load_catalogue() -> Catalogue:
-    """Finds the skills, primitives, behaviours, conditions, planners and drivers that distributions bring.
+    """Finds the skills, primitives, behaviours, conditions, planners and drivers of all distributions.
 
-    Skills and conditions are loaded, because planning needs their descriptions; everything else is loaded when it is
-    first asked for. The reasoners are those that worlds are opened with; the faults of the plug-ins of
+    Skills and conditions are loaded, because planning needs their descriptions; everything else is loaded on first use.
+    Worlds are opened with the reasoners; the faults of the plug-ins of
     ``skiros.devices``, ``skiros.reasoners`` and ``skiros.ontologies`` are among the faults.
     """
     found = _Found()
@@ -190,11 +190,11 @@ _LAZY = ("planners", "drivers", "signals", "behaviours", "documents")
 
 
 class _Found:
-    """What was found, and what is wrong with the rest.
+    """The plug-ins found, and the faults of the others.
 
     Attributes:
-        faults: What cannot be used.
-        sources: Where each thing is from, by kind and name.
+        faults: The faults.
+        sources: The distribution of each, by kind and name.
     """
 
     def __init__(self) -> None:
@@ -202,7 +202,7 @@ class _Found:
         self.sources: dict[str, str] = {}
 
     def entries(self, kind: str) -> tuple[Entry, ...]:
-        """Returns the entry points of a group whose names are theirs alone."""
+        """Returns the entry points of a group with unique names."""
         entries, twins = unambiguous(installation().of(f"skiros.{kind}"))
         self.faults += twins
         self.sources |= {f"{kind}/{entry.name}": str(entry.distribution) for entry in entries}
@@ -222,7 +222,7 @@ class _Found:
         return [one for one in loaded if isinstance(one, Plugin)]
 
     def usable(self, things: Iterable[Named], clashes: Mapping[str, str]) -> dict[str, Any]:
-        """Returns the things by key, without those that clash."""
+        """Returns the objects by key, without those with ambiguous names."""
         good = {}
         for thing in things:
             plugin = thing.plugin
@@ -234,7 +234,7 @@ class _Found:
         return good
 
     def alone(self, entries: Sequence[Entry], clashes: Mapping[str, str]) -> list[Entry]:
-        """Returns the entry points without those that clash."""
+        """Returns the entry points without those with ambiguous names."""
         self.faults += [fault_of(entry, clashes[entry.name]) for entry in entries if entry.name in clashes]
         return [entry for entry in entries if entry.name not in clashes]
 
@@ -248,7 +248,7 @@ def _problem(plugin: Plugin) -> str | None:
 
 
 def checked(entry: Entry) -> Plugin | PluginFault:
-    """Loads an entry point and looks whether it names what its group wants."""
+    """Loads an entry point and checks that it fits its group."""
     plugin = load(entry)
     return plugin if isinstance(plugin, PluginFault) else examined(plugin, _problem)
 
@@ -257,23 +257,23 @@ def _installed() -> tuple[Ontology | None, tuple[PluginFault, ...]]:
     try:
         return load_installed(ontology_paths())
     except FileError:
-        return None, ()  # no plug-in's fault, and reported when a scene is opened
+        return None, ()  # not the fault of a plug-in; reported when a scene is opened
 
 
 def fitting(
     catalogue: Catalogue, ontology: Ontology, reasoners: Reasoners = NO_REASONERS, *, fake: bool | None = None
 ) -> Catalogue:
-    """Leaves out skills that cannot be used here; they are reported.
+    """Leaves out skills that cannot be used with an ontology; they are reported.
 
     A skill must use words that the ontology declares, relations that a reasoner computes and modules that exist and can
-    themselves be used, and it must be possible to plan with it.
+    be used themselves, and it must be possible to plan with it.
 
     Args:
-        catalogue: What was found.
-        ontology: The words that there are.
-        reasoners: What computes relations.
-        fake: True where only skills for fakes will be used, False where only the others: those that are not used are
-            left out unseen, and what they call is not loaded. None to look at all.
+        catalogue: The catalogue.
+        ontology: The ontology.
+        reasoners: The reasoners for computed relations.
+        fake: True if only skills for fakes will be used, False if only the others: unused ones are left out unchecked,
+            and the modules that they call are not loaded. None to check all.
     """
     wanted = {n: s for n, s in catalogue.skills.items() if fake is None or fake == _is_fake(s)}
     sides = {side: {n: s for n, s in wanted.items() if _is_fake(s) is side} for side in (True, False)}
@@ -320,7 +320,7 @@ def _fault(catalogue: Catalogue, name: str, reason: str, trace: str = "") -> Plu
 
 
 def _broken_calls(catalogue: Catalogue, skill: Skill) -> Iterator[str]:
-    """Yields what is wrong with the modules that a skill calls and that are there, but cannot be used."""
+    """Yields the faults of modules that a skill calls and that exist, but cannot be used."""
     primitives = catalogue.primitives
     unloaded = {fault.name: fault for fault in catalogue.early if fault.group == "skiros.skills"}
     there = {other.description.name for other in catalogue.skills.values()}
@@ -334,16 +334,16 @@ def _broken_calls(catalogue: Catalogue, skill: Skill) -> Iterator[str]:
 
 _WITH_FILES = ("skiros.robots", "skiros.scenes")
 _LOADED_BY_USERS = ("skiros.adapters", "skiros.pages", "skiros.topics")
-"""The catalogue has none of these: whatever uses one finds it by its group."""
+"""Groups outside of the catalogue: their users find them by group."""
 
 
 @dataclass(frozen=True, slots=True)
 class Surveyed:
-    """One entry point, and whether it works.
+    """One entry point, with its faults.
 
     Attributes:
         entry: The entry point.
-        faults: What is wrong with it; nothing where it works.
+        faults: Its faults; empty if it works.
     """
 
     entry: Entry
@@ -351,15 +351,15 @@ class Surveyed:
 
     @property
     def works(self) -> bool:
-        """True where nothing is wrong."""
+        """True if it has no faults."""
         return not self.faults
 
 
 def survey() -> tuple[tuple[Surveyed, ...], tuple[PluginFault, ...]]:
-    """Loads every plug-in, without being hurt by any.
+    """Loads every plug-in; faults are contained.
 
     Returns:
-        All entry points by group and name; and the faults that belong to none of them.
+        All entry points by group and name; and the faults of none of them.
     """
     found = installation()
     faults = [replace(fault, name=fault.name.partition("[")[0]) for fault in (*_of_code(), *_of_files())]

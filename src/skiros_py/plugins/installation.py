@@ -1,7 +1,7 @@
-"""Which entry points there are, found by one look at the metadata of all distributions, or of a package's own folder.
+"""The installed entry points, from the metadata of all distributions, or from a package's own folder.
 
-The metadata of an installed package have the entry points of the time of its installation; while it is being written
-that is too late.
+The metadata of an installed package contain the entry points at the time of its installation; during development they
+are outdated.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _KINDS = (
     "drivers", "engines", "signals", "ontologies", "robots", "scenes", "pages", "topics",
 )  # fmt: skip
 GROUPS = tuple(f"skiros.{kind}" for kind in _KINDS)
-"""The groups of entry points by which this platform is extended."""
+"""The entry-point groups of this platform."""
 
 _PREFIX = "skiros."
 _METADATA = (".dist-info", ".egg-info")
@@ -57,17 +57,17 @@ class Installation:
 
 
 def installation() -> Installation:
-    """Returns what is installed now; it is looked for again only where distributions came or went since."""
+    """Returns what is installed now; read again only if distributions were added or removed."""
     return _scanned(_sight())
 
 
 def canonical(name: str) -> str:
-    """Returns the name of a distribution in the spelling in which names are compared."""
+    """Returns the normalised name of a distribution, for comparisons."""
     return re.sub(r"[-_.]+", "-", name).lower()
 
 
 def _sight() -> _Sight:
-    """What tells one installation from another: the folders of metadata on the path."""
+    """The folders of metadata on the path, which identify an installation."""
     return tuple((folder, _metadata_in(folder)) for folder in sys.path)
 
 
@@ -123,7 +123,7 @@ def _described(source: metadata.Distribution) -> Distribution:
 
 
 def _headers(source: metadata.Distribution) -> Message:
-    """Reads the head of the metadata; of a distribution that is half removed there may be none."""
+    """Reads the headers of the metadata; a partly removed distribution may have none."""
     try:
         text = source.read_text("METADATA") or source.read_text("PKG-INFO") or ""
     except (OSError, ValueError):
@@ -135,12 +135,12 @@ def _headers(source: metadata.Distribution) -> Message:
 
 
 OWN_NAME = "skiros-py"
-"""Name of the distribution that this is."""
+"""Name of this distribution."""
 _NAME = re.compile(r"\s*([A-Za-z0-9][A-Za-z0-9._-]*)(.*)", re.DOTALL)
 
 
 class Misfit(NamedTuple):
-    """Why a distribution does not fit this skiros-py, and what to do about it."""
+    """Why a distribution does not fit this skiros-py, and the remedy."""
 
     problem: str
     todo: str
@@ -151,11 +151,11 @@ class Misfit(NamedTuple):
 
 @lru_cache(maxsize=1024)  # called for each entry point of a distribution
 def misfit(distribution: Distribution, own_version: str | None = None) -> Misfit | None:
-    """Returns why a distribution does not fit this skiros-py, or None where it does, or does not say.
+    """Returns why a distribution does not fit this skiros-py; None if it does, or has no requirement.
 
     Args:
-        distribution: What may say in its metadata ``Requires-Dist: skiros-py>=0.1,<0.2``.
-        own_version: Version to compare with; that of the installed skiros-py where left out.
+        distribution: Its metadata may contain ``Requires-Dist: skiros-py>=0.1,<0.2``.
+        own_version: Version to compare with; by default, that of the installed skiros-py.
     """
     for text in distribution.requires:
         match = _NAME.fullmatch(text)
@@ -188,9 +188,9 @@ def _problem(text: str, own_version: str) -> str | None:
 
 @contextmanager
 def as_if_installed(project: Mapping[str, Any], source: Path) -> Iterator[None]:
-    """Makes a package known to this process, whether it is installed or not.
+    """Registers a package in this process, whether it is installed or not.
 
-    Modules of it that are imported meanwhile are forgotten at the end: the next time they may be written differently.
+    Its modules that are imported meanwhile are unloaded at the end: they may have changed the next time.
 
     Args:
         project: The table ``[project]`` of its ``pyproject.toml``.
@@ -212,7 +212,7 @@ def as_if_installed(project: Mapping[str, Any], source: Path) -> Iterator[None]:
 
 
 def _write_metadata(site: Path, project: Mapping[str, Any]) -> None:
-    """Writes what an installer would leave behind; of two of one name the one that is found first counts."""
+    """Writes the metadata of an installed package; they precede others of the same name."""
     name, version = str(project["name"]), str(project.get("version", "0"))
     info = site / f"{name.replace('-', '_')}-{version}.dist-info"
     info.mkdir()

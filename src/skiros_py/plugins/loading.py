@@ -29,7 +29,7 @@ def load_plugins(group: str) -> tuple[tuple[Plugin, ...], tuple[PluginFault, ...
     """Loads every entry point of a group, in the order of their names.
 
     Returns:
-        What could be loaded, and what could not.
+        The loaded plug-ins, and the faults of the others.
     """
     entries, twins = unambiguous(installation().of(group))
     loaded = [load(entry) for entry in entries]
@@ -43,11 +43,11 @@ def find_plugin(group: str, name: str, *, kind: str = "") -> Any:
     Args:
         group: The group ("skiros.engines").
         name: Name of the entry point.
-        kind: Its kind, for messages; that of the group ("engine") where left out.
+        kind: Its kind, for messages; by default, that of the group ("engine").
 
     Raises:
         UnknownName: There is none.
-        UsageError: It cannot be loaded; the text says why, and where it is from.
+        UsageError: It cannot be loaded; the text gives the reason and the distribution.
     """
     kind = kind or group.partition(".")[2].removesuffix("s")
     entries, faults = unambiguous(installation().of(group))
@@ -61,10 +61,10 @@ def find_plugin(group: str, name: str, *, kind: str = "") -> Any:
 
 
 def unambiguous(entries: Iterable[Entry]) -> tuple[tuple[Entry, ...], tuple[PluginFault, ...]]:
-    """Leaves out entry points of one group that share a name: it is unknown which was meant.
+    """Leaves out entry points of one group with the same name, since they are ambiguous.
 
     Returns:
-        The others; and a fault for each left out, which names its origin and that of its twin.
+        The others; and a fault for each left out, which names all their origins.
     """
     by_name: dict[str, list[Entry]] = {}
     for entry in entries:
@@ -80,7 +80,7 @@ def _twin(entry: Entry, named_so: Iterable[Entry]) -> PluginFault:
 
 
 def load(entry: Entry) -> Plugin | PluginFault:
-    """Loads one entry point, unless its distribution is made for another skiros-py.
+    """Loads one entry point, unless its distribution requires another skiros-py.
 
     Raises:
         KeyboardInterrupt: The user's.
@@ -99,7 +99,7 @@ def load(entry: Entry) -> Plugin | PluginFault:
 
 
 def refused(entry: Entry) -> PluginFault | None:
-    """Returns the fault of an entry point that can be seen before its code is run, or None."""
+    """Returns the fault of an entry point that is known before running its code, or None."""
     if not entry.is_well_formed:
         return fault_of(entry, f"'{entry.value}' names nothing: write module:object")
     reason = misfit(entry.distribution)
@@ -116,7 +116,7 @@ def contained(entry: Entry, error: BaseException) -> PluginFault:
 
 
 def attempt(plugin: Plugin, look: Callable[[], T]) -> T | PluginFault:
-    """Looks at the object of a plug-in, which may run its author's code; whatever that raises is its fault.
+    """Calls a function that may run the author's code of a plug-in; any exception becomes its fault.
 
     Raises:
         KeyboardInterrupt: The user's.
@@ -134,7 +134,7 @@ def examined(plugin: Plugin, problem: Callable[[Plugin], str | None]) -> Plugin 
 
     Args:
         plugin: The plug-in, loaded.
-        problem: Says what is wrong with it, or None.
+        problem: Returns its problem, or None.
     """
     reason = attempt(plugin, lambda: problem(plugin))
     if isinstance(reason, PluginFault):
@@ -143,7 +143,7 @@ def examined(plugin: Plugin, problem: Callable[[Plugin], str | None]) -> Plugin 
 
 
 def raised(plugin: Plugin, error: BaseException) -> PluginFault:
-    """Makes the fault for what the object of a plug-in raised once it was loaded."""
+    """Makes the fault of a loaded plug-in whose object raised."""
     fault = plugin.fault(_told(error), "".join(traceback.format_exception(error)))
     return replace(fault, unknown=_unknown(error))
 
@@ -171,13 +171,13 @@ _log = logging.getLogger(__name__)
 
 
 class LazyPlugins(Mapping[str, T]):
-    """Looks like a mapping of those that can be used; one that turns out broken is logged, and is then not there.
+    """A mapping of the usable plug-ins of a group; faulty ones are logged and left out.
 
-    To ask for a name loads that one; to go through all loads all.
+    Access by name loads one plug-in; iterating loads all.
 
     Args:
         entries: Entry points, no two of one name.
-        problem: Says what is wrong with a loaded one, or None.
+        problem: Returns the problem of a loaded one, or None.
     """
 
     def __init__(self, entries: Iterable[Entry], problem: Callable[[Plugin], str | None]) -> None:
@@ -188,20 +188,20 @@ class LazyPlugins(Mapping[str, T]):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The names of all; nothing is loaded for it."""
+        """The names of all; loads nothing."""
         return tuple(self._entries)
 
     @property
     def faults(self) -> tuple[PluginFault, ...]:
-        """Those that turned out broken so far."""
+        """The faults found so far."""
         return tuple(self._faults.values())
 
     def why_not(self, name: str) -> str | None:
-        """Returns why the plug-in of that name cannot be used; None where it can, or there is none."""
+        """Returns why the plug-in of that name cannot be used; None if it can, or there is none."""
         return None if name in self or name not in self._faults else str(self._faults[name])
 
     def load_all(self) -> None:
-        """Loads all; nothing is logged: for who shows the faults anyway."""
+        """Loads all without logging, for callers that show the faults themselves."""
         for name in self._entries:
             self._load(name)
 
@@ -236,9 +236,9 @@ class LazyPlugins(Mapping[str, T]):
 def files_of(entry: Entry) -> tuple[Path, ...] | PluginFault:
     """Returns the files or folders that an entry point names.
 
-    It names an object in a module: a ``pathlib.Path``, or what ``importlib.resources.files`` returns. Or it names a
-    package, or a module in one: then it means the folder of the package, and in it the folder that is called like the
-    group (``ontologies``, ``robots``, ``scenes``), where there is one. Only for an object code is run.
+    It names an object in a module: a ``pathlib.Path``, or the result of ``importlib.resources.files``. Or it names a
+    package, or a module in one: then the files are in the folder of the package, or in its folder named like the group
+    (``ontologies``, ``robots``, ``scenes``), if there is one. Code is run for an object only.
     """
     fault = refused(entry)
     if fault is not None:
@@ -247,7 +247,7 @@ def files_of(entry: Entry) -> tuple[Path, ...] | PluginFault:
 
 
 def folder_of(entry: Entry) -> str:
-    """Returns the name of the folder in which a package keeps what an entry point brings ("ontologies")."""
+    """Returns the name of the folder with the files of an entry point in a package ("ontologies")."""
     return entry.group.partition(".")[2]
 
 
@@ -268,7 +268,7 @@ def _named_by(plugin: Plugin) -> tuple[Path, ...] | PluginFault:
 
 
 def _unpacked(value: Traversable) -> tuple[Path, ...]:
-    """The folders behind a resource that is spread over several: those of a package without code."""
+    """The folders of a resource that has several: those of a package without code."""
     return tuple(sorted({child.parent for child in value.iterdir() if isinstance(child, Path)}))
 
 
@@ -279,7 +279,7 @@ def _of_package(entry: Entry) -> tuple[Path, ...] | PluginFault:
         return fault_of(entry, f"{gone} install {entry.distribution.name} again, or uninstall it")
     folders = [Path(folder) for folder in spec.submodule_search_locations or ()]
     if not folders and spec.origin and "." in entry.module:
-        # A module that is in no package lies among those of all other distributions.
+        # A module outside of a package is in a folder with those of other distributions.
         folders = [Path(spec.origin).parent]
     if not folders:
         return fault_of(entry, f"{entry.module} is a module by itself and has no folder: name a package, or a Path")

@@ -1,4 +1,4 @@
-"""What is known of a plug-in and its code: before it is loaded, once it is, and when it cannot be."""
+"""Plug-ins: entry points, loaded plug-ins, and their faults."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from typing import Any
 
 
 def locate(module: str) -> ModuleSpec | None:
-    """Returns what the import system knows of a module, or None where there is none.
+    """Returns the import specification of a module, or None if there is none.
 
     Unlike ``importlib.util.find_spec`` it does not import the packages around it.
     """
@@ -30,7 +30,7 @@ def locate(module: str) -> ModuleSpec | None:
 
 
 def origin_of(module: str) -> str:
-    """Returns the file of a module, of a package without code its folder; empty where there is none."""
+    """Returns the file of a module, or the folder of a package without code; empty if there is none."""
     spec = locate(module) if module else None
     if spec is None:
         return ""
@@ -48,7 +48,7 @@ _STANDARD = Path(sysconfig.get_path("stdlib"))
 
 
 def authors_line(stack: str) -> tuple[Path, int, str] | None:
-    """Returns file, line and function of the innermost frame that is an author's; None where there is none."""
+    """Returns file, line and function of the innermost frame in an author's code; None if there is none."""
     frames = [(Path(file), int(line), function) for file, line, function in _FRAME.findall(stack)]
     own = [frame for frame in frames if not _is_foreign(frame[0])]
     return own[-1] if own else None
@@ -64,12 +64,12 @@ _REFERENCE = re.compile(r"\s*([\w.]+)\s*(?::\s*([\w.]+)\s*)?(?:\[.*\]\s*)?")
 
 @dataclass(frozen=True, slots=True)
 class Distribution:
-    """What pip installed together.
+    """An installed distribution.
 
     Attributes:
         name: Its name ("skiros-skills").
-        version: Its version; empty where its metadata are gone.
-        requires: What it requires, as its metadata say ("skiros-py>=0.1,<0.2").
+        version: Its version; empty if its metadata are missing.
+        requires: Its requirements ("skiros-py>=0.1,<0.2").
         folder: Folder of its metadata.
     """
 
@@ -89,8 +89,8 @@ class Entry:
     Attributes:
         group: Entry-point group ("skiros.skills").
         name: Entry-point name.
-        value: What it names ("skiros_skills.drive:DRIVE").
-        distribution: What brings it.
+        value: Its object reference ("skiros_skills.drive:DRIVE").
+        distribution: Its distribution.
     """
 
     group: str
@@ -100,18 +100,18 @@ class Entry:
 
     @property
     def is_well_formed(self) -> bool:
-        """True where it names a module, or something in one."""
+        """True if it names a module or an object in one."""
         return _REFERENCE.fullmatch(self.value) is not None
 
     @property
     def module(self) -> str:
-        """The module that it names; empty where it is not well-formed."""
+        """The module that it names; empty if it is not well-formed."""
         match = _REFERENCE.fullmatch(self.value)
         return match[1] if match else ""
 
     @property
     def attribute(self) -> str:
-        """What it names in the module; empty for the module itself."""
+        """The object that it names in the module; empty for the module itself."""
         match = _REFERENCE.fullmatch(self.value)
         return (match[2] or "") if match else ""
 
@@ -126,7 +126,7 @@ class Plugin:
     Attributes:
         group: Entry-point group ("skiros.skills").
         name: Entry-point name.
-        distribution: Distribution that brings it, with its version ("skiros-skills 0.1.0").
+        distribution: Its distribution, with version ("skiros-skills 0.1.0").
         value: The object it names.
         module: The module it was found in.
     """
@@ -138,7 +138,7 @@ class Plugin:
     module: str = ""
 
     def fault(self, reason: str, traceback: str = "") -> PluginFault:
-        """Makes the fault that says why it cannot be used."""
+        """Makes a fault with the reason why it cannot be used."""
         origin = origin_of(self.module)
         return PluginFault(self.group, self.name, self.distribution, reason, traceback, origin)
 
@@ -150,10 +150,10 @@ class PluginFault:
     Attributes:
         group: Entry-point group.
         name: Entry-point name.
-        distribution: Distribution that brings it, with its version.
-        reason: What is wrong.
-        traceback: Where it was raised; empty where nothing was.
-        origin: File of the module it names; empty where it has none.
+        distribution: Its distribution, with version.
+        reason: Why.
+        traceback: The stack of the error; empty if none was raised.
+        origin: File of the module it names; empty if it has none.
         unknown: Kind of the name that it uses and that does not exist ("parameter"); empty for other faults.
     """
 
