@@ -865,7 +865,7 @@ def test_devices_of_outside_kinds_are_jogged_and_taught_with_over_http(site: Any
             client.devices.jog("plate_1", {"by": 3.0})
         with pytest.raises(ProblemError, match="devices of kind 'three-finger gripper' have no module to jog"):
             client.devices.jog("hand_1")
-        state = client.devices.state("base_1").state
+        robot, now = client.robots.get("robot_1"), client.robots.state("robot_1")
 
     assert [(one.module, one.agent) for one in (*base.jog, *base.teach)] == [
         ("jog_base", "base_1"),
@@ -874,6 +874,10 @@ def test_devices_of_outside_kinds_are_jogged_and_taught_with_over_http(site: Any
     assert [(one.module, one.agent) for one in plate.jog] == [("turn", "plate_1")]
     assert ([joint.name for joint in hand.joints], hand.jog) == (["a", "b", "c"], ())
     assert [run.status for run in (aside, turned, taught)] == ["succeeded"] * 3, (aside, turned, taught)
-    assert state is not None
-    assert state["pose"]["position"] == pytest.approx([0.0, 0.1, 0.0], abs=0.01)
+    assert ([device.kind for device in robot.devices], robot.carrier) == (
+        ["omni", "three-finger gripper", "wrench"],
+        "base_1",
+    )
+    assert now.pose.position == now.frames["base_1"].position == pytest.approx([0.0, 0.1, 0.0], abs=0.01)
+    assert now.devices["hand_1"].state == {"fingers": [0.0, 0.0, 0.0]}
     assert taught.changes[0]["edits"][0]["new"]["type"] == "sk:TaughtDrivingPose"

@@ -339,10 +339,11 @@ def test_streams_end_at_once_when_the_server_shuts_down(tmp_path):
 
 def test_the_state_says_what_the_robots_do(http):
     state = http.get("/state").json()
-    assert len(state["arms"]["arm_1"]["positions"]) == 7
-    assert state["grippers"]["gripper_1"]["holds"] is None
-    assert set(state["bases"]["base_1"]["pose"]) == {"position", "orientation"}
-    assert state["arms"]["arm_1"]["tool"] == http.get("/robots/robot_1/state").json()["arms"]["arm_1"]["tool"]
+    robot = http.get("/robots/robot_1/state").json()
+    assert len(state["devices"]["arm_1"]["state"]["positions"]) == 7
+    assert state["devices"]["gripper_1"]["holds"] is None
+    assert set(state["platforms"]["base_1"]) == {"position", "orientation"}
+    assert (state["devices"], state["frames"]["arm_1"]) == (robot["devices"], robot["frames"]["arm_1"])
     assert (state["halted"], state["tasks"], state["modules"]) == ("", [], [])
 
 

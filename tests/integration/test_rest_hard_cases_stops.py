@@ -153,9 +153,9 @@ def test_a_job_that_is_ended_by_many_at_once_in_mid_motion_ends_once_and_the_rob
     job = over(api, "kit")
     assert ends(api, "kit") == [job["state"]["text"]]
     until(lambda: not moves(api, "kit"))
-    pose = api.get("/state").json()["bases"]["base_1"]["pose"]
+    pose = api.get("/state").json()["platforms"]["base_1"]
     cycles(api)
-    assert api.get("/state").json()["bases"]["base_1"]["pose"] == pose
+    assert api.get("/state").json()["platforms"]["base_1"] == pose
 
 
 def test_stops_at_the_moment_of_natural_completion_leave_one_end_that_is_true(

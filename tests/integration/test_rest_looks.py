@@ -43,7 +43,7 @@ def follow_a_pick(url: str) -> list[dict[str, Any]]:
         while time.monotonic() < deadline:
             state = http.get("/state").json()
             if state["motions"]["robot_1"] != seen:
-                motions.append(http.get("/robots/robot_1/motion").json() | {"bases": state["bases"]})
+                motions.append(http.get("/robots/robot_1/motion").json() | {"platforms": state["platforms"]})
                 seen = state["motions"]["robot_1"]
             if http.get("/jobs/pick").json()["outcome"]:
                 break
@@ -121,7 +121,7 @@ def test_a_motion_is_there_while_it_is_about_to_be_done_and_gone_when_the_robot_
     assert numbers == sorted(numbers)
     driven = next(one for one in motions if one["base"])
     at_start, end = driven["base"][0], driven["base"][-1]
-    assert math.dist((at_start["x"], at_start["y"]), driven["bases"]["base_1"]["pose"]["position"][:2]) < 0.5
+    assert math.dist((at_start["x"], at_start["y"]), driven["platforms"]["base_1"]["position"][:2]) < 0.5
     assert math.dist((at_start["x"], at_start["y"]), (end["x"], end["y"])) > 1.0
     assert (last.base, last.arms) == ((), ())
     assert last.number > driven["number"]

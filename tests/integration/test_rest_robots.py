@@ -51,11 +51,13 @@ def test_a_robot_is_told_with_its_devices_and_the_limits_of_its_joints(api) -> N
     (robot,) = done(api, robots.list_robots())
 
     assert robot == done(api, robots.get_robot("robot_1"))
-    (arm,) = robot.arms
-    assert len(arm.joints) == len(arm.home) == 7
-    limits = [(joint.lower, angle, joint.upper) for joint, angle in zip(arm.joints, arm.home, strict=True)]
+    devices = {device.id: device for device in robot.devices}
+    arm, home = devices["arm_1"], devices["arm_1"].description["home"]
+    assert len(arm.joints) == len(home) == 7
+    limits = [(joint.lower, angle, joint.upper) for joint, angle in zip(arm.joints, home, strict=True)]
     assert all(lower < angle < upper for lower, angle, upper in limits)
-    assert (robot.base.id, robot.agents) == ("base_1", ("arm_1", "base_1"))
+    assert (robot.carrier, robot.agents) == ("base_1", ("arm_1", "base_1"))
+    assert (devices["gripper_1"].mounted_on, len(devices["gripper_1"].joints)) == ("arm_1", 2)
 
 
 def test_devices_of_any_kind_are_told_with_the_values_that_they_offer(api) -> None:
@@ -85,33 +87,41 @@ def test_devices_of_any_kind_are_told_with_the_values_that_they_offer(api) -> No
 def test_the_state_of_a_robot_says_where_its_tool_is_in_the_map(api) -> None:
     state = done(api, robots.get_robot_state("robot_1"))
 
-    assert state.base.pose.position[:2] == pytest.approx((0.0, 0.0), abs=0.5)
-    assert state.pose == state.base.pose
-    tool = state.arms["arm_1"].tool
-    assert tool is not None
-    assert tool.position[2] > 0.5
-    assert state.grippers["gripper_1"].holds is None
+    assert state.pose.position[:2] == pytest.approx((0.0, 0.0), abs=0.5)
+    assert state.frames["base_1"] == state.pose
+    assert state.frames["arm_1"].position[2] > 0.5
+    assert state.devices["gripper_1"].holds is None
+
+
+def positions(api: httpx2.Client) -> Any:
+    state = done(api, robots.get_device_state("arm_1")).state
+    assert state is not None
+    return state["positions"]
+
+
+def gap(api: httpx2.Client) -> Any:
+    return done(api, robots.get_device_state("gripper_1")).signals["gap"]
 
 
 def test_joints_are_jogged_and_the_arm_is_brought_home_again(api) -> None:
-    before = done(api, robots.get_robot_state("robot_1")).arms["arm_1"]
+    before, tool = positions(api), done(api, robots.get_robot_state("robot_1")).frames["arm_1"]
 
     run = followed(api, done(api, robots.jog_device("arm_1", {"deltas": STEP})))
-    after = done(api, robots.get_robot_state("robot_1")).arms["arm_1"]
+    after, moved = positions(api), done(api, robots.get_robot_state("robot_1")).frames["arm_1"]
     home = followed(api, done(api, robots.jog_device("arm_1", module="home")))
 
     assert (run.module, run.agent, run.status) == ("jog_joints", "arm_1", "succeeded")
-    assert after.positions == pytest.approx([a + b for a, b in zip(before.positions, STEP, strict=True)])
-    assert after.tool != before.tool
+    assert after == pytest.approx([a + b for a, b in zip(before, STEP, strict=True)])
+    assert moved != tool
     assert home.status == "succeeded"
-    assert done(api, robots.get_robot_state("robot_1")).arms["arm_1"].positions == pytest.approx(before.positions)
+    assert positions(api) == pytest.approx(before)
 
 
 def test_the_fingers_move_to_a_width(api) -> None:
     run = followed(api, done(api, robots.jog_device("gripper_1", {"gap": 0.03})))
 
     assert run.status == "succeeded"
-    assert done(api, robots.get_robot_state("robot_1")).grippers["gripper_1"].gap == pytest.approx(0.03)
+    assert gap(api) == pytest.approx(0.03)
 
 
 def test_what_is_learned_where_the_robot_stands_is_among_what_is_learned(api) -> None:
@@ -200,7 +210,7 @@ def test_what_waits_for_devices_that_something_else_uses_does_not_start_later_by
 
     assert run.status == "failed"
     assert "something else uses its devices" in run.rounds[0].text
-    assert done(api, robots.get_robot_state("robot_1")).grippers["gripper_1"].gap != pytest.approx(0.01)
+    assert gap(api) != pytest.approx(0.01)
 
 
 def model_of_robot_1(api: httpx2.Client) -> httpx2.Response:
@@ -230,6 +240,8 @@ def test_a_robot_is_told_with_the_joints_that_a_picture_moves(api) -> None:
 
     joints = {joint.get("name") for joint in model.iter("joint")}
     links = {link.get("name") for link in model.iter("link")}
-    assert {*robot.base.joints, *robot.grippers[0].joints, *(j.name for j in robot.arms[0].joints)} <= joints
-    assert (len(robot.base.joints), len(robot.grippers[0].joints)) == (3, 2)
-    assert {robot.arms[0].tip, robot.cameras[0].frame} <= links
+    assert {joint.name for device in robot.devices for joint in device.joints} <= joints
+    assert {"panda_joint1", "panda_finger_joint1"} <= {
+        joint.name for device in robot.devices for joint in device.joints
+    }
+    assert {frame for device in robot.devices for frame in device.frames} <= links

@@ -43,12 +43,12 @@ def test_an_arm_is_jogged_until_it_would_touch_something_and_where_the_robot_sta
         def jog(**what: Any) -> dict[str, Any]:
             return follow(api.post("/robots/robot_1/jog", json=what))
 
-        joints = state()["arms"]["arm_1"]["positions"]
+        joints = state()["devices"]["arm_1"]["state"]["positions"]
         turned = jog(joints={"deltas": [0.1, 0, 0, 0, 0, 0, -0.2]})
-        after_turn = state()["arms"]["arm_1"]["positions"]
-        tool = state()["arms"]["arm_1"]["tool"]["position"]
+        after_turn = state()["devices"]["arm_1"]["state"]["positions"]
+        tool = state()["frames"]["arm_1"]["position"]
         lowered = jog(tool={"frame": "map", "translation": [0.0, 0.0, -0.05]})
-        after = state()["arms"]["arm_1"]["tool"]["position"]
+        after = state()["frames"]["arm_1"]["position"]
         held_back = jog(base={"dx": 0.1})
         home = follow(api.post("/robots/robot_1/home"))
         down = [jog(tool={"frame": "map", "translation": [0.0, 0.0, -0.1]}) for _ in range(5)]

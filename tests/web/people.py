@@ -192,7 +192,7 @@ class Engineer(Person):
 
     def tool(self) -> list[float]:
         """Where the tool is [m], as the page says it, too."""
-        position: list[float] = self.ask("/state")["arms"]["arm_1"]["tool"]["position"]
+        position: list[float] = self.ask("/state")["frames"]["arm_1"]["position"]
         return position
 
     def jog(self, name: str) -> None:

@@ -78,10 +78,10 @@ def stops_everything_while_the_robot_moves(anna: Person, served: Any) -> None:
     anna.expect(anna.page.get_by_text("The stop was obeyed.")).to_be_visible()
     assert served.services.station.session.cycle.halted
     anna.expect(anna.page.get_by_text("robot stands", exact=True)).to_be_visible()
-    stands = anna.ask("/state")["bases"]["base_1"]["pose"]["position"]
+    stands = anna.ask("/state")["platforms"]["base_1"]["position"]
     anna.sees("robot_1", stands, 0.01)
     anna.page.wait_for_timeout(500)
-    assert math.dist(anna.ask("/state")["bases"]["base_1"]["pose"]["position"], stands) < 0.001
+    assert math.dist(anna.ask("/state")["platforms"]["base_1"]["position"], stands) < 0.001
 
 
 def resets_and_has_the_job_go_on(anna: Person) -> None:
@@ -157,13 +157,13 @@ def drag(page: Page, slider: Locator, to: Locator, share: float) -> None:
 
 def base_in(replay: dict[str, Any], time: float) -> list[float]:
     """Where a replay has the robot at a moment [m]; while the job was held it stays where it was seen last."""
-    times, base = replay["frames"]["times"], replay["frames"]["bases"]["base_1"]
+    times, base = replay["frames"]["times"], replay["frames"]["frames"]["base_1"]
     after = next((index for index, at in enumerate(times) if at > time), len(times) - 1)
     start, end = times[after - 1], times[after]
     share = min(1.0, (time - start) / (end - start)) if end > start else 1.0
     for change in replay["changes"]:
         went_on = change["time"] - ROUNDED
-        if change["anew"] and start < went_on <= end:
+        if change["whole"] and start < went_on <= end:
             share = float(time >= went_on)
     return [start + share * (end - start) for start, end in zip(base[after - 1][:2], base[after][:2], strict=True)]
 

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from pydantic import ConfigDict, Field
 
 from skiros_py.api.modules import Arguments
-from skiros_py.api.view import ArmInfo, BaseInfo, GripperInfo, PoseInfo
+from skiros_py.api.view import DeviceState, PoseInfo
 from skiros_py.api.wire import Answer, Name, Request
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
@@ -24,123 +24,6 @@ class JointDescription(Answer):
     """Greatest position [rad or m]; null where it has no limit."""
     velocity: float | None = Field(examples=[2.1])
     """Greatest speed [rad/s or m/s]; null if unknown."""
-
-
-class ArmDescription(Answer):
-    """One arm."""
-
-    id: str = Field(examples=["arm_1"])
-    """Its id."""
-    joints: tuple[JointDescription, ...]
-    """Its joints, in the order of all numbers about it."""
-    home: tuple[float, ...]
-    """Joint angles in which it travels [rad]."""
-    tip: str = Field(examples=["tcp"])
-    """Link of the model that is its tool."""
-
-
-class GripperDescription(Answer):
-    """One gripper."""
-
-    id: str = Field(examples=["gripper_1"])
-    """Its id."""
-    arm: str = Field(examples=["arm_1"])
-    """The arm that it is on."""
-    joints: tuple[str, ...] = Field(default=(), examples=[["panda_finger_joint1", "panda_finger_joint2"]])
-    """Joints of its fingers in the model; each stands at half the gap [m]."""
-    max_gap: float = Field(examples=[0.08])
-    """Greatest distance between the fingers [m]."""
-    max_force: float = Field(examples=[70.0])
-    """Greatest force of each finger [N]."""
-
-
-class BaseDescription(Answer):
-    """The base."""
-
-    id: str = Field(examples=["base_1"])
-    """Its id."""
-    joints: tuple[str, ...] = Field(default=(), examples=[["base_x", "base_y", "base_yaw"]])
-    """Joints of the model that stand at the base's x [m], y [m] and heading [rad] in the map; none where its model is
-    not known.
-    """
-    max_linear: float = Field(examples=[0.5])
-    """Greatest speed [m/s]."""
-    max_angular: float = Field(examples=[0.8])
-    """Greatest turning speed [rad/s]."""
-    footprint: tuple[tuple[float, float], ...]
-    """Corners of its outline in its frame [m]."""
-
-
-class CameraDescription(Answer):
-    """One camera."""
-
-    id: str = Field(examples=["camera_1"])
-    """Its id."""
-    frame: str = Field(default="", examples=["camera_optical"])
-    """Link of the model from which it looks: z forward, x to the right in its image, y down."""
-    width: int = Field(examples=[640])
-    """Width of its image [px]."""
-    height: int = Field(examples=[480])
-    """Height of its image [px]."""
-    vertical_fov: float = Field(examples=[0.9])
-    """Vertical field of view [rad]."""
-
-
-class RobotInfo(Answer):
-    """What a robot is made of."""
-
-    id: str = Field(examples=["robot_1"])
-    """Its id."""
-    label: str = Field(examples=["robot"])
-    """Its name for people."""
-    model: str = Field(examples=["mobile_panda"])
-    """Name of its model."""
-    base: BaseDescription | None
-    """Its base; null for a robot that stands still, or that something else moves."""
-    carrier: str | None = Field(examples=["base_1"])
-    """Id of the device that moves it through the map, of whatever kind; null for a robot that stands still."""
-    place: PoseInfo | None
-    """Where in the map a robot stands that nothing moves; null for others."""
-    footprint: tuple[tuple[float, float], ...]
-    """Corners of its outline on the floor [m]."""
-    arms: tuple[ArmDescription, ...]
-    """Its arms."""
-    grippers: tuple[GripperDescription, ...]
-    """Its grippers."""
-    cameras: tuple[CameraDescription, ...]
-    """Its cameras."""
-    agents: tuple[str, ...] = Field(examples=[["arm_1", "base_1"]])
-    """Subsystems that have skill managers."""
-
-
-class ArmReading(ArmInfo):
-    """An arm at one moment."""
-
-    tool: PoseInfo | None
-    """Where its tool is in the map, by localisation; null where unknown."""
-
-
-class RobotReading(Answer):
-    """A robot at one moment."""
-
-    id: str = Field(examples=["robot_1"])
-    """Its id."""
-    time: float = Field(examples=[45.8])
-    """Run time [s]."""
-    cycle: int = Field(examples=[9160])
-    """Number of the control cycle."""
-    halted: str = Field(examples=[""])
-    """Why everything is halted; empty while it is not."""
-    at: str = Field(examples=["pallet_a"])
-    """Id of the place where it is believed to be; empty for none."""
-    base: BaseInfo | None
-    """Its base; null where it has none."""
-    pose: PoseInfo
-    """Where the robot is in the map, as localised."""
-    arms: dict[str, ArmReading]
-    """Its arms by id."""
-    grippers: dict[str, GripperInfo]
-    """Its grippers by id."""
 
 
 class ManualRun(Request):
@@ -208,14 +91,58 @@ class DeviceInfo(Answer):
     """The joints of its robot's model that it moves or measures."""
     frames: tuple[str, ...] = Field(examples=[["tcp"]])
     """Its links of its robot's model: a tip, an optical frame."""
+    mounted_on: str = Field(examples=["arm_1"])
+    """Id of the device whose frame it shares: the arm of a gripper; empty for none."""
     jog: tuple[DeviceModule, ...]
     """Modules that move it by a small step, or home."""
     teach: tuple[DeviceModule, ...]
     """Modules that learn something from its present state."""
 
 
-class DeviceReading(Answer):
-    """A device at one moment."""
+class RobotInfo(Answer):
+    """A robot and its devices."""
+
+    id: str = Field(examples=["robot_1"])
+    """Its id."""
+    label: str = Field(examples=["robot"])
+    """Its name for people."""
+    model: str = Field(examples=["mobile_panda"])
+    """Name of its model."""
+    carrier: str | None = Field(examples=["base_1"])
+    """Id of the device that moves it through the map, of whatever kind; null for a robot that stands still."""
+    place: PoseInfo | None
+    """Where in the map a robot stands that nothing moves; null for others."""
+    footprint: tuple[tuple[float, float], ...]
+    """Corners of its outline on the floor [m]."""
+    devices: tuple[DeviceInfo, ...]
+    """Its devices, of any kind."""
+    agents: tuple[str, ...] = Field(examples=[["arm_1", "base_1"]])
+    """Subsystems that have skill managers."""
+
+
+class RobotReading(Answer):
+    """A robot at one moment."""
+
+    id: str = Field(examples=["robot_1"])
+    """Its id."""
+    time: float = Field(examples=[45.8])
+    """Run time [s]."""
+    cycle: int = Field(examples=[9160])
+    """Number of the control cycle."""
+    halted: str = Field(examples=[""])
+    """Why everything is halted; empty while it is not."""
+    at: str = Field(examples=["pallet_a"])
+    """Id of the place where it is believed to be; empty for none."""
+    pose: PoseInfo
+    """Where the robot is in the map, as localised."""
+    devices: dict[str, DeviceState]
+    """Its devices by id."""
+    frames: dict[str, PoseInfo]
+    """Frames of its devices in the map by id: the tip of an arm, the optical frame of a camera."""
+
+
+class DeviceReading(DeviceState):
+    """A device at one moment, with its signals."""
 
     id: str = Field(examples=["gripper_1"])
     """Its id."""
@@ -223,10 +150,6 @@ class DeviceReading(Answer):
     """Run time [s]."""
     cycle: int = Field(examples=[9160])
     """Number of the control cycle."""
-    still: bool = Field(examples=[True])
-    """Whether it stands, so that a stop need not wait for it."""
-    state: dict[str, Any] | None = Field(examples=[{"gap": 0.051, "force": 30.0, "still": True}])
-    """What it says, by the names that its kind uses; null for one that is only asked, a camera."""
     signals: dict[str, SignalValue] = Field(examples=[{"gap": 0.051, "force": 30.0}])
     """The values that it offers, by name."""
 

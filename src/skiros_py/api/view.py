@@ -18,43 +18,15 @@ class PoseInfo(Answer):
     """Unit quaternion (x, y, z, w)."""
 
 
-class ArmInfo(Answer):
-    """The joints of one arm."""
+class DeviceState(Answer):
+    """A device at one moment."""
 
-    positions: tuple[float, ...] = Field(examples=[[0.0, -0.8, 0.0]])
-    """Joint angles [rad]."""
-    velocities: tuple[float, ...] = Field(examples=[[0.0, 0.0, 0.0]])
-    """Joint speeds [rad/s]."""
     still: bool = Field(examples=[True])
-    """Whether it stands."""
-    tool: PoseInfo | None = None
-    """Where its tip is; null if its model is unknown."""
-
-
-class GripperInfo(Answer):
-    """One gripper."""
-
-    gap: float = Field(examples=[0.051])
-    """Distance between the fingers [m]."""
-    force: float = Field(examples=[30.0])
-    """Force of each finger on what it holds [N]."""
-    still: bool = Field(examples=[True])
-    """Whether the fingers stand."""
+    """Whether it stands, so that a stop need not wait for it."""
+    state: dict[str, Any] | None = Field(examples=[{"gap": 0.051, "force": 30.0, "still": True}])
+    """Its readings, by the names that its kind uses; null for a device that is only asked, such as a camera."""
     holds: str | None = Field(examples=["starter_1"])
-    """Id of what it holds as far as anybody knows."""
-
-
-class BaseInfo(Answer):
-    """One mobile base."""
-
-    pose: PoseInfo
-    """Where it is, as it localises itself."""
-    linear: float = Field(examples=[0.0])
-    """Forward speed [m/s]."""
-    angular: float = Field(examples=[0.0])
-    """Turning speed, counter-clockwise [rad/s]."""
-    still: bool = Field(examples=[True])
-    """Whether it stands."""
+    """Id of the element that it is believed to hold; null for none."""
 
 
 class ModuleAtWork(Answer):
@@ -89,13 +61,9 @@ class StationState(Answer):
     halted: str = Field(examples=[""])
     """Why everything is halted; empty while it is not."""
     standing: bool = Field(examples=[True])
-    """Whether all arms and bases stand."""
-    arms: dict[str, ArmInfo]
-    """The arms by id."""
-    grippers: dict[str, GripperInfo]
-    """The grippers by id."""
-    bases: dict[str, BaseInfo]
-    """The bases by id."""
+    """Whether all devices stand."""
+    devices: dict[str, DeviceState]
+    """The devices by id."""
     platforms: dict[str, PoseInfo]
     """The frames of all devices that carry bodies (bases, turntables), in the map, by device."""
     frames: dict[str, PoseInfo]

@@ -4,11 +4,10 @@ import { clock, movingRobots, windowTitle } from "./stationTexts";
 const WORDS = { lost: "no connection", asks: "a question", halted: "halted", running: "running" };
 
 function state(change: Partial<StationState>): StationState {
-  const base = { pose: { position: [0, 0, 0], orientation: [0, 0, 0, 1] }, linear: 0, angular: 0, still: true };
-  const arm = { positions: [], velocities: [], still: true, tool: null };
+  const still = { still: true, state: {}, holds: null };
   return {
-    ...{ time: 0, cycle: 0, pace: 1, halted: "", standing: true, grippers: {}, modules: [], tasks: [] },
-    ...{ looks: {}, motions: {}, arms: { arm_1: arm, arm_2: arm }, bases: { base_1: base, base_2: base } },
+    ...{ time: 0, cycle: 0, pace: 1, halted: "", standing: true, modules: [], tasks: [] },
+    ...{ looks: {}, motions: {}, devices: { arm_1: still, arm_2: still, base_1: still, base_2: still } },
     ...change,
   } as StationState;
 }
@@ -16,9 +15,7 @@ function state(change: Partial<StationState>): StationState {
 const ROBOTS = [1, 2].map((n) => ({
   id: `robot_${n}`,
   label: n === 1 ? "Anna" : "",
-  base: { id: `base_${n}` },
-  arms: [{ id: `arm_${n}` }],
-  grippers: [],
+  devices: [{ id: `base_${n}` }, { id: `arm_${n}` }],
 }));
 
 test.each([
@@ -31,9 +28,9 @@ test.each([
 
 test("a robot moves when any part of it does, and is called by its label", () => {
   const moving = state({});
-  moving.arms["arm_1"] = { positions: [], velocities: [], still: false, tool: null };
+  moving.devices["arm_1"] = { still: false, state: {}, holds: null };
   expect(movingRobots(moving, ROBOTS)).toBe("Anna");
-  moving.arms["arm_2"] = { positions: [], velocities: [], still: false, tool: null };
+  moving.devices["arm_2"] = { still: false, state: {}, holds: null };
   expect(movingRobots(moving, ROBOTS)).toBe("Anna, robot_2");
   expect(movingRobots(state({}), ROBOTS)).toBe("");
 });

@@ -11,26 +11,16 @@ export function clock(seconds: number): string {
 interface Robot {
   id: string;
   label: string;
-  base: { id: string } | null;
-  arms: { id: string }[];
-  grippers: { id: string }[];
+  devices: readonly { id: string }[];
 }
 
 /** Names of the robots that move, with commas; as text, so that no change draws nothing again. */
 export function movingRobots(state: StationState | null, robots: readonly Robot[]): string {
   if (state === null) return "";
   return robots
-    .filter((robot) => moves(state, robot))
+    .filter((robot) => robot.devices.some(({ id }) => state.devices[id]?.still === false))
     .map(({ label, id }) => label || id)
     .join(", ");
-}
-
-function moves({ arms, bases, grippers }: StationState, robot: Robot): boolean {
-  return (
-    (robot.base !== null && bases[robot.base.id]?.still === false) ||
-    robot.arms.some(({ id }) => arms[id]?.still === false) ||
-    robot.grippers.some(({ id }) => grippers[id]?.still === false)
-  );
 }
 
 /** The title of the browser window: the state at a glance from other windows. */

@@ -2228,24 +2228,6 @@ export interface components {
             text: string;
             world: number;
         };
-        ArmDescription: {
-            id: string;
-            joints: components["schemas"]["JointDescription"][];
-            home: number[];
-            tip: string;
-        };
-        ArmInfo: {
-            positions: number[];
-            velocities: number[];
-            still: boolean;
-            tool?: components["schemas"]["PoseInfo"] | null;
-        };
-        ArmReading: {
-            positions: number[];
-            velocities: number[];
-            still: boolean;
-            tool: components["schemas"]["PoseInfo"] | null;
-        };
         ArmWay: {
             arm: string;
             points: [
@@ -2277,23 +2259,6 @@ export interface components {
             request: string;
             job: string;
             comment: string;
-        };
-        BaseDescription: {
-            id: string;
-            /** @default [] */
-            joints: string[];
-            max_linear: number;
-            max_angular: number;
-            footprint: [
-                number,
-                number
-            ][];
-        };
-        BaseInfo: {
-            pose: components["schemas"]["PoseInfo"];
-            linear: number;
-            angular: number;
-            still: boolean;
         };
         Block: {
             /** @enum {string} */
@@ -2336,14 +2301,6 @@ export interface components {
                 number,
                 number
             ];
-        };
-        CameraDescription: {
-            id: string;
-            /** @default  */
-            frame: string;
-            width: number;
-            height: number;
-            vertical_fov: number;
         };
         CellSignal: {
             name: string;
@@ -2502,6 +2459,7 @@ export interface components {
             commanded: boolean;
             joints: components["schemas"]["JointDescription"][];
             frames: string[];
+            mounted_on: string;
             jog: components["schemas"]["DeviceModule"][];
             teach: components["schemas"]["DeviceModule"][];
         };
@@ -2510,16 +2468,24 @@ export interface components {
             agent: string | null;
         };
         DeviceReading: {
-            id: string;
-            time: number;
-            cycle: number;
             still: boolean;
             state: {
                 [key: string]: unknown;
             } | null;
+            holds: string | null;
+            id: string;
+            time: number;
+            cycle: number;
             signals: {
                 [key: string]: boolean | number | number[];
             };
+        };
+        DeviceState: {
+            still: boolean;
+            state: {
+                [key: string]: unknown;
+            } | null;
+            holds: string | null;
         };
         DocumentContent: {
             data: {
@@ -2676,20 +2642,6 @@ export interface components {
             goals: (string | {
                 [key: string]: components["schemas"]["JsonValue"];
             })[];
-        };
-        GripperDescription: {
-            id: string;
-            arm: string;
-            /** @default [] */
-            joints: string[];
-            max_gap: number;
-            max_force: number;
-        };
-        GripperInfo: {
-            gap: number;
-            force: number;
-            still: boolean;
-            holds: string | null;
         };
         Health: {
             alive: boolean;
@@ -3501,16 +3453,13 @@ export interface components {
             id: string;
             label: string;
             model: string;
-            base: components["schemas"]["BaseDescription"] | null;
             carrier: string | null;
             place: components["schemas"]["PoseInfo"] | null;
             footprint: [
                 number,
                 number
             ][];
-            arms: components["schemas"]["ArmDescription"][];
-            grippers: components["schemas"]["GripperDescription"][];
-            cameras: components["schemas"]["CameraDescription"][];
+            devices: components["schemas"]["DeviceInfo"][];
             agents: string[];
         };
         RobotMotion: {
@@ -3524,13 +3473,12 @@ export interface components {
             cycle: number;
             halted: string;
             at: string;
-            base: components["schemas"]["BaseInfo"] | null;
             pose: components["schemas"]["PoseInfo"];
-            arms: {
-                [key: string]: components["schemas"]["ArmReading"];
+            devices: {
+                [key: string]: components["schemas"]["DeviceState"];
             };
-            grippers: {
-                [key: string]: components["schemas"]["GripperInfo"];
+            frames: {
+                [key: string]: components["schemas"]["PoseInfo"];
             };
         };
         Role: {
@@ -3720,14 +3668,8 @@ export interface components {
             pace: number | null;
             halted: string;
             standing: boolean;
-            arms: {
-                [key: string]: components["schemas"]["ArmInfo"];
-            };
-            grippers: {
-                [key: string]: components["schemas"]["GripperInfo"];
-            };
-            bases: {
-                [key: string]: components["schemas"]["BaseInfo"];
+            devices: {
+                [key: string]: components["schemas"]["DeviceState"];
             };
             platforms: {
                 [key: string]: components["schemas"]["PoseInfo"];

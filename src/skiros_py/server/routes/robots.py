@@ -34,7 +34,7 @@ Id = Annotated[str, Path(max_length=200)]
 def list_robots(station: StationDep) -> list[RobotInfo]:
     """List the robots.
 
-    What each robot is made of: base, arms with joint limits, grippers, cameras.
+    The devices of each robot, of any kind, with their joints and frames.
     """
     return station.robots.all()
 
@@ -43,7 +43,7 @@ def list_robots(station: StationDep) -> list[RobotInfo]:
 def get_robot(id: Id, station: StationDep) -> RobotInfo:  # noqa: A002 - as the address says it
     """Describe a robot.
 
-    What one robot is made of.
+    One robot with its devices.
     """
     return station.robots.get(id)
 
@@ -52,7 +52,7 @@ def get_robot(id: Id, station: StationDep) -> RobotInfo:  # noqa: A002 - as the 
 def get_robot_state(id: Id, station: StationDep) -> RobotReading:  # noqa: A002
     """See where a robot is.
 
-    Joints, tool, fingers and base as they are now; poses are what localisation says.
+    The states of its devices in one cycle, and their frames in the map, as localised.
     """
     return station.robots.reading(id)
 

@@ -4,16 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from skiros_py.devices.arm import ArmState
-from skiros_py.devices.gripper import GripperState
-from skiros_py.devices.mobile_base import BaseState
 from skiros_py.geometry import Pose
 from skiros_py.station.events.log import as_text
+from skiros_py.station.robots.devices import device_state
 from skiros_py.station.robots.looks import Looks
 from skiros_py.station.robots.motions import Motions
 from skiros_py.station.session import Session
-from skiros_py.world.index import Index
-from skiros_py.world.vocabulary import HELD_BY
 
 _RATE = 20.0
 """Maximum rate at which the state is built [Hz]."""
@@ -65,7 +61,7 @@ class LiveState:
 
 
 def _live_state(session: Session) -> dict[str, Any]:
-    cycle, index = session.cycle, session.world.snapshot()
+    cycle = session.cycle
     snapshot = cycle.board.snapshot
     frames = session.runtime.context.frames.at(snapshot)
     platforms = frames.platforms()
@@ -75,28 +71,7 @@ def _live_state(session: Session) -> dict[str, Any]:
         "pace": cycle.pace,
         "halted": cycle.halted,
         "standing": cycle.board.still,
-        "arms": {
-            name: {
-                "positions": arm.positions,
-                "velocities": arm.velocities,
-                "still": arm.still,
-                "tool": None if (tip := frames.device(name)) is None else _pose(tip),
-            }
-            for name, arm in snapshot.of(ArmState).items()
-        },
-        "grippers": {
-            name: {"gap": gripper.gap, "force": gripper.force, "still": gripper.still, "holds": _held(index, name)}
-            for name, gripper in snapshot.of(GripperState).items()
-        },
-        "bases": {
-            name: {
-                "pose": _pose(frames.robot(name)),
-                "linear": base.linear,
-                "angular": base.angular,
-                "still": base.still,
-            }
-            for name, base in snapshot.of(BaseState).items()
-        },
+        "devices": {name: device_state(session, snapshot, name) for name in cycle.board.devices},
         "platforms": {name: _pose(pose) for name, pose in platforms.items()},
         "frames": {name: _pose(pose) for name, pose in frames.devices().items() if name not in platforms},
         "joints": frames.joint_positions(),
@@ -108,11 +83,6 @@ def _live_state(session: Session) -> dict[str, Any]:
         ],
         "tasks": [{"name": task.name, "status": task.status} for task in session.tasks.active],
     }
-
-
-def _held(index: Index, gripper: str) -> str | None:
-    """Returns the element that a gripper is believed to hold; None for none."""
-    return next(iter(index.subjects(HELD_BY, gripper)), None)
 
 
 def _pose(pose: Pose) -> dict[str, tuple[float, ...]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 from skiros_py.api.robots import (
     CellSignal,
@@ -19,10 +20,12 @@ from skiros_py.ports.device import to_plain
 from skiros_py.ports.driver import CompositeDriver, Connection
 from skiros_py.ports.kinematics import JointRange, Kinematics
 from skiros_py.ports.signals import Value
+from skiros_py.ports.values import Snapshot
 from skiros_py.station.control import ControlThread
 from skiros_py.station.requests import Service, addressed
 from skiros_py.station.robots.manual import device_modules
 from skiros_py.station.session import Session
+from skiros_py.world.vocabulary import HELD_BY
 
 _UNLIMITED = JointRange(None, None, None)
 
@@ -53,6 +56,7 @@ def device_info(session: Session, id_: str) -> DeviceInfo:
         commanded=device.target_type is not None,
         joints=tuple(joint_description(name, model) for name in device.joint_names),
         frames=device.frame_names,
+        mounted_on=device.mounted_on,
         jog=device_modules(session, id_, device.jog),
         teach=device_modules(session, id_, device.teach),
     )
@@ -73,16 +77,26 @@ def device_reading(session: Session, id_: str) -> DeviceReading:
     board = session.cycle.board
     if id_ not in board.devices:
         raise UnknownName("device", id_, board.devices)
-    device, snapshot = board.devices[id_], board.snapshot
+    snapshot = board.snapshot
     state = snapshot.devices.get(id_)
+    signals = () if state is None else board.devices[id_].signals
     return DeviceReading(
         id=id_,
         time=snapshot.time,
         cycle=snapshot.cycle,
-        still=state is None or device.still(state),
-        state=None if state is None else device.encode(state),
-        signals={} if state is None else {signal.name: signal.read(state) for signal in device.signals},
+        signals={signal.name: signal.read(state) for signal in signals},
+        **device_state(session, snapshot, id_),
     )
+
+
+def device_state(session: Session, snapshot: Snapshot, id_: str) -> dict[str, Any]:
+    """Returns the state of a device in one cycle as plain data, as :class:`~skiros_py.api.view.DeviceState` has it."""
+    device, state = session.cycle.board.devices[id_], snapshot.devices.get(id_)
+    return {
+        "still": state is None or device.still(state),
+        "state": None if state is None else device.encode(state),
+        "holds": next(iter(session.world.snapshot().subjects(HELD_BY, id_)), None),
+    }
 
 
 class SignalService(Service):

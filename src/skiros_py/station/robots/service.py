@@ -40,7 +40,7 @@ class RobotService:
         self._station = station
 
     def all(self) -> list[RobotInfo]:
-        """Describes every robot: base, arms with joint limits, grippers, cameras."""
+        """Describes every robot with its devices."""
         session = self._station.session
         return [robots.info(session, robot) for robot in session.spec.robots]
 
@@ -53,7 +53,7 @@ class RobotService:
         return robots.info(self._station.session, self._find(id_))
 
     def reading(self, id_: str) -> RobotReading:
-        """Returns the present state of joints, tool, fingers and base of a robot; poses are those of localisation."""
+        """Returns the present state of the devices of a robot; poses are those of localisation."""
         return robots.reading(self._station.session, self._find(id_))
 
     def motion(self, id_: str) -> RobotMotion:

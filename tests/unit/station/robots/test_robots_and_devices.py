@@ -28,8 +28,8 @@ def test_a_robot_without_a_base_is_described_with_its_place(tmp_path: Path, monk
         (robot,) = session.spec.robots
         info, reading = robots.info(session, robot), robots.reading(session, robot)
 
-        assert (info.base, info.footprint) == (None, ())
+        assert (info.carrier, info.footprint) == (None, ())
         assert info.place is not None
         assert info.place.position == reading.pose.position == (1.0, 2.0, 0.0)
-        assert reading.base is None
+        assert [device.id for device in info.devices] == list(reading.devices) == ["arm_1"]
         assert [device.id for device in devices.device_infos(session)] == ["arm_1"]

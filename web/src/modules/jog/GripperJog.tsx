@@ -50,10 +50,10 @@ export function GripperJog({ gripper, maxGap, disabled }: Props) {
 function Fingers({ gripper }: { gripper: string }) {
   const { t } = useTranslation("modules");
   const text = useLive<HTMLSpanElement>((element, state) => {
-    const now = state.grippers[gripper];
-    if (now === undefined) return;
-    const gap = t("jog.gap", { gap: (now.gap * 1000).toFixed(1), force: now.force.toFixed(0) });
-    element.textContent = now.holds ? `${gap} · ${t("jog.holds", { what: now.holds })}` : gap;
+    const { state: now, holds } = state.devices[gripper] ?? {};
+    if (!now) return;
+    const gap = t("jog.gap", { gap: (Number(now["gap"]) * 1000).toFixed(1), force: Number(now["force"]).toFixed(0) });
+    element.textContent = holds ? `${gap} · ${t("jog.holds", { what: holds })}` : gap;
   });
   return (
     <Text size="xs" className={classes.live}>

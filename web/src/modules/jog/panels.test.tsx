@@ -7,7 +7,16 @@ const t = ((key: string) => key) as TFunction<"modules">;
 
 function device(modules: string[], more: Partial<Device> = {}): Device {
   const jog = modules.map((module) => ({ module, agent: "arm_1" }));
-  const empty = { description: {}, signals: [], joints: [], frames: [], open: true, commanded: true, teach: [] };
+  const empty = {
+    description: {},
+    signals: [],
+    joints: [],
+    frames: [],
+    mounted_on: "",
+    open: true,
+    commanded: true,
+    teach: [],
+  };
   return { id: "device_1", kind: "turntable", robot: "robot_1", jog, ...empty, ...more };
 }
 

@@ -22,8 +22,10 @@ export function Axes() {
       {robots.map((robot) => (
         <Cross key={robot.id} where={(into) => robotInMap(robot, into)} />
       ))}
-      {robots.flatMap(({ grippers }) =>
-        grippers.map(({ id }) => <Cross key={id} where={(into) => frameInMap({ on: "tool", id }, into)} />),
+      {robots.flatMap(({ devices }) =>
+        devices
+          .filter(({ mounted_on }) => mounted_on !== "")
+          .map(({ id }) => <Cross key={id} where={(into) => frameInMap({ on: "tool", id }, into)} />),
       )}
       {selected !== null && <Cross where={(into) => crowd.poseOf(selected, into)} />}
     </>

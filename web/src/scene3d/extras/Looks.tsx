@@ -15,7 +15,13 @@ import { wake } from "../ticker";
 import { Detections } from "./Detections";
 import { cloudOf, thinned } from "./points";
 
-type Camera = Schema<"CameraDescription">;
+interface Camera {
+  id: string;
+  width: number;
+  height: number;
+  /** [rad] */
+  vertical_fov: number;
+}
 
 const FEW = 5000; // points, where the processor draws: all of a look would take as long as the rest of the picture
 const LASTS = 20; // s of run time, after which what was seen may be elsewhere
@@ -26,9 +32,17 @@ export function Looks({ palette }: { palette: Palette }) {
   const { data: robots } = useRobots();
   const past = useReplay((state) => state.replay !== null);
   if (past) return null; // they belong to the present
-  return robots?.flatMap(({ id, cameras }) =>
-    cameras.map((camera) => <CameraLook key={camera.id} robot={id} camera={camera} palette={palette} />),
+  return robots?.flatMap(({ id, devices }) =>
+    devices
+      .flatMap(cameraOf)
+      .map((camera) => <CameraLook key={camera.id} robot={id} camera={camera} palette={palette} />),
   );
+}
+
+/** A device that says what it sees. */
+function cameraOf({ id, description }: Schema<"DeviceInfo">): Camera[] {
+  const [width, height, vertical_fov] = ["width", "height", "vertical_fov"].map((name) => Number(description[name]));
+  return width && height && vertical_fov ? [{ id, width, height, vertical_fov }] : [];
 }
 
 function CameraLook({ robot, camera, palette }: { robot: string; camera: Camera; palette: Palette }) {

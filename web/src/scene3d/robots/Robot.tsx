@@ -42,9 +42,10 @@ export function Robot({ robot, palette }: { robot: RobotInfo; palette: Palette }
   );
 }
 
-function bearTools({ arms, grippers }: RobotInfo, model: URDFRobot | null): () => void {
-  const endings = grippers.map(({ id, arm }) => {
-    const link = model?.links[arms.find((one) => one.id === arm)?.tip ?? ""];
+/** Lets what a device holds follow the link of the device that it is mounted on. */
+function bearTools({ devices }: RobotInfo, model: URDFRobot | null): () => void {
+  const endings = devices.map(({ id, mounted_on }) => {
+    const link = model?.links[devices.find((one) => one.id === mounted_on)?.frames[0] ?? ""];
     return link === undefined ? () => undefined : bearTool(id, link);
   });
   return () => {
