@@ -90,17 +90,6 @@ def timed(view: WorldView, task: PlanningTask) -> PlanningTask:
     return replace(task, domain=replace(task.domain, actions=actions))
 
 
-def rates(view: WorldView, task: PlanningTask) -> dict[str, dict[str, float]]:
-    """Returns the known durations of a task's skills per agent [s], by skill and agent."""
-    known = ((c.skill, agent) for c in task.capabilities for agent in c.agents if view.has(agent))
-    found: dict[str, dict[str, float]] = {}
-    for skill, agent in known:
-        seconds = duration_of(view, skill, view.element(agent).type)
-        if seconds is not None:
-            found.setdefault(skill.name, {})[agent] = seconds
-    return found
-
-
 def _slowest(view: WorldView, skill: SkillDescription, agents: tuple[str, ...]) -> float | None:
     classes = sorted({view.element(agent).type for agent in agents if view.has(agent)})
     known = [seconds for class_ in classes if (seconds := duration_of(view, skill, class_)) is not None]

@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from skiros_py.errors import PlanningError
-from skiros_py.planning.domain.pddl import PddlTexts, write_pddl
-from skiros_py.planning.domain.sequencing import in_sequence, with_costs
+from skiros_py.planning.domain.pddl import PddlTexts
+from skiros_py.planning.domain.sequencing import in_sequence, write_with_costs
 from skiros_py.planning.domain.temporal import write_temporal
 from skiros_py.planning.durations import timed
 from skiros_py.planning.explanation import Trial, explain, find_causes
@@ -82,7 +82,7 @@ def _task(wanted: Wanted, width: int | None) -> PlanningTask:
 def _texts(wanted: Wanted, task: PlanningTask) -> PddlTexts:
     if wanted.temporal:
         return write_temporal(task, name=wanted.name)
-    return with_costs(wanted.view, task, write_pddl(task.domain, task.problem, name=wanted.name))
+    return write_with_costs(wanted.view, task, name=wanted.name)
 
 
 _PATIENCE = 1.0

@@ -12,7 +12,7 @@ from unified_planning.io import PDDLReader
 
 from skiros_py.errors import PlanningError
 from skiros_py.planning.domain.pddl import PddlTexts, write_pddl
-from skiros_py.planning.domain.sequencing import in_sequence, with_costs
+from skiros_py.planning.domain.sequencing import in_sequence, write_with_costs
 from skiros_py.planning.domain.temporal import write_temporal
 from skiros_py.planning.plan import NoPlan, Plan, Step
 from skiros_py.planning.plan_validation import validate
@@ -54,7 +54,7 @@ def written(
     world: WorldView, *goal: Condition, reached: Mapping[str, int] | None = None
 ) -> tuple[PlanningTask, PddlTexts]:
     task = in_sequence(world, tiny_task(world, *goal), reached)
-    return task, with_costs(world, task, write_pddl(task.domain, task.problem, name="round"))
+    return task, write_with_costs(world, task, name="round")
 
 
 def planned(

@@ -8,7 +8,7 @@ from unified_planning.io import PDDLReader
 
 from skiros_py.planning.domain.pddl import PddlTexts
 from skiros_py.planning.domain.temporal import write_temporal
-from skiros_py.planning.durations import rates, timed
+from skiros_py.planning.durations import timed
 from skiros_py.planning.plan import Plan
 from skiros_py.planning.plan_validation import validate
 from skiros_py.planning.planners.kairos import Kairos
@@ -113,20 +113,3 @@ def test_other_readers_accept_the_texts_and_the_plan() -> None:
     assert {action.name for action in read.actions} == {"drive", "pick", "place"}
     assert result.status == kairos.Status.SOLVED
     assert kairos.validate(problem, result.plan).valid
-
-
-def test_where_agents_need_different_times_the_duration_is_a_function_that_other_readers_know() -> None:
-    world = tiny_world(robots=2)
-    task, plain = temporal(world, *BOTH)
-    own = {**rates(world, task), "drive": {"base_1": 5.0, "base_2": 8.0}}
-    texts = write_temporal(task, name="tiny in time", rates=own)
-    read = PDDLReader().parse_problem_string(texts.domain, texts.problem)
-    problem = kairos.parse_problem(texts.problem, kairos.parse_domain(texts.domain))
-    result = kairos.Planner().solve(problem, anytime=False)
-
-    assert plain.requirements == (":strips", ":typing", ":durative-actions")
-    assert texts.requirements == (":strips", ":typing", ":durative-actions", ":numeric-fluents")
-    assert "(= (drive_time base_2) 8.000)" in texts.problem
-    assert read.fluent("drive_time").type.is_real_type()
-    assert kairos.validate(problem, result.plan).valid
-    assert makespan(solved(texts).starts, solved(texts).durations) == pytest.approx(13.0, abs=0.1)

@@ -103,115 +103,161 @@ class PddlTexts:
     requirements: tuple[str, ...] = (":strips", ":typing")
 
 
-class _Writer:
-    """One task being written. One name space for objects, types, predicates and actions: some parsers require it."""
-
-    def __init__(self, domain: Domain, problem: Problem) -> None:
-        self.domain = domain
-        self.problem = problem
-        self.objects = NameMap(sorted(problem.objects))
-        self.types = NameMap(sorted(domain.types), avoid=(self.objects,))
-        self.predicates = NameMap(avoid=(self.objects, self.types))
-        for name in sorted(domain.predicates):
-            self.predicates.pddl(name, _predicate_words(name))
-        actions = (action.name for action in domain.actions)
-        self.actions = NameMap(actions, avoid=(self.objects, self.types, self.predicates))
-        named = {argument for action in domain.actions for atom in action.atoms for argument in atom.arguments}
-        self.constants = sorted(named & set(problem.objects))
-
-    def object(self, element: str) -> str:
-        return f"    {self.objects.pddl(element)} - {self.type(self.problem.objects[element])}"
-
-    def atom(self, atom: Atom, variables: NameMap) -> str:
-        arguments = [f"?{variables.pddl(a)}" if a.startswith("?") else self.objects.pddl(a) for a in atom.arguments]
-        return f"({' '.join([self.predicates.pddl(atom.predicate), *arguments])})"
-
-    def ground(self, atom: Atom) -> str:
-        """Returns an atom over elements; each of them has its name by now."""
-        names = map(self.objects.known.__getitem__, atom.arguments)
-        return f"({' '.join([self.predicates.known[atom.predicate], *names])})"
-
-    def none(self, none: NoneSuch, variables: NameMap) -> str:
-        atoms = [self.atom(atom, variables) for atom in none.atoms]
-        inner = atoms[0] if len(atoms) == 1 else f"(and {' '.join(atoms)})"
-        return f"(not (exists ({self.typed(none.variables, variables)}) {inner}))"
-
-    def type(self, class_: str) -> str:
-        return "object" if class_ in ("", "object") else self.types.pddl(class_)
-
-    def typed(self, variables: Iterable[Variable], names: NameMap) -> str:
-        return " ".join(f"?{names.pddl(v.name)} - {self.type(v.type)}" for v in variables)
-
-
-def write_pddl(domain: Domain, problem: Problem, *, name: str) -> PddlTexts:
-    """Writes domain and problem.
+class PddlWriter:
+    """Writes one task. One name space for objects, types, predicates and actions: some parsers require it.
 
     Args:
         domain: Types, predicates and actions.
         problem: Objects, initial facts and goal.
         name: Name of the problem (made a PDDL name).
+
+    Attributes:
+        metric: What a plan has to minimize; empty if nothing.
     """
-    writer = _Writer(domain, problem)
-    actions = {writer.actions.pddl(action.name): action for action in domain.actions}
-    title = NameMap().pddl(name)
-    requirements = _requirements(domain)
-    domain_text = _domain_text(writer, title, requirements)
-    return PddlTexts(domain_text, _problem_text(writer, title), writer.objects, actions, requirements)
 
+    metric = ""
 
-def _requirements(domain: Domain) -> tuple[str, ...]:
-    """Returns the requirements used: negating more than one atom is formally "disjunctive"."""
-    quantified = any(action.none for action in domain.actions)
-    return (":strips", ":typing", *((":disjunctive-preconditions", ":existential-preconditions") if quantified else ()))
+    def __init__(self, domain: Domain, problem: Problem, name: str) -> None:
+        self.domain = domain
+        self.problem = problem
+        self.objects = NameMap(sorted(problem.objects))
+        self.types = NameMap(sorted(domain.types), avoid=(self.objects,))
+        self.predicates = NameMap(avoid=(self.objects, self.types))
+        for predicate in sorted(domain.predicates):
+            self.predicates.pddl(predicate, _predicate_words(predicate))
+        actions = (action.name for action in domain.actions)
+        self.actions = NameMap(actions, avoid=(self.objects, self.types, self.predicates))
+        self.further = NameMap(avoid=(self.objects, self.types, self.predicates, self.actions))
+        self._title = NameMap().pddl(name)
+        named = {argument for action in domain.actions for atom in action.atoms for argument in atom.arguments}
+        self._constants = sorted(named & set(problem.objects))
 
+    def texts(self) -> PddlTexts:
+        """Writes domain and problem."""
+        actions = {self.actions.pddl(action.name): action for action in self.domain.actions}
+        return PddlTexts(self._domain_text(), self._problem_text(), self.objects, actions, self.requirements())
 
-def _block(lines: Iterable[str], indent: str) -> str:
-    return "(and" + "".join(f"\n{indent}{line}" for line in lines) + ")"
+    # ------------------------------------------------------------ what kinds of task differ in
 
+    def requirements(self) -> tuple[str, ...]:
+        """Returns the requirements used: negating more than one atom is formally "disjunctive"."""
+        quantified = (":disjunctive-preconditions", ":existential-preconditions")
+        return (":strips", ":typing", *(quantified if any(action.none for action in self.domain.actions) else ()))
 
-def _domain_text(writer: _Writer, title: str, requirements: Sequence[str]) -> str:
-    domain = writer.domain
-    types = [f"    {writer.type(t)} - {writer.type(domain.types[t])}" for t in sorted(domain.types)]
-    predicates = [f"    {_predicate(writer, name, types_)}" for name, types_ in sorted(domain.predicates.items())]
-    actions = [_action_text(writer, action) for action in domain.actions]
-    head = [f"(define (domain {title})", f"  (:requirements {' '.join(requirements)})", "  (:types", *types, "  )"]
-    if writer.constants:  # elements that goals name, and defaults of skills
-        head += ["  (:constants", *map(writer.object, writer.constants), "  )"]
-    return "\n".join([*head, "  (:predicates", *predicates, "  )", *actions, ")"]) + "\n"
+    def predicate_lines(self) -> list[str]:
+        """Returns the declarations of the predicates."""
+        return [self._predicate(name, types) for name, types in sorted(self.domain.predicates.items())]
 
+    def functions(self) -> list[str]:
+        """Returns the declarations of functions."""
+        return []
 
-def _predicate(writer: _Writer, name: str, types: tuple[str, ...]) -> str:
-    variables = [Variable(f"?x{i + 1}", type_) for i, type_ in enumerate(types)]
-    return f"({' '.join(filter(None, [writer.predicates.pddl(name), writer.typed(variables, NameMap())]))})"
+    def init(self) -> list[str]:
+        """Returns the initial facts."""
+        return sorted(self._ground(atom) for atom in self.problem.init)
 
+    def action(self, action: Action) -> str:
+        """Writes an action."""
+        names = variable_names(action)
+        return "\n".join(
+            [
+                f"  (:action {self.actions.pddl(action.name)}",
+                f"    :parameters ({self.typed(action.parameters, names)})",
+                f"    :precondition {block(self.needs(action, names))}",
+                f"    :effect {block(self.effects(action, names))})",
+            ]
+        )
 
-def _action_text(writer: _Writer, action: Action) -> str:
-    indent = " " * 6
-    names = NameMap((v.name for v in action.variables), reserved=frozenset())
-    needed = [*(writer.atom(atom, names) for atom in action.pre), *(writer.none(none, names) for none in action.none)]
-    effects = [writer.atom(atom, names) for atom in action.add]
-    effects += [f"(not {writer.atom(atom, names)})" for atom in _real_deletes(action)]
-    return "\n".join(
-        [
-            f"  (:action {writer.actions.pddl(action.name)}",
-            f"    :parameters ({writer.typed(action.parameters, names)})",
-            f"    :precondition {_block(needed, indent)}",
-            f"    :effect {_block(effects, indent)})",
+    def effects(self, action: Action, names: NameMap) -> list[str]:
+        """Returns the effects of an action, adds first."""
+        deleted = (f"(not {self.atom(atom, names)})" for atom in real_deletes(action))
+        return [*(self.atom(atom, names) for atom in action.add), *deleted]
+
+    # ------------------------------------------------------------ parts
+
+    def needs(self, action: Action, names: NameMap) -> list[str]:
+        """Returns the preconditions of an action."""
+        return [*(self.atom(atom, names) for atom in action.pre), *(self.none(none, names) for none in action.none)]
+
+    def atom(self, atom: Atom, variables: NameMap) -> str:
+        """Returns an atom over variables and elements."""
+        arguments = [f"?{variables.pddl(a)}" if a.startswith("?") else self.objects.pddl(a) for a in atom.arguments]
+        return f"({' '.join([self.predicates.pddl(atom.predicate), *arguments])})"
+
+    def none(self, none: NoneSuch, variables: NameMap) -> str:
+        """Returns the condition that no such things exist."""
+        atoms = [self.atom(atom, variables) for atom in none.atoms]
+        inner = atoms[0] if len(atoms) == 1 else f"(and {' '.join(atoms)})"
+        return f"(not (exists ({self.typed(none.variables, variables)}) {inner}))"
+
+    def typed(self, variables: Iterable[Variable], names: NameMap) -> str:
+        """Returns variables with their types."""
+        return " ".join(f"?{names.pddl(v.name)} - {self._type(v.type)}" for v in variables)
+
+    def _ground(self, atom: Atom) -> str:
+        """Returns an atom over elements; each of them has its name by now."""
+        names = map(self.objects.known.__getitem__, atom.arguments)
+        return f"({' '.join([self.predicates.known[atom.predicate], *names])})"
+
+    def _type(self, class_: str) -> str:
+        return "object" if class_ in ("", "object") else self.types.pddl(class_)
+
+    def _object(self, element: str) -> str:
+        return f"{self.objects.pddl(element)} - {self._type(self.problem.objects[element])}"
+
+    def _predicate(self, name: str, types: tuple[str, ...]) -> str:
+        variables = [Variable(f"?x{i + 1}", type_) for i, type_ in enumerate(types)]
+        return f"({' '.join(filter(None, [self.predicates.pddl(name), self.typed(variables, NameMap())]))})"
+
+    def _domain_text(self) -> str:
+        types = [f"{self._type(t)} - {self._type(self.domain.types[t])}" for t in sorted(self.domain.types)]
+        constants = map(self._object, self._constants)  # elements that goals name, and defaults of skills
+        lines = [
+            f"(define (domain {self._title})",
+            f"  (:requirements {' '.join(self.requirements())})",
+            *_section("types", types),
+            *(_section("constants", constants) if self._constants else ()),
+            *_section("predicates", self.predicate_lines()),
+            *(_section("functions", self.functions()) if self.functions() else ()),
+            *map(self.action, self.domain.actions),
         ]
-    )
+        return "\n".join([*lines, ")"]) + "\n"
+
+    def _problem_text(self) -> str:
+        objects = [self._object(o) for o in sorted(self.problem.objects) if o not in self._constants]
+        lines = [
+            f"(define (problem {self._title})",
+            f"  (:domain {self._title})",
+            *_section("objects", objects),
+            *_section("init", self.init()),
+            f"  (:goal {block((self._ground(atom) for atom in self.problem.goal), indent=4)})",
+            *([f"  (:metric {self.metric})"] if self.metric else ()),
+        ]
+        return "\n".join([*lines, ")"]) + "\n"
 
 
-def _real_deletes(action: Action) -> list[Atom]:
+def write_pddl(domain: Domain, problem: Problem, *, name: str) -> PddlTexts:
+    """Writes a classical task; see :class:`PddlWriter`."""
+    return PddlWriter(domain, problem, name).texts()
+
+
+def variable_names(action: Action) -> NameMap:
+    """Returns the PDDL names of an action's variables, without question marks."""
+    return NameMap((v.name for v in action.variables), reserved=frozenset())
+
+
+def real_deletes(action: Action) -> list[Atom]:
+    """Returns what an action deletes and does not add."""
     return [atom for atom in action.delete if atom not in action.add]
 
 
-def _problem_text(writer: _Writer, title: str) -> str:
-    problem = writer.problem
-    objects = [writer.object(o) for o in sorted(problem.objects) if o not in writer.constants]
-    init = sorted(f"    {writer.ground(atom)}" for atom in problem.init)
-    goal = _block((writer.ground(atom) for atom in problem.goal), " " * 4)
-    lines = [f"(define (problem {title})", f"  (:domain {title})", "  (:objects", *objects, "  )"]
-    return "\n".join([*lines, "  (:init", *init, "  )", f"  (:goal {goal})", ")"]) + "\n"
+def block(lines: Iterable[str], indent: int = 6) -> str:
+    """Returns a conjunction, one part per line."""
+    return "(and" + "".join(f"\n{' ' * indent}{line}" for line in lines) + ")"
+
+
+def _section(keyword: str, lines: Iterable[str]) -> list[str]:
+    return [f"  (:{keyword}", *(f"    {line}" for line in lines), "  )"]
 
 
 def _predicate_words(name: str) -> str:

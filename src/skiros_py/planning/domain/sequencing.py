@@ -10,10 +10,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import count
 
-from skiros_py.planning.domain.bracketed import block, conjuncts, field, read_term, shown, unused
 from skiros_py.planning.domain.goals import FINISHED
 from skiros_py.planning.domain.model import Action, Atom, Variable
-from skiros_py.planning.domain.pddl import PddlTexts
+from skiros_py.planning.domain.pddl import NameMap, PddlTexts, PddlWriter
 from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.planning.robots.allocation import columns, moved_by
 from skiros_py.planning.sequence import counts, sequence_number, turn_of, turns_of_goal
@@ -241,52 +240,45 @@ def _suits(fact: Atom, types: Sequence[str], task: PlanningTask, view: WorldView
 # ------------------------------------------------------------ costs
 
 
-def with_costs(view: WorldView, task: PlanningTask, texts: PddlTexts) -> PddlTexts:
-    """Returns the texts with costs for moving through the numbers, to be minimized; unchanged if there are none.
+def write_with_costs(view: WorldView, task: PlanningTask, *, name: str) -> PddlTexts:
+    """Writes a task with costs for moving through the numbers, to be minimized; a classical one if there are none.
 
     Args:
         view: The world.
         task: The task in sequence.
-        texts: The same, as written.
+        name: Name of the problem (made a PDDL name).
     """
-    numbered = {name for name, action in texts.actions.items() if _leg(action) is not None}
-    if not numbered:
-        return texts
-    cost = unused("sequence-cost", texts.domain + texts.problem)
-    places = sorted({o for atom in task.problem.init if atom.predicate == IN_ORDER for o in atom.arguments})
-    numbers = {texts.objects.pddl(place): sequence_number(view, place) or 0 for place in places}
-    pairs = ((a, b, one, other) for a, one in numbers.items() for b, other in numbers.items() if one <= other)
-    values = [f"    (= ({cost} {a} {b}) {other - one + 1})" for a, b, one, other in pairs]
-    init = "\n".join(["  (:init", "    (= (total-cost) 0)", *values])
-    problem = texts.problem.replace("  (:init", init, 1).rstrip().removesuffix(")").rstrip()
-    functions = f"  (:functions\n    (total-cost) - number\n    ({cost} ?x1 ?x2 - object) - number\n  )\n"
-    domain = _costed(texts, numbered, cost).replace("  (:action", f"{functions}  (:action", 1)
-    requirements = (*texts.requirements, ":action-costs")
-    domain = domain.replace(" ".join(texts.requirements), " ".join(requirements), 1)
-    problem += "\n  (:metric minimize (total-cost))\n)\n"
-    return replace(texts, domain=domain, problem=problem, requirements=requirements)
+    is_numbered = any(_leg(action) for action in task.domain.actions)
+    writer = _CostWriter(view, task, name) if is_numbered else PddlWriter(task.domain, task.problem, name)
+    return writer.texts()
 
 
-def _leg(action: Action) -> tuple[str, str] | None:
-    """The numbered places from and to which an action moves."""
-    return next(((a.arguments[0], a.arguments[1]) for a in action.pre if a.predicate == IN_ORDER), None)
+class _CostWriter(PddlWriter):
+    metric = "minimize (total-cost)"
+
+    def __init__(self, view: WorldView, task: PlanningTask, name: str) -> None:
+        super().__init__(task.domain, task.problem, name)
+        self._view = view
+        self._cost = self.further.pddl("sequence-cost")
+
+    def requirements(self) -> tuple[str, ...]:
+        return (*super().requirements(), ":action-costs")
+
+    def functions(self) -> list[str]:
+        return ["(total-cost) - number", f"({self._cost} ?x1 ?x2 - object) - number"]
+
+    def init(self) -> list[str]:
+        places = sorted({o for atom in self.problem.init if atom.predicate == IN_ORDER for o in atom.arguments})
+        numbers = {self.objects.pddl(place): sequence_number(self._view, place) or 0 for place in places}
+        pairs = ((a, b, one, other) for a, one in numbers.items() for b, other in numbers.items() if one <= other)
+        values = (f"(= ({self._cost} {a} {b}) {other - one + 1})" for a, b, one, other in pairs)
+        return ["(= (total-cost) 0)", *values, *super().init()]
+
+    def effects(self, action: Action, names: NameMap) -> list[str]:
+        leg = " ".join(f"?{names.pddl(place)}" for place in _leg(action))
+        return super().effects(action, names) + ([f"(increase (total-cost) ({self._cost} {leg}))"] if leg else [])
 
 
-def _costed(texts: PddlTexts, numbered: set[str], cost: str) -> str:
-    """Adds what numbered actions cost to their effects, which are the last that is said of them."""
-    domain = texts.domain
-    for name in sorted(numbered):
-        start = domain.index(f"  (:action {name}\n")
-        end = domain.find("\n  (:action ", start + 1)
-        end = len(domain.rstrip().removesuffix(")").rstrip()) if end < 0 else end
-        action = read_term(domain[start:end])
-        variables = [str(word) for word in field(action, ":parameters") if str(word).startswith("?")]
-        own = [variable.name for variable in texts.actions[name].parameters]
-        leg = [variables[own.index(place)] for place in _leg(texts.actions[name]) or ()]
-        effects = [
-            *map(shown, conjuncts(field(action, ":effect"))),
-            f"(increase (total-cost) ({cost} {' '.join(leg)}))",
-        ]
-        head = domain[start:end].partition("    :effect")[0]
-        domain = domain[:start] + head + block(":effect", effects) + ")" + domain[end:]
-    return domain
+def _leg(action: Action) -> tuple[str, ...]:
+    """Returns the numbered places from and to which an action moves; none if it does not."""
+    return next((a.arguments for a in action.pre if a.predicate == IN_ORDER), ())

@@ -1,146 +1,68 @@
 """A task in time: the same PDDL with durative actions (PDDL 2.1), for planners that support concurrency.
 
-Nothing is said again: each action of a skill is rewritten. Preconditions must hold at the start; those that the action
-does not delete itself must hold throughout. Deletes happen at the start, adds at the end. An agent does one thing at a
-time. Bookkeeping takes no time and is unchanged.
+Preconditions of a skill must hold at the start; those that the action does not delete itself must hold throughout.
+Deletes happen at the start, adds at the end. An agent does one thing at a time. Bookkeeping takes no time.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
-
-from skiros_py.planning.domain.bracketed import (
-    Term,
-    block,
-    conjuncts,
-    field,
-    read_term,
-    shown,
-    typed_lines,
-    unused,
-    words,
-)
 from skiros_py.planning.domain.model import Action
-from skiros_py.planning.domain.pddl import PddlTexts, write_pddl
+from skiros_py.planning.domain.pddl import PddlTexts, PddlWriter, block, real_deletes, variable_names
 from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.planning.robots.allocation import USUAL
 
-Rates = Mapping[str, Mapping[str, float]]
-"""Durations of skills [s], by skill and agent."""
 
-
-def write_temporal(task: PlanningTask, *, name: str, rates: Rates | None = None) -> PddlTexts:
+def write_temporal(task: PlanningTask, *, name: str) -> PddlTexts:
     """Writes a task with durative actions; a skill of unknown duration gets the default.
 
     Args:
         task: The task; see :func:`~skiros_py.planning.durations.timed`.
         name: Name of the problem (made a PDDL name).
-        rates: The durations per agent: if they differ, the duration is a function of the agent
-            (``:numeric-fluents``).
     """
-    texts = write_pddl(task.domain, task.problem, name=name)
-    differing = {skill: own for skill, own in (rates or {}).items() if len(set(own.values())) > 1}
-    numeric = (":numeric-fluents",) if differing else ()
-    requirements = (*texts.requirements, ":durative-actions", *numeric)
-    agents = {c.skill.name: f"?{c.skill.agent}" for c in task.capabilities}
-    domain = _Rewriting(texts, agents, requirements, differing)
-    facts = [f"({domain.idle} {texts.objects.pddl(agent)})" for agent in domain.agents(task)]
-    for skill in sorted(domain.functions):
-        own = differing[skill]
-        known = sorted(own.keys() & task.problem.objects.keys())
-        facts += [f"(= ({domain.functions[skill]} {texts.objects.pddl(a)}) {own[a]:.3f})" for a in known]
-    problem = texts.problem.replace("(:init\n", "(:init\n" + "".join(f"    {fact}\n" for fact in facts), 1)
-    return replace(texts, domain=domain.text(), problem=problem, requirements=requirements)
+    return _TemporalWriter(task, name).texts()
 
 
-class _Rewriting:
-    """A domain, being made durative.
+class _TemporalWriter(PddlWriter):
+    def __init__(self, task: PlanningTask, name: str) -> None:
+        super().__init__(task.domain, task.problem, name)
+        self._task = task
+        self._idle = self.further.pddl("idle")
+        self._agents = {c.skill.name: f"?{c.skill.agent}" for c in task.capabilities}
+        actions = task.domain.actions
+        self._changing = {atom.predicate for action in actions for atom in (*action.add, *real_deletes(action))}
 
-    Attributes:
-        idle: The predicate stating that an agent is idle.
-        functions: The duration function, by skill, if agents differ.
-    """
+    def requirements(self) -> tuple[str, ...]:
+        return (*super().requirements(), ":durative-actions")
 
-    def __init__(
-        self, texts: PddlTexts, agents: Mapping[str, str], requirements: Sequence[str], differing: Iterable[str]
-    ) -> None:
-        self._texts = texts
-        self._agents = agents
-        self._requirements = requirements
-        self._whole = read_term(texts.domain)
-        self.idle = unused("idle", texts.domain + texts.problem)
-        words_of = {action.skill: name for name, action in reversed([*texts.actions.items()]) if action.skill}
-        self.functions = {s: unused(f"{words_of[s]}_time", texts.domain) for s in differing if s in words_of}
-        self._changing = {words[0] for part in _parts(self._whole) for words in _effects(part)}
+    def predicate_lines(self) -> list[str]:
+        return [f"({self._idle} ?x1 - object)", *super().predicate_lines()]
 
-    def agents(self, task: PlanningTask) -> list[str]:
-        """The agents that act in the task."""
-        acting = {action.skill for action in self._texts.actions.values()}
-        found = {agent for c in task.capabilities if c.skill.name in acting for agent in c.agents}
-        return sorted(found & task.problem.objects.keys())
+    def init(self) -> list[str]:
+        acting = {action.skill for action in self.domain.actions}
+        agents = {agent for c in self._task.capabilities if c.skill.name in acting for agent in c.agents}
+        idle = sorted(agents & self.problem.objects.keys())
+        return [*(f"({self._idle} {self.objects.pddl(agent)})" for agent in idle), *super().init()]
 
-    def text(self) -> str:
-        """The domain text."""
-        lines = ["(" + " ".join(map(shown, self._whole[:2]))]
-        for part in self._whole[2:]:
-            lines += self._part(part)
-        return "\n".join([*lines, ")"]) + "\n"
-
-    def _part(self, part: Term) -> list[str]:
-        match part:
-            case [":requirements", *_]:
-                return [f"  (:requirements {' '.join(self._requirements)})"]
-            case [":predicates", *predicates]:
-                own = [f"({self.idle} ?x1 - object)", *map(shown, predicates)]
-                timing = [f"    ({function} ?x1 - object) - number" for _, function in sorted(self.functions.items())]
-                functions = ["  (:functions", *timing, "  )"] if timing else []
-                return ["  (:predicates", *(f"    {line}" for line in own), "  )", *functions]
-            case [":action", str(name), *_] if self._texts.actions[name].skill is not None:
-                return self._durative(self._texts.actions[name], name, part)
-            case [":types" | ":constants" as keyword, *terms]:
-                return [f"  ({keyword}", *(f"    {line}" for line in typed_lines(terms)), "  )"]
-            case _:
-                return [f"  {shown(part)}"]
-
-    def _durative(self, action: Action, name: str, part: Sequence[Term]) -> list[str]:
-        agent = self._variable(action, part)
-        needed = conjuncts(field(part, ":precondition"))
-        effects = conjuncts(field(part, ":effect"))
-        gone = [effect[1] for effect in effects if effect[0] == "not"]
-        lasting = [c for c in needed if c not in gone and self._may_change(c)]
-        conditions = [f"(at start ({self.idle} {agent}))", *(f"(at start {shown(c)})" for c in needed)]
-        conditions += [f"(over all {shown(c)})" for c in lasting]
-        results = [f"(at start (not ({self.idle} {agent})))", *(f"(at start (not {shown(g)}))" for g in gone)]
-        results += [f"(at end {shown(e)})" for e in effects if e[0] != "not"] + [f"(at end ({self.idle} {agent}))"]
-        return [
-            f"  (:durative-action {name}",
-            f"    :parameters {shown(field(part, ':parameters'))}",
-            f"    :duration (= ?duration {self._duration(action, agent)})",
-            block(":condition", conditions),
-            block(":effect", results) + ")",
+    def action(self, action: Action) -> str:
+        if action.skill is None:
+            return super().action(action)
+        names = variable_names(action)
+        idle = f"({self._idle} ?{names.pddl(self._agents[action.skill])})"
+        gone = [self.atom(atom, names) for atom in real_deletes(action)]
+        lasting = [self.atom(a, names) for a in action.pre if a.predicate in self._changing]
+        lasting += [
+            self.none(none, names) for none in action.none if any(a.predicate in self._changing for a in none.atoms)
         ]
-
-    def _duration(self, action: Action, agent: str) -> str:
-        if action.skill in self.functions:
-            return f"({self.functions[action.skill]} {agent})"
-        return f"{USUAL if action.duration is None else action.duration:.3f}"
-
-    def _variable(self, action: Action, part: Sequence[Term]) -> str:
-        """The PDDL name of the parameter that is the agent."""
-        variables = [str(term) for term in field(part, ":parameters") if str(term).startswith("?")]
-        at = [variable.name for variable in action.parameters].index(self._agents[str(action.skill)])
-        return variables[at]
-
-    def _may_change(self, condition: Term) -> bool:
-        return not self._changing.isdisjoint(words(condition))
-
-
-def _parts(domain: Sequence[Term]) -> Iterator[list[Term]]:
-    return (part for part in domain if isinstance(part, list) and part[0] == ":action")
-
-
-def _effects(action: Sequence[Term]) -> Iterator[list[str]]:
-    """The words of every atom that an action writes."""
-    for effect in conjuncts(field(action, ":effect")):
-        yield list(words(effect[1] if effect[0] == "not" else effect))
+        conditions = [f"(at start {c})" for c in (idle, *self.needs(action, names))]
+        conditions += [f"(over all {c})" for c in lasting if c not in gone]
+        effects = [f"(at start (not {c}))" for c in (idle, *gone)]
+        effects += [f"(at end {c})" for c in (*(self.atom(atom, names) for atom in action.add), idle)]
+        return "\n".join(
+            [
+                f"  (:durative-action {self.actions.pddl(action.name)}",
+                f"    :parameters ({self.typed(action.parameters, names)})",
+                f"    :duration (= ?duration {USUAL if action.duration is None else action.duration:.3f})",
+                f"    :condition {block(conditions)}",
+                f"    :effect {block(effects)})",
+            ]
+        )
