@@ -5,7 +5,7 @@ Removed detours change the state that later steps start from, so the planner's o
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
 from itertools import product
@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 from skiros_py.errors import PlanningError
 from skiros_py.planning.domain.actions import passed_keys
+from skiros_py.planning.domain.matching import Fits, unified
 from skiros_py.planning.domain.model import Action, Atom, NoneSuch, Variable
 from skiros_py.planning.domain.pddl import PddlTexts
 from skiros_py.planning.plan import Plan, Step, read_plan
@@ -151,10 +152,6 @@ def _needed(taken: Sequence[Taken], goal: Iterable[Atom]) -> list[Taken]:
     return kept[::-1]
 
 
-Fits = Callable[[str, str], bool]
-"""Returns whether an element is of a class."""
-
-
 def bindings(
     atoms: Sequence[Atom],
     facts: Mapping[str, Sequence[Atom]],
@@ -175,7 +172,7 @@ def bindings(
         yield dict(start)
         return
     for fact in list(facts.get(atoms[0].predicate, ())):
-        matched = _match(atoms[0], fact, start, types, fits)
+        matched = unified(atoms[0], fact, start, types, fits)
         if matched is not None:
             yield from bindings(atoms[1:], facts, matched, types, fits)
 
@@ -196,19 +193,6 @@ def are_none(
         if next(bindings(such.bind(binding).atoms, facts, {}, types, fits), None) is not None:
             return False
     return True
-
-
-def _match(
-    atom: Atom, fact: Atom, binding: Mapping[str, str], types: Mapping[str, str], fits: Fits
-) -> dict[str, str] | None:
-    result = dict(binding)
-    for argument, value in zip(atom.arguments, fact.arguments, strict=True):
-        if not argument.startswith("?"):
-            if argument != value:
-                return None
-        elif result.setdefault(argument, value) != value or not fits(value, types.get(argument, "")):
-            return None
-    return result
 
 
 _LONGEST = 10_000

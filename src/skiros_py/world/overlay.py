@@ -285,13 +285,13 @@ class FilteredView(WorldView):
 
     def instances(self, class_: str) -> tuple[str, ...]:
         """Returns the ids of all elements of a class that are not hidden."""
-        return tuple(i for i in self._base.instances(class_) if i not in self._ids)
+        return tuple(i for i in super().instances(class_) if i not in self._ids)
 
     def some_instances(self, class_: str, limit: int, after: str = "") -> tuple[str, ...]:
         """Returns the first of the elements of a class that are not hidden and sort after an id, at most so many."""
-        found = self._base.some_instances(class_, limit + len(self._ids), after)
+        found = super().some_instances(class_, limit + len(self._ids), after)
         return tuple(i for i in found if i not in self._ids)[:limit]
 
     def instances_among(self, class_: str, ids: Iterable[str]) -> tuple[str, ...]:
         """Returns which of some ids are of elements of a class that are not hidden."""
-        return self._base.instances_among(class_, (i for i in ids if i not in self._ids))
+        return super().instances_among(class_, (i for i in ids if i not in self._ids))

@@ -40,7 +40,7 @@ def _maintained(action: Action, wanted: frozenset[str], ontology: Ontology) -> t
         ended = [old for old in action.delete if old != new and _may_be_one(new, old, action.types, ontology)]
         if ended:
             _check_unique(action, new, ended, ontology)
-            variants = _anew(action, new, ended), _going_on(action, new, ended)
+            variants = _starting(action, new, ended), _continuing(action, new, ended)
             return tuple(one for variant in variants for one in _maintained(variant, wanted, ontology))
     return (_with_effects(action, wanted),)
 
@@ -56,12 +56,12 @@ def _check_unique(action: Action, new: Atom, ended: Sequence[Atom], ontology: On
         )
 
 
-def _anew(action: Action, new: Atom, ended: Sequence[Atom]) -> Action:
+def _starting(action: Action, new: Atom, ended: Sequence[Atom]) -> Action:
     note = f"variant: {shown(new)} does not hold before, so it is not {' or '.join(map(shown, ended))}, which ends"
     return replace(action, pre=(*action.pre, negated(new)), notes=(*action.notes, note))
 
 
-def _going_on(action: Action, new: Atom, ended: Sequence[Atom]) -> Action:
+def _continuing(action: Action, new: Atom, ended: Sequence[Atom]) -> Action:
     """Returns the variant in which the added relation held before: everything has one place, so nothing is deleted."""
     return replace(
         action,

@@ -76,8 +76,8 @@ def _keeps_track(action: Action, emptiness: _Emptiness, ontology: Ontology) -> b
     types = action.types
     filled = _ends(action, emptiness, ontology)
     freed = (types[place] for place in _places(action.delete, emptiness, but=action.add))
-    told = (_within(t, emptiness.class_, ontology) or not _overlap(t, emptiness.class_, ontology) for t in freed)
-    return all(atom in action.pre for atom in filled) and all(told)
+    known = (_within(t, emptiness.class_, ontology) or not _overlap(t, emptiness.class_, ontology) for t in freed)
+    return all(atom in action.pre for atom in filled) and all(known)
 
 
 def _ends(action: Action, emptiness: _Emptiness, ontology: Ontology) -> tuple[Atom, ...]:

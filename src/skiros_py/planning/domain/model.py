@@ -146,7 +146,7 @@ def account_of(skills: Iterable[SkillDescription], actions: Sequence[tuple[str, 
         skills: The skills.
         actions: The actions of the domain, each with its name there.
     """
-    told = tuple(
+    accounts = tuple(
         SkillAccount(
             skill.name,
             tuple(map(str, skill.pre)),
@@ -157,7 +157,7 @@ def account_of(skills: Iterable[SkillDescription], actions: Sequence[tuple[str, 
         for skill in skills
     )
     bookkeeping = _actions(None, actions)
-    return (*told, SkillAccount("", (), (), (), bookkeeping)) if bookkeeping else told
+    return (*accounts, SkillAccount("", (), (), (), bookkeeping)) if bookkeeping else accounts
 
 
 def _actions(skill: str | None, actions: Sequence[tuple[str, Action]]) -> tuple[ActionAccount, ...]:

@@ -4,8 +4,8 @@ Three stages, each run only if the previous one found nothing: facts that never 
 undone; goal conditions that exclude each other; a minimal part of the goal for which a planner finds no plan.
 """
 
-from skiros_py.planning.explanation.causes import certain_causes, find_causes
+from skiros_py.planning.explanation.causes import find_causes
 from skiros_py.planning.explanation.explaining import Explanation, Solve, explain
 from skiros_py.planning.explanation.trial import Trial
 
-__all__ = ["Explanation", "Solve", "Trial", "certain_causes", "explain", "find_causes"]
+__all__ = ["Explanation", "Solve", "Trial", "explain", "find_causes"]

@@ -9,9 +9,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from skiros_py.planning.domain.literals import CAN
+from skiros_py.planning.domain.matching import is_variable
 from skiros_py.planning.domain.model import Atom
 from skiros_py.planning.explanation.contradictions import Contradictions
-from skiros_py.planning.explanation.facts import Relaxation, is_variable, relax
+from skiros_py.planning.explanation.facts import Relaxation, relax
 from skiros_py.planning.explanation.obstacles import Obstacles
 from skiros_py.planning.explanation.wording import Found, Obstacle
 from skiros_py.planning.plan import Cause, CauseKind
@@ -21,21 +22,11 @@ from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import HAS_A
 
 
-def certain_causes(task: PlanningTask, view: WorldView) -> tuple[Cause, ...]:
-    """Returns causes that each prove, without search, that there is no plan; none if unknown.
-
-    Args:
-        task: The task; if it has no plan, neither has its variant with sequence numbers or in time.
-        view: The world it was made from, with all of its stock.
-    """
-    return tuple(found.cause for found in find_causes(task, view))
-
-
 def find_causes(task: PlanningTask, view: WorldView) -> tuple[Found, ...]:
     """Returns the cause of each condition that can never hold by itself, then those of mutually exclusive conditions.
 
-    Each proves by itself that there is no plan. Empty if each condition could hold and no simple conflict prevents
-    them from holding together.
+    Each proves by itself that there is no plan, also with sequence numbers or in time. Empty if each condition could
+    hold and no simple conflict prevents them from holding together.
     """
     task = with_everyone(task, view)
     relaxed = relax(task, view.ontology)

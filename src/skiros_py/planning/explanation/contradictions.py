@@ -8,8 +8,9 @@ from functools import reduce
 from itertools import combinations
 
 from skiros_py.planning.domain.literals import NOTHING, allows_value, common_class, property_of
+from skiros_py.planning.domain.matching import Binding, unified
 from skiros_py.planning.domain.model import Action, Atom
-from skiros_py.planning.explanation.facts import Binding, Relaxation, unified
+from skiros_py.planning.explanation.facts import Relaxation
 from skiros_py.planning.explanation.wording import Found, Shortage, listed
 from skiros_py.planning.plan import Cause, CauseKind
 from skiros_py.skills.conditions import Compare, Condition, Not

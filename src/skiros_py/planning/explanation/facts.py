@@ -9,99 +9,18 @@ from one place and stand in another.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations, islice, product
 
 import numpy as np
 from numpy.typing import NDArray
 
+from skiros_py.planning.domain.matching import Binding, FactIndex, is_variable, solutions, unified
 from skiros_py.planning.domain.model import Action, Atom, Variable
+from skiros_py.planning.problem.stock import signs
 from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.skills.conditions import Condition
 from skiros_py.world.ontology import Ontology
-
-Binding = Mapping[str, str]
-"""Element by variable."""
-Fits = Callable[[str, str], bool]
-"""Returns whether an element is of a class."""
-
-
-class Facts:
-    """Ground atoms, indexed by predicate and by each argument."""
-
-    def __init__(self) -> None:
-        self._all: dict[Atom, None] = {}
-        self._by_predicate: dict[str, list[Atom]] = {}
-        self._by_argument: dict[tuple[str, int, str], list[Atom]] = {}
-
-    def __contains__(self, atom: object) -> bool:
-        return atom in self._all
-
-    def __iter__(self) -> Iterator[Atom]:
-        return iter(self._all)
-
-    def add(self, atom: Atom) -> None:
-        """Adds a new fact."""
-        self._all[atom] = None
-        self._by_predicate.setdefault(atom.predicate, []).append(atom)
-        for position, argument in enumerate(atom.arguments):
-            self._by_argument.setdefault((atom.predicate, position, argument), []).append(atom)
-
-    def candidates(self, atom: Atom) -> Collection[Atom]:
-        """Returns a superset of the facts that match an atom with variables: the shortest indexed list."""
-        bound = [(i, a) for i, a in enumerate(atom.arguments) if not is_variable(a)]
-        if len(bound) == len(atom.arguments):
-            return (atom,) if atom in self._all else ()
-        if not bound:
-            return self._by_predicate.get(atom.predicate, ())
-        return min((self._by_argument.get((atom.predicate, i, a), ()) for i, a in bound), key=len)
-
-
-def is_variable(argument: str) -> bool:
-    """Returns whether an argument is a variable, not an element."""
-    return argument.startswith("?")
-
-
-def unified(atom: Atom, fact: Atom, binding: Binding, types: Mapping[str, str], fits: Fits) -> dict[str, str] | None:
-    """Extends a binding so that an atom matches a fact; None if impossible."""
-    result = dict(binding)
-    for argument, value in zip(atom.arguments, fact.arguments, strict=True):
-        if not is_variable(argument):
-            if argument != value:
-                return None
-        elif argument in result:
-            if result[argument] != value:
-                return None
-        elif fits(value, types.get(argument, "")):
-            result[argument] = value
-        else:
-            return None
-    return result
-
-
-def solutions(
-    atoms: Sequence[Atom], facts: Facts, start: Binding, types: Mapping[str, str], fits: Fits
-) -> Iterator[dict[str, str]]:
-    """Yields every way to bind variables so that all atoms are facts; the rarest atom is looked up first.
-
-    Args:
-        atoms: Atoms over variables and elements.
-        facts: The facts.
-        start: The initial binding.
-        types: Class by variable.
-        fits: Tells whether an element is of a class.
-    """
-    if not atoms:
-        yield dict(start)
-        return
-    found = [facts.candidates(atom.bind(start)) for atom in atoms]
-    rarest = min(range(len(atoms)), key=lambda i: len(found[i]))
-    rest = [atom for i, atom in enumerate(atoms) if i != rarest]
-    for fact in tuple(found[rarest]):
-        binding = unified(atoms[rarest], fact, start, types, fits)
-        if binding is not None:
-            yield from solutions(rest, facts, binding, types, fits)
-
 
 _FEW = 40
 """Up to this many objects none are grouped: finding indistinguishable ones would cost more."""
@@ -129,7 +48,7 @@ class Relaxation:
 
     def __init__(self, task: PlanningTask, ontology: Ontology, *, together: bool = True) -> None:
         self.task = task
-        self.facts = Facts()
+        self.facts = FactIndex()
         self._ontology = ontology
         self._types = dict(task.problem.objects)
         self._fitting: dict[tuple[str, str], bool] = {}
@@ -246,15 +165,10 @@ def _alike(task: PlanningTask) -> dict[str, tuple[str, ...]]:
     named |= {
         a for action in task.domain.actions for atom in action.atoms for a in atom.arguments if not is_variable(a)
     }
-    said: dict[str, set[tuple[str, int, tuple[str, ...]]]] = {thing: set() for thing in objects}
-    for atom in task.problem.init:
-        for position, thing in enumerate(atom.arguments):
-            if thing not in named:
-                others = tuple("*" if a == thing else a for a in atom.arguments)
-                said[thing].add((atom.predicate, position, others))
+    said = signs([thing for thing in objects if thing not in named], objects, task.problem.init)
     groups: dict[object, list[str]] = {}
-    for thing, type_ in objects.items():
-        groups.setdefault(thing if thing in named else (type_, frozenset(said[thing])), []).append(thing)
+    for thing in objects:
+        groups.setdefault(said.get(thing, thing), []).append(thing)
     return {group[0]: tuple(group) for group in groups.values()}
 
 

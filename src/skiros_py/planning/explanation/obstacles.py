@@ -6,8 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from skiros_py.planning.domain.literals import CAN, HAS, NOT, NOTHING
+from skiros_py.planning.domain.matching import is_variable
 from skiros_py.planning.domain.model import Action, Atom
-from skiros_py.planning.explanation.facts import Relaxation, is_variable
+from skiros_py.planning.explanation.facts import Relaxation
 from skiros_py.planning.explanation.wording import Obstacle, Wording, listed, some
 from skiros_py.planning.plan import CauseKind
 from skiros_py.planning.problem.task import PlanningTask
@@ -213,7 +214,7 @@ class Obstacles:
         best = max(tries, key=lambda one: (one.progress, self._is_open(one)))
         if best.direct is not None:
             return replace(best.direct, missing=best.direct.missing or atom, types=best.direct.types or types)
-        return self._told(best, (*chain, atom))
+        return self._described(best, (*chain, atom))
 
     def _is_open(self, one: _Try) -> bool:
         """Returns whether it is stuck at something changeable, not at what things are made of."""
@@ -311,7 +312,7 @@ class Obstacles:
 
     # ------------------------------------------------------------ describing it
 
-    def _told(self, one: _Try, chain: Chain) -> Obstacle:
+    def _described(self, one: _Try, chain: Chain) -> Obstacle:
         if one.stuck is None:
             text = f"skill '{one.action.skill}' could do it for other elements only"
             return Obstacle(CauseKind.MISSING_FACT, text, one.action.skill)

@@ -8,9 +8,9 @@ from itertools import combinations, islice, product
 
 from skiros_py.planning.domain.actions import actions_of
 from skiros_py.planning.domain.literals import CAN, HAS, NOT, NOTHING, VALUE, compared
+from skiros_py.planning.domain.matching import is_variable
 from skiros_py.planning.domain.model import Action
 from skiros_py.planning.explanation.edits import Add, Assign, Move, Relate, Remove, SceneEdit
-from skiros_py.planning.explanation.facts import is_variable
 from skiros_py.planning.explanation.wording import Found, Obstacle, Shortage, listed, some
 from skiros_py.planning.plan import Cause, CauseKind, Exchange
 from skiros_py.planning.problem.task import Capability

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from skiros_py.planning.domain.literals import BY_CLASS, CAN, HAS, IS, NOT, NOTHING, VALUE, compared
+from skiros_py.planning.domain.matching import is_variable
 from skiros_py.planning.domain.model import Atom
-from skiros_py.planning.explanation.facts import is_variable
 from skiros_py.planning.plan import Cause, CauseKind
 from skiros_py.world.names import local_name
 from skiros_py.world.ontology import Ontology

@@ -125,7 +125,7 @@ def superfluous(
     standing = _in_the_way(facts, objects, actions, lifted)
     alike: dict[_Sign, list[str]] = {}
     free = [o for o, type_ in objects.items() if type_ in passive and o not in named and o not in standing]
-    for thing, sign in _signs(free, objects, facts).items():
+    for thing, sign in signs(free, objects, facts).items():
         alike.setdefault(sign, []).append(thing)
     return frozenset(thing for (type_, _), things in alike.items() for thing in sorted(things)[wanted[type_] :])
 
@@ -154,8 +154,8 @@ def _in_the_way(
     )
 
 
-def _signs(things: Iterable[str], objects: Mapping[str, str], init: Iterable[Atom]) -> dict[str, _Sign]:
-    """The facts about each thing, without its name."""
+def signs(things: Iterable[str], objects: Mapping[str, str], init: Iterable[Atom]) -> dict[str, _Sign]:
+    """Returns the class of each thing and the facts about it, without its name: equal for interchangeable things."""
     said: dict[str, set[tuple[str, tuple[str, ...]]]] = {thing: set() for thing in things}
     for atom in init:
         for thing in said.keys() & set(atom.arguments):

@@ -17,6 +17,7 @@ from functools import cache
 
 from skiros_py.planning.domain.actions import moved_and_place
 from skiros_py.planning.domain.literals import CAN, common_class
+from skiros_py.planning.domain.matching import FactIndex, unified
 from skiros_py.planning.domain.model import Action, Atom
 from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.world.ontology import Ontology
@@ -25,8 +26,6 @@ from skiros_py.world.vocabulary import HAS_A, ROBOT
 
 USUAL = 10.0
 """Assumed duration of a skill with unknown duration [s]."""
-
-Binding = dict[str, str]
 
 
 def efforts(task: PlanningTask, ontology: Ontology, agents: Collection[str] | None = None) -> Mapping[Atom, float]:
@@ -52,8 +51,7 @@ class _Spread:
         self.settled: dict[Atom, float] = {}
         self._waiting: list[tuple[float, Atom]] = []
         self._best: dict[Atom, float] = {}
-        self._by_predicate: dict[str, list[Atom]] = {}
-        self._by_argument: dict[tuple[str, int, str], list[Atom]] = {}
+        self._facts = FactIndex()
         self._needs: dict[str, list[tuple[Action, int]]] = {}
         for action in task.domain.actions:
             for place, atom in enumerate(action.pre):
@@ -71,20 +69,15 @@ class _Spread:
         while self._waiting:
             cost, atom = heapq.heappop(self._waiting)
             if atom not in self.settled:
-                self._settle(atom, cost)
+                self.settled[atom] = cost
+                self._facts.add(atom)
                 for action, place in self._needs.get(atom.predicate, ()):
                     self._apply(action, place, atom)
-
-    def _settle(self, atom: Atom, cost: float) -> None:
-        self.settled[atom] = cost
-        self._by_predicate.setdefault(atom.predicate, []).append(atom)
-        for place, argument in enumerate(atom.arguments):
-            self._by_argument.setdefault((atom.predicate, place, argument), []).append(atom)
 
     def _apply(self, action: Action, place: int, fact: Atom) -> None:
         """Queues the effects of an action whose last precondition has just been settled."""
         types = action.types
-        start = self._matched(action.pre[place], fact, {}, types)
+        start = unified(action.pre[place], fact, {}, types, self._fits)
         if start is None:
             return
         given = {argument for atom in action.add for argument in atom.arguments}
@@ -97,8 +90,8 @@ class _Spread:
                     self.offer(effect, cost + self.settled[fact] + own)
 
     def _joined(
-        self, atoms: Sequence[Atom], binding: Binding, types: Mapping[str, str], given: set[str]
-    ) -> Iterator[tuple[Binding, float]]:
+        self, atoms: Sequence[Atom], binding: dict[str, str], types: Mapping[str, str], given: set[str]
+    ) -> Iterator[tuple[dict[str, str], float]]:
         """Yields bindings that make the atoms settled facts, with their total cost.
 
         Variables not used afterwards, such as the place that is left, are bound to the cheapest value only.
@@ -106,37 +99,19 @@ class _Spread:
         if not atoms:
             yield binding, 0.0
             return
-        found = [self._candidates(atom, binding) for atom in atoms]
+        found = [self._facts.candidates(atom.bind(binding)) for atom in atoms]
         at = min(range(len(atoms)), key=lambda i: len(found[i]))
         rest = (*atoms[:at], *atoms[at + 1 :])
         asked = given.union(*(atom.arguments for atom in rest))
         matters = any(a.startswith("?") and a not in binding and a in asked for a in atoms[at].arguments)
         for fact in tuple(found[at]):
-            matched = self._matched(atoms[at], fact, binding, types)
+            matched = unified(atoms[at], fact, binding, types, self._fits)
             if matched is None:
                 continue
             for result, cost in self._joined(rest, matched, types, given):
                 yield result, cost + self.settled[fact]
             if not matters:
                 return
-
-    def _candidates(self, atom: Atom, binding: Binding) -> Sequence[Atom]:
-        """The smallest indexed set of settled facts that contains all matches of the atom."""
-        bound = [(at, binding.get(a, a)) for at, a in enumerate(atom.arguments)]
-        known = [(at, value) for at, value in bound if not value.startswith("?")]
-        if not known:
-            return self._by_predicate.get(atom.predicate, ())
-        return min((self._by_argument.get((atom.predicate, at, v), ()) for at, v in known), key=len)
-
-    def _matched(self, atom: Atom, fact: Atom, binding: Binding, types: Mapping[str, str]) -> Binding | None:
-        result = dict(binding)
-        for argument, value in zip(atom.arguments, fact.arguments, strict=True):
-            if not argument.startswith("?"):
-                if argument != value:
-                    return None
-            elif result.setdefault(argument, value) != value or not self._fits(value, types.get(argument, "")):
-                return None
-        return result
 
 
 def moved_by(action: Action, ontology: Ontology) -> tuple[tuple[str, str], ...]:

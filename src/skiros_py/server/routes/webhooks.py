@@ -58,7 +58,7 @@ def create_webhook(order: WebhookOrder, services: ServicesDep, response: Respons
     subscription = Subscription(
         f"wh_{secrets.token_hex(6)}", order.url, secret, order.states, order.jobs, order.description, True, time.time()
     )
-    services.webhooks.add(subscription, services.station.session.jobs.last_announcement)
+    services.webhooks.add(subscription, services.station.session.jobs.store.last_announcement)
     response.headers["Location"] = f"/api/v1/webhooks/{subscription.id}"
     return WebhookSecret(webhook=_shown(services, subscription), secret=secret)
 

@@ -130,7 +130,7 @@ class JobService(Service):
         if known is None and replaces:
             raise StaleVersion(f"there is no job '{id_}' (any more): leave out If-Match to order it")
         if known is None:
-            _check_removed(None if again else jobs.removed(id_), order)
+            _check_removed(None if again else jobs.store.removed(id_), order)
             wanted = job_order(order, id_, texts_of(order, self._station.template_store))
             submitted = jobs.submit(wanted, start=start, comment=_said(author, ""), again=again)
             return OrderResult(_view(submitted), repeated=False)
@@ -156,12 +156,12 @@ class JobService(Service):
     def _ordered_before(self, order: JobOrder, receipt: Receipt | None, *, again: bool) -> Known | None:
         """Returns the job that the same request, or the same order, has created before."""
         jobs = self._jobs
-        before = None if receipt is None else jobs.known(receipt)
+        before = None if receipt is None else jobs.store.known(receipt)
         if before is not None or order.id is None:
             return before
         known = jobs.jobs.get(order.id)
         if known is None:
-            _check_removed(None if again else jobs.removed(order.id), order)
+            _check_removed(None if again else jobs.store.removed(order.id), order)
         if known is not None and not is_same(order, known.order):
             raise _taken_already(known)
         if known is not None and receipt is not None:  # so that the key belongs to this order from now on
@@ -264,7 +264,7 @@ class JobService(Service):
         *,
         newest_first: bool,
     ) -> Page:
-        return self._jobs.page(
+        return self._jobs.store.page(
             states=[STATES[name] for name in states] if states else None,
             since=None if since is None else since.timestamp(),
             after=after,

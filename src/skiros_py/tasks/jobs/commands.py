@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from skiros_py.errors import StaleVersion, UnknownName, WrongState
@@ -11,29 +11,39 @@ from skiros_py.tasks.jobs.book import Guard, JobBook
 from skiros_py.tasks.jobs.conductor import Conductor
 from skiros_py.tasks.jobs.job import Intent, Job, JobState, Outcome, Transition, Trigger
 from skiros_py.tasks.jobs.run import ABORT, BY_HAND, WAITS, JobRun
-from skiros_py.tasks.jobs.store import Announcement, JobStore, Page, Receipt
+from skiros_py.tasks.jobs.store import JobStore
 
 
-class JobLookups:
-    """Answers questions about jobs.
+class JobCommands:
+    """Accepts commands; repeating a command that has already taken effect changes nothing. Answers questions.
+
+    Each command takes ``expects``: the :attr:`Job.version` the caller has seen, or None for any version. Each raises
+    UnknownName if there is no such job, StaleVersion if it has changed since, and WrongState if the command is not
+    allowed in the job's state.
 
     Args:
         book: The current jobs.
-        store: Where they are stored.
+        store: Where jobs are stored.
+        runtime: Where they run.
+        conductor: Runs them.
+        guard: Held while a job changes.
 
     Attributes:
-        store: Where they are stored; used to forward announcements.
+        store: Pages of jobs, removed jobs, known requests, and announcements to forward.
     """
 
-    def __init__(self, book: JobBook, store: JobStore) -> None:
+    def __init__(self, book: JobBook, store: JobStore, runtime: Runtime, conductor: Conductor, guard: Guard) -> None:
         self.store = store
         self._book = book
+        self._runtime = runtime
+        self._conductor = conductor
+        self._guard = guard
 
     @property
     def jobs(self) -> Mapping[str, Job]:
         """All jobs that were not removed, by id, in the order in which they were ordered; reads are slow.
 
-        Finished jobs are read from the file each time: use :meth:`page` to read many of them.
+        Finished jobs are read from the file each time: use :meth:`JobStore.page` to read many of them.
         """
         return self._book.jobs
 
@@ -52,38 +62,6 @@ class JobLookups:
         if found is None:
             raise UnknownName("job", job, self._book.open)
         return found
-
-    def removed(self, job: str) -> Job | None:
-        """Returns the last version, without details, of a job removed in the last days; None if there is none."""
-        return self.store.removed(job)
-
-    def page(
-        self,
-        *,
-        states: Collection[JobState] | None = None,
-        since: float | None = None,
-        after: int | None = None,
-        limit: int = 100,
-        newest_first: bool = False,
-    ) -> Page:
-        """Returns some of the jobs, open or over, in the order in which they were ordered, or back from the last one.
-
-        Args:
-            states: Those in these states only; None for all.
-            since: Those only that changed at that time or later [s since 1970]; None for all.
-            after: The :attr:`Page.next` of the page before, read in the same order; None for the first page.
-            limit: How many at most.
-            newest_first: True to go back from the last one.
-        """
-        return self.store.page(states=states, since=since, after=after, limit=limit, newest_first=newest_first)
-
-    def known(self, receipt: Receipt) -> Job | None:
-        """Returns the job that the same request led to before, removed or not; None if there was none.
-
-        Raises:
-            KeyReused: The key was used for another request.
-        """
-        return self.store.known(receipt)
 
     def intents(self, job: str) -> tuple[Intent, ...]:
         """Returns the steps that were started for a job, in order, and how they ended.
@@ -114,19 +92,6 @@ class JobLookups:
         """
         return self.store.trace(self.job(job).id, skip=skip, limit=limit)
 
-    def announcements(self, after: int, most: int) -> tuple[Announcement, ...]:
-        """Returns announcements to forward; see :meth:`JobStore.announcements`."""
-        return self.store.announcements(after, most)
-
-    @property
-    def last_announcement(self) -> int:
-        """Number of the last announcement, deleted or not; 0 before the first."""
-        return self.store.last_announcement
-
-    def forget_announcements(self, upto: int) -> None:
-        """Deletes delivered announcements; see :meth:`JobStore.forget_announcements`."""
-        self.store.forget_announcements(upto)
-
     def subscribe(self, listener: Callable[[Job], None]) -> Callable[[], None]:
         """Calls the listener with every new version of a job, in the writing thread; returns how to unsubscribe."""
         return self._book.subscribe(listener)
@@ -134,28 +99,6 @@ class JobLookups:
     def on_remove(self, listener: Callable[[Job], None]) -> Callable[[], None]:
         """Calls the listener with each job that is cancelled or cleared, in the thread that did it."""
         return self._book.on_remove(listener)
-
-
-class JobCommands(JobLookups):
-    """Accepts commands; repeating a command that has already taken effect changes nothing.
-
-    Each takes ``expects``: the :attr:`Job.version` the caller has seen, or None for any version. Each raises
-    UnknownName if there is no such job, StaleVersion if it has changed since, and WrongState if the command is not
-    allowed in the job's state.
-
-    Args:
-        book: The current jobs.
-        store: Where jobs are stored.
-        runtime: Where they run.
-        conductor: Runs them.
-        guard: Held while a job changes.
-    """
-
-    def __init__(self, book: JobBook, store: JobStore, runtime: Runtime, conductor: Conductor, guard: Guard) -> None:
-        super().__init__(book, store)
-        self._runtime = runtime
-        self._conductor = conductor
-        self._guard = guard
 
     # ------------------------------------------------------------------ before the start
 

@@ -131,11 +131,11 @@ class JobManager(JobCommands):
     def _known(self, order: JobOrder, receipt: Receipt | None, *, again: bool) -> Job | None:
         """Returns the job of a repeated order or request; None if both are new."""
         with self._guard.command():
-            if receipt is not None and (before := self.known(receipt)) is not None:
+            if receipt is not None and (before := self.store.known(receipt)) is not None:
                 return before
             known = self.jobs.get(order.id)
             if known is None:
-                _check_removed(order, None if again else self.removed(order.id))
+                _check_removed(order, None if again else self.store.removed(order.id))
                 return None
             if known.order != order:
                 raise WrongState(

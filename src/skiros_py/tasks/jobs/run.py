@@ -80,7 +80,7 @@ def _actual(now: Index, part: str, ends: tuple[str, str], said: MaterialActual |
 RETRY, BY_HAND, ABORT = "retry", "done by hand", "abort"
 """The user's options: continue from the current world model; the step was done by hand; give the job up."""
 
-CUT_OFF = "nobody knows: it was cut off, and planned anew"
+CUT_OFF = "unknown: it was cut off, and replanned"
 """Recorded outcome of a cut-off step once the user has reviewed it and resumed the job."""
 
 WAITS = "waits for its turn"
@@ -307,7 +307,7 @@ class JobRun:
         """Stores the trace periodically, and when the job is over."""
         if self._entries and (self._task.done or time.monotonic() - self._written > _BETWEEN_WRITES):
             entries, self._entries[:] = tuple(self._entries), ()
-            self._store.tell(self._task.name, [entry.as_json() for entry in entries])
+            self._store.add_trace(self._task.name, [entry.as_json() for entry in entries])
             self._written = time.monotonic()
 
     # ------------------------------------------------------------------ the end

@@ -6,7 +6,7 @@ import json
 import logging
 import sqlite3
 import threading
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -53,7 +53,7 @@ def keep_announcement(connection: sqlite3.Connection, job: Job, data: str, trigg
         connection: The file, in a transaction.
         job: The job.
         data: The job as JSON text.
-        trigger: What happened.
+        trigger: What led to it.
     """
     values = (job.changed, trigger, data if len(data) <= _LONGEST_GOAL else _brief(job).model_dump_json())
     number = connection.execute("INSERT INTO announcements (wall, trigger, data) VALUES (?, ?, ?)", values).lastrowid
@@ -87,26 +87,12 @@ class Receipt:
     key: str
     digest: str
 
-    def check(self, digest: str) -> None:
-        """Checks that this is the request stored under the key.
-
-        Raises:
-            KeyReused: It is another one.
-        """
-        if digest != self.digest:
-            raise KeyReused(f"the key '{self.key}' was used for another order: take a new key for each new order")
-
 
 def keep_receipt(connection: sqlite3.Connection, receipt: Receipt, job: str, wall: float) -> None:
     """Stores that a request led to a job and deletes old receipts."""
     connection.execute("DELETE FROM receipts WHERE wall < ?", (wall - KEPT,))
     values = (receipt.caller, receipt.key, receipt.digest, job, wall)
     connection.execute("INSERT INTO receipts (caller, key, digest, job, wall) VALUES (?, ?, ?, ?, ?)", values)
-
-
-def leave_receipts(connection: sqlite3.Connection, job: str, data: str) -> None:
-    """Stores the last version of a removed job with the receipts that led to it."""
-    connection.execute("UPDATE receipts SET last = ? WHERE job = ? AND last IS NULL", (data, job))
 
 
 _log = logging.getLogger(__name__)
@@ -253,11 +239,9 @@ class JobStore:
             values = (since, *values)
         sql = f"SELECT data, number FROM jobs WHERE {where} ORDER BY {order} LIMIT ?"  # noqa: S608
         rows = self._database.looked_up(sql, (*values, limit + 1), room=_ROOM)
-        return self._paged(rows[:limit], whole=len(rows) <= limit and _size(rows) < _ROOM)
-
-    def _paged(self, rows: Sequence[tuple[str, int]], *, whole: bool) -> Page:
-        jobs = tuple(self._job(data) for data, _ in rows)
-        return Page(jobs, None if whole else jobs[-1].number)
+        is_last = len(rows) <= limit and sum(len(data) for data, _ in rows) < _ROOM
+        jobs = tuple(self._job(data) for data, _ in rows[:limit])
+        return Page(jobs, None if is_last else jobs[-1].number)
 
     def add(self, job: Job, trigger: Trigger, comment: str = "", receipt: Receipt | None = None) -> Job:
         """Adds a new job and assigns it a new number.
@@ -306,7 +290,8 @@ class JobStore:
             connection.execute("UPDATE numbers SET version = max(version, ?)", (job.version,))
             for table in ("transitions", "intents", "trace"):
                 connection.execute(f"DELETE FROM {table} WHERE job = ?", (job.id,))  # noqa: S608 - internal names
-            leave_receipts(connection, job.id, data)
+            # the receipts that led to it keep its last version
+            connection.execute("UPDATE receipts SET last = ? WHERE job = ? AND last IS NULL", (data, job.id))
             keep_removal(connection, job)
             keep_announcement(connection, job, data, why)
 
@@ -325,7 +310,8 @@ class JobStore:
         if not rows:
             return None
         ((digest, data),) = rows
-        receipt.check(digest)
+        if digest != receipt.digest:
+            raise KeyReused(f"the key '{receipt.key}' was used for another order: take a new key for each new order")
         return self._job(data)
 
     def note(self, receipt: Receipt, job: Job, wall: float) -> None:
@@ -359,7 +345,7 @@ class JobStore:
         with self._database.transaction() as connection:
             connection.execute("DELETE FROM announcements WHERE number <= ?", (upto,))
 
-    # ------------------------------------------------------------------ what happened for a job
+    # ------------------------------------------------------------------ steps, state changes, trace
 
     def intend(self, job: str, skill: str, arguments: Mapping[str, str]) -> int:
         """Records that a step is about to start, and returns its number in the job."""
@@ -390,7 +376,7 @@ class JobStore:
         rows = self._database.looked_up("SELECT data FROM transitions WHERE job = ? ORDER BY rowid", (job,))
         return tuple(self._read(Transition.model_validate_json, data) for (data,) in rows)
 
-    def tell(self, job: str, entries: Iterable[Mapping[str, Any]]) -> None:
+    def add_trace(self, job: str, entries: Iterable[Mapping[str, Any]]) -> None:
         """Adds to a job's trace."""
         with self._database.transaction() as connection:
             connection.executemany("INSERT INTO trace VALUES (?, ?)", ((job, json.dumps(dict(e))) for e in entries))
@@ -423,10 +409,6 @@ class JobStore:
             first = error.errors()[0]
             where = ".".join(str(part) for part in first["loc"])
             raise FileError(self._path, f"a job in it cannot be read: {where}: {first['msg']}") from error
-
-
-def _size(rows: Iterable[tuple[str, int]]) -> int:
-    return sum(len(data) for data, _ in rows)
 
 
 def _write(connection: sqlite3.Connection, job: Job, trigger: Trigger | None, comment: str) -> None:

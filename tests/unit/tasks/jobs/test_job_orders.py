@@ -106,7 +106,7 @@ def test_the_same_request_again_is_the_same_job_whatever_id_was_made_for_it(jobs
     first = jobs.submit(order("made-1"), receipt=MES)
     assert jobs.submit(order("made-2"), receipt=MES) == first
     assert list(jobs.open) == ["made-1"]
-    assert jobs.known(MES) == first
+    assert jobs.store.known(MES) == first
 
 
 def test_a_key_that_is_used_for_another_request_is_refused(jobs):
@@ -125,14 +125,14 @@ def test_keys_of_different_callers_have_nothing_to_do_with_each_other(jobs):
 def test_a_request_that_was_refused_leaves_its_key_free(jobs):
     with pytest.raises(UnknownName):
         jobs.submit(order(goal="In(ball_77, slot_1)"), receipt=MES)
-    assert jobs.known(MES) is None
+    assert jobs.store.known(MES) is None
     assert jobs.submit(order(), receipt=MES).id == "a"
 
 
 def test_a_request_that_meets_a_job_that_is_there_is_known_from_then_on(jobs):
     first = jobs.submit(order())
     assert jobs.submit(order(), receipt=MES) == first
-    assert jobs.known(MES) == first
+    assert jobs.store.known(MES) == first
 
 
 def test_a_late_repeat_of_a_request_does_not_do_again_what_was_cleared(jobs, bench):
@@ -149,10 +149,10 @@ def test_receipts_go_after_a_day_and_not_before(bench, store):
     jobs.submit(order("a"), receipt=MES)
     now[0] = 24 * 3600.0
     jobs.submit(order("b"), receipt=Receipt("mes", "request-2", "digest"))
-    assert jobs.known(MES) is not None
+    assert jobs.store.known(MES) is not None
     now[0] += 1.0
     jobs.submit(order("c"), receipt=Receipt("mes", "request-3", "digest"))
-    assert jobs.known(MES) is None
+    assert jobs.store.known(MES) is None
 
 
 # ---------------------------------------------------------------------- too many
@@ -250,8 +250,8 @@ def test_an_order_that_comes_late_brings_no_removed_job_back_to_life(jobs, bench
     with pytest.raises(Removed, match="'a' was removed"):
         jobs.submit(last.order)
     assert not jobs.open
-    assert jobs.removed("a").state is last.state
-    assert jobs.removed("a").outcome is last.outcome
+    assert jobs.store.removed("a").state is last.state
+    assert jobs.store.removed("a").outcome is last.outcome
 
 
 def test_that_a_job_was_removed_is_known_over_restarts_and_for_a_week(tmp_path, bench):
@@ -281,7 +281,7 @@ def test_that_a_job_was_removed_is_known_over_restarts_and_for_a_week(tmp_path, 
 def test_what_is_over_is_found_and_not_kept_in_memory(jobs, bench):
     over = done(jobs, bench)
     assert not jobs.open
-    assert (jobs.job("a"), list(jobs.jobs.values()), jobs.page().jobs) == (over, [over], (over,))
+    assert (jobs.job("a"), list(jobs.jobs.values()), jobs.store.page().jobs) == (over, [over], (over,))
 
 
 def test_whoever_goes_through_the_open_jobs_is_not_disturbed_by_new_ones(jobs):

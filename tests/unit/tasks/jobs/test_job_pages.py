@@ -119,7 +119,7 @@ def test_pages_are_read_while_somebody_else_writes(store):
 
 
 def test_a_trace_is_read_piece_by_piece(store):
-    store.tell("a", [{"n": number} for number in range(7)])
+    store.add_trace("a", [{"n": number} for number in range(7)])
     assert [entry["n"] for entry in store.trace("a", skip=2, limit=3)] == [2, 3, 4]
     assert [entry["n"] for entry in store.trace("a", skip=5, limit=3)] == [5, 6]
     assert len(store.trace("a")) == 7

@@ -73,15 +73,15 @@ def test_settling_a_step_that_never_was_is_refused(store):
 def test_forgetting_a_job_forgets_all_of_it(store):
     store.keep(job(), Trigger.DISPATCH)
     store.intend("a", "pick", {})
-    store.tell("a", [{"text": "begun"}])
+    store.add_trace("a", [{"text": "begun"}])
     store.forget(job(), "cleared")
     assert (store.open(), store.transitions("a"), store.intents("a"), store.trace("a")) == ((), (), (), ())
 
 
 def test_a_trace_is_kept_in_its_order(store):
-    store.tell("a", [{"n": 1}, {"n": 2}])
-    store.tell("b", [{"n": 9}])
-    store.tell("a", [{"n": 3}])
+    store.add_trace("a", [{"n": 1}, {"n": 2}])
+    store.add_trace("b", [{"n": 9}])
+    store.add_trace("a", [{"n": 3}])
     assert [entry["n"] for entry in store.trace("a")] == [1, 2, 3]
 
 

@@ -101,7 +101,7 @@ def test_orders_from_many_threads_while_jobs_run_are_all_done_once(jobs, bench):
     while any(thread.is_alive() for thread in threads):
         bench.cycle.step()
     bench.until(lambda: not jobs.open)
-    begun = [told.job.id for told in jobs.announcements(0, 1000) if told.trigger == "dispatch"]
+    begun = [told.job.id for told in jobs.store.announcements(0, 1000) if told.trigger == "dispatch"]
     assert sorted(begun) == sorted({f"{thread}-{number}" for thread in range(4) for number in range(5)})
     assert {job.outcome for job in jobs.jobs.values()} == {Outcome.ALREADY_SATISFIED}
 
