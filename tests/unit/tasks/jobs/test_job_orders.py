@@ -272,7 +272,7 @@ def test_that_a_job_was_removed_is_known_over_restarts_and_for_a_week(tmp_path, 
         now[0] += 2 * 24 * 3600
         second.submit(order("b"), start=False)
         second.cancel("b")
-        assert second.removed("a") is None
+        assert second.store.removed("a") is None
 
 
 # ---------------------------------------------------------------------- what is over
