@@ -20,9 +20,10 @@ from skiros_py.planning.domain.literals import CAN, common_class
 from skiros_py.planning.domain.matching import FactIndex, unified
 from skiros_py.planning.domain.model import Action, Atom
 from skiros_py.planning.problem.task import PlanningTask
+from skiros_py.skills.surroundings import owner
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.view import WorldView
-from skiros_py.world.vocabulary import HAS_A, ROBOT
+from skiros_py.world.vocabulary import ROBOT
 
 USUAL = 10.0
 """Assumed duration of a skill with unknown duration [s]."""
@@ -208,11 +209,9 @@ def deal(view: WorldView, task: PlanningTask) -> PlanningTask:
         view: The world.
         task: Any task; a single-robot task is returned unchanged.
     """
-    robots = teams(view, task)
-    if len(robots) < 2:
+    dealt = _dealt(view, task)
+    if dealt is None:
         return task
-    dealt = _Dealing(view, task, robots)
-    dealt.run()
     owners = dict.fromkeys(dealt.surplus, frozenset[str]())
     owners |= {thing: share.agents for share in dealt.shares for thing in share.things}
     return _narrowed(view, task, owners) if owners else task
@@ -223,28 +222,26 @@ def shares(view: WorldView, task: PlanningTask) -> tuple[Share, ...]:
 
     Parts that only one robot can do go to that robot; parts that no robot can do alone are not restricted.
     """
-    robots = teams(view, task)
-    if len(robots) < 2:
-        return ()
-    dealt = _Dealing(view, task, robots)
-    dealt.run()
-    return dealt.shares
+    dealt = _dealt(view, task)
+    return () if dealt is None else dealt.shares
 
 
 def teams(view: WorldView, task: PlanningTask) -> dict[str, frozenset[str]]:
     """Returns the subsystems that have skills, by robot (by their own id if they belong to none)."""
     found: dict[str, set[str]] = {}
     for agent in sorted({agent for c in task.capabilities for agent in c.agents}):
-        wholes = _wholes(view, agent)
-        robot = next((w for w in wholes if view.ontology.is_a(view.element(w).type, ROBOT)), agent)
+        robot = (owner(view, agent) if view.has(agent) else None) or agent
         found.setdefault(robot, set()).add(agent)
     return {robot: frozenset(agents) for robot, agents in sorted(found.items())}
 
 
-def _wholes(view: WorldView, element: str) -> Iterator[str]:
-    yield element
-    for whole in view.subjects(HAS_A, element):
-        yield from _wholes(view, whole)
+def _dealt(view: WorldView, task: PlanningTask) -> _Dealing | None:
+    robots = teams(view, task)
+    if len(robots) < 2:
+        return None
+    dealt = _Dealing(view, task, robots)
+    dealt.run()
+    return dealt
 
 
 # ------------------------------------------------------------ deal out

@@ -198,14 +198,6 @@ class JobBook:
         """Records that a request led to an existing job."""
         self._store.note(receipt, job, self._clock())
 
-    def check(self, job: Job, trigger: Trigger) -> None:
-        """Checks that a trigger is allowed for a job.
-
-        Raises:
-            WrongState: It is not allowed in its state.
-        """
-        next_state(job.state, trigger)
-
     def move(self, job: Job, trigger: Trigger, comment: str = "", **changes: Any) -> Job:
         """Changes a job's state and related fields.
 

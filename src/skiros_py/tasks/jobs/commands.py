@@ -9,7 +9,7 @@ from skiros_py.errors import StaleVersion, UnknownName, WrongState
 from skiros_py.execution.runtime import Runtime
 from skiros_py.tasks.jobs.book import Guard, JobBook
 from skiros_py.tasks.jobs.conductor import Conductor
-from skiros_py.tasks.jobs.job import Intent, Job, JobState, Outcome, Transition, Trigger
+from skiros_py.tasks.jobs.job import Intent, Job, JobState, Outcome, Transition, Trigger, next_state
 from skiros_py.tasks.jobs.run import ABORT, BY_HAND, WAITS, JobRun
 from skiros_py.tasks.jobs.store import JobStore
 
@@ -30,27 +30,19 @@ class JobCommands:
 
     Attributes:
         store: Pages of jobs, removed jobs, known requests, and announcements to forward.
+        jobs: All jobs that were not removed, by id, in the order in which they were ordered. Finished jobs are read
+            from the file each time: use :meth:`JobStore.page` to read many of them.
+        open: The jobs that are not over, by id, in the same order.
     """
 
     def __init__(self, book: JobBook, store: JobStore, runtime: Runtime, conductor: Conductor, guard: Guard) -> None:
         self.store = store
+        self.jobs: Mapping[str, Job] = book.jobs
+        self.open: Mapping[str, Job] = book.open
         self._book = book
         self._runtime = runtime
         self._conductor = conductor
         self._guard = guard
-
-    @property
-    def jobs(self) -> Mapping[str, Job]:
-        """All jobs that were not removed, by id, in the order in which they were ordered; reads are slow.
-
-        Finished jobs are read from the file each time: use :meth:`JobStore.page` to read many of them.
-        """
-        return self._book.jobs
-
-    @property
-    def open(self) -> Mapping[str, Job]:
-        """The jobs that are not over, by id, in the order in which they were ordered."""
-        return self._book.open
 
     def job(self, job: str) -> Job:
         """Returns a job, open or over.
@@ -215,7 +207,7 @@ class JobCommands:
                 return now
             if run is None:
                 return self._book.move(now, trigger, comment, outcome=outcome, detail="", choices=(), question=None)
-            self._book.check(now, trigger)
+            next_state(now.state, trigger)  # raises if it is not allowed
             run.end_as(trigger, outcome, comment)
             self._conductor.wish(job, JobRun.stop)
             return self._book.change(now.but(detail=f"is being {outcome.value}"))
