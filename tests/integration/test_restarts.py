@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from skiros_py.geometry import Pose
-from skiros_py.skills.surroundings import respawn
+from skiros_py.skills.restart import respawn
 from skiros_py.station.session import Options, Session
 from skiros_py.world.change import Writer
 
@@ -85,3 +85,40 @@ def test_where_a_restart_would_fail_nothing_is_believed_otherwise(tmp_path: Path
         with pytest.raises(DescriptionError, match="no room"):
             respawn(directory.world, directory.journal, refuse)
         assert directory.world.version == before
+
+
+SCENE = """
+@prefix scene: <https://w3id.org/skiros-py/scene#> .
+@prefix sk: <https://w3id.org/skiros-py/core#> .
+@prefix owl: <http://www.w3.org/2002/07/owl#> .
+<https://example.org/scenes/restart> a owl:Ontology ; owl:imports <https://w3id.org/skiros-py/core> .
+scene:this a sk:Scene . scene:floor a sk:Floor . scene:unknown_location a sk:UnknownLocation .
+scene:dock a sk:Container ; sk:on scene:floor . scene:store a sk:Container ; sk:on scene:floor .
+scene:robot_1 a sk:Robot ; sk:model "tiny" ; sk:at scene:store ; sk:hasA scene:{part} . scene:{part} a sk:{kind} .
+"""
+
+
+@pytest.mark.parametrize(
+    ("part", "kind", "start", "place"),
+    [
+        ("base_1", "Base", "", "unknown_location"),
+        ("base_1", "Base", "scene:robot_1 sk:startLocation scene:dock .", "dock"),
+        ("arm_1", "Arm", "", "store"),
+        ("arm_1", "Arm", "scene:robot_1 sk:startLocation scene:store .", "store"),
+    ],
+)
+def test_after_a_restart_a_base_is_where_it_starts_and_a_robot_without_one_stays(
+    tmp_path: Path, part: str, kind: str, start: str, place: str
+) -> None:
+    from skiros_py.station.worlds import open_data
+
+    scene = tmp_path / "restart.ttl"
+    scene.write_text(SCENE.format(part=part, kind=kind) + start, encoding="utf-8")
+    with open_data(tmp_path / "data", str(scene)) as directory:
+        respawn(directory.world, directory.journal)
+        placement = directory.world.placement("robot_1")
+        changes = [change.reason for change in directory.world.changes if change.author == "simulation"]
+
+    assert placement is not None
+    assert placement.place == place
+    assert changes == (["restarts"] if place != "store" else [])

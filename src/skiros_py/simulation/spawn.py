@@ -92,7 +92,7 @@ def _place(spec: CellSpec, poses: Mapping[str, Pose], bodies: Sequence[BodySpec]
 def _arrange(
     place: BodySpec, bodies: Sequence[BodySpec], standing: Sequence[Pose], rng: np.random.Generator
 ) -> dict[str, Pose]:
-    """Draws poses in the place's frame; starts anew when the first ones leave no room for the last."""
+    """Draws poses in the place's frame; starts over when the first ones leave no room for the last."""
     for _ in range(_ARRANGEMENTS if len(bodies) <= _most(place) else 0):
         drawn: dict[str, Pose] = {}
         for body in bodies:

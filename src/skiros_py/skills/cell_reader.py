@@ -83,6 +83,13 @@ def read_body(view: WorldView, element: str) -> BodySpec | None:
     return _body(view, element) if spatial and _is_body(view, element) and not _is_lost(view, element) else None
 
 
+def has_base(view: WorldView, robot: str) -> bool:
+    """Returns True when one of a robot's devices moves it through the map."""
+    kinds = load_device_kinds()[0]
+    found = (_kind(view, piece, kinds) for piece in _structure(view, robot))
+    return any(kind is not None and issubclass(kind, MobileSpec) for kind in found)
+
+
 def _bodies(view: WorldView, element: str, *, simulated: bool) -> list[BodySpec]:
     """Returns the bodies of one element: several where it is a stock, none where it has no shape or is not there."""
     if view.ontology.is_a(view.element(element).type, v.STOCK):

@@ -27,7 +27,7 @@ from skiros_py.ports.driver import CompositeDriver
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.outcome import Outcome
-from skiros_py.skills.surroundings import respawn
+from skiros_py.skills.restart import respawn
 from skiros_py.station.adapters import start_cell, start_planning, start_ports
 from skiros_py.station.worlds import load_world, open_directory, warn
 from skiros_py.tasks.goals import parse_goal

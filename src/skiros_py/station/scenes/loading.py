@@ -10,7 +10,7 @@ from pathlib import Path
 from skiros_py.config import ontology_paths
 from skiros_py.errors import DescriptionError, DeviceError, FileError, UsageError, WrongState
 from skiros_py.skills.cell_reader import read_cell
-from skiros_py.skills.surroundings import respawn
+from skiros_py.skills.restart import respawn
 from skiros_py.station.control import ControlThread
 from skiros_py.station.scenes.scenes import SceneFile, changes_to, scene_only
 from skiros_py.station.session import Session
