@@ -36,17 +36,17 @@ class _Edit:
         return (self.element,)  # type: ignore[attr-defined]  # edits of other things override this
 
     def concerns(self) -> tuple[str, ...]:
-        """Returns the elements that it changes or where it puts them."""
+        """Returns the elements that it changes, and their places."""
         return self.marks()
 
     def inverse(self) -> Self:
-        """Returns the edit that takes it back."""
+        """Returns the edit that reverts it."""
         return replace(self, old=self.new, new=self.old)  # type: ignore[type-var,attr-defined]
 
 
 @dataclass(frozen=True, slots=True)
 class ElementEdit(_Edit):
-    """An element came (``old`` is None, ``new`` has its first properties) or went (``new`` is None)."""
+    """An element was added (``old`` is None, ``new`` has its first properties) or removed (``new`` is None)."""
 
     element: str
     old: Element | None
@@ -66,7 +66,7 @@ class PlacementEdit(_Edit):
     new: Placement | None
 
     def concerns(self) -> tuple[str, ...]:
-        """Returns the elements that it changes or where it puts them."""
+        """Returns the elements that it changes, and their places."""
         return (self.element, *(placement.place for placement in (self.old, self.new) if placement))
 
     def as_json(self) -> _Json:
@@ -76,7 +76,7 @@ class PlacementEdit(_Edit):
 
 @dataclass(frozen=True, slots=True)
 class RelationEdit(_Edit):
-    """A relation (of any family but placement) came to hold or ceased to."""
+    """A relation (of any family except placement) was added or removed."""
 
     subject: str
     relation: str
@@ -111,7 +111,7 @@ class PropertyEdit(_Edit):
 
 @dataclass(frozen=True, slots=True)
 class GoalsEdit(_Edit):
-    """The goals that go with the scene became others (texts, sorted)."""
+    """The goals stored with the scene changed (texts, sorted)."""
 
     old: tuple[str, ...]
     new: tuple[str, ...]
@@ -167,7 +167,7 @@ class Change:
         time: When [s, simulated].
         edits: The net edits, in an order in which they can be reapplied.
         writer: The kind of author.
-        undoes: Number of the change that this one took back, or None.
+        undoes: Number of the change that this one reverts, or None.
     """
 
     number: int

@@ -33,7 +33,7 @@ def number_problems(view: Index, element_id: str) -> Iterator[str]:
 
 
 def guest_problems(view: Index, place: str) -> Iterator[str]:
-    """Yields a sentence for each relation by which too much or too little is placed at an element."""
+    """Yields a sentence for each cardinality that the elements placed at an element violate."""
     for number in _guest_numbers(view.ontology, view.element(place).type):
         yield from _number_problem(view, place, number)
 
@@ -54,7 +54,7 @@ def _said(view: Index, element_id: str, number: Cardinality) -> str:
 
 
 def _counted(view: Index, element_id: str, number: Cardinality) -> tuple[str, ...]:
-    """What the element has; of a property, whose values have no name, "" for each."""
+    """The objects of a relation; for a property, "" for its value."""
     ontology = view.ontology
     if number.relation in ontology.properties:
         return () if view.value(element_id, number.relation) is None else ("",)
@@ -66,7 +66,7 @@ def _counted(view: Index, element_id: str, number: Cardinality) -> tuple[str, ..
 
 @lru_cache(maxsize=4096)
 def _numbers(ontology: Ontology, class_: str) -> tuple[Cardinality, ...]:
-    """What is held against individuals of a class; computed relations are not stored and so not counted."""
+    """The cardinalities for individuals of a class; computed relations are not stored and so not counted."""
     said = {number for number in ontology.cardinalities(class_) if _is_counted(ontology, number.relation)}
     one = {
         Cardinality(relation.curie, 0, 1, None)
@@ -80,7 +80,7 @@ def _numbers(ontology: Ontology, class_: str) -> tuple[Cardinality, ...]:
 
 @lru_cache(maxsize=4096)
 def _guest_numbers(ontology: Ontology, class_: str) -> tuple[Cardinality, ...]:
-    """Those of placements whose subject is the place: what comes and goes there is counted."""
+    """The cardinalities of placements whose subject is the place."""
     relations = ontology.relations
     return tuple(
         number
@@ -176,7 +176,7 @@ def relation_problem(view: Index, subject: str, relation: str, object_: str) -> 
 
 
 def checked_value(view: Index, element_id: str, property_: str, value: Value | None) -> Value | None:
-    """Returns the value in the form in which an existing element bears it; None stays None.
+    """Returns a checked value in the form in which elements store it; None stays None.
 
     Raises:
         ValueError: The element cannot have it; the text says why.
@@ -206,12 +206,12 @@ def checked_value(view: Index, element_id: str, property_: str, value: Value | N
 
 
 def state_problems(view: Index, touched: Iterable[str], places: Iterable[str] = ()) -> Iterator[tuple[str, str]]:
-    """Yields (element, what is wrong with it) for what a transaction touched.
+    """Yields (element, problem) for the elements that a transaction touched.
 
     Args:
-        view: The state that the transaction leads to.
-        touched: Elements that were written to, there or not.
-        places: Elements that something came to or went from.
+        view: The state after the transaction.
+        touched: Elements that were written to, existing or not.
+        places: Elements where something was placed or removed.
     """
     present = sorted(name for name in touched if view.has(name))
     for element_id in present:
@@ -290,7 +290,7 @@ def _cycles(names: list[str], parents: Callable[[str], tuple[str, ...]], says: s
 
 
 def _climb(start: str, parents: Callable[[str], tuple[str, ...]], safe: set[str]) -> list[str]:
-    """The first cycle met on the ways up from an element, or nothing; what was climbed is safe afterwards."""
+    """The first cycle on the paths up from an element, or nothing; visited elements are added to ``safe``."""
     path: dict[str, Iterator[str]] = {}
     name: str | None = start
     while name is not None or path:

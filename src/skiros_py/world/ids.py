@@ -1,4 +1,4 @@
-"""Ids of elements: which were given, and persistent sorted sets of them."""
+"""Ids of elements: those already used, and persistent sorted sets of ids."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ _LONGEST_STEM = 160
 def is_valid_id(element_id: str) -> bool:
     """Returns True for at most 200 letters, digits and underscores that do not begin with a digit.
 
-    What is learned has the prefix ``learned:`` before that.
+    Ids of learned concepts have the prefix ``learned:`` before that.
     """
     return isinstance(element_id, str) and _ID.fullmatch(element_id) is not None
 
 
 class Ids:
-    """Which ids were ever given. A transaction keeps a book of its own beside it."""
+    """All ids ever used. A transaction has a set of its own on top of it."""
 
     def __init__(self, before: Ids | None = None) -> None:
         self._before = before
@@ -31,18 +31,18 @@ class Ids:
         self._last: dict[str, int] = {}
 
     def used(self, element_id: str) -> bool:
-        """Returns True when the id was ever given."""
+        """Returns True if the id was ever used."""
         return element_id in self._used or (self._before is not None and self._before.used(element_id))
 
     def claim(self, element_id: str) -> None:
-        """Notes that the id is given."""
+        """Marks an id as used."""
         self._used.add(element_id)
         numbered = _NUMBERED.fullmatch(element_id)
         if numbered:
             self._raise(numbered[1], int(numbered[2]))
 
     def next(self, class_: str, *, learned: bool = False) -> str:
-        """Gives the next id for an element of a class: ``kitting:RelayBox`` -> ``relay_box_1``."""
+        """Returns the next id for an element of a class: ``kitting:RelayBox`` -> ``relay_box_1``."""
         stem = ("learned:" if learned else "") + _stem(class_)
         number = self.highest(stem) + 1
         while self.used(f"{stem}_{number}"):  # assigned manually, beyond the counter
@@ -51,7 +51,7 @@ class Ids:
         return f"{stem}_{number}"
 
     def highest(self, stem: str) -> int:
-        """Returns the highest number ever given after a stem ("relay_box"), or 0."""
+        """Returns the highest number ever used after a stem ("relay_box"), or 0."""
         before = self._before.highest(stem) if self._before is not None else 0
         return max(before, self._last.get(stem, 0))
 
@@ -70,18 +70,18 @@ def _stem(class_: str) -> str:
 
 
 _FEW = 32
-"""Up to so many ids are kept as one sorted tuple."""
+"""Maximum number of ids in a single sorted tuple."""
 _BLOCK = 256
-"""Up to so many ids stand in one block of a larger set."""
+"""Maximum number of ids in a block of a larger set."""
 
 _Ids = tuple[str, ...]
 
 
 class IdSet:
-    """A set of ids that never changes; :meth:`ids` gives them sorted, :meth:`some` the first ones only.
+    """An immutable sorted set of ids.
 
-    Few ids are a sorted tuple. Many are sorted blocks, of which two sets that differ in one id share all but one: an id
-    more or less costs one block and the list of blocks, and nothing is ever sorted again.
+    A small set is a sorted tuple. A large one consists of sorted blocks, of which two sets that differ in one id share
+    all but one: adding or removing an id copies one block and the list of blocks, and nothing is sorted again.
     """
 
     __slots__ = ("_blocks", "_ids", "_size")
@@ -98,7 +98,7 @@ class IdSet:
         return self._ids
 
     def some(self, limit: int, after: str = "") -> _Ids:
-        """Returns the first ids that come after a text, sorted, at most so many; costs nothing for the others."""
+        """Returns the first ids that sort after a text, at most ``limit``, without reading the others."""
         if self._ids is not None:
             start = bisect_right(self._ids, after)
             return self._ids[start : start + limit]
@@ -118,7 +118,7 @@ class IdSet:
         return self._size
 
     def with_(self, name: str) -> IdSet:
-        """Returns the set with one id more."""
+        """Returns the set with an id added."""
         if name in self:
             return self
         if not self._blocks:
@@ -131,7 +131,7 @@ class IdSet:
         return IdSet(None, (*self._blocks[:at], *parts, *self._blocks[at + 1 :]), self._size + 1)
 
     def without(self, name: str) -> IdSet:
-        """Returns the set with one id less."""
+        """Returns the set with an id removed."""
         if name not in self:
             return self
         if self._size <= _FEW + 1:
@@ -142,7 +142,7 @@ class IdSet:
         return IdSet(None, (*self._blocks[:at], *parts, *self._blocks[at + 1 :]), self._size - 1)
 
     def _block_of(self, name: str) -> int:
-        """The index of the block in which an id stands or would stand."""
+        """The index of the block in which an id is or would be."""
         return max(0, bisect_right(self._blocks, name, key=_first) - 1)
 
 

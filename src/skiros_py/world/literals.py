@@ -14,7 +14,7 @@ from skiros_py.geometry import Pose, wrap_angle
 from skiros_py.world.element import Value
 
 LONGEST_TEXT = 64 * 1024
-"""Characters that one literal may have: what is longer belongs into a file of its own."""
+"""Maximum length of a literal: longer texts belong into files of their own."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,11 +22,11 @@ class Datatype:
     """One kind of value that a property may have.
 
     Attributes:
-        says: What a value looks like, for messages.
+        says: Description of its values, for messages.
         accepts: CURIEs of the literal types that it is read from.
-        check: Returns the value in its own form, or raises ValueError where it is none.
+        check: Returns a value in normal form, or raises ValueError.
         parse: Reads the text of a literal.
-        format: Writes it; numbers are the same after reading again, poses to 1e-9.
+        format: Returns its text; reading it gives equal numbers, and poses equal to 1e-9.
     """
 
     says: str
@@ -36,7 +36,7 @@ class Datatype:
     format: Callable[[Value], str]
 
     def fits(self, value: object) -> bool:
-        """Returns whether it is such a value."""
+        """Returns whether a value is valid."""
         try:
             self.check(value)
         except ValueError:

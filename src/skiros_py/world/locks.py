@@ -11,12 +11,12 @@ from dataclasses import dataclass
 from skiros_py.errors import Locked, UsageError
 
 _LONGEST = 24 * 3600.0
-"""Maximum lock duration [s]: its owner may have left."""
+"""Maximum duration of a lock [s], since its owner may have left."""
 
 
 @dataclass(frozen=True, slots=True)
 class Lock:
-    """The right of one person or job to edit an element alone.
+    """The exclusive right of one person or job to edit an element.
 
     Attributes:
         element: Id of the element.
@@ -42,9 +42,9 @@ class Locks:
     Locking a thing also locks its parts: the world checks parts and wholes.
 
     Args:
-        clock: Gives the time [s]; must never go back.
+        clock: Returns the time [s]; must be monotonic.
         known: Returns whether there is an element with an id.
-        related: Gives what some elements are pieces of, and their own pieces, over all levels.
+        related: Returns the wholes and parts of elements, on all levels.
     """
 
     def __init__(
@@ -98,7 +98,7 @@ class Locks:
                     del self._locks[name]
 
     def now(self) -> float:
-        """Returns the time by which locks end [s, the locks' clock]."""
+        """Returns the time of the locks' clock [s]."""
         return self._clock()
 
     def held(self) -> tuple[Lock, ...]:
@@ -108,11 +108,11 @@ class Locks:
             return tuple(self._locks[name] for name in sorted(self._locks))
 
     def unchanged(self) -> AbstractContextManager[bool]:
-        """Keeps all locks as they are while its 'with' block runs."""
+        """Prevents changes of locks during its 'with' block."""
         return self._guard
 
     def fault(self, elements: Iterable[str], owner: str) -> Locked | None:
-        """Returns the fault of an edit of elements that another owner has locked; None if there is none."""
+        """Returns the error of an edit of elements that another owner has locked, or None."""
         if not self._locks:
             return None
         with self._guard:

@@ -73,29 +73,29 @@ DROP VIEW edits;
 """
 
 SCHEMA = Schema("journal", "the journal of a world", 0x736B696A, (_CHANGES, _MARKS))
-"""Such a file is marked "skij"."""
+"""The schema; its files have the application id "skij"."""
 
 
 # ---------------------------------------------------------------- JSON
 
 
 LONGEST_PART = 1000
-"""Edits in one text: a scene of 100,000 elements is read and written piece by piece.
+"""Number of edits in one text: a scene of 100,000 elements is read and written in pieces.
 
-Files count on it: of the texts of a change all but the last have so many.
+Part of the file format: all texts of a change except the last have that many.
 """
 
 _Json = Mapping[str, Any]
 
 
 def parts(edits: Sequence[Edit]) -> Iterator[Sequence[Edit]]:
-    """Yields the edits in pieces of bearable length; an empty one where there are none."""
+    """Yields the edits in pieces; one empty piece if there are none."""
     for first in range(0, max(len(edits), 1), LONGEST_PART):
         yield edits[first : first + LONGEST_PART]
 
 
 def encode_change(change: Change) -> list[str]:
-    """Returns the texts that say a change: the first all but the edits that are too many for one text."""
+    """Returns the texts of a change: the first has everything except the edits beyond the first piece."""
     first, *others = parts(change.edits)
     return [_dump(replace(change, edits=tuple(first)).as_json()), *(encode_edits(part) for part in others)]
 
@@ -187,7 +187,7 @@ _EDITS: Mapping[str, Callable[[_Json], Edit]] = {
     "goals": lambda data: GoalsEdit(tuple(data["old"]), tuple(data["new"])),
     "source": lambda data: SourceEdit(SceneSource(*data["old"]), SceneSource(*data["new"])),
 }
-"""What reads each kind of edit."""
+"""Decoders by kind of edit."""
 
 
 # ---------------------------------------------------------------- tables
@@ -203,7 +203,7 @@ _AT_ONCE = 500
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """A change as the journal remembers it.
+    """A change as stored in the journal.
 
     Attributes:
         change: The change.
@@ -216,12 +216,12 @@ class Entry:
 
 @dataclass(frozen=True, slots=True)
 class Head:
-    """The beginning of a change: all of it but the edits after the first thousand.
+    """The head of a change: everything except the edits after the first thousand.
 
     Attributes:
         change: The change, with its first edits only.
         wall: When it was written [s since 1970, UTC].
-        edits: How many edits it has.
+        edits: Number of its edits.
     """
 
     change: Change
@@ -230,7 +230,7 @@ class Head:
 
 
 def insert(connection: sqlite3.Connection, change: Change, wall: float) -> None:
-    """Writes a change, which elements it is about, and which ids it gave."""
+    """Writes a change, the elements that it marks, and the ids that it used."""
     first, *more = encode_change(change)
     number = change.number
     row = (number, wall, change.writer.value, change.undoes, len(more), first)
@@ -246,13 +246,13 @@ def insert(connection: sqlite3.Connection, change: Change, wall: float) -> None:
 
 
 def delete(connection: sqlite3.Connection, condition: str, number: int) -> None:
-    """Deletes the changes whose number meets a condition (``number > ?``); ids stay given."""
+    """Deletes the changes whose number meets a condition (``number > ?``); their ids are still not reused."""
     for table in ("changes", "more_edits", "marks"):
         connection.execute(f"DELETE FROM {table} WHERE {condition}", (number,))  # noqa: S608  all ours
 
 
 def select(database: Database, condition: str, values: Sequence[object] = ()) -> list[Entry]:
-    """Reads the changes for which a condition holds (SQL after WHERE).
+    """Reads the changes that meet a condition (SQL after WHERE).
 
     Raises:
         FileError: The file cannot be read, or a change cannot be understood.
@@ -262,7 +262,7 @@ def select(database: Database, condition: str, values: Sequence[object] = ()) ->
 
 
 def select_after(database: Database, version: int) -> Iterator[Entry]:
-    """Reads all changes after a version, in order, some at a time.
+    """Reads all changes after a version, in order, in pages.
 
     Raises:
         FileError: The file cannot be read, or a change is missing or cannot be understood.
@@ -279,7 +279,7 @@ def select_after(database: Database, version: int) -> Iterator[Entry]:
 
 
 def select_heads(database: Database, condition: str, values: Sequence[object] = ()) -> list[Head]:
-    """Reads the beginnings of the changes for which a condition holds (SQL after WHERE), in one query.
+    """Reads the heads of the changes that meet a condition (SQL after WHERE), in one query.
 
     So writers wait only for the query, not until all rows are decoded.
 
@@ -296,13 +296,13 @@ def _head(database: Database, number: int, wall: float, more: int, data: str, la
 
 
 def select_edits(database: Database, number: int, start: int, most: int) -> list[Edit]:
-    """Reads some edits of a change, from the first beyond a thousand on; the others are in its head.
+    """Reads some edits of a change after the first thousand, which are in its head.
 
     Args:
         database: The journal.
         number: Number of the change.
         start: The first edit to read, from :data:`~skiros_py.world.journal.records.LONGEST_PART` on.
-        most: How many of them at most.
+        most: Maximum number of edits.
 
     Raises:
         FileError: The file cannot be read.
