@@ -11,80 +11,80 @@ from skiros_py.api.wire import Answer, Page, Request
 
 
 class Severity(enum.StrEnum):
-    """How soon somebody has to look."""
+    """How urgent the alarm is."""
 
     CRITICAL = "critical"
-    """At once: nothing works any more."""
+    """Immediate: nothing works."""
     HIGH = "high"
-    """Soon: something stands until somebody comes."""
+    """Soon: something is stopped until a person responds."""
     MEDIUM = "medium"
-    """Today: something does not work as it should, the rest goes on."""
+    """Today: something does not work properly, everything else continues."""
     LOW = "low"
-    """A warning: good to know."""
+    """A warning."""
 
 
 class AlarmKind(enum.StrEnum):
-    """What an alarm is about."""
+    """The subject of an alarm."""
 
     HALTED = "halted"
-    """Everything was halted: by somebody, by the watchdog, by a module."""
+    """Everything was halted: by a person, the watchdog or a module."""
     STATION = "station"
-    """The control cycle broke: there is no station until it is reopened."""
+    """The control cycle failed: the station is closed until it is reopened."""
     CYCLE = "cycle"
-    """Something holds the control cycle, and does not come back."""
+    """A call blocks the control cycle and does not return."""
     MANAGER = "manager"
     """A skill manager is lost."""
     MODULE = "module"
-    """A module is broken: a mistake in somebody's code."""
+    """A module is faulty: an error in its code."""
     TASK = "task"
-    """A task ended with a fault, such as a planner that broke."""
+    """A task ended with a fault, for example of a planner."""
     QUESTION = "question"
-    """A robot asks a person."""
+    """A robot asks a question."""
     JOB = "job"
-    """A job is held, and waits for an answer."""
+    """A job is held and waits for an answer."""
     PLUGIN = "plug-in"
     """A plug-in does not load, or its signal provider was switched off or left out."""
     STALE = "stale"
-    """Something was changed so that only a reset of the simulation, or a new start, brings it about."""
+    """A change takes effect only after a reset of the simulation, or a restart."""
     WEBHOOK = "webhook"
-    """Something could not be delivered to another system."""
+    """A message could not be delivered to another system."""
 
 
 class AlarmInfo(Answer):
     """One alarm."""
 
     id: str = Field(examples=["1f2e3d4c-7"])
-    """Names this alarm, and never another one."""
+    """Its unique id."""
     kind: AlarmKind = Field(examples=["job"])
-    """What it is about."""
+    """Its kind."""
     severity: Severity = Field(examples=["high"])
-    """How soon somebody has to look."""
+    """How urgent the alarm is."""
     text: str = Field(examples=["job kit-17 is held: the program ended between two steps: look, then answer"])
-    """What there is, in the operator's words."""
+    """Description for the operator."""
     source: str = Field(examples=["kit-17"])
-    """What it comes from: a subsystem, a module, a job, …."""
+    """Its source: a subsystem, a module, a job, …."""
     active: bool = Field(examples=[True])
-    """Whether its reason is there."""
+    """Whether its cause persists."""
     state: str = Field(examples=["unacknowledged"])
-    """After ISA-18.2: unacknowledged or acknowledged while it is active; returned (it went before anybody acknowledged
-    it) or normal afterwards.
+    """State of ISA-18.2: unacknowledged or acknowledged while it is active; afterwards returned (if it was not
+    acknowledged) or normal.
     """
     lasts: bool = Field(examples=[True])
-    """True: it goes by itself when its reason does. False: it is over when somebody acknowledges it."""
+    """True: it ends when its cause does. False: it ends when it is acknowledged."""
     since: datetime = Field(examples=["2026-11-20T09:30:00Z"])
-    """When it came."""
+    """When it was raised."""
     until: datetime | None = Field(default=None, examples=[None])
-    """When it went; null while it is active."""
+    """When it ended; null while it is active."""
     acknowledged: datetime | None = Field(default=None, examples=[None])
-    """When it was acknowledged; null before."""
+    """When it was acknowledged; null if it was not."""
     by: str = Field(default="", examples=[""])
     """Who acknowledged it."""
     choices: tuple[str, ...] = Field(default=(), examples=[["retry", "abort"]])
-    """The answers that it waits for; empty for none."""
+    """The possible answers; empty if it needs none."""
     job: str = Field(default="", examples=["kit-17"])
-    """Id of the job that waits; empty where none does."""
+    """Id of the waiting job; empty if there is none."""
     question: int | None = Field(default=None, examples=[None])
-    """Number of the question that a robot asks; null where none does."""
+    """Number of the robot's question; null if there is none."""
 
 
 AlarmPage = Page[AlarmInfo]
@@ -92,33 +92,33 @@ AlarmPage = Page[AlarmInfo]
 
 
 class AlarmAnswer(Request):
-    """What a person answers."""
+    """An answer by a person."""
 
     answer: str = Field(max_length=200, examples=["retry"])
     """One of the alarm's choices."""
     question: int | None = Field(default=None, examples=[None])
-    """The alarm's `question` that was seen: if it asks something else by now, the answer is refused."""
+    """The alarm's `question` that was seen; if it asks another one by now, the answer is refused."""
 
 
 class StopRequest(Request):
-    """Why everything shall stop; may be left out."""
+    """The reason for a stop; optional."""
 
     reason: str = Field(default="", max_length=1000, examples=["a person is in the cell"])
-    """Why, for a person."""
+    """Reason, for people."""
 
 
 class StopInfo(Answer):
     """Whether everything is halted."""
 
     halted: bool = Field(examples=[True])
-    """Whether nothing may move until somebody resets it."""
+    """Whether nothing may move until a reset."""
     why: str = Field(default="", examples=["a person is in the cell"])
-    """Why; empty where nothing is."""
+    """Reason; empty if nothing is halted."""
     by: str = Field(default="", examples=["panel at the door"])
-    """Who wanted it; empty where it was the watchdog or a module."""
+    """Who requested it; empty for the watchdog or a module."""
     since: datetime | None = Field(default=None, examples=["2026-11-20T09:30:00.125Z"])
-    """Since when; null while nothing is halted."""
+    """Since when; null if nothing is halted."""
     standing: bool | None = Field(examples=[True])
-    """Whether all arms and bases stand; null if unknown: the control thread does not run."""
+    """Whether all devices stand still; null if unknown, because the control thread does not run."""
     obeyed: bool = Field(examples=[True])
-    """Whether the control thread has come round since. If not, do not rely on it: press the button of the machine."""
+    """Whether the control thread has executed it. If not, do not rely on it: use the emergency stop of the machine."""

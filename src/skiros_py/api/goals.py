@@ -37,19 +37,19 @@ class Material(Request):
     definition: str = Field(default="", max_length=200, examples=["ST-4"])
     """Number of the material (ISA-95: material definition)."""
     lot: str = Field(default="", max_length=200)
-    """The lot that it shall be of, for the record."""
+    """Required lot, for the record."""
     quantity: Annotated[int, Field(ge=1, le=1000)] | Amount = Field(default=1, examples=[1, "0.25"])
     """How many pieces; or, with units, a decimal number as text ("0.25")."""
     units: str = Field(default="", max_length=40)
     """Units of the quantity; empty for pieces."""
     id: str = Field(default="", max_length=200)
-    """The very piece that is meant; empty for any."""
+    """Id of a specific piece; empty for any."""
     location: str = Field(default="", max_length=200, examples=["kit_1_a"])
-    """Where it shall be."""
+    """Where it is to be used."""
     use: str = Field(default="", max_length=200)
-    """What it is for (ISA-95: material use)."""
+    """Its use (ISA-95: material use)."""
     properties: dict[Name, PropertyText] = Field(default_factory=dict, max_length=20)
-    """What else is known of it, for the record."""
+    """Further properties, for the record."""
 
     @model_validator(mode="before")
     @classmethod
@@ -72,7 +72,7 @@ class Material(Request):
 
 
 class GoalOrder(Request):
-    """What is wanted: a goal, or a template by name. Exactly one of the two."""
+    """A goal, or the name of a goal template: exactly one of the two."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [{"goal": one} for one in _GOALS]})
 
@@ -83,7 +83,7 @@ class GoalOrder(Request):
     parameters: dict[Name, Name] = Field(default_factory=dict, max_length=100)
     """Values of the template's parameters."""
     materials: tuple[Material, ...] = Field(default=(), max_length=1000)
-    """The material that it is about."""
+    """The required material."""
 
     @model_validator(mode="after")
     def _one_of_both(self) -> Self:
@@ -104,82 +104,82 @@ class CheckedCondition(Answer):
     holds: bool
     """Whether it is believed to hold now."""
     why: str = Field(examples=["no Starter makes it true for kit_1"])
-    """What decides that."""
+    """The deciding reason."""
     lines: tuple[str, ...]
-    """The same as a tree, one line a step down."""
+    """The reasons as a tree, indented by level."""
 
 
 class CheckedGoal(Answer):
-    """A goal as it was understood."""
+    """A parsed goal."""
 
     text: str = Field(examples=["InKit(Starter, kit_1)"])
-    """All of it as one text."""
+    """The whole goal as text."""
     conditions: tuple[CheckedCondition, ...]
     """The conditions that must hold together."""
     holds: bool
-    """Whether all of them hold now: then nothing would be done."""
+    """Whether all of them hold now: then nothing needs to be done."""
     world: int = Field(examples=[42])
-    """Version of the world for which this is said."""
+    """Version of the world to which this applies."""
 
 
 class GoalTexts(Request):
-    """The goals that shall go with the scene."""
+    """The goals to store with the scene."""
 
     goals: tuple[GoalText | GoalData, ...] = Field(max_length=1000, examples=[_GOALS[2]])
     """Texts or structured conditions; empty for none."""
 
 
 class SceneGoals(Answer):
-    """The goals that go with the scene."""
+    """The goals stored with the scene."""
 
     goals: tuple[str, ...] = Field(examples=[["InKit(Starter, kit_1)"]])
     """Their texts, sorted."""
     fault: str = ""
-    """Why they cannot be understood, where that is so."""
+    """Why they cannot be parsed; empty if they can."""
 
 
 class Role(Answer):
     """One argument of a condition."""
 
     name: str = Field(examples=["kit"])
-    """What it is called."""
+    """Its name."""
     class_: str = Field(alias="class", examples=["kitting:Kit"])
-    """Class of what may stand there."""
+    """Class of permitted elements."""
     reached: str = Field(examples=["kitting:Compartment"])
-    """Class of what the present robots can bring about there: the same, or a narrower one."""
+    """Class of elements for which the present robots can achieve it: the same, or a narrower one."""
 
 
 class ConditionWord(Answer):
-    """A word of the language of goals."""
+    """A condition of the goal language."""
 
     name: str = Field(examples=["InKit"])
-    """The word."""
+    """Its name."""
     help: str
-    """What it means."""
+    """Its meaning."""
     roles: tuple[Role, ...]
     """Its arguments, in order."""
     abstract: bool
     """Whether an argument may be a class ("any starter")."""
     skills: tuple[str, ...] = Field(examples=[["place"]])
-    """Skills of the present robots that change what it is about; empty where none does."""
+    """Skills of the present robots that can affect it; empty if none can."""
 
 
 class ConditionWords(Answer):
-    """The words of the language of goals."""
+    """The conditions of the goal language."""
 
     conditions: tuple[ConditionWord, ...]
     """By name."""
 
 
 class TemplateParameter(Request):
-    """Something that an order fills in."""
+    """A parameter of a goal template."""
 
     name: Name = Field(examples=["kit"])
-    """What it is called."""
+    """Its name."""
     class_: str = Field(default="", alias="class", max_length=200, examples=["Kit"])
-    """Class of what may fill it."""
+    """Class of permitted elements."""
     default: str | None = Field(default=None, min_length=1, max_length=200)
-    """What fills it where an order does not."""
+    """Its default."""
     description: str = Field(default="", max_length=2000, examples=["the kit to fill"])
     """For people."""
 
@@ -196,11 +196,11 @@ class GoalTemplateContent(Request):
     parameters: tuple[TemplateParameter, ...] = Field(
         default=(), max_length=100, examples=[[{"name": "kit", "class": "Kit"}]]
     )
-    """What an order fills in."""
+    """Its parameters."""
     goal: tuple[GoalData, ...] = Field(
         default=(), max_length=1000, examples=[[{"condition": "InKit", "arguments": ["Starter", {"parameter": "kit"}]}]]
     )
-    """Conditions that must hold together; may be empty where there is one for each material."""
+    """Conditions that must hold together; may be empty if there is one for each material."""
     per_material: GoalData | None = Field(
         default=None, examples=[{"condition": "InKit", "arguments": [{"material": "class"}, {"parameter": "kit"}]}]
     )
@@ -208,14 +208,14 @@ class GoalTemplateContent(Request):
 
 
 class GoalTemplate(Answer):
-    """A template as it is kept."""
+    """A stored template."""
 
     name: str = Field(examples=["fill kit"])
     """Its name."""
     version: int = Field(examples=[3])
     """Its version, as in its ETag."""
     content: GoalTemplateContent
-    """What it says."""
+    """Its content."""
 
 
 class GoalTemplates(Answer):

@@ -32,7 +32,7 @@ def _sound(values: dict[str, Any]) -> dict[str, Any]:
 
 
 Arguments = Annotated[dict[Key, Any], Field(max_length=_MOST_ARGUMENTS), AfterValidator(_sound)]
-"""Value by parameter key; what is left out, or null, is inferred."""
+"""Values by parameter; omitted or null ones are inferred."""
 Breakpoints = Annotated[
     tuple[Annotated[str, Field(min_length=1, max_length=500)], ...], Field(max_length=_MOST_BREAKPOINTS)
 ]
@@ -55,17 +55,17 @@ class ManagerInfo(Answer):
     agent: str = Field(examples=["arm_1"])
     """Id of the subsystem."""
     label: str = Field(examples=["arm 1"])
-    """Its name for people."""
+    """Its label."""
     type: str = Field(examples=["sk:Arm"])
     """Its class."""
     robot: str = Field(examples=["robot_1"])
-    """Id of its robot; empty where it belongs to none."""
+    """Id of its robot; empty if it has none."""
     skills: list[str] = Field(examples=[["pick", "place"]])
-    """The skills it offers; none while it is lost."""
+    """The available skills; none while it is lost."""
     primitives: list[str] = Field(examples=[["move_arm"]])
     """The primitives whose hardware it has."""
     running: list[RunningInfo]
-    """What it runs now."""
+    """Its running modules."""
     lost: str = Field(examples=[""])
     """Why it is lost; empty if it is not."""
 
@@ -91,7 +91,7 @@ class ModuleSummary(Answer):
     version: str = Field(examples=["1.0.0"])
     """Version of the first implementation."""
     agents: list[ModulePlace]
-    """Who can run it."""
+    """The subsystems that can run it."""
 
 
 class ModuleParameter(Answer):
@@ -125,7 +125,7 @@ class SkillCondition(Answer):
     words: str = Field(examples=["The object is at the location."])
     """What the word means, in a sentence."""
     word: str = Field(examples=["ObjectAtLocation"])
-    """The word."""
+    """Its name."""
     arguments: list[str] = Field(examples=[["Object", "Container"]])
     """Keys of parameters."""
     negated: bool
@@ -368,7 +368,7 @@ class ModuleRunInfo(Answer):
 
 
 ModuleRuns = Items[ModuleRunInfo]
-"""Runs, the youngest first."""
+"""Runs, newest first."""
 
 
 class PluginFaultInfo(Answer):
@@ -479,7 +479,7 @@ class DocumentInfo(Answer):
     module: str = Field(examples=["tree:tidy up"])
     """The module that runs it."""
     data: dict[str, Any]
-    """What it says."""
+    """Its content."""
 
 
 class Documents(Answer):

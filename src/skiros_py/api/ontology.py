@@ -14,13 +14,13 @@ class ClassNode(Answer):
     name: str = Field(examples=["kitting:Starter"])
     """The class."""
     label: str = Field(examples=["starter"])
-    """What people call it."""
+    """Its label."""
     comment: str
-    """What it means."""
+    """Its meaning."""
     parents: list[str]
     """Its direct superclasses, the primary one first."""
     instances: int
-    """Elements of the scene that are of it or of a class below."""
+    """Number of elements of it or its subclasses in the scene."""
     children: list[ClassNode]
     """The classes below it, down to the depth that was asked for."""
     children_total: int
@@ -33,7 +33,7 @@ class PropertyInfo(Answer):
     name: str = Field(examples=["sk:mass"])
     """The property."""
     label: str = Field(examples=["mass"])
-    """What people call it."""
+    """Its label."""
     comment: str
     """What it means, with its unit."""
     datatype: str = Field(examples=["xsd:decimal"])
@@ -59,9 +59,9 @@ class RelationInfo(Answer):
     name: str = Field(examples=["sk:in"])
     """The relation."""
     label: str = Field(examples=["in"])
-    """What people call it."""
+    """Its label."""
     comment: str
-    """What it means."""
+    """Its meaning."""
     family: str = Field(examples=["placement"])
     """"placement", "structure", "computed" or "plain"."""
     parents: list[str]
@@ -89,77 +89,77 @@ RelationInfoPage = Page[RelationInfo]
 
 
 class HowMany(Answer):
-    """How many things individuals of a class have by a relation or property."""
+    """Cardinality of a relation or property for the elements of a class."""
 
     relation: str = Field(examples=["sk:hasA"])
     """The relation or property."""
     least: int
-    """The fewest."""
+    """Minimum."""
     most: int | None
-    """The most; null for any number."""
+    """Maximum; null for any number."""
     of: str | None
-    """The class that is counted; null for all."""
+    """Class of the counted elements; null for all."""
 
 
 class ClassUse(Answer):
-    """A place where something takes elements of a class."""
+    """A skill or condition that accepts elements of a class."""
 
     name: str = Field(examples=["pick"])
     """The skill or condition."""
     argument: str = Field(examples=["object"])
     """Its parameter or argument."""
     class_: str = Field(validation_alias="class", serialization_alias="class", examples=["sk:Manipulatable"])
-    """What that may be."""
+    """Its class."""
 
 
 class ClassDetails(Answer):
-    """Everything about one class."""
+    """A class with its properties and relations."""
 
     name: str = Field(examples=["kitting:Starter"])
     """The class."""
     label: str
-    """What people call it."""
+    """Its label."""
     comment: str
-    """What it means."""
+    """Its meaning."""
     parents: list[str]
     """Its direct superclasses, the primary one first."""
     ancestors: list[str]
-    """The class and everything above it."""
+    """The class and its superclasses."""
     subclasses: list[str]
-    """The class and everything below it."""
+    """The class and its subclasses."""
     properties: list[ClassProperty]
-    """What its things may have."""
+    """Properties of its elements."""
     relations_from: list[str]
-    """Relations whose subject its things may be."""
+    """Relations whose subject its elements may be."""
     relations_to: list[str]
-    """Relations whose object its things may be."""
+    """Relations whose object its elements may be."""
     how_many: list[HowMany]
-    """How many things its things have."""
+    """Cardinalities of its elements."""
     instances: int
-    """Elements of the scene that are of it or of a class below."""
+    """Number of elements of it or its subclasses in the scene."""
     some_instances: list[str]
     """Ids of the first of them."""
     individuals: list[str]
     """Abstract individuals: of the ontology, and learned."""
     skills: list[ClassUse]
-    """Skills that take its things."""
+    """Skills that accept its elements."""
     conditions: list[ClassUse]
-    """Conditions about its things."""
+    """Conditions that accept its elements."""
 
 
 class PlaceOption(Answer):
-    """A place that might take something."""
+    """A possible place."""
 
     id: str = Field(examples=["kit_1_a"])
     """Id of the place."""
     class_: str = Field(validation_alias="class", serialization_alias="class", examples=["kitting:Compartment"])
     """Its class."""
     label: str
-    """What people call it."""
+    """Its label."""
     fits: bool
-    """Whether it would take it now."""
+    """Whether it accepts the element now."""
     why_not: str
-    """Why it would not; empty where it would."""
+    """Why not; empty if it does."""
 
 
 class PlacementOption(Answer):
@@ -168,21 +168,21 @@ class PlacementOption(Answer):
     relation: str = Field(examples=["sk:in"])
     """The relation."""
     label: str
-    """What people call it."""
+    """Its label."""
     places: list[PlaceOption]
     """Places of the right class, in the order of ids."""
     total: int
-    """How many there are."""
+    """Total number of places."""
     next: str | None
-    """Where not all are here: the cursor to go on with, together with relation=<relation>."""
+    """If places are missing: the cursor for reading on, together with relation=<relation>."""
 
 
 class PlacementOptions(Answer):
-    """Where something may be put."""
+    """Possible places of an element."""
 
     class_: str = Field(validation_alias="class", serialization_alias="class", examples=["kitting:Starter"])
-    """What is put."""
+    """Class of the element."""
     element: str | None
-    """Which element, where one was named."""
+    """Id of the element, if one was given."""
     options: list[PlacementOption]
-    """The relations by which it may be placed."""
+    """The possible placement relations."""

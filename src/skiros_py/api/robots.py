@@ -105,7 +105,7 @@ class RobotInfo(Answer):
     id: str = Field(examples=["robot_1"])
     """Its id."""
     label: str = Field(examples=["robot"])
-    """Its name for people."""
+    """Its label."""
     model: str = Field(examples=["mobile_panda"])
     """Name of its model."""
     carrier: str | None = Field(examples=["base_1"])
@@ -130,7 +130,7 @@ class RobotReading(Answer):
     cycle: int = Field(examples=[9160])
     """Number of the control cycle."""
     halted: str = Field(examples=[""])
-    """Why everything is halted; empty while it is not."""
+    """Reason of the halt; empty if nothing is halted."""
     at: str = Field(examples=["pallet_a"])
     """Id of the place where it is believed to be; empty for none."""
     pose: PoseInfo

@@ -37,7 +37,7 @@ class SceneRobot(Answer):
     id: str = Field(examples=["robot_1"])
     """Its id."""
     label: str = Field(examples=["robot"])
-    """What people call it."""
+    """Its label."""
     type: str = Field(examples=["sk:Robot"])
     """Its class."""
 
@@ -132,7 +132,7 @@ class SimulationState(Answer):
     running: bool
     """Whether its time goes on; false while everything is halted."""
     halted: str = Field(examples=[""])
-    """Why everything is halted; empty while it is not."""
+    """Reason of the halt; empty if nothing is halted."""
     resting: bool
     """Whether nothing is under way, so that a scene can be loaded or reset."""
     pace: float | None = Field(examples=[1.0])

@@ -29,7 +29,7 @@ class ApiKey(Answer):
     id: str = Field(examples=["1f0c55a2"])
     """Names it."""
     name: str = Field(examples=["line 1 MES"])
-    """Who has it."""
+    """Its owner."""
     role: RoleName = Field(examples=["mes"])
     """What they may do."""
     shown: str = Field(examples=["sk_1f0c55a2_…Zw4k"])

@@ -48,7 +48,7 @@ class NewTask(Request):
     anyway: bool = False
     """Steps: true to run what cannot work as far as anybody knows."""
     policy: JobPolicy = JobPolicy()
-    """What happens when something cannot be reached."""
+    """How to proceed if part of the goal cannot be reached."""
 
     @model_validator(mode="after")
     def _is_one(self) -> Self:
@@ -65,7 +65,7 @@ class TaskStep(Answer):
     skill: str = Field(examples=["drive"])
     """The skill."""
     arguments: dict[str, str] = Field(examples=[{"Location": "pallet_a"}])
-    """With what, by parameter."""
+    """Arguments by parameter."""
     agent: str = Field(examples=["base_1"])
     """Id of the subsystem that does it."""
     start: float = Field(examples=[3.2])
@@ -101,7 +101,7 @@ class TaskReport(Answer):
     wall: float = Field(examples=[12.0])
     """Wall time used [s]."""
     conditions: tuple[dict[str, Any], ...]
-    """What became of each condition."""
+    """Outcome of each condition."""
     no_plan: tuple[str, ...]
     """Why there was no plan from the start."""
     fault: str = Field(examples=[""])
@@ -130,7 +130,7 @@ class TaskInfo(Answer):
     question: TaskQuestion | None
     """What it asks a person; null while it does not."""
     report: TaskReport | None
-    """What came of it; null until it is over."""
+    """Its outcome; null until it is over."""
 
 
 Tasks = Items[TaskInfo]
@@ -167,7 +167,7 @@ class SequenceSummary(Answer):
     id: str = Field(examples=["kit-round"])
     """Its id."""
     title: str = Field(examples=["One round to the kit"])
-    """Its name for people."""
+    """Its label."""
     version: int = Field(examples=[3])
     """Grows with every change; the same as the ETag."""
     count: int = Field(examples=[4])
@@ -202,7 +202,7 @@ class NewSequence(Request):
     id: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,99}$")] | None = Field(None, examples=["kit-round"])
     """Chosen by the caller; else the server makes one."""
     title: str = Field("", max_length=200, examples=["One round to the kit"])
-    """Its name for people."""
+    """Its label."""
     steps: list[WantedStep] | None = Field(None, max_length=_MOST_STEPS)
     """The steps."""
     goal: list[GoalText] | None = Field(None, min_length=1, max_length=100)

@@ -10,7 +10,7 @@ from skiros_py.api.wire import Answer
 
 
 class PoseInfo(Answer):
-    """Where something is, seen from the map."""
+    """A pose in the map."""
 
     position: tuple[float, float, float] = Field(examples=[[1.2, 0.4, 0.0]])
     """(x, y, z) [m]."""
@@ -30,7 +30,7 @@ class DeviceState(Answer):
 
 
 class ModuleAtWork(Answer):
-    """A module that was started."""
+    """An active module."""
 
     agent: str = Field(examples=["arm_1"])
     """Id of the subsystem that runs it."""
@@ -41,7 +41,7 @@ class ModuleAtWork(Answer):
 
 
 class TaskAtWork(Answer):
-    """A task under way."""
+    """An active task."""
 
     name: str = Field(examples=["kit-17"])
     """Its name; that of a job is the job's id."""
@@ -50,7 +50,7 @@ class TaskAtWork(Answer):
 
 
 class StationState(Answer):
-    """What the robots do at one moment."""
+    """State of the robots at one moment."""
 
     time: float = Field(examples=[45.8])
     """Run time [s]."""
@@ -59,7 +59,7 @@ class StationState(Answer):
     pace: float | None = Field(examples=[1.0])
     """Run time per wall time; null for as fast as possible."""
     halted: str = Field(examples=[""])
-    """Why everything is halted; empty while it is not."""
+    """Reason of the halt; empty if nothing is halted."""
     standing: bool = Field(examples=[True])
     """Whether all devices stand."""
     devices: dict[str, DeviceState]
@@ -73,28 +73,28 @@ class StationState(Answer):
     robot.
     """
     modules: tuple[ModuleAtWork, ...]
-    """What runs."""
+    """The active modules."""
     tasks: tuple[TaskAtWork, ...]
-    """What is under way."""
+    """The active tasks."""
     looks: dict[str, int] = Field(examples=[{"camera_1": 3}])
-    """Number of the last look by camera: where it is another one there is a new picture to be read."""
+    """Number of the last look by camera; if it changes, there is a new image."""
     motions: dict[str, int] = Field(examples=[{"robot_1": 7}])
-    """Number of the last motion by robot: where it is another one, its motion is to be read again."""
+    """Number of the last motion by robot; if it changes, there is a new motion."""
 
 
 class Block(Answer):
-    """A box or a cylinder, one of those that a shape is built of."""
+    """A box or a cylinder of a shape."""
 
     kind: Literal["box", "cylinder"] = Field(examples=["box"])
-    """Which of the two."""
+    """Its kind."""
     size: tuple[float, ...] = Field(examples=[[0.6, 0.8, 0.45]])
     """Box: lengths along x, y, z [m]. Cylinder: radius, and length along z [m]."""
     pose: PoseInfo
-    """Of its middle, in the frame of the element."""
+    """Pose of its centre, in the frame of the element."""
 
 
 class ViewElement(Answer):
-    """An element as it is seen."""
+    """An element with its shape and pose."""
 
     model_config = ConfigDict(populate_by_name=True)
 
@@ -103,7 +103,7 @@ class ViewElement(Answer):
     class_: str = Field(validation_alias="class", serialization_alias="class", examples=["kitting:Starter"])
     """Its class."""
     label: str = Field(examples=["starter"])
-    """What people call it."""
+    """Its label."""
     pose: PoseInfo | None
     """Where its frame is in the map, or in that of its carrier; null where nobody knows where exactly. Of a robot and
     its base: where it localised itself when this was answered.
@@ -113,36 +113,36 @@ class ViewElement(Answer):
     state has among its platforms. Null where its pose is in the map.
     """
     place: str | None = Field(examples=["pallet_a"])
-    """Id of what it is on, in or at; null for none."""
+    """Id of its place; null for none."""
     owner: str | None = Field(examples=["kit_1"])
-    """Id of what it is a piece of; null for none."""
+    """Id of its whole; null for none."""
     held_by: str | None = Field(examples=["gripper_1"])
     """Id of the gripper that holds it; null for none."""
     in_hand: PoseInfo | None = None
-    """Where its frame is in that of the tool that holds it; null where nothing does."""
+    """Pose in the frame of the tool that holds it; null if it is not held."""
     shape: str | None = Field(examples=["kitting:Starter"])
     """Key of its shape; null for none."""
     hollow: bool = False
-    """Whether its shape is the room inside, not matter."""
+    """Whether its shape is a cavity."""
     kind: Literal["part", "place", "furniture", "floor", "robot", "device", "other"] = Field(examples=["part"])
     """What a picture shows it as: a part that can be carried, a place that holds parts, what stands there, the floor, a
     robot, a piece of one, anything else.
     """
     version: int = Field(examples=[17])
-    """Number of the change that touched it last."""
+    """Number of its last change."""
 
 
 class WorldView(Answer):
-    """The world as it is believed to look."""
+    """Believed poses and shapes of the world."""
 
     version: int = Field(examples=[17])
-    """Number of the last change of the world in it."""
+    """Version of the world."""
     elements: tuple[ViewElement, ...]
-    """What is there; abstract individuals are not."""
+    """The elements, without abstract individuals."""
     shapes: dict[str, tuple[Block, ...]]
-    """The shapes of these elements by key; as long as the server runs, a key means the same shape."""
+    """The shapes of these elements by key; a key keeps its meaning while the server runs."""
     gone: tuple[str, ...] = ()
-    """Of the elements that were asked for: the ids of those that are not there to be seen."""
+    """Ids of requested elements that do not exist or have no shape."""
 
 
 class ReplayFrames(Answer):

@@ -10,81 +10,81 @@ from pydantic import AwareDatetime, Field
 from skiros_py.api.wire import Answer, Page, Request
 
 STATES = frozenset({"NotAllowedToStart", "AllowedToStart", "Running", "Interrupted", "Ended", "Aborted", "Removed"})
-"""States of a job of which a webhook may be told: those of ISA-95, and that it is there no more."""
+"""States of jobs that webhooks report: those of ISA-95, and Removed."""
 
 Pattern = Annotated[str, Field(max_length=200)]
 
 
 class DeliveryState(enum.StrEnum):
-    """How far a delivery is."""
+    """State of a delivery."""
 
     PENDING = "pending"
-    """It waits for its turn, or for another try."""
+    """It waits for its turn, or for a retry."""
     DONE = "done"
-    """The target took it."""
+    """The target accepted it."""
     DEAD = "dead"
-    """It was tried for as long as is sensible; somebody may have it sent again."""
+    """All retries failed; it can be sent again on request."""
 
 
 class WebhookOrder(Request):
-    """A wish to be told of jobs."""
+    """An order for a webhook."""
 
     url: str = Field(max_length=2000, examples=["https://mes.example/skiros"])
-    """Where to: http or https, at a host that the server was told to allow (--webhook-host)."""
+    """Target URL: http or https, at a host permitted by --webhook-host."""
     states: tuple[str, ...] = Field(default=(), max_length=20, examples=[["Ended", "Aborted"]])
-    """States of which to tell: NotAllowedToStart, AllowedToStart, Running, Interrupted, Ended, Aborted, Removed; empty
-    for all.
+    """States to report: NotAllowedToStart, AllowedToStart, Running, Interrupted, Ended, Aborted, Removed; empty for
+    all.
     """
     jobs: Pattern = Field(default="", examples=["line-1-"])
-    """Tell only of jobs whose id begins so."""
+    """Prefix of the ids of reported jobs."""
     secret: str = Field(default="", max_length=200)
-    """Key of the signature (whsec_ and base64 of 24 to 64 bytes); empty to have one made."""
+    """Key of the signature (whsec_ and base64 of 24 to 64 bytes); generated if empty."""
     description: str = Field(default="", max_length=1000, examples=["the factory's MES"])
     """For people."""
 
 
 class WebhookChange(Request):
-    """What shall be different."""
+    """Changes of a webhook."""
 
     active: bool | None = None
-    """False keeps what happens until it is active again."""
+    """False suspends deliveries; events are stored until it is active again."""
     states: tuple[str, ...] | None = Field(default=None, max_length=20)
-    """States of which to tell."""
+    """States to report."""
     jobs: Pattern | None = None
-    """Tell only of jobs whose id begins so."""
+    """Prefix of the ids of reported jobs."""
     description: str | None = Field(default=None, max_length=1000, examples=["night shift"])
     """For people."""
 
 
 class Webhook(Answer):
-    """Somebody who is told of jobs."""
+    """A webhook."""
 
     id: str = Field(examples=["wh_5f0c"])
-    """Given by the server."""
+    """Its id."""
     url: str = Field(examples=["https://mes.example/skiros"])
-    """Where to."""
+    """Target URL."""
     states: tuple[str, ...]
-    """States of which to tell; empty for all."""
+    """States to report; empty for all."""
     jobs: str
-    """Tell only of jobs whose id begins so."""
+    """Prefix of the ids of reported jobs."""
     description: str
     """For people."""
     active: bool
-    """False while what happens is kept, and not sent."""
+    """False while deliveries are suspended."""
     created: AwareDatetime
-    """Since when."""
+    """When it was created."""
     pending: int = 0
-    """Deliveries that wait."""
+    """Number of pending deliveries."""
     dead: int = 0
-    """Dead letters."""
+    """Number of dead letters."""
 
 
 class WebhookSecret(Answer):
-    """A new webhook, with the key of its signature, which is shown this once."""
+    """A new webhook with the key of its signatures, which is returned only once."""
 
     webhook: Webhook
     secret: str
-    """Check signatures with it (Standard Webhooks)."""
+    """Key for checking signatures (Standard Webhooks)."""
 
 
 class Delivery(Answer):
@@ -93,24 +93,24 @@ class Delivery(Answer):
     webhook: str
     """Id of the webhook."""
     number: int
-    """Counts the messages of this webhook; the receiver sees it as `sequence`."""
+    """Number of the message of this webhook; `sequence` for the receiver."""
     event: str
-    """Id of the event: the same in every try; receivers drop what they have had."""
+    """Id of the event, the same in every retry: receivers ignore duplicates."""
     job: str
     """Id of the job; empty for a ping."""
     state: DeliveryState
-    """How far it is."""
+    """Its state."""
     attempts: int
-    """How often it was tried."""
+    """Number of attempts."""
     created: AwareDatetime
     """When it happened."""
     next_try: AwareDatetime | None = None
-    """When it is tried next."""
+    """Time of the next attempt."""
     status: int | None = None
-    """HTTP status of the last answer."""
+    """HTTP status of the last response."""
     error: str = ""
-    """Why the last try failed."""
+    """Why the last attempt failed."""
 
 
 Deliveries = Page[Delivery]
-"""A page of deliveries, the latest first."""
+"""A page of deliveries, newest first."""

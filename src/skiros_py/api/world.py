@@ -21,17 +21,17 @@ Name = Annotated[str, Field(min_length=1, max_length=300)]
 """A CURIE of the ontology, such as ``kitting:Starter``."""
 
 ElementId = Annotated[str, Field(min_length=1, max_length=300)]
-"""Id of an element, such as ``starter_1``; with a prefix for what is abstract (``learned:mug_1``)."""
+"""Id of an element, such as ``starter_1``; with a prefix for abstract ones (``learned:mug_1``)."""
 
 Reason = Annotated[str, Field(max_length=1000)]
-"""Why something is written, for people."""
+"""Reason of a write, for people."""
 
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Coordinate = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-_FARTHEST, le=_FARTHEST)]
 
 
 class Placement(Request):
-    """Where an element is: it has one place across the whole family of placements."""
+    """The place of an element: one across the whole family of placements."""
 
     relation: Name = Field(examples=["sk:in"])
     """The placement relation."""
@@ -40,28 +40,27 @@ class Placement(Request):
 
 
 class Pose(Answer):
-    """Where a frame is, seen from another."""
+    """The pose of a frame in another frame."""
 
     position: tuple[float, float, float] = Field(examples=[[5.0, 1.6, 0.0]])
     """x, y, z [m]."""
     orientation: tuple[float, float, float, float] = Field(examples=[[0.0, 0.0, 0.0, 1.0]])
     """Unit quaternion x, y, z, w."""
     frame: str | None = None
-    """Element in whose frame it is given; null for the map, or where that is said elsewhere."""
+    """Id of the reference element; null for the map, or if given elsewhere."""
 
 
 class GivenPose(Request):
-    """A pose that somebody writes."""
+    """A pose in a request."""
 
     position: tuple[Coordinate, Coordinate, Coordinate] = Field(examples=[[5.0, 1.6, 0.0]])
     """x, y, z [m], at most 1000 km from the frame."""
     orientation: tuple[Number, Number, Number, Number] = Field(
         default=(0.0, 0.0, 0.0, 1.0), examples=[[0.0, 0.0, 0.0, 1.0]]
     )
-    """Unit quaternion x, y, z, w; not turned where left out."""
+    """Unit quaternion x, y, z, w; the identity if omitted."""
     frame: ElementId | None = None
-    """For sk:pose: the element in whose frame it is given; null for the map. Left out, it stays the one that it is now.
-    """
+    """For sk:pose: id of the reference element; null for the map; unchanged if omitted."""
 
     @field_validator("orientation")
     @classmethod
@@ -81,38 +80,38 @@ GivenValue = (
     | Annotated[list[Number], Field(max_length=2048)]
     | Annotated[str, Field(max_length=65536)]
 )
-"""A value that somebody writes; what a property takes, its data type in the ontology says."""
+"""A value in a request; the ontology determines the data type of the property."""
 
 Value = Any
-"""A value that is told: a text, a number, true or false, a list of numbers, or a pose (see :class:`Pose`)."""
+"""A value in a response: a text, a number, true or false, a list of numbers, or a pose (see :class:`Pose`)."""
 
 
 class ElementSummary(Answer):
     """One element in a list."""
 
     id: str = Field(examples=["starter_1"])
-    """Its id; never used again after removal."""
+    """Its id; never reused."""
     class_: str = Field(validation_alias="class", serialization_alias="class", examples=["kitting:Starter"])
     """Its most specific class."""
     label: str = Field(examples=["starter"])
-    """What people call it."""
+    """Its label."""
     placement: Placement | None
-    """Where it is; null for what is nowhere, or goes with its owner."""
+    """Its place; null for abstract elements and parts."""
     abstract: bool
-    """True for what the ontology describes or what was learned, not really there."""
+    """True for individuals of the ontology and learned concepts, which are not in the scene."""
     version: int = Field(examples=[17])
-    """Number of the change that touched it last; its ETag."""
+    """Number of its last change; its ETag."""
 
 
 class Property(Answer):
-    """What an element has as the value of a property."""
+    """The value of a property of an element."""
 
     value: Value = Field(examples=[0.4])
     """The value; poses as position and orientation."""
     origin: Literal["own", "taught", "class"]
-    """Whether the element has it itself, it was taught for its class, or its class gives it."""
+    """Whether it is the element's own, taught for its class, or given by its class."""
     taught_by: str | None = None
-    """For what was taught: the learned element that says it."""
+    """Id of the learned concept, for a taught value."""
 
 
 class Relation(Answer):
@@ -125,26 +124,26 @@ class Relation(Answer):
     object: str = Field(examples=["pallet_a"])
     """Id of the object."""
     family: str = Field(examples=["placement"])
-    """What the relation is for: "placement", "structure", "computed" or "plain"."""
+    """Family of the relation: "placement", "structure", "computed" or "plain"."""
 
 
 class ElementDetails(ElementSummary):
-    """Everything about one element."""
+    """An element with its values and relations."""
 
     changed_at: float = Field(examples=[12.5])
     """When it was changed last [s, run time]."""
     properties: dict[str, Property]
     """Values by property."""
     relations: list[Relation]
-    """What is stated of it, in both directions: the first 200."""
+    """Its stated relations, in both directions: the first 200."""
     relations_total: int
-    """How many relations are stated of it."""
+    """Number of its stated relations."""
     computed: list[Relation]
-    """Computed relations, those that were asked for: of each the first 200 in either direction."""
+    """The requested computed relations: the first 200 of each, in both directions."""
     owner: str | None
-    """What it is a piece of."""
+    """Id of its whole; null for none."""
     map_pose: Pose | None
-    """Its pose in the map, where that is known."""
+    """Its pose in the map; null if unknown."""
 
 
 ElementPage = Page[ElementSummary]
@@ -156,7 +155,7 @@ RelationPage = Page[Relation]
 
 
 class NewRelation(Request):
-    """A relation of a new element: the end that is left out is the element."""
+    """A relation of a new element, which is the omitted end."""
 
     subject: ElementId | None = Field(default=None, examples=["kit_1"])
     """Id of the subject."""
@@ -167,26 +166,26 @@ class NewRelation(Request):
 
 
 class Addition(Request):
-    """What is added."""
+    """A new element."""
 
     class_: Name | None = Field(
         default=None, validation_alias="class", serialization_alias="class", examples=["kitting:Starter"]
     )
     """Its class; not together with `like`."""
     like: ElementId | None = Field(default=None, examples=["kitting:standard_kit"])
-    """Copied with its pieces: an abstract individual, or another element. Instead of a class."""
+    """Id of an element or abstract individual to copy with its parts, instead of a class."""
     id: ElementId | None = None
-    """Its id; the next of its class where left out. A copy always gets the next one."""
+    """Its id; generated from its class if omitted. The id of a copy is always generated."""
     label: Annotated[str, Field(min_length=1, max_length=1000)] | None = None
-    """What people call it; its class's name where left out."""
+    """Its label; the name of its class if omitted."""
     properties: Annotated[dict[Name, GivenValue], Field(max_length=200)] = Field(
         default_factory=dict, examples=[{"sk:mass": 0.4}]
     )
     """Own values by property."""
     placement: Placement | None = None
-    """Where it is."""
+    """Its place."""
     relations: Annotated[list[NewRelation], Field(max_length=200)] = Field(default_factory=list)
-    """Relations of it, such as whose piece it is."""
+    """Its relations, such as that to its whole."""
 
     @model_validator(mode="after")
     def _says_what(self) -> Self:
@@ -215,11 +214,11 @@ class NewElement(Addition):
     )
 
     reason: Reason = Field(default="", examples=["delivered this morning"])
-    """Why, for people."""
+    """Reason, for people."""
 
 
 class ElementPatch(Request):
-    """What becomes different of an element, all at once; what is left out stays."""
+    """Changes of an element, as one change; omitted values are kept."""
 
     model_config = ConfigDict(
         json_schema_extra={
@@ -235,36 +234,36 @@ class ElementPatch(Request):
     )
 
     label: Annotated[str, Field(min_length=1, max_length=1000)] | None = None
-    """What people call it."""
+    """Its label."""
     properties: Annotated[dict[Name, GivenValue | None], Field(max_length=200)] = Field(
         default_factory=dict, examples=[{"sk:mass": 0.4, "sk:graspHeight": None}]
     )
-    """Own values by property; null takes the own value away."""
+    """Own values by property; null removes the own value."""
     placement: Placement | None = None
-    """Where it is from now on."""
+    """Its new place."""
     reason: Reason = Field(default="", examples=["weighed"])
-    """Why, for people."""
+    """Reason, for people."""
 
 
 class TreeNode(Answer):
-    """An element with what is placed there and what it is built of."""
+    """An element with the elements placed there and its parts."""
 
     id: str = Field(examples=["pallet_a"])
-    """Its id; "" for the node above everything."""
+    """Its id; "" for the root of the world."""
     class_: str = Field(validation_alias="class", serialization_alias="class", examples=["kitting:Pallet"])
     """Its class."""
     label: str = Field(examples=["pallet A"])
-    """What people call it."""
+    """Its label."""
     relation: str = Field(examples=["sk:on"])
-    """The relation by which it hangs on the node above."""
+    """Its relation to the parent node."""
     version: int
-    """Number of the change that touched it last; its ETag."""
+    """Number of its last change; its ETag."""
     children: list[TreeNode]
-    """What hangs on it, in the order of ids; perhaps not all."""
+    """Its children, in the order of ids; may be incomplete."""
     children_total: int
-    """How many hang on it."""
+    """Number of its children."""
     next: str | None
-    """Where not all children are here: the cursor to go on with, together with root=<id>."""
+    """If children are missing: the cursor for reading on, together with root=<id>."""
 
 
 _MOST_OPERATIONS = 1000
@@ -274,22 +273,22 @@ Version = Annotated[int, Field(strict=True, ge=0, le=2**62)]
 
 
 class Change(Answer):
-    """One transaction that took effect."""
+    """A change: one transaction."""
 
     number: int = Field(examples=[17])
-    """Counted from 1 without gaps; the world's version afterwards."""
+    """Its number, from 1 without gaps; the version of the world after it."""
     author: str = Field(examples=["ann"])
-    """Who wrote."""
+    """Its author."""
     writer: str = Field(examples=["person"])
-    """What kind of author: "person", "skill", "job" or "system"."""
+    """Kind of author: "person", "skill", "job" or "system"."""
     reason: str = Field(examples=["delivered this morning"])
-    """Why, for people."""
+    """Reason, for people."""
     time: float = Field(examples=[12.5])
     """When [s, run time]."""
     written: datetime | None = None
-    """When (UTC), where that is remembered."""
+    """When (UTC); null if not stored."""
     undoes: int | None = None
-    """Number of the change that this one took back."""
+    """Number of the change that it reverted."""
     edits: list[dict[str, Any]] = Field(
         examples=[
             [
@@ -306,9 +305,9 @@ class Change(Answer):
     "relation", "goals" or "source" (the file of the scene). Perhaps not all.
     """
     edits_total: int
-    """How many edits it has."""
+    """Number of its edits."""
     next: str | None = None
-    """Where not all edits are here: the cursor to read on with at /world/changes/{number}."""
+    """If edits are missing: the cursor for reading on at /world/changes/{number}."""
 
 
 class ChangePage(Answer):
@@ -319,67 +318,67 @@ class ChangePage(Answer):
     next: str | None
     """Cursor of the next page; null at the end."""
     remembered_from: int
-    """Number of the oldest change that is remembered."""
+    """Number of the oldest stored change."""
     version: int
     """Number of the latest change."""
 
 
 class Undoable(Answer):
-    """The change that an undo would take back."""
+    """The change that an undo would revert."""
 
     number: int = Field(examples=[17])
     """Its number."""
     author: str = Field(examples=["ann"])
-    """Who wrote it."""
+    """Its author."""
     reason: str = Field(examples=["delivered this morning"])
     """Why."""
 
 
 class WorldInfo(Answer):
-    """What there is, in numbers."""
+    """Version and size of the world."""
 
     version: int = Field(examples=[17])
     """Number of the latest change; the world's ETag."""
     time: float = Field(examples=[12.5])
-    """Run time now [s]."""
+    """Current run time [s]."""
     elements: int
-    """Elements of the scene."""
+    """Number of elements of the scene."""
     abstract: int
-    """Individuals that the ontology describes."""
+    """Number of individuals of the ontology."""
     learned: int
-    """Individuals that robots were taught."""
+    """Number of learned concepts."""
     goals: int
-    """Goals that go with the scene."""
+    """Number of goals stored with the scene."""
     locks: int
-    """Locks in force."""
+    """Number of locks."""
     remembered_from: int
-    """Number of the oldest change that is remembered."""
+    """Number of the oldest stored change."""
     undoable: Undoable | None
-    """What an undo would take back."""
+    """The change that an undo would revert."""
 
 
 class Written(Answer):
-    """What a write did."""
+    """Result of a write."""
 
     version: int = Field(examples=[18])
-    """The world's version now."""
+    """Version of the world after it."""
     change: Change | None
-    """The change; null where everything was so already."""
+    """The change; null if there was nothing to change."""
     ids: dict[str, str] = Field(default_factory=dict)
-    """Ids of what was added, by its ref."""
+    """Ids of added elements, by ref."""
 
 
 class UndoOrder(Request):
-    """Which change is meant."""
+    """The change to undo."""
 
     change: Version | None = Field(default=None, examples=[17])
-    """Take it back only if it is this one that comes next."""
+    """Undo only if this change is the next one."""
 
 
 # ------------------------------------------------------------------ transactions
 
 Target = Annotated[str, Field(min_length=1, max_length=300)]
-"""Id of an element, or "$" and the ref of one that was added before in the same transaction."""
+"""Id of an element, or "$" and the ref of an element added earlier in the same transaction."""
 
 
 class AddOperation(Addition):
@@ -388,16 +387,16 @@ class AddOperation(Addition):
     op: Literal["add"]
     """What is done."""
     ref: Annotated[str, Field(pattern="^[a-z][a-z0-9_]{0,49}$")] | None = None
-    """A name for later operations of this transaction, which write "$name"."""
+    """A name for later operations of this transaction, which refer to it as "$name"."""
 
 
 class RemoveOperation(Request):
-    """Removes an element with its pieces; what was placed there moves to where it was."""
+    """Removes an element with its parts; elements placed there move to its place."""
 
     op: Literal["remove"]
     """What is done."""
     element: Target = Field(examples=["starter_1"])
-    """Which one."""
+    """Id of the element."""
 
 
 class SetOperation(Request):
@@ -406,11 +405,11 @@ class SetOperation(Request):
     op: Literal["set"]
     """What is done."""
     element: Target = Field(examples=["starter_1"])
-    """Which one."""
+    """Id of the element."""
     property: Name = Field(examples=["sk:mass"])
-    """Which property."""
+    """The property."""
     value: GivenValue | None = Field(examples=[0.4])
-    """The value; null takes the own value away."""
+    """The value; null removes the own value."""
 
 
 class PlaceOperation(Request):
@@ -419,11 +418,11 @@ class PlaceOperation(Request):
     op: Literal["place"]
     """What is done."""
     element: Target = Field(examples=["starter_1"])
-    """Which one."""
+    """Id of the element."""
     relation: Name = Field(examples=["sk:in"])
     """The placement relation."""
     place: Target = Field(examples=["pallet_b"])
-    """Where to."""
+    """Id of its new place."""
 
 
 class RelateOperation(Request):
@@ -440,7 +439,7 @@ class RelateOperation(Request):
 
 
 class UnrelateOperation(Request):
-    """Takes back a stated relation."""
+    """Removes a stated relation."""
 
     op: Literal["unrelate"]
     """What is done."""
@@ -459,7 +458,7 @@ Operation = Annotated[
 
 
 class TransactionOrder(Request):
-    """Several writes, of which all take effect or none."""
+    """Several writes, executed all or none."""
 
     model_config = ConfigDict(
         json_schema_extra={
@@ -482,59 +481,59 @@ class TransactionOrder(Request):
     )
 
     reason: Annotated[str, Field(min_length=1, max_length=1000)]
-    """Why, for people."""
+    """Reason, for people."""
     expects: Annotated[dict[Annotated[str, Field(max_length=300)], Version], Field(max_length=1000)] = Field(
         default_factory=dict
     )
-    """The versions that the author has seen, by id of an element; for "" that of the world."""
+    """Versions seen by the author, by id of an element; "" for the world."""
     operations: Annotated[list[Operation], Field(min_length=1, max_length=_MOST_OPERATIONS)]
-    """What is written, in this order."""
+    """The operations, in order."""
 
 
 class Learned(Answer):
-    """Something that a robot was taught, and keeps beyond this scene."""
+    """A learned concept, which persists beyond this scene."""
 
     id: str = Field(examples=["learned:taught_grasp_1"])
     """Its id."""
     class_: str = Field(validation_alias="class", serialization_alias="class", examples=["sk:TaughtGrasp"])
     """Its class."""
     label: str
-    """What people call it."""
+    """Its label."""
     about: str | None = Field(examples=["kitting:Starter"])
-    """The class of things that it is about."""
+    """The class to which it applies."""
     properties: dict[str, Any]
-    """What it says: values by property."""
+    """Values by property."""
     version: int = Field(examples=[17])
-    """Number of the change that touched it last; its ETag."""
+    """Number of its last change; its ETag."""
 
 
 LearnedPage = Page[Learned]
-"""Some of what was learned, in the order of ids."""
+"""Some learned concepts, in the order of ids."""
 
 
 class Lock(Answer):
-    """Somebody's right to be the only person or job that edits an element."""
+    """A lock: the exclusive right of a person or job to edit an element."""
 
     element: str = Field(examples=["kit_1"])
-    """Id of the element; its pieces are locked with it."""
+    """Id of the element; its parts are locked with it."""
     owner: str = Field(examples=["ann"])
-    """Who has it."""
+    """Its owner."""
     until: datetime
-    """When it ends by itself (UTC)."""
+    """When it expires (UTC)."""
     seconds: float = Field(examples=[59.2])
-    """In how long that is [s]."""
+    """Remaining time [s]."""
 
 
 LockList = Items[Lock]
-"""The locks in force, by element."""
+"""The locks, by element."""
 
 
 class LockOrder(Request):
-    """What is to be locked."""
+    """Elements to lock."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [{"elements": ["kit_1"], "seconds": 60.0}]})
 
     elements: Annotated[list[ElementId], Field(min_length=1, max_length=1000)] = Field(examples=[["kit_1"]])
     """Ids of the elements: all are locked, or none."""
     seconds: Annotated[float, Field(gt=0.0, le=86400.0, allow_inf_nan=False)] = 60.0
-    """After how long the locks end by themselves [s]; at most a day."""
+    """Duration of the locks [s]; at most a day."""

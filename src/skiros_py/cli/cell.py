@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from skiros_py.client import Client
 
 _TIMEOUT, _TRIES = 3.0, 3
-"""A stop that does not work must be known soon [s], [tries]."""
+"""The user must learn soon that a stop failed [s], [tries]."""
 _POLLING = 0.1
 """Time between two looks at a run [s]."""
 
@@ -44,7 +44,7 @@ def manager() -> None:
 
 @served(manager, "manager list --data cell")
 def list_managers(client: Client) -> Found:
-    """Lists the skill managers that are open, with what each offers and runs."""
+    """Lists the open skill managers, with their skills and running modules."""
     managers = client.modules.managers()
     return managers, map(_line, managers)
 
@@ -58,16 +58,16 @@ def _line(manager: ManagerInfo) -> str:
 @served(manager, "manager open arm_1 --data cell")
 @click.argument("agent")
 def open_manager(client: Client, agent: str) -> Found:
-    """Opens the skill manager of the subsystem AGENT: its skills are on offer from now on."""
+    """Opens the skill manager of the subsystem AGENT: its skills become available."""
     opened = client.modules.open_manager(agent)
     return opened, [f"{agent} offers {', '.join(opened.skills) or 'no skill'}"]
 
 
 @served(manager, "manager close arm_1 --data cell")
 @click.argument("agent")
-@click.option("--force", is_flag=True, help="Stop first what it runs.")
+@click.option("--force", is_flag=True, help="Stop its running modules first.")
 def close_manager(client: Client, agent: str, force: bool) -> Found:
-    """Closes the skill manager of the subsystem AGENT: nothing is planned with its skills any more."""
+    """Closes the skill manager of the subsystem AGENT: its skills are no longer used for planning."""
     client.modules.close_manager(agent, force=force)
     return {"closed": agent}, [f"{agent} is closed"]
 
@@ -181,7 +181,7 @@ def set_signal(client: Client, name: str, value: SignalValue) -> Found:
 
 
 @click.command("stop", epilog="Example: skiros stop --data cell --reason 'a person is in the cell'")
-@click.option("--reason", default="", metavar="TEXT", help="Why, for those who have to reset it.")
+@click.option("--reason", default="", metavar="TEXT", help="Reason, for the person who resets the halt.")
 @with_client(timeout=_TIMEOUT, tries=_TRIES)
 @JSON
 def stop(reason: str, client: Client, as_json: bool) -> int:
@@ -196,15 +196,15 @@ def stop(reason: str, client: Client, as_json: bool) -> int:
 @with_client()
 @JSON
 def reset(client: Client, as_json: bool) -> int:
-    """Lets the robots of a server start again after everything was halted; look first why that was.
+    """Allows the robots of a server to move again after a halt; check its reason first.
 
-    Jobs that were under way wait for an answer then: skiros job answer JOB retry.
+    Interrupted jobs then wait for an answer: skiros job answer JOB retry.
     """
     return _show(client.station.reset(), as_json=as_json)
 
 
 def _show(info: StopInfo, *, as_json: bool) -> int:
-    """Shows whether everything is halted, and returns the exit status that says whether that can be relied on."""
+    """Shows whether everything is halted, and returns the exit status that says whether the server obeyed."""
     if not info.obeyed and info.halted and not as_json:
         click.echo("NOT OBEYED: the control thread does not run; press the button of the machine", err=True)
         return NOT_REACHED

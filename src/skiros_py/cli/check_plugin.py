@@ -20,11 +20,11 @@ _NEEDS_ROBOT = "it needs a real or simulated robot (--simulate SCENE)"
 
 @click.command("check-plugin", epilog="Example: skiros check-plugin . --rule unknown-word --rule missing-unit")
 @click.argument("what", required=False, metavar="[DISTRIBUTION|FOLDER]")
-@click.option("--rule", "rules", multiple=True, metavar="RULE", help="Ask this rule only; may be repeated.")
+@click.option("--rule", "rules", multiple=True, metavar="RULE", help="Check this rule only; may be repeated.")
 @click.option("--explain", metavar="RULE", help="Show the page about a rule, and check nothing.")
 @click.option("--rules", "listed", is_flag=True, help="List the rules, and check nothing.")
 @click.option("--no-run", is_flag=True, help="Run no skills.")
-@click.option("--simulate", metavar="SCENE", help="Run skills that are not for fakes, too: in physics, in this scene.")
+@click.option("--simulate", metavar="SCENE", help="Also run skills that need physics, in a simulation of this scene.")
 @click.option("--strict", is_flag=True, help="End with 1 for warnings, too.")
 @JSON
 def command(

@@ -36,7 +36,7 @@ class Finding:
 Check = Callable[[], Iterator[Finding]]
 
 CHECKS: dict[str, Check] = {}
-"""All checks by name, in the order in which they are made."""
+"""All checks by name, in the order in which they run."""
 
 _LEAST_MEMORY = 4 * 2**30
 _DOMAIN = """
@@ -75,7 +75,7 @@ def _skiros() -> Iterator[Finding]:
 
 @_check("libraries")
 def _libraries() -> Iterator[Finding]:
-    """Looks whether pip installed what skiros-py asks for, in versions that fit."""
+    """Checks that the required libraries are installed in compatible versions."""
     from importlib.metadata import PackageNotFoundError, requires, version
 
     from packaging.requirements import Requirement
@@ -94,7 +94,7 @@ def _libraries() -> Iterator[Finding]:
 
 @_check("extras")
 def _extras() -> Iterator[Finding]:
-    """Says which extras of the distribution are installed; each is optional."""
+    """Lists the installed extras of the distribution; each is optional."""
     from skiros_py.system import EXTRAS, has_extra
 
     for extra in EXTRAS:
@@ -135,7 +135,7 @@ def _folders() -> Iterator[Finding]:
 
 
 def data_folder(folder: Path) -> Iterator[Finding]:
-    """Looks whether a world can live in a folder, which may not exist yet."""
+    """Checks that a folder, which may not exist yet, can be a data directory."""
     there = next(path for path in (folder, *folder.absolute().parents) if path.exists())
     if not there.is_dir():
         yield Finding(f"{there} is no folder", "choose another with --data", wrong=True)
@@ -167,7 +167,7 @@ def _display() -> Iterator[Finding]:
 
 @_check("planner")
 def _planner() -> Iterator[Finding]:
-    """Lets the planner solve something: that shows whether its programs start here."""
+    """Solves a small task, to check that the planner's programs start."""
     from contextlib import closing
 
     from skiros_py.errors import SkirosError
@@ -234,7 +234,7 @@ def _groups() -> Iterator[Finding]:
 
 @_check("loading")
 def _loading() -> Iterator[Finding]:
-    """Loads all plug-ins; names that stand twice show here, too."""
+    """Loads all plug-ins; also reports duplicate names."""
     from skiros_py.catalogue import survey
     from skiros_py.plugins.installation import GROUPS
 
@@ -283,7 +283,7 @@ def _scenes() -> Iterator[Finding]:
 @data_option(required=False)
 @JSON
 def command(data: Path | None, as_json: bool) -> int:
-    """Looks at this environment: Python, libraries, plug-ins, ontologies, scenes, planner; says what to do.
+    """Checks this environment: Python, libraries, plug-ins, ontologies, scenes, planner; says how to fix faults.
 
     Exit status: 0 nothing is wrong (what is optional and absent is noted), 1 something is.
     """
@@ -306,7 +306,7 @@ def command(data: Path | None, as_json: bool) -> int:
 
 
 def examined(check: Check) -> Iterator[Finding]:
-    """Makes one check; one that breaks is reported, and does not keep the others from being made.
+    """Runs one check; an exception is reported, and the other checks still run.
 
     Yields:
         What it found; where it has nothing to say, that nothing is wrong.

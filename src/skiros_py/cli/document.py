@@ -33,9 +33,9 @@ def list_(client: Client, kind: str) -> Found:
 @served(command, "document show tree tidy_up --data cell")
 @click.argument("kind")
 @click.argument("id_", metavar="ID")
-@click.option("--revisions", is_flag=True, help="List the revisions that are kept, the oldest first.")
+@click.option("--revisions", is_flag=True, help="List the stored revisions, oldest first.")
 def show(client: Client, kind: str, id_: str, revisions: bool) -> Found:
-    """Shows a document as it is now, or its revisions."""
+    """Shows the latest revision of a document, or lists its revisions."""
     if revisions:
         found = client.documents.revisions(kind, id_)
         return found, map(_line, found.documents)
@@ -48,7 +48,7 @@ def show(client: Client, kind: str, id_: str, revisions: bool) -> Found:
 @click.argument("id_", metavar="ID")
 @click.argument("file", type=click.Path(path_type=Path, dir_okay=False, exists=True))
 def write(client: Client, kind: str, id_: str, file: Path) -> Found:
-    """Writes a document from a JSON FILE, new or as a further revision; its next run is of this one."""
+    """Writes a document or a new revision of it from a JSON FILE; its next run uses it."""
     try:
         data = json.loads(file.read_text(encoding="utf-8"))
     except ValueError as error:
@@ -62,7 +62,7 @@ def write(client: Client, kind: str, id_: str, file: Path) -> Found:
 @click.argument("kind")
 @click.argument("id_", metavar="ID")
 def remove(client: Client, kind: str, id_: str) -> Found:
-    """Removes a document; what runs of it goes on."""
+    """Deletes a document; active runs continue."""
     client.documents.remove(kind, id_, seen=client.documents.get(kind, id_).revision)
     return {"removed": f"{kind}:{id_}"}, [f"{kind}:{id_} is removed"]
 
@@ -71,8 +71,8 @@ def remove(client: Client, kind: str, id_: str) -> Found:
 @click.argument("kind")
 @click.argument("id_", metavar="ID")
 @click.option("--agent", required=True, metavar="ID", help="Subsystem whose skill manager runs it.")
-@click.option("--param", "params", multiple=True, metavar="KEY=VALUE", help="A parameter. Repeat it.")
-@click.option("--break", "paths", multiple=True, metavar="PATH", help="Pause before this node. Repeat it.")
+@click.option("--param", "params", multiple=True, metavar="KEY=VALUE", help="A parameter; may be repeated.")
+@click.option("--break", "paths", multiple=True, metavar="PATH", help="Pause before this node; may be repeated.")
 def run(
     client: Client,
     kind: str,
@@ -81,7 +81,7 @@ def run(
     params: tuple[str, ...],
     paths: tuple[str, ...],
 ) -> Found:
-    """Starts a document and says how its run is called."""
+    """Starts a document and prints the id of its run."""
     started = client.modules.run(agent, f"{kind}:{id_}", given_params(params), breakpoints=paths)
     return started, _run_lines(started)
 
@@ -90,7 +90,7 @@ def run(
 @click.argument("run")
 @click.argument("paths", nargs=-1, metavar="[PATH]...")
 def break_(client: Client, run: str, paths: tuple[str, ...]) -> Found:
-    """Pauses a RUN before these nodes and no others; without a PATH before none."""
+    """Sets the breakpoints of a RUN to these nodes; without a PATH, removes them."""
     found = client.modules.set_breakpoints(run, paths)
     return found, _run_lines(found)
 
@@ -99,7 +99,7 @@ def break_(client: Client, run: str, paths: tuple[str, ...]) -> Found:
 @click.argument("run")
 @click.argument("verb", type=click.Choice(["pause", "resume", "step", "stop"]))
 def command_run(client: Client, run: str, verb: Literal["pause", "resume", "step", "stop"]) -> Found:
-    """Pauses a RUN, resumes it, lets it do one cycle while it is paused, or stops it."""
+    """Pauses, resumes or stops a RUN, or executes one cycle of a paused one."""
     found = client.modules.command(run, verb)
     return found, _run_lines(found)
 

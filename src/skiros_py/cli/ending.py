@@ -1,4 +1,4 @@
-"""How the command ends: signals that ask for it, warnings that were logged, and code that does not come back."""
+"""The end of a command: signals, logged warnings, and code that does not return."""
 
 from __future__ import annotations
 
@@ -23,18 +23,18 @@ STOPS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 def raise_interrupt(_number: int, _frame: object) -> None:
-    """Unwinds the stack, so that everything that was started is closed."""
+    """Unwinds the stack, so that everything is closed."""
     raise UserStop
 
 
 def unwind_on_stops() -> None:
-    """Makes every stop unwind the stack."""
+    """Lets each stop signal unwind the stack."""
     for number in STOPS:
         signal.signal(number, raise_interrupt)
 
 
 def ignore_stops() -> None:
-    """Lets the clean-up that is already under way come to its end."""
+    """Ignores stop signals, so that a clean-up in progress can finish."""
     for number in STOPS:
         signal.signal(number, signal.SIG_IGN)
 
@@ -64,7 +64,7 @@ def _listen(reading: int, listener: Callable[[], None]) -> None:
 
 @contextmanager
 def warnings_on_stderr() -> Iterator[None]:
-    """Says each warning once, in one line, while it lasts; stdout stays the answer's."""
+    """Prints each warning once, in one line, to stderr."""
     logger, handler = logging.getLogger("skiros_py"), _Stderr(logging.WARNING)
     logger.addHandler(handler)
     try:
@@ -81,7 +81,7 @@ def no_warnings_on_stderr() -> None:
 
 
 class _Stderr(logging.Handler):
-    """Says in one line what happened and where; with SKIROS_DEBUG the stack follows."""
+    """Prints in one line what happened and where; with SKIROS_DEBUG, also the stack."""
 
     def __init__(self, level: int) -> None:
         super().__init__(level)
@@ -101,9 +101,9 @@ class _Stderr(logging.Handler):
 
 
 GRACE = 3.0
-"""For how long the control thread may be stuck once the command shall end [s]."""
+"""Maximum time that the control thread may be stuck when the command should end [s]."""
 _LEAVING = 2.0
-"""For how long threads and exit handlers of others may keep a command that is over [s]."""
+"""Maximum time for threads and exit handlers of other libraries after the command has ended [s]."""
 _LOOK = 0.05
 
 

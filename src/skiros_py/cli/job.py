@@ -38,7 +38,7 @@ _ELSEWHERE = {
     "submit": ("job_order:submit", "Orders a job."),
     "preview": ("job_order:preview", "Shows what would be done for a goal, without doing it."),
 }
-"""Commands of other modules, imported when they are used."""
+"""Commands in other modules, imported when used."""
 
 
 @click.group("job", cls=LazyGroup, elsewhere=_ELSEWHERE)
@@ -55,12 +55,12 @@ def command() -> None:
 
 @contextmanager
 def _jobs(data: Path | None, url: str | None, key_file: Path | None) -> Iterator[Jobs]:
-    """Opens the jobs of a server; where none runs on a data directory, what is kept there."""
+    """Opens the jobs of a server; if none runs on a data directory, the jobs stored there."""
     from skiros_py.client.client import find_server
 
     if data is not None and find_server(data) is None:
         with kept_jobs(data) as files:
-            click.echo(f"no server runs on {data}: these are the jobs that are kept there", err=True)
+            click.echo(f"no server runs on {data}: these are the jobs stored there", err=True)
             yield files
     else:
         with reach(data, url, key_file) as client:
@@ -68,7 +68,7 @@ def _jobs(data: Path | None, url: str | None, key_file: Path | None) -> Iterator
 
 
 @command.command("list", epilog="Example: skiros job list --data cell --state Running --state Interrupted")
-@click.option("--state", "states", multiple=True, type=click.Choice(_STATES), help="In this state only; repeatable.")
+@click.option("--state", "states", multiple=True, type=click.Choice(_STATES), help="Only this state; may be repeated.")
 @click.option("--limit", type=click.IntRange(1, 1000), default=100, show_default=True, help="How many at most.")
 @server_options
 @JSON
@@ -87,7 +87,7 @@ def list_jobs(
 @served(command, "job show kit-17 --data cell", _jobs)
 @click.argument("job")
 def show(jobs: Jobs, job: str) -> Found:
-    """Shows what is known of JOB."""
+    """Shows the state of JOB."""
     found = jobs.get(job)
     return found, job_lines(found)
 
@@ -103,7 +103,7 @@ def plan(jobs: Jobs, job: str) -> Found:
 @served(command, "job trace kit-17 --data cell", _jobs)
 @click.argument("job")
 def trace(jobs: Jobs, job: str) -> Found:
-    """Shows what happened for JOB, oldest first."""
+    """Shows the trace of JOB, oldest entry first."""
     page = jobs.trace(job, limit=_PAGE)
     entries = page.entries
     while page.next is not None:
@@ -115,7 +115,7 @@ def trace(jobs: Jobs, job: str) -> Found:
 @served(command, "job response kit-17 --data cell --json")
 @click.argument("job")
 def response(client: Client, job: str) -> Found:
-    """Shows what JOB has come to: skills that were run, changes of state (ISA-95: job response)."""
+    """Shows the result of JOB: skills executed, changes of state (ISA-95: job response)."""
     found = client.jobs.response(job)
     return found, response_lines(found.job_response_data, found.transitions)
 
@@ -125,7 +125,7 @@ def response(client: Client, job: str) -> Found:
 @with_client()
 @JSON
 def watch(job: str, client: Client, as_json: bool) -> int:
-    """Follows JOB until it is over, over broken connections and restarts of the server. Ctrl-C ends only the watching.
+    """Follows JOB until it is over, across connection failures and server restarts. Ctrl-C ends only the watching.
 
     Exit status as that of 'skiros run': 0 reached, 1 not reached, 3 no plan, 130 stopped or aborted.
     """
@@ -137,21 +137,21 @@ def watch(job: str, client: Client, as_json: bool) -> int:
 
 _REMOVE = ("cancel", "clear")
 _COMMANDS = {
-    "start": "Gives JOB leave to start when its turn comes.",
-    "revoke-start": "Takes back the leave of JOB to start.",
-    "pause": "Lets JOB come to a standstill where it is.",
-    "resume": "Goes on with JOB, which stands.",
-    "stop": "Ends JOB in good order.",
-    "abort": "Gives JOB up, begun or not.",
-    "cancel": "Removes JOB, which has not begun.",
-    "clear": "Removes JOB, which is over, with all that is known of it.",
+    "start": "Allows JOB to start when its turn comes.",
+    "revoke-start": "Revokes the permission of JOB to start.",
+    "pause": "Pauses JOB: everything that it moves comes to a standstill.",
+    "resume": "Resumes JOB after a pause.",
+    "stop": "Ends JOB in an orderly way.",
+    "abort": "Aborts JOB, started or not.",
+    "cancel": "Removes JOB if it has not started.",
+    "clear": "Removes JOB with all its data if it is over.",
 }
 
 
 def _add_command(name: str, text: str) -> None:
     @served(command, f"job {name} kit-17 --data cell", help=text)
     @click.argument("job")
-    @click.option("--comment", default="", metavar="TEXT", help="Why, for the record.")
+    @click.option("--comment", default="", metavar="TEXT", help="Reason, for the record.")
     def run(client: Client, job: str, comment: str) -> Found:
         found = getattr(client.jobs, name.replace("-", "_"))(job, comment)
         return ({"id": job, "removed": True}, [f"{job}: removed"]) if name in _REMOVE else (found, [state_line(found)])
@@ -165,6 +165,6 @@ for _name, _text in _COMMANDS.items():
 @click.argument("job")
 @click.argument("choice")
 def reply(client: Client, job: str, choice: str) -> Found:
-    """Answers what JOB waits for with one of its CHOICEs; 'skiros job show JOB' lists them."""
+    """Answers the question for which JOB waits, with one of its choices; 'skiros job show JOB' lists them."""
     found = client.jobs.answer(job, choice)
     return found, [state_line(found)]

@@ -1,4 +1,4 @@
-"""Jobs in a data directory that is not served."""
+"""Jobs in a data directory without a running server."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @contextmanager
 def kept_jobs(data: Path) -> Iterator[JobFiles]:
-    """Opens the jobs of a data directory, for looking at.
+    """Opens the jobs of a data directory for reading.
 
     Raises:
         FileError: There are no jobs in it, somebody uses it, or it cannot be read.
@@ -38,7 +38,7 @@ def kept_jobs(data: Path) -> Iterator[JobFiles]:
 
 
 class JobFiles:
-    """The jobs of a store, read like those of a server (``client.jobs``)."""
+    """The jobs of a store, with the methods of ``client.jobs``."""
 
     def __init__(self, store: JobStore) -> None:
         self._store = store
@@ -69,7 +69,7 @@ class JobFiles:
         return plan_of(self._job(job), self._store.trace(job))
 
     def trace(self, job: str, *, limit: int, cursor: str | None = None) -> JobTrace:  # noqa: ARG002 - as of a server
-        """Returns what happened for a job, all on one page."""
+        """Returns the trace of a job, on one page."""
         from skiros_py.api.jobs import JobTrace
 
         return JobTrace(entries=self._store.trace(self._job(job).id), next=None)

@@ -20,14 +20,14 @@ if TYPE_CHECKING:
     from skiros_py.client import Client
 
 _LOOK = 10.0
-"""For how long one request waits for a plan [s]."""
+"""Maximum time that one request waits for a plan [s]."""
 
 
 class _Time(click.ParamType[datetime]):
     name = "TIME"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> datetime:
-        """Reads a time; without a zone it is that of this machine."""
+        """Parses a time; without a zone, in the zone of this machine."""
         try:
             return datetime.fromisoformat(value).astimezone()
         except (ValueError, OverflowError):
@@ -43,17 +43,21 @@ Examples:
 """,
 )
 @click.argument("goals", nargs=-1, metavar="[GOAL]...")
-@click.option("--id", "id_", metavar="ID", help="Id of the job; the same order again is the same job.")
+@click.option("--id", "id_", metavar="ID", help="Id of the job; repeating the same order returns the same job.")
 @click.option("--description", default="", metavar="TEXT", help="For people.")
-@click.option("--priority", type=click.IntRange(-(2**15), 2**15 - 1), default=0, help="The higher comes first.")
-@click.option("--not-before", type=_Time(), help="It does not start earlier.")
+@click.option("--priority", type=click.IntRange(-(2**15), 2**15 - 1), default=0, help="Higher values come first.")
+@click.option("--not-before", type=_Time(), help="Earliest start.")
 @click.option("--deadline", type=_Time(), help="When it should be done.")
-@click.option("--expires", is_flag=True, help="It must not be begun after its deadline.")
-@click.option("--hold", is_flag=True, help="Keep it until 'skiros job start'.")
-@click.option("--template", default="", metavar="NAME", help="A goal template of the server instead of goals.")
-@click.option("--param", "params", multiple=True, metavar="NAME=VALUE", help="What the template is given.")
+@click.option("--expires", is_flag=True, help="It must not be started after its deadline.")
+@click.option("--hold", is_flag=True, help="Hold it until 'skiros job start'.")
+@click.option("--template", default="", metavar="NAME", help="Goal template of the server, instead of goals.")
+@click.option("--param", "params", multiple=True, metavar="NAME=VALUE", help="A template argument; may be repeated.")
 @click.option(
-    "--material", "materials", multiple=True, metavar="[N*]CLASS[=ID][@PLACE]", help="Material that it is about."
+    "--material",
+    "materials",
+    multiple=True,
+    metavar="[N*]CLASS[=ID][@PLACE]",
+    help="Required material; repeatable.",
 )
 @click.option("--watch", is_flag=True, help="Follow it until it is over, as 'skiros job watch' does.")
 @with_client()
@@ -72,7 +76,7 @@ def submit(
 ) -> int:
     """Orders a job: all GOALs must hold together, such as 'InKit(Starter, kit_1)'.
 
-    It is kept when this returns. Exit status: 0 taken; with --watch that of 'skiros job watch'.
+    It is stored when this returns. Exit status: 0 accepted; with --watch that of 'skiros job watch'.
     """
     order = _order(goals, template, params, materials, id=id_, **fields)
     job = client.jobs.order(order, start=not hold)
@@ -86,7 +90,7 @@ def submit(
 @with_client()
 @JSON
 def preview(goals: tuple[str, ...], client: Client, as_json: bool) -> int:
-    """Shows what would be done for GOALs from what is believed now, or why there is no plan; nothing moves.
+    """Plans for GOALs from the current beliefs and shows the plan, or why there is none; nothing moves.
 
     Exit status: 0 there is a plan or nothing to be done, 1 planning failed, 3 there is no plan.
     """

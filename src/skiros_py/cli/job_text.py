@@ -1,4 +1,4 @@
-"""How jobs are shown on a terminal and followed until they end."""
+"""Shows jobs on a terminal and follows them until they end."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ _STATUS = {
 
 
 def status_of(job: Job) -> int:
-    """Returns the exit status that tells what came of a job: the same as that of ``skiros run``."""
+    """Returns the exit status for the outcome of a job: the same as that of ``skiros run``."""
     return _STATUS.get(job.outcome or "", NOT_REACHED)
 
 
 def state_line(job: Job) -> str:
-    """Returns where a job is, in one line."""
+    """Returns the state of a job in one line."""
     if job.outcome is not None:
         return f"{job.id}: {job.outcome}"
     detail = f": {job.detail}" if job.detail else ""
@@ -44,7 +44,7 @@ def state_line(job: Job) -> str:
 
 
 def job_lines(job: Job) -> Iterator[str]:
-    """Yields what is known of a job."""
+    """Yields the description of a job."""
     yield state_line(job)
     if job.order.description:
         yield f"  {job.order.description}"
@@ -83,7 +83,7 @@ def plan_lines(plan: JobPlan) -> Iterator[str]:
 
 
 def trace_lines(entries: Sequence[Mapping[str, Any]]) -> Iterator[str]:
-    """Yields what happened for a job."""
+    """Yields the trace of a job."""
     for entry in entries:
         time = entry.get("time")
         yield f"{time:8.1f} s  {_entry(entry)}" if isinstance(time, int | float) else _entry(entry)
@@ -94,9 +94,9 @@ def _entry(entry: Mapping[str, Any]) -> str:
 
 
 def response_lines(steps: Sequence[JobStep], transitions: Sequence[JobTransition]) -> Iterator[str]:
-    """Yields the skills that were run, and the changes of state."""
+    """Yields the executed skills and the changes of state."""
     for step in steps:
-        yield f"{step.number:3}. {step.skill} {' '.join(step.arguments.values())}: {step.ended or 'nobody knows'}"
+        yield f"{step.number:3}. {step.skill} {' '.join(step.arguments.values())}: {step.ended or 'unknown'}"
     for change in transitions:
         yield f"{_shown(change.at)}  {change.trigger}: {change.state.text}{_because(change.comment)}"
 
@@ -134,7 +134,7 @@ def _shown(when: datetime) -> str:
 
 
 def follow_job(client: Client, name: str, *, as_json: bool) -> int:
-    """Shows what happens for a job until it is over, then what came of it.
+    """Shows the events of a job until it is over, then its outcome.
 
     Args:
         client: Reaches its server.
@@ -151,7 +151,7 @@ def follow_job(client: Client, name: str, *, as_json: bool) -> int:
 
 
 def _live(*, to_stderr: bool) -> Status | nullcontext[None]:
-    """Returns the line that says what is going on, where a terminal shows one."""
+    """Returns the status line of a terminal."""
     from rich.console import Console
 
     console = Console(stderr=to_stderr, highlight=False)
@@ -175,7 +175,7 @@ def _follow(client: Client, name: str, live: Status | None, *, to_stderr: bool) 
 
 
 def _say_state(job: Job, said: str, live: Status | None, *, to_stderr: bool) -> str:
-    """Says where a job is, if that is news; returns what was said."""
+    """Prints the state of a job if it has changed; returns the printed line."""
     line = state_line(job)
     if line != said:
         click.echo(escaped(line), err=to_stderr)

@@ -40,22 +40,22 @@ class _Lasting(click.ParamType[float]):
 
 @click.group("key")
 def command() -> None:
-    """Makes keys for a server, lists and revokes them.
+    """Creates, lists and revokes keys of a server.
 
-    It works on the data directory, whether a server runs on it or not; what is revoked counts at once.
+    It works on the data directory, whether a server runs on it or not; a revocation takes effect immediately.
     """
     require_extra("server", "skiros key")
 
 
 @command.command("create", epilog="Example: skiros key create 'line 1 MES' --role mes --expires 90d --data plant")
 @click.argument("name")
-@click.option("--role", required=True, type=click.Choice(_ROLES), help="What the owner of the key may do.")
-@click.option("--expires", type=_Lasting(), metavar="SPAN", help="How long it is valid: 12h, 90d, 4w.  [default: ever]")
+@click.option("--role", required=True, type=click.Choice(_ROLES), help="Role of the key's owner.")
+@click.option("--expires", type=_Lasting(), metavar="SPAN", help="Validity: 12h, 90d, 4w.  [default: unlimited]")
 @DATA
-@click.option("--new", is_flag=True, help="Make the data directory where it is missing, for a first start with a key.")
+@click.option("--new", is_flag=True, help="Create the data directory if it is missing, for a first start with a key.")
 @JSON
 def create(name: str, role: str, expires: float | None, data: Path, new: bool, as_json: bool) -> int:
-    """Makes a key for NAME and prints it, once: it is kept nowhere.
+    """Creates a key for NAME and prints it, once: it is not stored.
 
     Viewers look on; operators edit scenes, order and command jobs; engineers run modules, move robots by hand and
     teach; admins make keys. A MES orders, follows and commands jobs, and nothing else.
@@ -75,7 +75,7 @@ def create(name: str, role: str, expires: float | None, data: Path, new: bool, a
 @DATA
 @JSON
 def list_keys(data: Path, as_json: bool) -> int:
-    """Lists the keys, revoked and expired ones too."""
+    """Lists the keys, including revoked and expired ones."""
     from skiros_py.server.access.keys import shown
 
     with _keys(data) as keys:
@@ -89,7 +89,7 @@ def list_keys(data: Path, as_json: bool) -> int:
 @DATA
 @JSON
 def revoke(key: str, data: Path, as_json: bool) -> int:
-    """Takes a key out of use, at once and for good; KEY is its id, as 'skiros key list' shows it."""
+    """Revokes a key immediately and permanently; KEY is its id, as 'skiros key list' shows it."""
     from skiros_py.server.access.keys import shown
 
     with _keys(data) as keys:
@@ -98,7 +98,7 @@ def revoke(key: str, data: Path, as_json: bool) -> int:
 
 
 def _check_folder(data: Path, *, new: bool) -> None:
-    """Checks that a key is not made for a folder whose name was mistyped."""
+    """Checks that a key is not created for a folder whose name was mistyped."""
     from skiros_py.world.journal.data_directory import make_folder
 
     if not (new or data.exists()):

@@ -1,4 +1,4 @@
-"""Groups of commands that are imported when they are used, so that help is there at once."""
+"""Groups of commands that are imported when used, so that help is fast."""
 
 from __future__ import annotations
 

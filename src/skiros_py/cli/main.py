@@ -16,31 +16,31 @@ from skiros_py.errors import DeviceError, PlanningError, SkirosError
 from skiros_py.interruptions import by_user
 
 _COMMANDS = {
-    "run": ("run", "Plan and do the goal of a scene."),
+    "run": ("run", "Plan and execute the goal of a scene."),
     "serve": ("serve", "Serve a scene or data directory to factory systems, clients and people."),
-    "job": ("job", "Order jobs of a server, follow and command them."),
-    "stop": ("cell:stop", "Halt all robots of a server at once."),
-    "reset": ("cell:reset", "Let them start again after that."),
+    "job": ("job", "Order, follow and command jobs of a server."),
+    "stop": ("cell:stop", "Halt all robots of a server immediately."),
+    "reset": ("cell:reset", "Allow motion again after a halt."),
     "manager": ("cell:manager", "Open and close the skill managers of a server while it runs."),
     "signal": ("cell:signal", "List, read and set the signals of a server."),
     "device": ("cell:device", "List, open, close, jog and teach the devices of a server while it runs."),
     "document": ("document", "Write, run and debug the documents of a server: trees, nets and graphs."),
     "call": ("call", "Call any operation of a server; list them."),
-    "report": ("report", "Make a page about a run: timeline, pictures, what happened and why."),
-    "plan": ("plan", "Show domain, problem and plan without doing anything."),
-    "skills": ("skills", "List the skills, primitives and conditions that were found."),
-    "plugins": ("plugins", "List the plug-ins that are installed, and say what is wrong with them."),
-    "check-plugin": ("check_plugin", "Ask the rules about plug-ins, and try their skills."),
-    "key": ("key", "Make keys for a server, list and revoke them."),
-    "doctor": ("doctor", "Explain this environment: what is there, what is missing, what to do."),
-    "module": ("module", "Run skills and primitives on their own; see what holds, and why not."),
+    "report": ("report", "Create a page about a run: timeline, pictures, events and their reasons."),
+    "plan": ("plan", "Show domain, problem and plan without executing anything."),
+    "skills": ("skills", "List the installed skills, primitives and conditions."),
+    "plugins": ("plugins", "List the installed plug-ins and their faults."),
+    "check-plugin": ("check_plugin", "Check plug-ins against the rules, and test their skills."),
+    "key": ("key", "Create, list and revoke keys of a server."),
+    "doctor": ("doctor", "Check this environment: what is installed, what is missing, how to fix it."),
+    "module": ("module", "Run single skills and primitives; show which conditions hold, and why not."),
     "new": (
         "new",
         "Write a package, or a skill, primitive, condition, ontology, robot or scene into one.",
     ),
-    "scene": ("scene", "Look at scenes."),
-    "world": ("world", "Look at a world that lives in a data directory, take back edits, ask questions."),
-    "ontology": ("ontology", "Check ontologies, write their words as Python constants."),
+    "scene": ("scene", "Show, check, compare and save scenes."),
+    "world": ("world", "Show, query and undo changes in the world of a data directory."),
+    "ontology": ("ontology", "Check ontologies, generate Python constants for their terms."),
 }
 
 
@@ -52,7 +52,7 @@ _COMMANDS = {
 )
 @click.version_option(package_name="skiros-py", prog_name="skiros")
 def cli() -> None:
-    """Describe a scene, state a goal: a robot plans and does it.
+    """Describe a scene and state a goal: a robot plans and executes it.
 
     Exit status: 0 goal reached, 1 not reached, 2 wrong usage or a broken file, 3 no plan, 130 stopped.
     """
@@ -103,7 +103,7 @@ def _run(arguments: list[str]) -> int:
 
 
 def _internal(error: BaseException, *, as_json: bool) -> int:
-    """Says what should have been contained further in, and whose code it is from; nothing ends without a word."""
+    """Reports an exception that was not handled earlier, with its origin."""
     if os.environ.get("SKIROS_DEBUG"):
         traceback.print_exception(error)
     stack = "".join(traceback.format_tb(error.__traceback__))

@@ -23,7 +23,7 @@ _Command = TypeVar("_Command", bound=Callable[..., Any])
 
 @click.group("module")
 def command() -> None:
-    """Lists, shows and runs skills and primitives on their own, in simulation or on the fake."""
+    """Lists, shows and runs single skills and primitives, in simulation or on the fake."""
 
 
 def _scene(function: _Command) -> _Command:
@@ -34,9 +34,13 @@ def _scene(function: _Command) -> _Command:
 
 def _choice(function: _Command) -> _Command:
     param = click.option(
-        "--param", "params", multiple=True, metavar="KEY=VALUE", help="A parameter; the others are inferred. Repeat it."
+        "--param",
+        "params",
+        multiple=True,
+        metavar="KEY=VALUE",
+        help="A parameter; may be repeated; others are inferred.",
     )
-    agent = click.option("--agent", metavar="ID", help="Subsystem that does it; the first that can where left out.")
+    agent = click.option("--agent", metavar="ID", help="Subsystem that runs it.  [default: the first that can]")
     return param(agent(_scene(function)))
 
 
@@ -65,7 +69,7 @@ def list_(scene: str, as_json: bool) -> int:
 @_choice
 @JSON
 def show(name: str, params: tuple[str, ...], agent: str | None, scene: str, as_json: bool) -> int:
-    """Shows a module: its parameters with what they would be now, what holds and why not, and what it does."""
+    """Shows a module: its parameters with their present values, its conditions and whether they hold, and its body."""
     with _fake(scene) as session:
         manager = _manager(session, name, agent)
         panel = manager.panel(name, given_params(params))
@@ -86,7 +90,7 @@ def show(name: str, params: tuple[str, ...], agent: str | None, scene: str, as_j
 @_choice
 @cell_options("max")
 @GUI
-@click.option("--repeat", type=click.IntRange(1), default=1, help="How often.  [default: 1]")
+@click.option("--repeat", type=click.IntRange(1), default=1, help="Number of runs.  [default: 1]")
 @ask_option
 @JSON
 def run(
@@ -99,7 +103,7 @@ def run(
     as_json: bool,
     **options: Any,
 ) -> int:
-    """Runs a module by itself, and shows its conditions before and after."""
+    """Runs a single module, and shows its conditions before and after."""
     from skiros_py.cli.run import stopping
     from skiros_py.skills.outcome import Success
     from skiros_py.station.session import Options, Session
@@ -152,7 +156,7 @@ def given_params(params: Sequence[str]) -> dict[str, str]:
 
 
 def _body(name: str) -> list[str]:
-    """Returns what each implementation does, also those for other drivers."""
+    """Returns the bodies of all implementations, including those for other drivers."""
     from skiros_py.catalogue import load_catalogue
     from skiros_py.skills.behaviour import lines
 

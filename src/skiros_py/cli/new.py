@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 _Command = TypeVar("_Command", bound=Callable[..., Any])
 _NAME = click.argument("name")
-_HELP = click.option("--help-text", "help", default="", metavar="TEXT", help="What it is, in one sentence.")
+_HELP = click.option("--help-text", "help", default="", metavar="TEXT", help="Description in one sentence.")
 _DRY = click.option("--dry-run", is_flag=True, help="Write nothing; show what would be written.")
 _ROBOT = click.option(
     "--robot", default="mobile_panda", metavar="NAME", help="The robot there.  [default: mobile_panda]"
@@ -26,7 +26,7 @@ _ROBOT = click.option(
 
 
 def _many(name: str, field: str, metavar: str, help_: str) -> Callable[[_Command], _Command]:
-    """Makes an option that may be repeated, for a field of what is to be written."""
+    """Returns a repeatable option for a field of the generated files."""
     return click.option(name, field, multiple=True, metavar=metavar, help=f"{help_}; may be repeated.")
 
 
@@ -80,7 +80,7 @@ def package(folder: Path, dry_run: bool, as_json: bool, **said: Any) -> int:
 @_DRY
 @JSON
 def skill(dry_run: bool, as_json: bool, **said: Any) -> int:
-    """Writes a skill NAME, planned and done in its own test.
+    """Writes a skill NAME, with a test that plans and executes it.
 
     With the agent come a parameter for it, one for its robot, and the condition that the robot has it.
     """
@@ -201,7 +201,7 @@ def scene(dry_run: bool, as_json: bool, **said: Any) -> int:
 
 
 def _add(make: Callable[[Knowledge], Draft], *, dry_run: bool, as_json: bool) -> int:
-    """Adds what is made to the package around the working directory, and tells of it."""
+    """Adds the generated files to the package around the working directory, and lists them."""
     from skiros_py.scaffold.project import Project, knowledge_of
 
     project = Project.around(Path.cwd())
@@ -255,13 +255,13 @@ def _on_terminal() -> bool:
 
 
 def _ask(said: dict[str, Any], key: str, question: str, *, needed: bool = True) -> None:
-    """Asks for what was not given, where somebody can answer."""
+    """Prompts for missing values if a person can answer."""
     if not said[key] and _on_terminal():
         said[key] = click.prompt(question, default=None if needed else "", show_default=False, err=True)
 
 
 def _ask_many(said: dict[str, Any], key: str, question: str) -> None:
-    """Asks for one after the other, until there is an empty answer."""
+    """Prompts repeatedly until the answer is empty."""
     if said[key] or not _on_terminal():
         return
     answers: list[str] = []

@@ -21,7 +21,7 @@ _PATHS = click.argument("paths", nargs=-1, type=click.Path(exists=True, path_typ
 
 @click.group("ontology")
 def command() -> None:
-    """Looks at ontologies, checks them and writes their words as Python constants.
+    """Lists and checks ontologies, and generates Python constants for their terms.
 
     PATHS are files and folders; left out, they are the ontologies of the installation.
     """
@@ -40,7 +40,7 @@ def command() -> None:
     type=Seconds(),
     default=60.0,
     metavar="S",
-    help="Give a reasoner up after S seconds, 3600 at most.  [default: 60]",
+    help="Time limit of a reasoner [s], 3600 at most.  [default: 60]",
 )
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout, all else on stderr.")
 def check(paths: tuple[Path, ...], reasoner: ReasonerChoice, time_limit: float, as_json: bool) -> int:
@@ -64,7 +64,7 @@ def check(paths: tuple[Path, ...], reasoner: ReasonerChoice, time_limit: float, 
 
 @command.command("constants", epilog="Example: skiros ontology constants --namespace kitting -o kitting.py")
 @_PATHS
-@click.option("--namespace", "namespaces", multiple=True, metavar="PREFIX", help="Words to write; may be repeated.")
+@click.option("--namespace", "namespaces", multiple=True, metavar="PREFIX", help="Terms to write; may be repeated.")
 @click.option("-o", "--output", type=click.Path(dir_okay=False, path_type=Path), metavar="FILE", help="Write to FILE.")
 @click.option(
     "--check",
@@ -181,7 +181,7 @@ def _compare(file: Path, text: str) -> int:
 
 
 def _write(file: Path, text: str) -> None:
-    """Writes the file whole or not at all."""
+    """Writes the file atomically."""
     draft = file.with_name(f".{file.name}.new")
     try:
         draft.write_text(text, encoding="utf-8")

@@ -20,18 +20,18 @@ _Command = TypeVar("_Command", bound=Callable[..., Any])
 
 
 def data_option(*, required: bool = True) -> Callable[[_Command], _Command]:
-    """Makes the option that names a data directory."""
+    """Returns the option for a data directory."""
     return click.option(
         "--data",
         required=required,
         metavar="DIR",
         type=click.Path(path_type=Path),
-        help="Data directory in which the world lives.",
+        help="Data directory of the world.",
     )
 
 
 def open_existing(data: Path) -> DataDirectory:
-    """Opens a data directory that is there already.
+    """Opens an existing data directory.
 
     Raises:
         FileError: It is not there, another process uses it, it cannot be read or written, or a file is broken.
@@ -43,15 +43,13 @@ def open_existing(data: Path) -> DataDirectory:
 
 GOAL = click.option("--goal", multiple=True, metavar="TEXT", help="Goal instead of the scene's; may be repeated.")
 """The option that states a goal."""
-SEED = click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of every random choice.")
+SEED = click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of all random numbers.")
 """The option that seeds a run."""
-FAKE = click.option("--fake", is_flag=True, help="No physics: skills pretend.")
+FAKE = click.option("--fake", is_flag=True, help="No physics: skills only assert their effects.")
 """The option that leaves out physics."""
 GUI = click.option("--gui", is_flag=True, help="Open the simulation's window.")
 """The option that opens the simulation's window."""
-DRIVER = click.option(
-    "--driver", metavar="NAME", help="A cell driver that a plug-in brings, instead of the simulation."
-)
+DRIVER = click.option("--driver", metavar="NAME", help="Cell driver of a plug-in, instead of the simulation.")
 """The option that names a cell driver."""
 
 ENGINE = click.option(
@@ -67,7 +65,7 @@ class Seconds(click.FloatRange):
         super().__init__(min=0.0, max=3600.0, min_open=True)
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        """Reads the time that was given."""
+        """Parses a time."""
         seconds: float = super().convert(value, param, ctx)
         if math.isnan(seconds):  # it is in every range, for all that comparisons tell
             self.fail(f"{value} is not in the range {self._describe_range()}.", param, ctx)
@@ -78,7 +76,7 @@ class _Pace(click.ParamType[float | None]):
     name = "max|real|N"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float | None:
-        """Reads how fast it shall be; None for as fast as possible."""
+        """Parses a pace; None for as fast as possible."""
         if value in (None, "max"):
             return None
         try:
@@ -93,13 +91,13 @@ class _Pace(click.ParamType[float | None]):
 def key_values(
     option: str, texts: Iterable[str], example: str, form: str = "NAME=VALUE", is_name: Callable[[str], object] = bool
 ) -> dict[str, str]:
-    """Reads an option that may be repeated, each time with a value under a name.
+    """Parses a repeatable option with values by name.
 
     Args:
         option: Its name, for messages ("--param").
-        texts: What was given.
-        example: What would be right ("kit=kit_1").
-        form: The same for any name.
+        texts: The values on the command line.
+        example: A valid value ("kit=kit_1").
+        form: The general form.
         is_name: Tells whether a text can be such a name.
 
     Raises:
@@ -139,7 +137,7 @@ JSON = click.option("--json", "as_json", is_flag=True, help="One JSON object on 
 
 
 def pace_option(default: str) -> Callable[[_Command], _Command]:
-    """Makes the option that says how fast it goes."""
+    """Returns the option for the pace."""
     return click.option(
         "--pace", type=_Pace(), default=default, help=f"Simulated seconds per second.  [default: {default}]"
     )
@@ -165,19 +163,19 @@ SKILLS = click.option(
 )
 """Which skills are on offer."""
 _PLANNER = click.option("--planner", metavar="NAME", help="Planner to use.  [default: the first that fits the task]")
-_TEMPORAL = click.option("--temporal", is_flag=True, help="Plan in time, with durations; takes a planner for that.")
+_TEMPORAL = click.option("--temporal", is_flag=True, help="Temporal planning with durations; needs a temporal planner.")
 _PLANNER_COMMAND = click.option(
     "--planner-command",
     metavar="TEMPLATE",
-    help="Any PDDL planner, such as 'pyperplan -s gbf {domain} {problem}'; {plan} where the plan shall go.",
+    help="Command of any PDDL planner, such as 'pyperplan -s gbf {domain} {problem}'; {plan} is the plan's file.",
 )
 
 
 def cell_options(pace: str) -> Callable[[_Command], _Command]:
-    """Makes the options that say how a cell is brought up; they have the names of ``station.session.Options``.
+    """Returns the options for opening a cell, with the names of ``station.session.Options``.
 
     Args:
-        pace: How fast it goes by default.
+        pace: Default of the pace.
     """
 
     def decorate(command: _Command) -> _Command:
@@ -191,5 +189,5 @@ def planner_options(command: _Command) -> _Command:
     return _PLANNER(_PLANNER_COMMAND(_TEMPORAL(command)))
 
 
-AUTHOR = click.option("--author", default=_login, metavar="NAME", help="Who does it.  [default: your login]")
+AUTHOR = click.option("--author", default=_login, metavar="NAME", help="Author of the edit.  [default: your login]")
 """Who an edit is by."""

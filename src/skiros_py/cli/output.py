@@ -16,13 +16,13 @@ REACHED = 0
 NOT_REACHED = 1
 """It does not, or something broke on the way."""
 DIFFERENT = 1
-"""Two things that were compared are not equal, or a copy is not current."""
+"""The compared things differ, or a copy is outdated."""
 USAGE = 2
 """Wrong usage, or a file that cannot be understood; nothing was started."""
 NO_PLAN = 3
 """No plan leads to the goal; nothing was done."""
 STOPPED = 130
-"""Somebody stopped it."""
+"""It was stopped."""
 
 
 _STACKS = ('\n  File "', "\nTraceback (most recent call last):")
@@ -38,7 +38,7 @@ def escaped(text: str) -> str:
 
 
 def brief(text: str) -> str:
-    """Returns a text without the stack that follows it; in its place stands the author's line where that is from."""
+    """Returns a text without the stack trace that follows it, but with its line in the author's code."""
     from skiros_py.plugins.plugin import authors_line  # help is there at once, without all that
 
     start = min((at for stack in _STACKS if (at := text.find(stack)) >= 0), default=-1)
@@ -53,7 +53,7 @@ _answers: TextIO | None = None
 
 @contextmanager
 def answers_alone(*, prints: bool) -> Iterator[None]:
-    """Keeps what others print from C away from stdout, and on request all that is printed in Python, too.
+    """Keeps output printed from C away from stdout; optionally also all output printed in Python.
 
     Args:
         prints: True where only :func:`answer` shall reach stdout.
@@ -75,7 +75,7 @@ def answer(value: Any) -> None:
 
 
 def tell(found: Any, lines: Iterable[str] = (), *, as_json: bool) -> int:
-    """Prints what a command has found: as JSON, or as lines for people.
+    """Prints the result of a command: as JSON, or as lines for people.
 
     Args:
         found: Plain data, or what the API answers.
@@ -95,7 +95,7 @@ def tell(found: Any, lines: Iterable[str] = (), *, as_json: bool) -> int:
 
 @contextmanager
 def progress(first: str) -> Iterator[Callable[[str], None]]:
-    """Shows on a terminal what is being done; elsewhere nothing."""
+    """Shows progress on a terminal; elsewhere nothing."""
     from rich.console import Console
 
     console = Console(stderr=True, highlight=False)

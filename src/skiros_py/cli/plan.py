@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 @click.command("plan", epilog="Example: skiros plan kitting --write out && ls out")
 @click.argument("scene")
 @GOAL
-@click.option("--robot", metavar="NAME", help="Robot to plan for; all robots of the scene where left out.")
+@click.option("--robot", metavar="NAME", help="Robot to plan for.  [default: all robots of the scene]")
 @click.option(
     "--write",
     "folder",
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     metavar="DIR",
     help="Write domain.pddl, problem.pddl and plan into DIR.",
 )
-@click.option("--explain-domain", "explain", is_flag=True, help="What was added to what the skills say, and why.")
+@click.option("--explain-domain", "explain", is_flag=True, help="Show what was added to the skills, and why.")
 @SKILLS
 @planner_options
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout, all else on stderr.")

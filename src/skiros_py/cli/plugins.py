@@ -15,14 +15,14 @@ if TYPE_CHECKING:
     from skiros_py.plugins.plugin import PluginFault
 
 _FILE_WIDTH = 200
-"""Columns of the table where it is not shown on a terminal."""
+"""Width of the table if it is not shown on a terminal."""
 
 
 @click.command("plugins", epilog="Examples: skiros plugins --group skills; skiros plugins drive")
 @click.argument("name", required=False)
-@click.option("--group", metavar="GROUP", help="Only those of one group, such as skills or primitives.")
-@click.option("--tracebacks", is_flag=True, help="Show where those that did not load broke.")
-@click.option("--strict", is_flag=True, help="Exit with 1 where one is broken.")
+@click.option("--group", metavar="GROUP", help="Only this group, such as skills or primitives.")
+@click.option("--tracebacks", is_flag=True, help="Show the tracebacks of plug-ins that do not load.")
+@click.option("--strict", is_flag=True, help="Exit with 1 if one is broken.")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
 def command(name: str | None, group: str | None, tracebacks: bool, strict: bool, as_json: bool) -> int:
     """Loads every plug-in and lists it: group, name, distribution, object, and whether it works.

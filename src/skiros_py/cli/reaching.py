@@ -1,4 +1,4 @@
-"""Which server a command speaks to, and with which key."""
+"""Selects the server of a command, and its key."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from skiros_py.client import Client
 
 Found = tuple[Any, Iterable[str]]
-"""What a command found: as data that JSON can carry, and as lines for people."""
+"""The result of a command: as plain data, and as lines for people."""
 _Command = TypeVar("_Command", bound=Callable[..., Any])
 
 _LONGEST_KEY = 1000
@@ -32,17 +32,17 @@ _KEY_FILE = click.option(
     "--key-file",
     metavar="FILE",
     type=click.Path(path_type=Path, dir_okay=False),
-    help="File with the key for it; SKIROS_KEY in the environment does as well.",
+    help="File with the key; or set SKIROS_KEY in the environment.",
 )
 
 
 def server_options(command: _Command) -> _Command:
-    """Adds the options that say which server: ``data``, ``url`` and ``key_file``."""
+    """Adds the options that select a server: ``data``, ``url`` and ``key_file``."""
     return data_option(required=False)(_URL(_KEY_FILE(command)))
 
 
 def with_client(**options: Any) -> Callable[[Callable[..., int]], Callable[..., int]]:
-    """Adds the options that say which server, and calls the command with its ``client``.
+    """Adds the options that select a server, and calls the command with its ``client``.
 
     Args:
         **options: Those of :class:`~skiros_py.client.Client`: ``timeout`` and ``tries``.
@@ -65,9 +65,9 @@ def served(
     opened: Callable[[Path | None, str | None, Path | None], AbstractContextManager[Any]] | None = None,
     **options: Any,
 ) -> Callable[[Callable[..., Found]], click.Command]:
-    """Makes a command of a group that asks a server; it has the options that say which, and ``--json``.
+    """Returns a command of a group for a server, with the options that select it, and ``--json``.
 
-    The function gets a client, then its arguments, and returns what it found, as data and as lines for people.
+    The function receives a client, then its arguments, and returns its result as data and as lines for people.
 
     Args:
         group: The group.

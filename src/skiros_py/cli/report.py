@@ -23,11 +23,11 @@ from skiros_py.errors import FileError
     "--mcap",
     type=click.Path(dir_okay=False, path_type=Path),
     metavar="FILE.mcap",
-    help="Write a copy of the recording instead, complete with its index even where the run was cut off.",
+    help="Write a copy of the recording instead, with a complete index even if the run was interrupted.",
 )
 @JSON
 def command(run: Path, output: Path | None, mcap: Path | None, as_json: bool) -> int:
-    """Makes a page about RUN: a recording, or a data directory for the recording of its latest run.
+    """Creates a page about RUN: a recording, or a data directory for the recording of its latest run.
 
     With --json the recording's content is printed as data instead; a page is written only where --output asks for one.
     """

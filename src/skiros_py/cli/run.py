@@ -38,7 +38,7 @@ _Command = TypeVar("_Command", bound=Callable[..., Any])
 
 
 def ask_option(function: _Command) -> _Command:
-    """Adds the option that says whether robots may ask the person at the terminal."""
+    """Adds the option for questions to the person at the terminal."""
     return click.option(
         "--ask/--no-ask",
         default=None,
@@ -72,7 +72,7 @@ def answering(questions: Questions, *, ask: bool | None) -> Iterator[None]:
 
 
 def _read(questions: Questions, came: threading.Event) -> None:
-    """Takes each line of input for the answer to the oldest question."""
+    """Passes each line of input as the answer to the oldest question."""
     while True:
         came.wait()
         line = sys.stdin.readline()
@@ -88,11 +88,11 @@ def _read(questions: Questions, came: threading.Event) -> None:
 
 
 _FILE_WIDTH = 200
-"""Columns of the table where it is not shown on a terminal."""
+"""Width of the table if it is not shown on a terminal."""
 
 
 class RunDisplay:
-    """Follows one session; lines for what is final, one live line for what is going on (on a terminal only)."""
+    """Follows one session: a line for each finished step, and a live line on a terminal."""
 
     def __init__(self, session: Session, *, to_stderr: bool) -> None:
         self._session = session
@@ -199,7 +199,7 @@ def _yes(value: bool) -> str:
     help="Goal instead of the scene's, as text such as 'InKit(Starter, kit_1) and not (A(x) or B(x))', 'for all k: Kit "
     "(InKit(Starter, k))', 'exists k: Kit (…)', or as PDDL, '(in_kit starter kit_1)'; may be repeated.",
 )
-@click.option("--robot", metavar="NAME", help="Robot to use; needed where the scene has several.")
+@click.option("--robot", metavar="NAME", help="Robot to use.  [default: all robots of the scene]")
 @cell_options("max")
 @GUI
 @click.option(
@@ -214,7 +214,7 @@ def _yes(value: bool) -> str:
 @ask_option
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout, all else on stderr.")
 def command(scene: str, record: Path | None, ask: bool | None, as_json: bool, **options: Any) -> int:
-    """Plans and does the goal of SCENE (a name, or a path to a .ttl file)."""
+    """Plans and executes the goal of SCENE (a name, or a path to a .ttl file)."""
     from skiros_py.recording.pictures import check_pictures
     from skiros_py.system import check_display
 
@@ -271,7 +271,7 @@ def _run(session: Session, record: Path | None, *, ask: bool | None, as_json: bo
 
 @contextmanager
 def stopping(session: Session, *, as_json: bool) -> Iterator[None]:
-    """Ctrl-C and a polite kill halt the robot in the next cycle; a second one does not wait for standstill.
+    """Ctrl-C and SIGTERM halt the robot in the next cycle; a second one does not wait for standstill.
 
     Where code of others holds the control thread, and does not come back although the watchdog has interrupted it or
     the user wants a stop, the command ends without it.

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @click.group("scene")
 def command() -> None:
-    """Looks at scenes, checks, compares and saves them.
+    """Shows, checks, compares and saves scenes.
 
     SCENE is a name as `skiros scene list` shows it, or the path of a file that ends in .ttl, .owl, .rdf, .owx or .xml.
     """
@@ -28,7 +28,7 @@ def command() -> None:
 @command.command("list", epilog="Example: skiros scene list --json")
 @JSON
 def list_scenes(as_json: bool) -> int:
-    """Lists the scenes that can be given by name."""
+    """Lists the scenes by name."""
     from skiros_py.config import named_scene, scene_names
 
     names = scene_names()
@@ -39,7 +39,7 @@ def list_scenes(as_json: bool) -> int:
 @click.argument("scene")
 @JSON
 def show(scene: str, as_json: bool) -> int:
-    """Shows SCENE as a tree over what is placed where and what is built of what, and its goal."""
+    """Shows SCENE as a tree of placements and parts, and its goal."""
     from skiros_py.station.worlds import open_world
     from skiros_py.world.branches import tree
 
@@ -86,7 +86,7 @@ def check(scene: str, as_json: bool) -> int:
 @click.argument("new")
 @JSON
 def diff(old: str, new: str, as_json: bool) -> int:
-    """Shows what makes the scene NEW of the scene OLD, edit by edit.
+    """Shows the edits that turn the scene OLD into NEW.
 
     Exit status: 0 they are equal, 1 they are different, 2 one of them is broken.
     """

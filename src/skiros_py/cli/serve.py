@@ -49,7 +49,7 @@ def rollback_first_start(data: Path) -> Iterator[None]:
 
 
 def _remove(made: list[Path]) -> None:
-    """Removes folders, the innermost first; what cannot be removed stays."""
+    """Removes folders, the innermost first; failures are ignored."""
     from skiros_py.world.journal.data_directory import DirectoryLock
 
     data = made[0]
@@ -80,7 +80,7 @@ _OVERRUN = 0.5
 _OVERRUN_SIMULATED = 2.0
 """The same for simulated robots: their time stands still meanwhile, and a busy machine is not the module's fault."""
 _ENDING = 9.0
-"""The station must stand, and the process be gone, so long after the first signal [s]."""
+"""Maximum time from the first signal to the end of the process [s]."""
 
 
 @click.command(
@@ -95,7 +95,7 @@ Examples:
 )
 @click.argument("scene", required=False, default="")
 @data_option(required=False)
-@click.option("--host", default="127.0.0.1", show_default=True, help="Address; any but this machine's own takes keys.")
+@click.option("--host", default="127.0.0.1", show_default=True, help="Address; other than loopback requires keys.")
 @click.option("--port", type=click.IntRange(0, 65535), default=8000, show_default=True, help="0 for any free one.")
 @cell_options("real")
 @click.option("--robot", metavar="NAME", help="The robot to use.  [default: all robots of the scene]")
@@ -108,11 +108,13 @@ Examples:
     show_default=True,
     help="Whether requests need a key; auto: as soon as there is one.",
 )
-@click.option("--allow-host", multiple=True, metavar="NAME", help="A further name under which the server is reached.")
-@click.option("--allow-origin", multiple=True, metavar="ORIGIN", help="Web pages that may use it: https://mes.example.")
-@click.option("--webhook-host", multiple=True, metavar="HOST", help="Where webhooks may be sent to: HOST or HOST:PORT.")
+@click.option("--allow-host", multiple=True, metavar="NAME", help="Another name of the server; may be repeated.")
 @click.option(
-    "--log", type=click.Choice(["console", "json"]), default="console", show_default=True, help="Form of the log."
+    "--allow-origin", multiple=True, metavar="ORIGIN", help="Web pages that may use it, such as https://mes.example."
+)
+@click.option("--webhook-host", multiple=True, metavar="HOST", help="Permitted target of webhooks: HOST or HOST:PORT.")
+@click.option(
+    "--log", type=click.Choice(["console", "json"]), default="console", show_default=True, help="Format of the log."
 )
 @JSON
 def command(
@@ -130,7 +132,7 @@ def command(
     as_json: bool,
     **others: Any,
 ) -> int:
-    """Serves SCENE, or the world that lives in the data directory, until Ctrl-C or a polite kill.
+    """Serves SCENE, or the world that lives in the data directory, until Ctrl-C or SIGTERM.
 
     SCENE is the first content of a new data directory, and can be left out afterwards: world, jobs and keys live on
     there; without --data all of that is gone at the end. The API is below /api/v1, with a page that describes it at
@@ -257,7 +259,7 @@ def _say_where(services: Services, url: str, data: Path, *, as_json: bool) -> No
 
 
 class _Stops:
-    """What Ctrl-C and polite kills do: the first ends the server in good order, the second at once."""
+    """Handles Ctrl-C and SIGTERM: the first ends the server in an orderly way, the second immediately."""
 
     def __init__(self, *, as_json: bool) -> None:
         self._as_json = as_json
@@ -266,7 +268,7 @@ class _Stops:
 
     @contextmanager
     def heard(self) -> Iterator[_Stops]:
-        """Listens for them while the block runs, and sees that it comes to an end."""
+        """Handles them while the block runs, and ensures that it ends."""
         for number in STOPS:
             signal.signal(number, self._hear)
         try:
@@ -275,7 +277,7 @@ class _Stops:
             self._left = True
 
     def end_with(self, serving: Serving) -> None:
-        """Has the server ended by the first of them; before, they end the opening."""
+        """Lets the first of them end the server; before, they end the opening."""
         self._serving = serving
 
     def _hear(self, _number: int, _frame: object) -> None:

@@ -1,4 +1,4 @@
-"""``skiros world``: what is believed, how it came about, and taking it back."""
+"""``skiros world``: shows a world, its history, and undoes changes."""
 
 from __future__ import annotations
 
@@ -21,20 +21,20 @@ if TYPE_CHECKING:
     from skiros_py.world.ontology import Ontology
 
 _MOST_LINES = 20
-"""Edits of one change that are shown; a scene has thousands."""
+"""Maximum number of edits shown for one change; a scene has thousands."""
 
 _ELSEWHERE = {
-    "learned": ("world_learned", "Lists what robots were taught, forgets it, or writes it to a file."),
-    "query": ("world_query", "Asks a question in SPARQL."),
+    "learned": ("world_learned", "Lists, deletes or exports the concepts taught to robots."),
+    "query": ("world_query", "Runs a SPARQL query."),
 }
-"""Commands with a module of their own, imported when it is used."""
+"""Commands in other modules, imported when used."""
 
 
 @click.group("world", cls=LazyGroup, elsewhere=_ELSEWHERE)
 def command() -> None:
-    """Looks at a world that lives in a data directory, and takes back what was done to it.
+    """Shows the world of a data directory, and undoes changes.
 
-    Where a server runs on the directory, its world is meant, as it is now.
+    If a server runs on the directory, its current world is used.
     """
 
 
@@ -45,9 +45,9 @@ def command() -> None:
 @click.argument("scene")
 @DATA
 def create(scene: str, data: Path) -> int:
-    """Makes a data directory whose world begins with SCENE, given by name or path.
+    """Creates a data directory whose world begins with SCENE, given by name or path.
 
-    A learned.ttl that lies in it already comes along.
+    An existing learned.ttl in it is read, too.
     """
     from skiros_py.client.client import find_server
     from skiros_py.station.worlds import open_data
@@ -68,10 +68,10 @@ def create(scene: str, data: Path) -> int:
 @command.command("show", epilog="Example: skiros world show starter_1 --data run/data")
 @click.argument("element")
 @data_option(required=False)
-@click.option("--scene", metavar="SCENE", help="Look at a scene, given by name or path, instead.")
+@click.option("--scene", metavar="SCENE", help="A scene, given by name or path, instead.")
 @JSON
 def show(element: str, data: Path | None, scene: str | None, as_json: bool) -> int:
-    """Shows what is believed of ELEMENT: class, properties, relations, and the last change."""
+    """Shows ELEMENT: class, properties, relations, and the last change."""
     from skiros_py.cli.world_open import OpenWorld
     from skiros_py.station.worlds import open_world
 
@@ -108,12 +108,12 @@ def _show(shown: Shown, *, as_json: bool) -> None:
 
 @command.command("history", epilog="Example: skiros world history starter_1 --data run/data --last 10")
 @click.argument("element", required=False)
-@click.option("--all", "everything", is_flag=True, help="Of the whole world.")
+@click.option("--all", "everything", is_flag=True, help="Show all changes.")
 @click.option("--last", type=click.IntRange(min=1), metavar="N", help="The latest N changes only.")
 @DATA
 @JSON
 def history(element: str | None, everything: bool, last: int | None, data: Path, as_json: bool) -> int:
-    """Shows what changed ELEMENT, when, by whom and why, the oldest change first; the element may be gone."""
+    """Shows the changes of ELEMENT, with time, author and reason, oldest first; it may have been removed."""
     if (element is None) != everything:
         raise click.UsageError("say of what: either ELEMENT or --all")
     with present_world(data) as world:
@@ -158,7 +158,7 @@ def _written(entry: Entry) -> str:
 @AUTHOR
 @JSON
 def undo(data: Path, author: str, as_json: bool) -> int:
-    """Takes back the last edit that a person made; refused where something was built on it since."""
+    """Undoes the last edit of a person; refused if later changes depend on it."""
     with present_world(data) as world:
         change = world.undo(author)
     return tell(change.as_json(), [f"change {change.number}: {change.reason}"], as_json=as_json)
@@ -166,10 +166,10 @@ def undo(data: Path, author: str, as_json: bool) -> int:
 
 @command.command("compact", epilog="Example: skiros world compact --data run/data --keep 1000")
 @DATA
-@click.option("--keep", type=click.IntRange(min=0), default=1000, show_default=True, help="Changes to remember.")
+@click.option("--keep", type=click.IntRange(min=0), default=1000, show_default=True, help="Number of changes to keep.")
 @JSON
 def compact(data: Path, keep: int, as_json: bool) -> int:
-    """Forgets all but the latest changes: the journal gets short, history and undo reach back no further."""
+    """Deletes all but the latest changes from the journal; older ones are no longer in the history, nor undone."""
     with open_existing(data) as directory:
         directory.compact(keep)
         first, version = directory.journal.first, directory.journal.version

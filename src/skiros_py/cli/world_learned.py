@@ -1,4 +1,4 @@
-"""``skiros world learned``: what robots were taught."""
+"""``skiros world learned``: concepts taught to robots."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ if TYPE_CHECKING:
 
 @click.group("learned")
 def command() -> None:
-    """Lists what robots were taught, forgets it, or writes it to a file."""
+    """Lists, deletes or exports the concepts taught to robots."""
 
 
 @command.command("list", epilog="Example: skiros world learned list --data run/data")
 @DATA
 @JSON
 def list_learned(data: Path, as_json: bool) -> int:
-    """Lists what was learned."""
+    """Lists the learned concepts."""
     from skiros_py.world.change import ElementEdit
 
     with present_world(data) as world:
@@ -45,7 +45,7 @@ def _line(element: Element) -> str:
 @AUTHOR
 @JSON
 def forget(concept: str, data: Path, author: str, as_json: bool) -> int:
-    """Forgets CONCEPT with its pieces; skiros world undo brings it back."""
+    """Deletes CONCEPT with its parts; skiros world undo restores it."""
     with present_world(data) as world:
         change = world.forget(concept, author)
     return tell(change.as_json(), [f"change {change.number}: {change.reason}"], as_json=as_json)
@@ -55,9 +55,9 @@ def forget(concept: str, data: Path, author: str, as_json: bool) -> int:
 @click.argument("file", required=False, type=click.Path(dir_okay=False, path_type=Path))
 @DATA
 def export(file: Path | None, data: Path) -> int:
-    """Writes what was learned as Turtle, to FILE or to stdout.
+    """Writes the learned concepts as Turtle, to FILE or to stdout.
 
-    Another robot knows it from the start when the file lies in its new data directory as learned.ttl.
+    A new data directory that contains this file as learned.ttl starts with them.
     """
     from skiros_py.world.scene.files import write_atomically
 

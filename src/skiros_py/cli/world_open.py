@@ -1,4 +1,4 @@
-"""A world that this process has open, as commands look at it."""
+"""A world opened in this process, for commands."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ if TYPE_CHECKING:
     from skiros_py.world.world import World
 
 MOST_ROWS = 100_000
-"""Rows of the answer to a query in this process."""
+"""Maximum number of rows of a query in this process."""
 
 
 @dataclass(frozen=True, slots=True)
 class Shown:
-    """What is believed of an element.
+    """An element with its relations.
 
     Attributes:
         element: With its own values.
@@ -39,10 +39,10 @@ class Shown:
 
 @dataclass(frozen=True, slots=True)
 class History:
-    """What changed, in order.
+    """Changes, in order.
 
     Attributes:
-        first: Number of the oldest change that is remembered.
+        first: Number of the oldest stored change.
         entries: The changes.
     """
 
@@ -63,12 +63,12 @@ class OpenWorld:
         self._journal = journal
 
     def show(self, element: str) -> Shown:
-        """Returns what is believed of an element."""
+        """Returns an element with its relations."""
         state = self._world.snapshot()
         return Shown(state.element(element), state.statements_about(element), state.stamp(element))
 
     def history(self, element: str | None, last: int | None) -> History:
-        """Returns which changes touched an element, or all."""
+        """Returns the changes of an element, or all."""
         assert self._journal is not None
         entries = self._journal.history(element, last=last)
         if element is not None and not entries and not self._journal.was_given(element):
@@ -76,21 +76,21 @@ class OpenWorld:
         return History(self._journal.first, entries)
 
     def ontology(self) -> Ontology:
-        """Returns what there can be."""
+        """Returns the ontology."""
         return self._world.ontology
 
     def undo(self, author: str) -> Change:
-        """Takes back the last edit that a person made."""
+        """Undoes the last edit of a person."""
         from skiros_py.world.undo import undo
 
         return undo(self._world, author)
 
     def learned(self) -> Sequence[Element]:
-        """Returns what robots were taught."""
+        """Returns the learned concepts."""
         return [self._world.element(name) for name in self._learned()]
 
     def forget(self, concept: str, author: str) -> Change:
-        """Forgets something that was learned, with its pieces."""
+        """Deletes a learned concept with its parts."""
         from skiros_py.world.change import Writer
 
         known = self._learned()
@@ -102,7 +102,7 @@ class OpenWorld:
         return change
 
     def learned_turtle(self) -> str:
-        """Returns what was learned as the text of a Turtle file."""
+        """Returns the learned concepts as the text of a Turtle file."""
         from skiros_py.world.scene.learned import learned_turtle
 
         return learned_turtle(self._world.snapshot())
@@ -115,7 +115,7 @@ class OpenWorld:
         return scene_turtle(scene_only(self._world.snapshot()))
 
     def query(self, sparql: str, bindings: Mapping[str, Binding], *, entailed: bool, time_limit: float) -> Result:
-        """Answers a question in SPARQL."""
+        """Runs a SPARQL query."""
         from skiros_py.world.queries.outside import Limits, OutsideQueries
 
         with OutsideQueries(self._world, Limits(rows=MOST_ROWS)) as queries:

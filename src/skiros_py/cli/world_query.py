@@ -1,4 +1,4 @@
-"""``skiros world query``: ask a world in SPARQL."""
+"""``skiros world query``: queries a world in SPARQL."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from skiros_py.world.queries import Binding, Result, Table
 
 _ON_THE_WAY = 30.0
-"""What an answer of a server may take beside the question itself [s]."""
+"""Maximum time of a response beside the query itself [s]."""
 _NUMBERS: Mapping[Callable[[str], Binding], re.Pattern[str]] = {  # as SPARQL tells them apart
     int: re.compile(r"[+-]?[0-9]{1,4000}"),
     Decimal: re.compile(r"[+-]?[0-9]*\.[0-9]+"),
@@ -41,10 +41,10 @@ Examples:
 """,
 )
 @click.argument("words", nargs=-1, metavar="[SCENE] [SPARQL]")
-@click.option("--data", metavar="DIR", type=click.Path(path_type=Path), help="Ask the world in a data directory.")
+@click.option("--data", metavar="DIR", type=click.Path(path_type=Path), help="Query the world of a data directory.")
 @click.option("--file", metavar="FILE", type=click.Path(path_type=Path), help="Read the query from FILE.")
-@click.option("--bind", "bindings", multiple=True, metavar="NAME=VALUE", help="What $NAME stands for; may be repeated.")
-@click.option("--entailed", is_flag=True, help="Count what OWL entails too: inverses, sub-relations, …")
+@click.option("--bind", "bindings", multiple=True, metavar="NAME=VALUE", help="Value of $NAME; may be repeated.")
+@click.option("--entailed", is_flag=True, help="Include OWL entailments: inverses, sub-relations, …")
 @JSON
 @click.option("--csv", "as_csv", is_flag=True, help="Comma-separated values on stdout (for SELECT).")
 @click.option(
@@ -52,7 +52,7 @@ Examples:
     type=Seconds(),
     default=5.0,
     metavar="S",
-    help="Give up after S seconds, 3600 at most.  [default: 5]",
+    help="Time limit [s], 3600 at most.  [default: 5]",
 )
 def command(
     words: tuple[str, ...],
@@ -64,9 +64,9 @@ def command(
     as_csv: bool,
     time_limit: float,
 ) -> int:
-    """Asks a scene, or with --data the world in a data directory, in SPARQL: SELECT, ASK or CONSTRUCT.
+    """Queries a scene, or with --data the world of a data directory, in SPARQL: SELECT, ASK or CONSTRUCT.
 
-    One query sees ontology, scene, what was learned and computed relations; all prefixes are declared already. SPARQL
+    A query covers ontology, scene, learned concepts and computed relations; all prefixes are declared. SPARQL
     "-" is read from stdin. In --bind a value is a number, true or false, a text in double quotes, or else a name
     (pallet_a, kitting:Starter).
     """

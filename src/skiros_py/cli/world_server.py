@@ -1,4 +1,4 @@
-"""The world of a server, as commands look at it: what it tells becomes what a world in this process would tell."""
+"""The world of a server for commands: its responses are converted to the types of a world in this process."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class ServedWorld:
         self._client = client
 
     def show(self, element: str) -> Shown:
-        """Returns what is believed of an element."""
+        """Returns an element with its relations."""
         from skiros_py.world.element import Stamp
 
         found = self._client.elements.get(element)
@@ -53,7 +53,7 @@ class ServedWorld:
         return _all(lambda cursor: self._client.elements.relations(found.id, limit=_PAGE, cursor=cursor))
 
     def history(self, element: str | None, last: int | None) -> History:
-        """Returns which changes touched an element, or all."""
+        """Returns the changes of an element, or all."""
         from skiros_py.world.journal import Entry
 
         limit = _CHANGES if last is None else min(last, _CHANGES)
@@ -71,31 +71,31 @@ class ServedWorld:
         return self._client.elements.history(element, newest_first=True, limit=limit, cursor=cursor)
 
     def ontology(self) -> Ontology:
-        """Returns what there can be: of this installation, which is the server's."""
+        """Returns the ontology of this installation, which is also the server's."""
         from skiros_py.config import ontology_paths
         from skiros_py.world.ontology import load_installed
 
         return load_installed(ontology_paths())[0]
 
     def undo(self, author: str) -> Change:
-        """Takes back the last edit that a person made."""
+        """Undoes the last edit of a person."""
         self._write_as(author)
         return self._whole(self._client.world.undo())
 
     def learned(self) -> Sequence[Element]:
-        """Returns what robots were taught."""
+        """Returns the learned concepts."""
         found = _all(lambda cursor: self._client.learned.list(limit=_PAGE, cursor=cursor))
         return [_learned(one) for one in found]
 
     def forget(self, concept: str, author: str) -> Change:
-        """Forgets something that was learned, with its pieces."""
+        """Deletes a learned concept with its parts."""
         self._write_as(author)
         change = self._client.learned.forget(concept).change
         assert change is not None
         return self._whole(change)
 
     def learned_turtle(self) -> str:
-        """Returns what was learned as the text of a Turtle file."""
+        """Returns the learned concepts as the text of a Turtle file."""
         return self._client.learned.export()
 
     def scene_turtle(self) -> str:
@@ -103,7 +103,7 @@ class ServedWorld:
         return self._client.scenes.turtle()
 
     def query(self, sparql: str, bindings: Mapping[str, Binding], *, entailed: bool, time_limit: float) -> Result:
-        """Answers a question in SPARQL; a server takes less time for one, and answers fewer rows."""
+        """Runs a SPARQL query; a server has lower limits of time and rows."""
         answer = self._client.queries.ask(_question(sparql, bindings, entailed=entailed, time_limit=time_limit))
         return _result(answer.model_dump())
 
@@ -139,7 +139,7 @@ class _Page(Protocol[_Item]):
 
 
 def _all(read: Callable[[str | None], _Page[_Item]], first: _Page[_Item] | None = None) -> Iterator[_Item]:
-    """Yields what is on all pages; those after the first are read when they are wanted."""
+    """Yields the items of all pages; further pages are requested when needed."""
     page = read(None) if first is None else first
     while True:
         yield from page.items

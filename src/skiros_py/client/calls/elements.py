@@ -27,7 +27,7 @@ def list_elements(
         place: Only those placed directly here.
         abstract: True for elements described by the ontology or learned.
         limit: How many at most.
-        cursor: ``next`` of the page before.
+        cursor: ``next`` of the previous page.
     """
     query = {"class": class_, "label": label, "text": text, "place": place}
     paging = {"abstract": abstract, "limit": limit, "cursor": cursor}
@@ -53,7 +53,7 @@ def list_relations(
         element: Its id.
         relation: Only this relation or its sub-relations; may be a computed one.
         limit: How many at most.
-        cursor: ``next`` of the page before.
+        cursor: ``next`` of the previous page.
     """
     query = {"relation": relation, "limit": limit, "cursor": cursor}
     return Call("GET", path_of("elements", element, "relations"), RelationPage, query=query)
@@ -68,7 +68,7 @@ def read_element_history(
         element: Its id.
         newest_first: Whether to go back in time.
         limit: How many at most.
-        cursor: ``next`` of the page before.
+        cursor: ``next`` of the previous page.
     """
     query = {"newest_first": newest_first, "limit": limit, "cursor": cursor}
     return Call("GET", path_of("elements", element, "history"), ChangePage, query=query)

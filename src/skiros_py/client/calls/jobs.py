@@ -88,7 +88,7 @@ def list_jobs(
         states: Those in these states only.
         since: Those only that changed since then.
         limit: How many at most.
-        cursor: The ``next`` of the page before.
+        cursor: ``next`` of the previous page.
         newest_first: True to go back from the one that was ordered last.
     """
     return Call("GET", "/jobs", JobPage, query=_chosen(states, since, limit, cursor, newest_first))
@@ -118,7 +118,7 @@ def list_job_responses(
         states: Those in these states only.
         since: Those only that changed since then.
         limit: How many at most, up to 100.
-        cursor: The ``next`` of the page before.
+        cursor: ``next`` of the previous page.
         newest_first: True to go back from the one that was ordered last.
     """
     query = _chosen(states, since, limit, cursor, newest_first)

@@ -57,7 +57,7 @@ def list_changes(
         since: Only changes after this number.
         newest_first: True to go back in time from the latest.
         limit: How many at most.
-        cursor: ``next`` of the page before.
+        cursor: ``next`` of the previous page.
     """
     query = {"since": since, "newest_first": newest_first, "limit": limit, "cursor": cursor}
     return Call("GET", "/world/changes", ChangePage, query=query)

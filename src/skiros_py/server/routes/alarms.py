@@ -6,7 +6,7 @@ import asyncio
 import json
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Path, Query, Request, Response
+from fastapi import APIRouter, Path, Request, Response
 from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect
 
@@ -15,6 +15,7 @@ from skiros_py.api.wire import moment
 from skiros_py.server.access.audit import note
 from skiros_py.server.access.roles import CallerDep, Role, needs
 from skiros_py.server.problems import Problem
+from skiros_py.server.routes.world import Cursor, Limit, number_cursor
 from skiros_py.server.services import StationDep
 from skiros_py.station.stops import Stopped
 
@@ -27,8 +28,8 @@ AlarmId = Annotated[str, Path(max_length=200, description="Id of the alarm.", ex
 def list_alarms(
     station: StationDep,
     active: bool | None = None,
-    limit: Annotated[int, Query(ge=1, le=1000)] = 100,
-    cursor: Annotated[str, Query(max_length=200)] = "",
+    limit: Limit = 100,
+    cursor: Cursor = None,
 ) -> AlarmPage:
     """List alarms.
 
@@ -37,7 +38,7 @@ def list_alarms(
     Parameters:
         active: Only active alarms, or only inactive ones.
     """
-    return station.alarms.all(active=active, limit=limit, after=_number(cursor))
+    return station.alarms.all(active=active, limit=limit, after=number_cursor(cursor))
 
 
 @router.get("/{alarm}", dependencies=[needs(Role.VIEWER, mes=True)])
@@ -74,17 +75,6 @@ def answer_alarm(
     if caller.role is Role.MES and not known.job:
         raise Problem(403, "RoleTooLow", f"{caller.name} is mes, and answers for jobs; this is for an operator")
     return station.alarms.answer(alarm, answer, caller.author)
-
-
-def _number(cursor: str) -> int:
-    """Reads where a page begins.
-
-    Raises:
-        Problem: It is no cursor of ours.
-    """
-    if cursor and not (cursor.isascii() and cursor.isdecimal() and len(cursor) < 19):
-        raise Problem(422, "InvalidRequest", "cursor: give what the page before said in 'next'")
-    return int(cursor or 0)
 
 
 stop_router = APIRouter(tags=["stop"])

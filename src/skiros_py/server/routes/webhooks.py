@@ -198,7 +198,7 @@ def _read(cursor: str | None) -> tuple[int, int]:
         return 0, 0
     before, _, skip = cursor.partition(".")
     if not (before.isdecimal() and skip.isdecimal() and before.isascii() and skip.isascii()):
-        raise Problem(422, "InvalidRequest", "cursor: take the 'next' of the page before, as it is")
+        raise Problem(422, "InvalidRequest", "cursor: pass 'next' of the previous page unchanged")
     return int(before), int(skip)
 
 

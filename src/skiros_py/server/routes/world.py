@@ -40,7 +40,7 @@ WhyQuery = Annotated[
 
 
 def also_refused(status: int, why: str) -> dict[int | str, dict[str, Any]]:
-    """Documents a refusal that only some routes know; for ``responses=``."""
+    """Returns the documentation of a refusal by some routes only; for ``responses=``."""
     return {status: {"model": ProblemDetails, "description": why, "content": {"application/problem+json": {}}}}
 
 
@@ -48,19 +48,19 @@ _NUMBER = re.compile(r"\d{1,18}", re.ASCII)
 
 
 def number_cursor(cursor: str | None, first: int = 0) -> int:
-    """Reads a cursor that is a number.
+    """Parses a cursor that is a number.
 
     Args:
         cursor: The cursor.
-        first: What it is for the first page.
+        first: Its value for the first page.
 
     Raises:
-        UsageError: It is none of ours.
+        UsageError: It is not a cursor of this list.
     """
     if cursor is None:
         return first
     if not _NUMBER.fullmatch(cursor):
-        raise UsageError(f"'{cursor[:50]}' is no cursor of this list: give 'next' of the page before, as it is")
+        raise UsageError(f"'{cursor[:50]}' is not a cursor of this list: pass 'next' of the previous page unchanged")
     return int(cursor)
 
 
