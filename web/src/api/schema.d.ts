@@ -2364,7 +2364,7 @@ export interface components {
             subclasses: string[];
             /**
              * Properties
-             * @description What its things may have.
+             * @description Properties of its elements.
              */
             properties: components["schemas"]["ClassProperty"][];
             relations_from: string[];
@@ -2537,7 +2537,7 @@ export interface components {
             label?: string | null;
             /**
              * Properties
-             * @description Own values by property; null takes the own value away.
+             * @description Own values by property; null removes the own value.
              * @example {
              *       "sk:mass": 0.4
              *     }
@@ -2855,7 +2855,7 @@ export interface components {
             about: string | null;
             /**
              * Properties
-             * @description What it says: values by property.
+             * @description Values by property.
              */
             properties: {
                 [key: string]: unknown;
@@ -2921,7 +2921,7 @@ export interface components {
             use: string;
             /**
              * Properties
-             * @description What else is known of it, for the record.
+             * @description Further properties, for the record.
              */
             properties?: {
                 [key: string]: string;
@@ -8052,7 +8052,7 @@ export interface operations {
             query?: {
                 active?: boolean | null;
                 limit?: number;
-                cursor?: string;
+                cursor?: string | null;
             };
             header?: never;
             path?: never;
