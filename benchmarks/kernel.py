@@ -191,7 +191,7 @@ def _bare_loop() -> Tick:
 
 def _many_tasks() -> _Crowd:
     cycle = _Crowd(DeviceBoard(FakeCell(read_cell(tiny_world(), ["robot_1"]))))
-    cycle.signals = Signals(cycle.board, [_Unread(number) for number in range(100)], cycle.activity)
+    cycle.signals = Signals(cycle.board, [_Unread(number) for number in range(100)])
     for _ in range(_BEHAVIOURS):
         cycle.start(_for_ever(), "busy")
     return cycle

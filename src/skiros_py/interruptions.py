@@ -7,12 +7,21 @@ costs next to nothing; all locking is on the side that rarely runs, when a tick 
 from __future__ import annotations
 
 import ctypes
+import logging
+import os
 import signal
+import sys
 import threading
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Protocol
+from functools import cache
+from typing import Any, Protocol, TypeVar
+
+T = TypeVar("T")
+
+_log = logging.getLogger(__name__)
 
 
 class Interruption(BaseException):
@@ -53,14 +62,17 @@ class Watched(Protocol):
     """A task, as the watchdog sees it.
 
     Attributes:
-        name: For messages.
         done: True when nothing more of it will run.
         interruptible: True when it may be interrupted anywhere.
     """
 
-    name: str
     done: bool
     interruptible: bool
+
+    @property
+    def name(self) -> str:
+        """For messages."""
+        ...
 
     def fail(self, fault: BaseException) -> None:
         """Ends it with a fault."""
@@ -92,8 +104,9 @@ class Overrun:
         tick: Which tick it is.
         seconds: For how long it had lasted when it was noticed [s].
         limit: For how long it may last [s].
-        module: The innermost primitive that was running; the task where there is none.
+        module: The innermost primitive or device that was running; the task where there is none.
         stack: Where the control thread was, as text.
+        device: The device whose kind was running within the task's own code; None for none.
     """
 
     task: Watched
@@ -102,6 +115,7 @@ class Overrun:
     limit: float
     module: str
     stack: str
+    device: Any = None
 
     def __str__(self) -> str:
         where = self.module if self.module == self.task.name else f"{self.module} (of {self.task.name})"
@@ -165,6 +179,21 @@ class Activity:
         if self.overrun is not None:
             self.settle()
 
+    def run(self, task: Watched, work: Callable[[], T]) -> T | None:
+        """Runs code outside a task's turn; returns None where it took too long: it was interrupted, the task failed."""
+        outer = self.enter(task)
+        try:
+            try:
+                return work()
+            finally:
+                self.leave(outer)
+        except CycleOverrun:
+            if not task.done:  # that of the code around it, or it arrived while the work ended
+                self.leave(outer)
+            if not task.done:
+                raise
+            return None
+
     @contextmanager
     def waiting(self) -> Iterator[None]:
         """Tells the watchdog that the control thread waits for a worker, as it may in lockstep."""
@@ -223,3 +252,92 @@ class Activity:
             take_back(CycleOverrun)
             overrun, self.overrun = self.overrun, None
             return overrun
+
+
+# ---------------------------------------------------------------- code outside the control cycle
+
+_LOOK = 0.1
+"""Time between two looks at what runs with a time limit [s]."""
+_limited: dict[int, _Limited] = {}
+_begun = threading.Event()
+
+
+@dataclass(eq=False)
+class _Limited:
+    """Code with a time limit, in whichever thread."""
+
+    what: Callable[[], str]
+    seconds: float
+    ends: float
+    activity: Activity
+    done: bool = False
+    interruptible: bool = True
+    where: str = ""
+
+    @property
+    def name(self) -> str:
+        return self.what()
+
+    def fail(self, fault: BaseException) -> None:  # noqa: ARG002 - the protocol
+        self.done = True
+
+    def look(self, now: float) -> None:
+        if now > self.ends:
+            self.ends = now + self.seconds
+            self.where = _location(self.activity.thread)
+            interrupted = self.activity.interrupt(
+                Overrun(self, self.activity.tick, self.seconds, self.seconds, self.name, "")
+            )
+            if interrupted:
+                _log.error("%s has not ended within %g s%s", self.name, self.seconds, self.where)
+
+
+def limited(what: Callable[[], str], seconds: float, work: Callable[[], T]) -> T:
+    """Runs code of a plug-in outside the control cycle, and interrupts it where it does not end in time.
+
+    A call into C that does not return is only reported in the log.
+
+    Args:
+        what: Names the code, for messages.
+        seconds: Wall time that it may take [s].
+        work: Runs it.
+
+    Raises:
+        TimeoutError: It did not end in time, and was interrupted.
+    """
+    one = _Limited(what, seconds, time.monotonic() + seconds, Activity())
+    _watch_limits()
+    _limited[id(one)] = one
+    _begun.set()
+    results: list[T] = []
+    try:
+        one.activity.run(one, lambda: results.append(work()))
+    finally:
+        del _limited[id(one)]
+    if not results:
+        raise TimeoutError(f"{what()} did not end within {seconds:g} s{one.where}")
+    return results[0]
+
+
+def _location(thread: int) -> str:
+    """Returns where a thread is, for a message."""
+    frame = sys._current_frames().get(thread)  # noqa: SLF001 - documented, for debugging
+    return "" if frame is None else f" (in {frame.f_code.co_qualname}, {frame.f_code.co_filename}:{frame.f_lineno})"
+
+
+@cache
+def _watch_limits() -> None:
+    os.register_at_fork(after_in_child=_watch_limits.cache_clear)
+    threading.Thread(target=_look_at_limits, name="skiros-time-limits", daemon=True).start()
+
+
+def _look_at_limits() -> None:
+    while True:
+        _begun.wait()
+        time.sleep(_LOOK)
+        now = time.monotonic()
+        for one in tuple(_limited.values()):
+            one.look(now)
+        _begun.clear()
+        if _limited:
+            _begun.set()

@@ -96,7 +96,7 @@ class ArmPrimitive(Primitive[Any]):
     @property
     def base_pose(self) -> Pose:
         """Where the robot's base is in the map, as localised."""
-        return self.robot.pose(self.context.board.snapshot)
+        return self.robot.pose(self.context.board.snapshot, self.context.board.guard)
 
     @property
     def gripper_id(self) -> str:

@@ -31,7 +31,7 @@ class DrivingPrimitive(Primitive[Any]):
     @property
     def pose(self) -> Pose:
         """Pose of the robot in the map, as localised."""
-        return self.context.cell.group_of(self.params.base).pose(self.context.board.snapshot)
+        return self.context.cell.group_of(self.params.base).pose(self.context.board.snapshot, self.context.board.guard)
 
     def rides(self, element: str) -> bool:
         """Returns True when an element moves with the base."""
@@ -61,7 +61,7 @@ class DrivingPrimitive(Primitive[Any]):
         Returns:
             None, or how many legs were driven where the base got stuck.
         """
-        follower = base.spec.follow(path, lambda: self.pose, max_linear=max_linear, max_angular=max_angular)
+        follower = base.follow(path, lambda: self.pose, max_linear=max_linear, max_angular=max_angular)
         driven, deadline = -1.0, 0.0
         while True:
             try:

@@ -45,7 +45,8 @@ def _block(context: RunContext, robot: RobotSpec, outline: Outline, margin: floa
     xs, ys = zip(*outline, strict=True)
     middle = Pose(((min(xs) + max(xs)) / 2.0, (min(ys) + max(ys)) / 2.0, 0.0))
     size = max(xs) - min(xs) + 2.0 * margin, max(ys) - min(ys) + 2.0 * margin
-    return Obstacle(robot.id, Solid.box(*size, _HEIGHT), robot.pose(context.board.snapshot) @ middle)
+    base = robot.pose(context.board.snapshot, context.board.guard)
+    return Obstacle(robot.id, Solid.box(*size, _HEIGHT), base @ middle)
 
 
 def standing(context: RunContext, robot: str, *, margin: float) -> tuple[Obstacle, ...]:
@@ -71,7 +72,7 @@ def _arm(context: RunContext, robot: RobotSpec, tip: Pose, margin: float) -> Obs
     x, y, _ = tip.position
     along = Pose.of(x / 2.0, y / 2.0, 0.0, yaw=math.atan2(y, x))
     length, width = math.hypot(x, y) + 2.0 * (_HAND + margin), 2.0 * (_HAND + margin)
-    base = robot.pose(context.board.snapshot)
+    base = robot.pose(context.board.snapshot, context.board.guard)
     return Obstacle(robot.id, Solid.box(length, width, _HEIGHT), base @ along)
 
 

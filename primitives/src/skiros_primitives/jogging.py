@@ -274,7 +274,7 @@ class JogBase(DrivingPrimitive):
         """Drives if the way is free, and returns how far it got."""
         base, before = Mobile(self.context.board, self.params.base), self.pose
         goal = before @ Pose.of(self.params.dx, self.params.dy, 0.0, yaw=self.params.dyaw)
-        path = base.spec.direct_path(before, goal)
+        path = base.direct_path(before, goal)
         touched = self._touched(before, path)
         if touched:
             return Failure(f"{self.params.base} would touch {touched}")

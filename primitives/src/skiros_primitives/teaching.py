@@ -94,7 +94,7 @@ class TeachDrivingPose(Primitive["TeachDrivingPose.Params"]):
             return Failure(f"nobody knows where {self.params.location} is")
         if not base.still:
             return Failure(f"{self.params.base} still moves: let it stand where it should")
-        pose = self.context.cell.group_of(base.id).pose(self.context.board.snapshot)
+        pose = self.context.cell.group_of(base.id).pose(self.context.board.snapshot, self.context.board.guard)
         lesson = TAUGHT_DRIVING_POSE, self.params.location, self.params.type
         return keep(self.world, *lesson, {DRIVING_POSE: place.inverse() @ pose}, author=self.name)
 

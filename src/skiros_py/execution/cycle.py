@@ -17,7 +17,7 @@ from skiros_py.errors import SkirosError, UsageError
 from skiros_py.execution.mix import Mix
 from skiros_py.execution.signals import Signals
 from skiros_py.execution.task import RunClock, Task
-from skiros_py.interruptions import Activity, Chore, CycleOverrun, Watched
+from skiros_py.interruptions import Chore, CycleOverrun, Watched
 from skiros_py.ports.board import DeviceBoard
 
 __all__ = ["ControlCycle", "Task"]
@@ -65,10 +65,11 @@ class ControlCycle:
     def __init__(self, board: DeviceBoard, pace: float | None = None) -> None:
         self.board = board
         self.pace = pace
-        self.activity = Activity()
+        self.activity = board.guard.activity
+        board.guard.halt = self.halt
         self.halted = ""
         self.signals: Signals | None = None
-        self._mix = Mix(board, self.activity)
+        self._mix = Mix(board)
         self._tasks: list[Task[Any]] = []
         self._later: list[Task[Any]] = []
         self._ended: list[Task[Any]] = []
@@ -94,7 +95,7 @@ class ControlCycle:
         Raises:
             UsageError: Everything was halted, and :meth:`reset` was not called since.
         """
-        task = Task(generator, self.board, self.activity, name, clock, self._ended.append)
+        task = Task(generator, self.board, name, clock, self._ended.append)
         if self.halted:
             raise UsageError(f"{task.name} cannot start: everything was halted ({self.halted}); reset the robots first")
         self._places -= 1
@@ -198,6 +199,7 @@ class ControlCycle:
             raise UsageError("reset is for when everything has stopped: a task still runs")
         if not self.board.still:
             raise UsageError("reset is for when everything stands: something still moves")
+        self.board.guard.restart()
         self.board.release()
         if self.signals is not None:
             self.signals.restart()
@@ -239,9 +241,7 @@ class ControlCycle:
 
     def _observe(self, observer: _Observer) -> None:
         try:
-            self._do(observer, observer.call)
-        except CycleOverrun:
-            pass  # leaving tells the observer, with all that the watchdog noticed
+            self.activity.run(observer, observer.call)
         except Exception as error:
             if not observer.interruptible:
                 raise

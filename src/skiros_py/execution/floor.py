@@ -75,8 +75,7 @@ class FloorAreas:
 
     def settle(self, *, changed: bool = False) -> None:
         """Forgets the ways of those who have left them and stand; looks again who may go if anything is new."""
-        now = self._board.snapshot
-        left = [way for way in self._ways if way.released and self._robots[way.robot].still(now)]
+        left = [way for way in self._ways if way.released and self._stands(way.robot)]
         for way in left:
             self._ways.remove(way)
         if left or changed:
@@ -99,12 +98,16 @@ class FloorAreas:
         way.others = tuple(dict.fromkeys((*standing, *(robot for robot in moving if robot != way.robot))))
         way.granted = not way.others
 
+    def _stands(self, robot: str) -> bool:
+        carrier = self._robots[robot].carrier
+        return carrier is None or self._board.stand([carrier.id])
+
     def _stands_in(self, robot: str, area: BaseGeometry) -> bool:
         arms = [outline for arm, outline in self._stretched.items() if self._owners[arm] == robot]
         return any(self._placed(robot, outline).intersects(area) for outline in (self._outlines[robot], *arms))
 
     def _placed(self, robot: str, outline: Outline) -> BaseGeometry:
-        return placed(outline, self._robots[robot].pose(self._board.snapshot))
+        return placed(outline, self._robots[robot].pose(self._board.snapshot, self._board.guard))
 
 
 class FloorWay:

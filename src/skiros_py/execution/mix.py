@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from typing import Any
 
-from skiros_py.interruptions import Activity, CycleOverrun
+from skiros_py.interruptions import CycleOverrun
 from skiros_py.ports.board import DeviceBoard
 from skiros_py.ports.device import Contribution, DeviceSpec
 
@@ -40,12 +40,10 @@ class Mix:
 
     Args:
         board: The devices.
-        activity: What the watchdog looks at.
     """
 
-    def __init__(self, board: DeviceBoard, activity: Activity) -> None:
+    def __init__(self, board: DeviceBoard) -> None:
         self._board = board
-        self._activity = activity
 
     def merge(self) -> None:
         """Turns the contributions to each shared device into its target."""
@@ -61,14 +59,13 @@ class Mix:
         if spec.kind in self._board.unmixed:
             return
         rule = _Rule(spec, self._board)
-        outer = self._activity.enter(rule)
-        try:
+
+        def mix() -> None:
             target = spec.mixed(contributions)
             spec.check(target)
             self._board.set_target(spec.id, target)
-        except CycleOverrun:
-            pass  # leaving tells the rule, with all that the watchdog noticed
+
+        try:
+            self._board.guard.activity.run(rule, mix)
         except Exception as error:  # noqa: BLE001 - a plug-in's code: an error in it switches the rule off
             rule.fail(error)
-        finally:
-            self._activity.leave(outer)

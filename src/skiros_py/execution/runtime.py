@@ -356,14 +356,14 @@ class Runtime:
         self.asked = LibraryMonitor(options.ports)
         self.questions = Questions()
         self.cycle = ControlCycle(board, options.pace)
-        self.signals = self.cycle.signals = Signals(board, options.signals, self.cycle.activity, options.sources)
+        self.signals = self.cycle.signals = Signals(board, options.signals, options.sources)
         world.sensors = self.signals
         self.context = RunContext(
             world=world,
             board=board,
             ports=self.asked,
             cell=spec,
-            frames=Frames(spec, options.ports),
+            frames=Frames(spec, options.ports, board.guard),
             rng=np.random.default_rng(options.seed),
             lockstep=options.pace is None,
             report=lambda _module, _code, _text: None,

@@ -5,15 +5,16 @@ from __future__ import annotations
 import logging
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import partial
 from graphlib import CycleError, TopologicalSorter
 from typing import Any
 
 from skiros_py.errors import DescriptionError, DeviceError, UnknownName, UsageError
-from skiros_py.interruptions import Activity, CycleOverrun
 from skiros_py.ports.board import DeviceBoard
 from skiros_py.ports.device import DeviceSignal
 from skiros_py.ports.kinds import load_device_kinds
-from skiros_py.ports.signals import Input, Sample, Signal, SignalProvider, Value
+from skiros_py.ports.signals import Input, Request, Sample, Signal, SignalProvider, Value
 from skiros_py.ports.values import Snapshot
 
 _log = logging.getLogger(__name__)
@@ -38,10 +39,10 @@ class _Node:
 
     interruptible = True
 
-    def __init__(self, provider: SignalProvider, source: str) -> None:
+    def __init__(self, provider: SignalProvider, source: str, title: str = "") -> None:
         self.provider = provider
-        self.title = f"{provider.name} of {source}" if source else provider.name
-        self.name = f"signal provider {self.title}"
+        self.title = title or (f"{provider.name} of {source}" if source else provider.name)
+        self.name = title or f"signal provider {self.title}"
         self.order = 0
         self.cycle = -1
         self.values: Mapping[str, Value] = {}
@@ -73,13 +74,34 @@ class _Node:
             self.off, self.done = "", False
 
 
+class _OfDevice:
+    """Gives a signal of a device; a :class:`~skiros_py.ports.signals.SignalProvider`."""
+
+    every_cycle = False
+    requests: tuple[Request, ...] = ()
+
+    def __init__(self, board: DeviceBoard, device: str, name: str, offered: DeviceSignal[Any]) -> None:
+        self.name = device
+        self.provides: tuple[Signal, ...] = (Signal(name, offered.unit, frame=offered.frame, help=offered.help),)
+        self._board = board
+        self._offered = offered
+
+    def compute(self, inputs: Mapping[str, Value], time: float) -> Mapping[str, Value]:  # noqa: ARG002 - the protocol
+        """Takes it out of the device's state."""
+        return {self.provides[0].name: self._offered.read(self._board.snapshot.devices[self.name])}
+
+    def why_not(self) -> str:
+        """Returns why the device has no signals in this cycle; empty where it has."""
+        silent = "" if self.name in self._board.snapshot.devices else f"{self.name} says nothing in this cycle"
+        return self._board.guard.off.get(self.name, silent)
+
+
 class Signals:
     """The signals of one cell. Reading belongs to the control thread; setting may come from any thread.
 
     Args:
         board: The devices.
         providers: What computes further signals, from those of the devices and from each other's.
-        activity: What the watchdog looks at: a provider that hangs is interrupted, and named.
         sources: Distribution of each provider, in the same order; none where they are not from plug-ins.
 
     Raises:
@@ -92,11 +114,11 @@ class Signals:
         self,
         board: DeviceBoard,
         providers: Sequence[SignalProvider] = (),
-        activity: Activity | None = None,
         sources: Sequence[str] = (),
     ) -> None:
         self._board = board
-        self._activity = activity or Activity()
+        self._activity = board.guard.activity
+        self._offers: dict[str, _Node] = {}
         nodes = map(_Node, providers, sources or [""] * len(providers))
         self._nodes = self._ordered(list(nodes))
         self._of = {signal.name: node for node in self._nodes for signal in node.provider.provides}
@@ -120,11 +142,7 @@ class Signals:
         Raises:
             UnknownName: There is no such signal.
         """
-        _device, offered = self._offered(name)
-        if offered is not None:
-            return Signal(name, offered.unit, frame=offered.frame, help=offered.help)
-        provider = self._known(name).provider
-        return next(signal for signal in provider.provides if signal.name == name)
+        return next(signal for signal in self._known(name).provider.provides if signal.name == name)
 
     def source(self, name: str) -> str:
         """Returns the name of the device or provider that gives a signal.
@@ -132,8 +150,7 @@ class Signals:
         Raises:
             UnknownName: There is no such signal.
         """
-        device, offered = self._offered(name)
-        return device if offered is not None else self._known(name).provider.name
+        return self._known(name).provider.name
 
     def is_input(self, name: str) -> bool:
         """Returns True for a signal that :meth:`set` takes."""
@@ -142,7 +159,7 @@ class Signals:
     @property
     def faults(self) -> Mapping[str, str]:
         """Why providers were switched off or left out, by provider."""
-        return {node.provider.name: node.off for node in self._nodes if node.off}
+        return {node.provider.name: node.off for node in (*self._nodes, *self._offers.values()) if node.off}
 
     # ------------------------------------------------------------------ values
 
@@ -154,9 +171,6 @@ class Signals:
             SignalLost: It has no value: its provider was switched off, or lacks what it reads.
         """
         snapshot = self._board.snapshot
-        device, offered = self._offered(name)
-        if offered is not None:
-            return Sample(self._said(name, device, offered, snapshot), snapshot.cycle, device)
         node = self._known(name)
         if node.cycle != snapshot.cycle:
             self._update(node, snapshot)
@@ -214,7 +228,7 @@ class Signals:
 
     def restart(self) -> None:
         """Gives the providers that were switched off another try, after everything was halted and looked at."""
-        for node in self._nodes:
+        for node in (*self._nodes, *self._offers.values()):
             node.restart()
 
     # ------------------------------------------------------------------ parts
@@ -225,22 +239,15 @@ class Signals:
         spec = self._board.devices.get(device)
         return device, None if spec is None else spec.signal(own)
 
-    def _said(self, name: str, device: str, offered: DeviceSignal[Any], snapshot: Snapshot) -> Value:
-        if device not in snapshot.devices:
-            raise SignalLost(name, f"{device} says nothing in this cycle")
-        try:
-            value = offered.read(snapshot.devices[device])
-        except Exception as error:  # a kind of a plug-in: whatever it raises is its own fault
-            raise SignalLost(name, f"{device} cannot say it: {type(error).__name__}: {error}") from error
-        length = len(value) if isinstance(value, tuple) else None
-        if (wrong := _wrong(value, Signal(name, length=length))) is not None:
-            raise SignalLost(name, f"{device}: {wrong}")
-        return value
-
     def _known(self, name: str) -> _Node:
-        if name not in self._of:
-            raise UnknownName("signal", name, self.names)
-        return self._of[name]
+        """Returns what computes a signal; for one of a device it is made when it is first read."""
+        node = self._of.get(name) or self._offers.get(name)
+        if node is None:
+            device, offered = self._offered(name)
+            if offered is None:
+                raise UnknownName("signal", name, self.names)
+            node = self._offers[name] = _Node(_OfDevice(self._board, device, name, offered), "", f"signal '{name}'")
+        return node
 
     def _update(self, node: _Node, snapshot: Snapshot) -> None:
         node.cycle, node.values, node.lost = snapshot.cycle, {}, ""
@@ -249,6 +256,9 @@ class Signals:
             if node.provider.every_cycle:
                 self._steady = sorted([*self._steady, node], key=lambda one: one.order)
         if node.off:
+            return
+        if isinstance(node.provider, _OfDevice) and (why := node.provider.why_not()):
+            node.lost = why
             return
         inputs: dict[str, Value] = {}
         for request in node.provider.requests:
@@ -263,24 +273,20 @@ class Signals:
     def _compute(self, node: _Node, inputs: Mapping[str, Value], snapshot: Snapshot) -> None:
         """Runs a provider's code under the watchdog; whatever is wrong with it switches this provider off."""
         provider = node.provider
-        outer = self._activity.enter(node)
         try:
-            values = provider.compute(inputs, snapshot.time)
+            values = self._activity.run(node, partial(provider.compute, inputs, snapshot.time)) or {}
             faults = [
                 f"'{signal.name}': {wrong}"
                 for signal in provider.provides
-                if signal.name in values and (wrong := _wrong(values[signal.name], signal)) is not None
+                if signal.name in values and (wrong := _wrong(values[signal.name], _shaped(signal, provider, values)))
             ]
-            if faults:
-                node.switch_off("; ".join(faults))
-            else:
-                node.values = values
-        except CycleOverrun:
-            pass  # leaving tells the node, with all that the watchdog noticed
         except Exception as error:  # noqa: BLE001 - an author's code: whatever it raises switches it off
             node.switch_off(f"it raised {type(error).__name__}: {error}")
-        finally:
-            self._activity.leave(outer)
+            return
+        if faults:
+            node.switch_off("; ".join(faults))
+        elif not node.off:
+            node.values = values
 
     def _ordered(self, nodes: Sequence[_Node]) -> list[_Node]:
         """Returns the providers, each after those that it reads from.
@@ -325,6 +331,14 @@ class Signals:
                 return
             else:
                 raise DescriptionError(f"{node.title}: {UnknownName('signal', name, sorted(self.names))}")
+
+
+def _shaped(signal: Signal, provider: SignalProvider, values: Mapping[str, Value]) -> Signal:
+    """Returns a signal with its length; a vector of a device has whichever it has."""
+    value = values[signal.name]
+    if isinstance(value, tuple) and isinstance(provider, _OfDevice):
+        return replace(signal, length=len(value))
+    return signal
 
 
 def _wrong(value: object, signal: Signal) -> str | None:

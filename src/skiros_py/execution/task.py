@@ -6,7 +6,7 @@ from collections.abc import Callable, Generator
 from typing import Any, Generic, Protocol, TypeVar
 
 from skiros_py.errors import DeviceError, ModuleError
-from skiros_py.interruptions import Activity, CycleOverrun
+from skiros_py.interruptions import CycleOverrun
 from skiros_py.ports.board import DeviceBoard
 
 T = TypeVar("T")
@@ -23,7 +23,6 @@ class Task(Generic[T]):
     Args:
         generator: What is ticked.
         board: The devices.
-        activity: What the watchdog looks at.
         name: For messages; the generator's own name where left out.
         clock: Its clock, where others read it too; one of its own where left out.
         ended: Called at its end, once or more; without it, every task would have to be looked at in every cycle.
@@ -44,7 +43,6 @@ class Task(Generic[T]):
         self,
         generator: Generator[None, None, T],
         board: DeviceBoard,
-        activity: Activity,
         name: str = "",
         clock: RunClock | None = None,
         ended: Callable[[Task[Any]], None] = lambda _: None,
@@ -57,7 +55,7 @@ class Task(Generic[T]):
         self.devices: frozenset[str] | None = None
         self._generator = generator
         self._board = board
-        self._activity = activity
+        self._activity = board.guard.activity
         self._ended = ended
         self._result: T | None = None
         self._aborted = False

@@ -21,6 +21,7 @@ from typing import ParamSpec, Self
 
 from skiros_py.execution.cycle import ControlCycle
 from skiros_py.interruptions import Overrun, Watched
+from skiros_py.ports.guard import described
 from skiros_py.skills.primitive import Primitive
 
 P = ParamSpec("P")
@@ -145,6 +146,8 @@ class Watchdog:
     def _interrupt(self, overrun: Overrun) -> None:
         """Says that all is halted, strikes the tick, brakes: in this order, for a brake may break or hang."""
         self._cycle.forbid(str(overrun))
+        if overrun.device is not None:
+            self._cycle.board.guard.switch_off(overrun.device, str(overrun))
         self._cycle.activity.interrupt(overrun)
         _surely(self._cycle.board.halt)
         _log.error("%s\n%s", overrun, overrun.stack)
@@ -154,7 +157,11 @@ class Watchdog:
     def _describe(self, task: Watched, tick: int, seconds: float, limit: float) -> Overrun:
         frame = sys._current_frames().get(self._cycle.activity.thread)  # noqa: SLF001 - documented, for debugging
         stack = "" if frame is None else "".join(traceback.format_stack(frame)).rstrip()
-        return Overrun(task, tick, seconds, limit, _primitive_in(frame) or task.name, stack)
+        module, calling = _primitive_in(frame) or task.name, self._cycle.board.guard.calling
+        if calling is None:
+            return Overrun(task, tick, seconds, limit, module, stack)
+        device, function = calling
+        return Overrun(task, tick, seconds, limit, f"{function} of {described(device)}", stack, device)
 
 
 def _waited_for_processor(ident: int) -> float | None:

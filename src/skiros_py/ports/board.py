@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
+from functools import partial
 from typing import Any, ClassVar, Generic, Protocol, TypeVar, cast
 
 from skiros_py.errors import DeviceError
-from skiros_py.ports.device import Contribution, DeviceSpec, MobileSpec
-from skiros_py.ports.driver import CellDriver
+from skiros_py.geometry import Pose
+from skiros_py.ports.device import Contribution, DeviceSpec, Follower, MobileSpec
+from skiros_py.ports.driver import CellDriver, contain_kinds
+from skiros_py.ports.guard import KindGuard
+from skiros_py.ports.paths import Path
 from skiros_py.ports.values import DepthImage, Pending, Snapshot
 
 T = TypeVar("T")
@@ -53,6 +57,7 @@ class DeviceBoard:
     :class:`~skiros_py.execution.mix.Mix` merges them into one target before the exchange.
 
     Attributes:
+        guard: Contains the code of kinds of device; knows which devices were switched off.
         devices: The devices, by id.
         snapshot: What the devices said.
         owner: The task that is commanding now; None outside the control cycle's tasks.
@@ -64,6 +69,8 @@ class DeviceBoard:
     """
 
     def __init__(self, driver: CellDriver) -> None:
+        self.guard = KindGuard()
+        contain_kinds(driver, self.guard)
         self._driver = driver
         self.snapshot: Snapshot = driver.read()
         self.devices = driver.devices
@@ -93,6 +100,8 @@ class DeviceBoard:
     def exchange(self) -> Snapshot:
         """Sends the collected commands for one period, forgets them, and takes the new snapshot."""
         commands, self._targets = self._targets, {}
+        for device in self.guard.off:
+            commands.pop(device, None)
         self.snapshot = self._driver.exchange(commands)
         return self.snapshot
 
@@ -114,8 +123,14 @@ class DeviceBoard:
         return not self._moving(devices)
 
     def _moving(self, devices: Iterable[str]) -> list[str]:
-        states = self.snapshot.devices
-        return [one for one in devices if one in states and not self.devices[one].still(states[one])]
+        states, off = self.snapshot.devices, self.guard.off
+        return [one for one in devices if one in states and one not in off and not self._still(one)]
+
+    def _still(self, device: str) -> bool:
+        try:
+            return bool(self.guard.call(self.devices[device], "still", self.snapshot.devices[device]))
+        except DeviceError:  # it is switched off: nothing can say whether it moves
+            return True
 
     def withdraw(self, commander: Commander) -> None:
         """Takes back what a task has commanded for the coming cycle: devices that no other run commands brake."""
@@ -167,7 +182,7 @@ class DeviceBoard:
             raise DeviceError(f"no device '{device}' answers; there is {', '.join(self.devices) or 'none'}")
         self.require_open(device)
         spec, owner, share, rate = self.devices[device], self.owner, self.share, self.rate
-        spec.check(target)
+        self.guard.attempt(spec, "check", partial(spec.check, target))
         allowed = None if owner is None else owner.devices if share is None else share.devices
         if allowed is not None and device not in allowed:
             has = ", ".join(sorted(allowed)) or "none"
@@ -176,7 +191,7 @@ class DeviceBoard:
                 "or take what has it (takes)"
             )
         if rate != 1.0:
-            target = spec.scaled(target, rate)
+            target = self.guard.call(spec, "scaled", target, rate)
         if share is None or device not in share.shared:
             self._targets[device] = target
         else:
@@ -191,8 +206,9 @@ class DeviceBoard:
         """Requires that a device may be used.
 
         Raises:
-            DeviceError: It was closed.
+            DeviceError: It was closed or switched off.
         """
+        self.guard.require(device)
         if device in self.closed:
             raise DeviceError(f"{device} is closed: open it first")
 
@@ -250,9 +266,10 @@ class DeviceHandle(Generic[SpecT, StateT, TargetT]):
         """What it says in this cycle.
 
         Raises:
-            DeviceError: It has no state, or has not answered.
+            DeviceError: It has no state, or was switched off.
         """
         snapshot = self._board.snapshot
+        self._board.guard.require(self.id)
         if self.id not in snapshot.devices:
             raise DeviceError(f"{self.id} says nothing in each cycle")
         return cast("StateT", snapshot.devices[self.id])
@@ -275,7 +292,29 @@ class Mobile(DeviceHandle[MobileSpec[Any, Any], Any, Any]):
 
     spec_type: ClassVar[Any] = MobileSpec
 
+    def direct_path(self, start: Pose, goal: Pose) -> Path:
+        """Returns the path on which it drives a short way; see :meth:`MobileSpec.direct_path`.
+
+        Raises:
+            DeviceError: Its kind broke, and it was switched off.
+        """
+        return self._board.guard.attempt(self.spec, "direct_path", partial(self.spec.direct_path, start, goal))
+
+    def follow(self, path: Path, pose: Callable[[], Pose], **limits: float) -> Follower[Any]:
+        """Follows a path; see :meth:`MobileSpec.follow`.
+
+        Raises:
+            DeviceError: It follows no such path; or its kind broke, and it was switched off.
+        """
+        attempt, spec = self._board.guard.attempt, self.spec
+        follower = attempt(spec, "follow", partial(spec.follow, path, pose, **limits))
+        while True:
+            try:
+                yield attempt(spec, "follow", partial(next, follower))
+            except StopIteration as end:
+                return bool(end.value)
+
     @property
     def still(self) -> bool:
         """True when it stands."""
-        return self.spec.still(self.state)
+        return self._board.stand([self.id])

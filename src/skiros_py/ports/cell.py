@@ -6,12 +6,15 @@ It is read from the world model once, before anything moves; adapters see this a
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from skiros_py.errors import UnknownName
 from skiros_py.geometry import Pose, Solid
 from skiros_py.ports.device import DeviceSpec, LocalisingSpec, MobileSpec
 from skiros_py.ports.values import Snapshot
+
+if TYPE_CHECKING:
+    from skiros_py.ports.guard import KindGuard
 
 SpecT = TypeVar("SpecT", bound=DeviceSpec[Any, Any])
 
@@ -136,15 +139,17 @@ class RobotSpec:
         devices = (device for device in self.devices if isinstance(device, LocalisingSpec))
         return next((device for device in devices if not isinstance(device, MobileSpec)), self.carrier)
 
-    def pose(self, snapshot: Snapshot) -> Pose:
-        """Returns its pose in the map, as localised."""
-        localiser = self.localiser
-        return self.place if localiser is None else localiser.pose(snapshot.devices[localiser.id])
+    def pose(self, snapshot: Snapshot, guard: KindGuard) -> Pose:
+        """Returns its pose in the map, as localised.
 
-    def still(self, snapshot: Snapshot) -> bool:
-        """Returns True when nothing moves it through the map."""
-        carrier = self.carrier
-        return carrier is None or carrier.still(snapshot.devices[carrier.id])
+        Raises:
+            DeviceError: Its localiser was switched off.
+        """
+        localiser = self.localiser
+        if localiser is None:
+            return self.place
+        pose: Pose = guard.call(localiser, "pose", snapshot.devices[localiser.id])
+        return pose
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
-from typing import Any, Protocol, TypeVar
+from typing import Any, Protocol, runtime_checkable
 
-from skiros_py.errors import DeviceError, SkirosError, UsageError
-from skiros_py.ports.device import DeviceModel, DeviceSpec
-from skiros_py.ports.kinds import load_device_kinds
+from skiros_py.errors import DeviceError, UsageError
+from skiros_py.ports.device import DeviceSpec
+from skiros_py.ports.guard import KindGuard
 from skiros_py.ports.values import Commands, DepthImage, Pending, Snapshot
-
-T = TypeVar("T")
 
 
 class CellDriver(Protocol):
@@ -91,65 +89,19 @@ def require_known(commands: Commands, known: Collection[str]) -> None:
             raise DeviceError(f"no device '{device}'; there is {', '.join(sorted(known)) or 'none'}")
 
 
-def model_of(device: DeviceSpec[Any, Any], make: Callable[[], T]) -> T:
-    """Returns the model of a device that its kind makes.
+@runtime_checkable
+class RunsKinds(Protocol):
+    """A driver that itself runs code of kinds of device."""
 
-    Raises:
-        DeviceError: The kind raised something else than an error of the platform.
-    """
-    try:
-        return make()
-    except SkirosError:
-        raise
-    except Exception as error:
-        raise _broken(device, error) from error
+    def contain(self, guard: KindGuard) -> None:
+        """Runs that code under a guard from now on."""
+        ...
 
 
-def command_models(
-    models: Mapping[str, DeviceModel], devices: Mapping[str, DeviceSpec[Any, Any]], commands: Commands
-) -> None:
-    """Gives each model its target, or None.
-
-    Raises:
-        DeviceError: A model raised; the message names the device and its kind.
-    """
-    for id_, model in models.items():
-        try:
-            model.command(commands.get(id_))
-        except SkirosError:
-            raise
-        except Exception as error:
-            raise _broken(devices[id_], error) from error
-
-
-def states_of(models: Mapping[str, DeviceModel], devices: Mapping[str, DeviceSpec[Any, Any]]) -> dict[str, Any]:
-    """Returns the state of each model.
-
-    Raises:
-        DeviceError: A model raised, or gave no state of its kind; the message names the device and its kind.
-    """
-    states = {}
-    for id_, model in models.items():
-        device = devices[id_]
-        try:
-            state = states[id_] = model.state()
-        except SkirosError:
-            raise
-        except Exception as error:
-            raise _broken(device, error) from error
-        wanted = device.state_type
-        if wanted is not None and not isinstance(state, wanted):
-            text = f"its state is a {wanted.__name__}, not {state!r:.60}"
-            raise DeviceError(f"{_described(device)} broke: {text}")
-    return states
-
-
-def _broken(device: DeviceSpec[Any, Any], error: Exception) -> DeviceError:
-    return DeviceError(f"{_described(device)} broke: {type(error).__name__}: {error}")
-
-
-def _described(device: DeviceSpec[Any, Any]) -> str:
-    return load_device_kinds()[0].describe(device.id, type(device))
+def contain_kinds(driver: object, guard: KindGuard) -> None:
+    """Has a driver run the code of kinds under a guard, where it runs any."""
+    if isinstance(driver, RunsKinds):
+        driver.contain(guard)
 
 
 class CompositeDriver:
@@ -241,6 +193,11 @@ class CompositeDriver:
             for driver in self.drivers:
                 stack.callback(driver.close)
 
+    def contain(self, guard: KindGuard) -> None:
+        """Runs the code of kinds under a guard."""
+        for driver in self.drivers:
+            contain_kinds(driver, guard)
+
     def _merged(self, cycle: int, snapshots: Sequence[Snapshot]) -> Snapshot:
         devices = {device: state for snapshot in snapshots for device, state in snapshot.devices.items()}
         return Snapshot(cycle, cycle * self.period, devices)
@@ -262,6 +219,7 @@ class Connection:
         self._driver: CellDriver | None = driver
         self._snapshot = driver.read()
         self._ahead = 0, 0.0
+        self._guard: KindGuard | None = None
         self.devices, self.period = driver.devices, driver.period
         self.kind, self.braking_time = driver.kind, driver.braking_time
 
@@ -284,9 +242,16 @@ class Connection:
             raise DeviceError(f"{self.kind} drives {', '.join(driver.devices)} now, not {', '.join(self.devices)}")
         if self._halted:
             driver.halt()
+        if self._guard is not None:
+            contain_kinds(driver, self._guard)
         first, last = driver.read(), self._snapshot
         self._ahead = last.cycle - first.cycle, last.time - first.time
         self._driver = driver
+
+    def contain(self, guard: KindGuard) -> None:
+        """Runs the code of kinds under a guard."""
+        self._guard = guard
+        contain_kinds(self._driver, guard)
 
     def disconnect(self) -> CellDriver | None:
         """Removes the driver between two cycles, and returns it for the caller to close; None if there is none."""

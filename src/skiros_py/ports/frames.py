@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from typing import Any
 
 from skiros_py.errors import DeviceError
@@ -10,6 +11,7 @@ from skiros_py.geometry import Pose
 from skiros_py.ports.adapters import Ports
 from skiros_py.ports.cell import CellSpec, RobotSpec
 from skiros_py.ports.device import DeviceSpec, MobileSpec
+from skiros_py.ports.guard import KindGuard
 from skiros_py.ports.kinematics import Kinematics
 from skiros_py.ports.values import Snapshot
 
@@ -27,22 +29,24 @@ class FrameTree:
         cell: The cell.
         snapshot: What the devices said in that cycle.
         ports: Where the kinematics of robots are found.
+        guard: Calls the functions of kinds of device.
 
     Attributes:
         snapshot: What the devices said in that cycle.
     """
 
-    def __init__(self, cell: CellSpec, snapshot: Snapshot, ports: Ports) -> None:
+    def __init__(self, cell: CellSpec, snapshot: Snapshot, ports: Ports, guard: KindGuard) -> None:
         self.snapshot = snapshot
         self._cell = cell
         self._ports = ports
+        self._guard = guard
         self._groups = {device.id: group for group in cell.groups for device in group.devices}
         self._links: dict[tuple[str, str], Pose | None] = {}
         self._devices: dict[str, Pose | None] = {}
 
     def robot(self, device: str) -> Pose:
         """Returns the pose in the map of the robot that has a device, as localised."""
-        return self._groups[device].pose(self.snapshot)
+        return self._groups[device].pose(self.snapshot, self._guard)
 
     def link(self, device: str, link: str) -> Pose | None:
         """Returns the pose in the map of a link of the robot that has a device; None without kinematics of that robot.
@@ -53,16 +57,18 @@ class FrameTree:
         group = self._groups[device]
         if (group.id, link) not in self._links:
             kinematics = self._ports.find(Kinematics, device)
-            self._links[group.id, link] = (
-                None if kinematics is None else group.pose(self.snapshot) @ kinematics.pose(link, self.joints(group))
-            )
+            own = None if kinematics is None else kinematics.pose(link, self.joints(group))
+            self._links[group.id, link] = None if own is None else group.pose(self.snapshot, self._guard) @ own
         return self._links[group.id, link]
 
     def device(self, id_: str) -> Pose | None:
         """Returns the pose of a device's frame in the map; None for what is no device, or has no frame of its own."""
         if id_ not in self._devices:
             group = self._groups.get(id_)
-            self._devices[id_] = None if group is None else self._frame(group, group.device(id_))
+            try:
+                self._devices[id_] = None if group is None else self._frame(group, group.device(id_))
+            except DeviceError:  # of a device that was switched off
+                self._devices[id_] = None
         return self._devices[id_]
 
     def located(self, id_: str) -> Pose:
@@ -73,7 +79,11 @@ class FrameTree:
         """
         pose = self.device(id_)
         if pose is None:
-            raise DeviceError(f"the place of {id_} is unknown: there are no kinematics of its robot")
+            reasons = [
+                why for device, why in self._guard.off.items() if self._groups.get(device) is self._groups.get(id_)
+            ]
+            why = "; ".join(reasons) or "there are no kinematics of its robot"
+            raise DeviceError(f"the place of {id_} is unknown: {why}")
         return pose
 
     def devices(self) -> dict[str, Pose]:
@@ -86,8 +96,15 @@ class FrameTree:
         return {id_: pose for id_ in carriers if (pose := self.device(id_)) is not None}
 
     def joint_positions(self) -> dict[str, float]:
-        """Returns the positions of all joints by "robot/joint", as the devices say [rad or m]."""
-        return {f"{group.id}/{name}": at for group in self._cell.groups for name, at in self.joints(group).items()}
+        """Returns the positions of all joints by "robot/joint", as the devices say [rad or m].
+
+        Those of a robot are left out while the kind of one of its devices fails.
+        """
+        found: dict[str, float] = {}
+        for group in self._cell.groups:
+            with suppress(DeviceError):
+                found |= {f"{group.id}/{name}": at for name, at in self.joints(group).items()}
+        return found
 
     def joints(self, group: RobotSpec) -> dict[str, float]:
         """Returns the positions of a robot's joints, as its devices say [rad or m]."""
@@ -95,7 +112,7 @@ class FrameTree:
         for device in group.devices:
             if device.joint_names and device.id in self.snapshot.devices:
                 state = self.snapshot.devices[device.id]
-                found |= zip(device.joint_names, device.joint_positions(state), strict=True)
+                found |= zip(device.joint_names, self._guard.call(device, "joint_positions", state), strict=True)
         return found
 
     def transforms(self) -> Iterator[tuple[str, str, Pose]]:
@@ -106,7 +123,7 @@ class FrameTree:
         """
         for group in self._cell.groups:
             root = _root(group)
-            yield MAP, root, group.pose(self.snapshot)
+            yield MAP, root, group.pose(self.snapshot, self._guard)
             kinematics = self._ports.find(Kinematics, group.devices[0].id) if group.devices else None
             links = {} if kinematics is None else kinematics.poses(self.joints(group))
             for link, pose in links.items():
@@ -125,11 +142,11 @@ class FrameTree:
 
     def _frame(self, group: RobotSpec, device: DeviceSpec[Any, Any]) -> Pose | None:
         if isinstance(device, MobileSpec):
-            return group.pose(self.snapshot)
+            return group.pose(self.snapshot, self._guard)
         if device.carries:
-            platform = device.platform(self.snapshot.devices[device.id])
+            platform: Pose | None = self._guard.call(device, "platform", self.snapshot.devices[device.id])
             if platform is not None:
-                return group.pose(self.snapshot) @ platform
+                return group.pose(self.snapshot, self._guard) @ platform
             return self.link(device.id, device.platform_link) if device.platform_link else self.robot(device.id)
         if device.frame_names:
             return self.link(device.id, device.frame_names[0])
@@ -150,11 +167,13 @@ class Frames:
     Args:
         cell: The cell.
         ports: Where the kinematics of robots are found.
+        guard: Calls the functions of kinds of device.
     """
 
-    def __init__(self, cell: CellSpec, ports: Ports) -> None:
+    def __init__(self, cell: CellSpec, ports: Ports, guard: KindGuard) -> None:
         self._cell = cell
         self._ports = ports
+        self._guard = guard
         self._last: FrameTree | None = None
 
     def kinematics(self, group: RobotSpec) -> Kinematics | None:
@@ -165,5 +184,5 @@ class Frames:
         """Returns the frame tree of the cycle of a snapshot; for any thread."""
         tree = self._last
         if tree is None or tree.snapshot is not snapshot:
-            tree = self._last = FrameTree(self._cell, snapshot, self._ports)
+            tree = self._last = FrameTree(self._cell, snapshot, self._ports, self._guard)
         return tree

@@ -16,10 +16,12 @@ from typing import Any, Self
 from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.execution.running import RunnableDocument
 from skiros_py.execution.runtime import Runtime
+from skiros_py.interruptions import limited
 from skiros_py.ports.adapters import Ports
 from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.device import DeviceSpec, MobileSpec
 from skiros_py.ports.frames import FrameTree
+from skiros_py.ports.guard import KindGuard
 from skiros_py.ports.signals import Value
 from skiros_py.ports.values import Snapshot
 from skiros_py.recording.foxglove import FRAME_TRANSFORMS, LOG, Json, Schema, frame_transforms, log
@@ -38,6 +40,8 @@ _EVERY = 0.05
 """Time between two states of the devices [s]."""
 _KEY = 1.0
 """Time between two of them where room runs short [s]."""
+_LONGEST = 10.0
+"""Wall time that a kind of device may take to encode a state [s]."""
 _STEP = 1e-5
 """Devices whose positions differ by less have not moved [m, rad]."""
 _LARGEST_WORLD = 20_000
@@ -307,6 +311,7 @@ class Devices:
     def __init__(self, cell: CellSpec, ports: Ports) -> None:
         self._cell = cell
         self._ports = ports
+        self._guard = KindGuard()  # in the writer's thread it only names what fails
         self._devices = cell.devices
         self._topics: dict[str, Topic] = {}
         self._off: set[str] = set()
@@ -333,7 +338,7 @@ class Devices:
         states = {name: state for name, state in snapshot.devices.items() if name not in self._off}
         for name, state in states.items():
             write(self._topics[name], snapshot.time, state)
-        tree = FrameTree(self._cell, dataclasses.replace(snapshot, devices=states), self._ports)
+        tree = FrameTree(self._cell, dataclasses.replace(snapshot, devices=states), self._ports, self._guard)
         for topic in (_JOINTS, _FRAMES):
             write(topic, snapshot.time, tree)
 
@@ -351,7 +356,7 @@ class Devices:
                 if name not in self._topics:
                     encode = partial(_encoded, spec)
                     self._topics[name] = Topic(f"/devices/{name}", own_schema(type(state)), encode, every=_KEY)
-                numbers += [float(one) for one in _position(spec, state)]
+                numbers += limited(lambda: "it", _LONGEST, partial(_position, spec, state))
             except Exception as error:  # noqa: BLE001 - the code of a plug-in
                 self._off.add(name)
                 text = "/devices/%s is no longer recorded: its kind '%s' raised %s: %s"
@@ -363,11 +368,11 @@ def _encoded(spec: DeviceSpec[Any, Any], _time: float, state: Any) -> Json:
     return plain(spec.encode(state))  # type: ignore[no-any-return]
 
 
-def _position(spec: DeviceSpec[Any, Any], state: Any) -> Iterable[float]:
+def _position(spec: DeviceSpec[Any, Any], state: Any) -> list[float]:
     if isinstance(spec, MobileSpec):
         pose = spec.pose(state)
-        return (*pose.position, *pose.orientation)
-    return spec.joint_positions(state) if spec.joint_names else [*_numbers(spec.encode(state))]
+        return [*pose.position, *pose.orientation]
+    return list(map(float, spec.joint_positions(state) if spec.joint_names else _numbers(spec.encode(state))))
 
 
 def _numbers(data: Any) -> Iterator[float]:

@@ -19,6 +19,7 @@ from mcap.well_known import MessageEncoding, SchemaEncoding
 from mcap.writer import CompressionType, Writer
 
 from skiros_py.errors import FileError, SkirosError, UsageError
+from skiros_py.interruptions import limited
 from skiros_py.ports.values import Pending
 from skiros_py.recording.reader import Recording, nanoseconds
 from skiros_py.recording.topics import Topic
@@ -40,6 +41,8 @@ _PAUSE = 0.25
 """Longest wait for something to write, wall time [s]."""
 _FLUSH = 1.0
 """Wall time between two chunks [s]: what is lost when the process is killed."""
+_LONGEST = 10.0
+"""Wall time that the encoder of a message may take [s]."""
 _LONGEST_QUEUE = 20_000
 """Items that wait for a slow disk; what comes then is left out."""
 _GAP = 1.0
@@ -212,7 +215,8 @@ class RecordingWriter:
             return
         at = time + self._shift
         try:
-            data = json.dumps(topic.encode(at, value), separators=(",", ":"), allow_nan=False).encode()
+            message = limited(lambda: f"the encoder of {topic.name}", _LONGEST, lambda: topic.encode(at, value))
+            data = json.dumps(message, separators=(",", ":"), allow_nan=False).encode()
         except Exception as error:  # noqa: BLE001 - the code of a plug-in
             self._off.add(topic.name)
             _log.warning("%s is no longer recorded: its encoder raised %s: %s", topic.name, type(error).__name__, error)

@@ -16,7 +16,8 @@ from skiros_py.errors import DeviceError, SkirosError, UsageError
 from skiros_py.geometry import Pose
 from skiros_py.plugins.loading import find_plugin
 from skiros_py.ports.cell import BodySpec, CellSpec, RobotSpec
-from skiros_py.ports.driver import command_models, require_known, states_of
+from skiros_py.ports.driver import require_known
+from skiros_py.ports.guard import DeviceModels, KindGuard
 from skiros_py.ports.kinematics import write_robot_urdf
 from skiros_py.ports.simulation import Engine, EngineFactory, Rendering, Vector, View
 from skiros_py.ports.values import CameraIntrinsics, Commands, DepthImage, Pending, Snapshot
@@ -121,10 +122,11 @@ class SimulatedCell:
         self._halted = False
         try:
             self.scene = Scene(self._engine, spec, _write_models(spec, Path(self._directory.name)), seed=seed)
-            self._settle()
+            models = {id_: model for robot in self.scene.robots for id_, model in robot.devices.items()}
+            self._models = DeviceModels(self.devices, models)
+            self._snapshot = self._models.start(self._settle)
             if gui:
                 self._engine.look_at(_middle(spec), _VIEW_DISTANCE)
-            self._snapshot = self._sense(0)
             if self._cameras:
                 self._engine.prepare_rendering()  # starts while the caller does other things
         except BaseException:
@@ -144,8 +146,7 @@ class SimulatedCell:
     @property
     def braking_time(self) -> float:
         """Longest time from full speed to standstill, as its snapshots say it [s]."""
-        drives = (device.braking_time for robot in self.scene.robots for device in robot.devices.values())
-        return max(drives, default=0.0) + _COMING_TO_REST
+        return self._models.braking_time + _COMING_TO_REST
 
     def read(self) -> Snapshot:
         """Returns the present state without advancing time."""
@@ -157,7 +158,7 @@ class SimulatedCell:
         While the cell is halted it ignores the commands.
 
         Raises:
-            DeviceError: A command is malformed or for a device that does not exist, or the engine broke.
+            DeviceError: A command is for a device that does not exist, or the engine broke.
         """
         require_known(commands, self._snapshot.devices)
         self._step(_NO_COMMANDS if self._halted else commands)
@@ -253,20 +254,21 @@ class SimulatedCell:
         self._engine.close()
         self._directory.cleanup()
 
-    def _settle(self) -> None:
+    def contain(self, guard: KindGuard) -> None:
+        """Runs the code of kinds under a guard."""
+        self._models.contain(guard)
+
+    def _settle(self) -> Snapshot:
         for _ in range(_SETTLING):
             self._step(_NO_COMMANDS)
+        return self._sense(0)
 
     def _step(self, commands: Commands) -> None:
-        for robot in self.scene.robots:
-            command_models(robot.devices, self.devices, commands)
+        self._models.command(commands)
         self._engine.step()
 
     def _sense(self, cycle: int) -> Snapshot:
-        states: dict[str, Any] = {}
-        for robot in self.scene.robots:
-            states |= states_of(robot.devices, self.devices)
-        return Snapshot(cycle, cycle * _PERIOD, states)
+        return Snapshot(cycle, cycle * _PERIOD, self._models.states())
 
 
 def _start_engine(wanted: str | EngineFactory, *, gui: bool) -> Engine:

@@ -11,8 +11,10 @@ from typing import Any
 
 from skiros_py.errors import DescriptionError, SkirosError
 from skiros_py.geometry import Pose
+from skiros_py.interruptions import limited
 from skiros_py.ports.cell import BodySpec, CellSpec, RobotSpec
 from skiros_py.ports.device import DeviceSpec, MobileSpec, read_footprint
+from skiros_py.ports.guard import require_description
 from skiros_py.ports.kinds import DeviceKinds, load_device_kinds
 from skiros_py.skills.surroundings import owner, solid_of
 from skiros_py.world import vocabulary as v
@@ -22,6 +24,8 @@ from skiros_py.world.view import WorldView
 
 _FAR, _HEAVY = 1000.0, 1000.0
 """Greatest distance from the map's origin [m] and greatest mass [kg] that make sense for a cell."""
+_LONGEST = 30.0
+"""Wall time in which a kind of device has to read an individual [s]."""
 _MOST_STOCKED = 1000
 """So many things of one stock a simulation is asked to have bodies for at most; no place has room for that many."""
 
@@ -266,18 +270,30 @@ def _is_part_of_device(view: WorldView, element: str) -> bool:
 
 def _devices(view: WorldView, pieces: Sequence[str], kinds: DeviceKinds) -> tuple[DeviceSpec[Any, Any], ...]:
     """Reads those pieces that are devices of a kind that somebody brings; others are words without hardware."""
-    found = []
-    for piece in pieces:
-        kind = _kind(view, piece, kinds)
-        if kind is not None:
-            try:
-                found.append(kind.read(_Individual(view, piece)))
-            except SkirosError:
-                raise
-            except Exception as error:
-                text = f"{kinds.describe(piece, kind)} cannot be read: {type(error).__name__}: {error}"
-                raise DescriptionError(text) from error
-    return tuple(found)
+    of_pieces = ((piece, _kind(view, piece, kinds)) for piece in pieces)
+    return tuple(_device(_Individual(view, piece), kind, kinds) for piece, kind in of_pieces if kind is not None)
+
+
+def _device(individual: _Individual, kind: type[DeviceSpec[Any, Any]], kinds: DeviceKinds) -> DeviceSpec[Any, Any]:
+    """Reads a device.
+
+    Raises:
+        DescriptionError: Its individual lacks something, or its kind fails; the message names both.
+    """
+
+    def name() -> str:
+        return kinds.describe(individual.id, kind)
+
+    try:
+        device = limited(name, _LONGEST, lambda: kind.read(individual))
+        if not isinstance(device, kind):
+            raise DescriptionError(f"{name()} cannot be read: read returned {device!r:.60}, not a {kind.__name__}")
+        require_description(device)
+    except SkirosError:
+        raise
+    except Exception as error:
+        raise DescriptionError(f"{name()} cannot be read: {type(error).__name__}: {error}") from error
+    return device
 
 
 def _kind(view: WorldView, element: str, kinds: DeviceKinds) -> type[DeviceSpec[Any, Any]] | None:

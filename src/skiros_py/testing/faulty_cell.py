@@ -14,7 +14,8 @@ import numpy as np
 
 from skiros_py.errors import DeviceError, UnknownName
 from skiros_py.ports.device import DeviceSpec
-from skiros_py.ports.driver import CellDriver
+from skiros_py.ports.driver import CellDriver, contain_kinds
+from skiros_py.ports.guard import KindGuard
 from skiros_py.ports.values import Commands, DepthImage, Pending, Snapshot
 
 
@@ -208,6 +209,10 @@ class FaultyCell:
         picture = self._driver.capture(camera)
         late = sum(fault.seconds for fault in active if isinstance(fault, Late))
         return _Delayed(picture, late) if late else picture
+
+    def contain(self, guard: KindGuard) -> None:
+        """Runs the code of kinds of the cell inside under a guard."""
+        contain_kinds(self._driver, guard)
 
     def close(self) -> None:
         """Closes the cell inside."""

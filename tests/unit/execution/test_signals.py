@@ -295,9 +295,7 @@ def hangs(_inputs: Mapping[str, Value]) -> float:
 
 def test_one_that_hangs_is_interrupted_and_named_and_after_a_reset_the_rest_goes_on(board: DeviceBoard) -> None:
     cycle = ControlCycle(board)
-    signals = cycle.signals = Signals(
-        board, [Provider("stuck", hangs), Provider("fine", lambda _: 1.0)], cycle.activity
-    )
+    signals = cycle.signals = Signals(board, [Provider("stuck", hangs), Provider("fine", lambda _: 1.0)])
     with Watchdog(cycle, 0.1, again=0.1):
         assert signals.value("stuck") is None
         assert "maker of stuck held the control cycle" in signals.faults["maker of stuck"]

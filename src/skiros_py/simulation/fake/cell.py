@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from functools import partial
+from contextlib import suppress
 from typing import Any
 
 from skiros_py.errors import DeviceError
 from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.device import FakeRobot
-from skiros_py.ports.driver import command_models, model_of, require_known, states_of
+from skiros_py.ports.driver import require_known
+from skiros_py.ports.guard import DeviceModels, KindGuard, limited_call
 from skiros_py.ports.values import Commands, DepthImage, Pending, Snapshot
 
 _PERIOD = 1.0 / 200.0
@@ -36,15 +37,15 @@ class FakeCell:
         self._halted = False
         self._robots = [(group.carrier, FakeRobot(_PERIOD, group.start)) for group in spec.groups]
         fakes = {
-            device.id: model_of(device, partial(device.fake, robot))
+            device.id: limited_call(device, "fake", robot)
             for group, (_, robot) in zip(spec.groups, self._robots, strict=True)
             for device in group.devices
         }
-        self._models = {id_: model for id_, model in fakes.items() if model is not None}
-        self._carriers = {
-            carrier.id: self._models.pop(carrier.id) for carrier, _ in self._robots if carrier is not None
-        }
-        self._snapshot = Snapshot(0, 0.0, self._states())
+        models = {id_: model for id_, model in fakes.items() if model is not None}
+        carriers = {carrier.id: models.pop(carrier.id) for carrier, _ in self._robots if carrier is not None}
+        self._carriers, self._models = DeviceModels(self.devices, carriers), DeviceModels(self.devices, models)
+        self._models.contain(self._carriers.guard)
+        self._snapshot = Snapshot(0, 0.0, self._carriers.start(self._states))
 
     @property
     def period(self) -> float:
@@ -59,8 +60,7 @@ class FakeCell:
     @property
     def braking_time(self) -> float:
         """Longest time from full speed to standstill [s]: most stand in the next cycle."""
-        models = (*self._carriers.values(), *self._models.values())
-        return max((model.braking_time for model in models), default=0.0) + _PERIOD
+        return max(self._carriers.braking_time, self._models.braking_time) + _PERIOD
 
     def read(self) -> Snapshot:
         """Returns the present state without advancing time."""
@@ -70,22 +70,28 @@ class FakeCell:
         """Does what the commands say and returns the state one period later.
 
         Raises:
-            DeviceError: A command is for a device that does not exist, or the model of a device broke.
+            DeviceError: A command is for a device that does not exist.
         """
         require_known(commands, self._snapshot.devices)
         for models in (self._carriers, self._models):
-            command_models(models, self.devices, {} if self._halted else commands)
+            models.command({} if self._halted else commands)
         cycle = self._snapshot.cycle + 1
         self._snapshot = Snapshot(cycle, cycle * _PERIOD, self._states())
         return self._snapshot
 
     def _states(self) -> dict[str, Any]:
         """Returns the state of each device: first of those that move robots, which say where the others are."""
-        states = states_of(self._carriers, self.devices)
+        states, guard = self._carriers.states(), self._carriers.guard
         for carrier, robot in self._robots:
-            if carrier is not None:
-                robot.pose = carrier.pose(states[carrier.id])
-        return states | states_of(self._models, self.devices)
+            if carrier is not None and carrier.id not in guard.off:
+                with suppress(DeviceError):  # it is switched off now, and named
+                    robot.pose = guard.call(carrier, "pose", states[carrier.id])
+        return states | self._models.states()
+
+    def contain(self, guard: KindGuard) -> None:
+        """Runs the code of kinds under a guard."""
+        for models in (self._carriers, self._models):
+            models.contain(guard)
 
     def halt(self) -> None:
         """Stands still from the next exchange on, whatever is commanded; for any thread."""

@@ -137,6 +137,7 @@ class AlarmSources:
     def _look_at_plugins(self) -> None:
         faults = {f"{fault.group}/{fault.name}": str(fault) for fault in self._session.catalogue.faults}
         faults |= {f"signal provider {name}": why for name, why in self._session.runtime.signals.faults.items()}
+        faults |= {f"device {id_}": why for id_, why in dict(self._session.cycle.board.guard.off).items()}
         for source, text in faults.items():
             self._alarms.raise_(AlarmKind.PLUGIN, text, source, severity=Severity.LOW)
         for alarm in self._alarms.active:

@@ -156,7 +156,7 @@ def camera_of(session: Session) -> Camera | None:
         """Renders the workspace of a robot from behind it; of the first robot if the agent is unknown."""
         robots = session.spec.robots
         robot = next((robot for robot in robots if robot.has(agent)), robots[0])
-        eye, target = over_the_shoulder(robot.pose(snapshot))
+        eye, target = over_the_shoulder(robot.pose(snapshot, session.cycle.board.guard))
         return session.simulation.picture(eye, target, width=WIDTH, height=HEIGHT)
 
     return picture

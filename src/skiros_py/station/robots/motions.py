@@ -16,7 +16,7 @@ from skiros_py.errors import SkirosError
 from skiros_py.execution.runtime import LibraryCall
 from skiros_py.execution.task import Task
 from skiros_py.geometry import Pose, wrap_angle
-from skiros_py.ports.board import Commander
+from skiros_py.ports.board import Commander, DeviceBoard
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.kinematics import Kinematics
 from skiros_py.ports.motion import BasePathRequest, MotionPlan, MotionRequest, NoMotion
@@ -50,17 +50,17 @@ class _Way:
     asker: Commander | None
     time: float
 
-    def is_over(self, snapshot: Snapshot, period: float) -> bool:
+    def is_over(self, board: DeviceBoard) -> bool:
         """Returns whether the device has reached the end, or the requesting module has abandoned the plan."""
         if isinstance(self.asker, Task) and self.asker.done:
             return True
         answer = self.call.answer.result()
         if not isinstance(answer, MotionPlan):
-            return _base_arrived(self.robot, snapshot, self.call.request)
+            return _base_arrived(self.robot, board, self.call.request)
         samples = sum(len(leg.positions) for leg in answer.legs)
-        if snapshot.time < self.time + samples * period:  # a pose on the way may equal that at the end
+        if board.snapshot.time < self.time + samples * board.period:  # a pose on the way may equal that at the end
             return False
-        return _arm_arrived(snapshot, self.device, answer)
+        return _arm_arrived(board.snapshot, self.device, answer)
 
 
 class Motions:
@@ -152,7 +152,7 @@ class Motions:
                 ways[way.device] = way
                 self._counts[robot] += 1
         for way in tuple(ways.values()):
-            if way.is_over(board.snapshot, board.period):
+            if way.is_over(board):
                 del ways[way.device]
                 self._counts[robot] += 1
 
@@ -164,11 +164,12 @@ def _is_plan(call: LibraryCall) -> bool:
         return False
 
 
-def _base_arrived(robot: RobotSpec, snapshot: Snapshot, request: object) -> bool:
+def _base_arrived(robot: RobotSpec, board: DeviceBoard, request: object) -> bool:
     assert isinstance(request, BasePathRequest)
-    pose, goal = robot.pose(snapshot), request.goal
+    pose, goal = robot.pose(board.snapshot, board.guard), request.goal
     away = math.dist(goal.position[:2], pose.position[:2])
-    return robot.still(snapshot) and away < _THERE and abs(wrap_angle(goal.yaw - pose.yaw)) < _FACING
+    standing = robot.carrier is None or board.stand([robot.carrier.id])
+    return standing and away < _THERE and abs(wrap_angle(goal.yaw - pose.yaw)) < _FACING
 
 
 def _arm_arrived(snapshot: Snapshot, arm: str, plan: MotionPlan) -> bool:

@@ -50,7 +50,7 @@ def reading(session: Session, robot: RobotSpec) -> RobotReading:
         cycle=snapshot.cycle,
         halted=session.cycle.halted,
         at=placement.place if placement else "",
-        pose=PoseInfo.view_of(robot.pose(snapshot)),
+        pose=PoseInfo.view_of(robot.pose(snapshot, session.cycle.board.guard)),
         devices={id_: DeviceState(**device_state(session, snapshot, id_)) for id_ in ids},
         frames={id_: PoseInfo.view_of(frames[id_]) for id_ in ids if id_ in frames},
     )
