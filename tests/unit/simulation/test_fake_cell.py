@@ -105,9 +105,7 @@ def test_a_mistake_in_fake_is_refused_and_named():
 
 
 def test_a_mistake_in_the_first_state_is_refused_and_named():
-    with pytest.raises(
-        DeviceError, match=r"lamp_1 \(kind 'lamp'\) was switched off: its state raised KeyError: 'boom'"
-    ):
+    with pytest.raises(DeviceError, match=r"lamp_1 .* was switched off: its state raised KeyError: 'boom'"):
         lamp_cell("state")
 
 
