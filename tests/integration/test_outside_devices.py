@@ -523,7 +523,7 @@ def test_a_robot_that_nothing_moves_stands_where_its_own_pose_says(lab: Path) ->
         bench.advance(0.1)
 
         assert robot.carrier is None
-        assert robot.pose(bench.cycle.board.snapshot) == Pose((1.0, 2.0, 0.0))
+        assert robot.pose(bench.cycle.board.snapshot, bench.cycle.board.guard) == Pose((1.0, 2.0, 0.0))
         assert robot.outline == ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0))
         assert not isinstance(robot.devices[0], MobileSpec)
 
@@ -740,9 +740,9 @@ def test_an_outside_base_is_planned_with_driven_and_jogged_by_the_skills_that_co
     lab = pytest.importorskip("lab_devices")
     planned = cell.plan("RobotAtLocation(robot_1, bench_1)")
     report = cell.run("RobotAtLocation(robot_1, bench_1)")
-    arrived = cell.spec.robots[0].pose(cell.cycle.board.snapshot)
+    arrived = cell.spec.robots[0].pose(cell.cycle.board.snapshot, cell.cycle.board.guard)
     jogged = cell.run_module("jog_base", {"base": "base_1", "robot": "robot_1", "dy": 0.1})
-    aside = cell.spec.robots[0].pose(cell.cycle.board.snapshot)
+    aside = cell.spec.robots[0].pose(cell.cycle.board.snapshot, cell.cycle.board.guard)
 
     assert isinstance(planned.outcome, Plan)
     assert [(step.skill, step.arguments["Base"]) for step in planned.outcome.steps] == [("drive", "base_1")]

@@ -205,7 +205,11 @@ class DeviceModels:
         return max(times, default=0.0)
 
     def command(self, commands: Commands) -> None:
-        """Gives each model its target, or None."""
+        """Gives each model its target, or None.
+
+        Raises:
+            DeviceError: A target is malformed.
+        """
         self._each(self._command_calls, partial(self._command, commands))
 
     def states(self) -> dict[str, Any]:
@@ -245,7 +249,9 @@ class DeviceModels:
         target = commands.get(id_) if id_ not in guard.off else None
         try:
             model.command(target)
-        except Exception as error:  # noqa: BLE001 - a plug-in's code: it switches off one device
+        except Exception as error:
+            if target is not None and _refuses(device, target):  # a mistake of the caller, not of the kind
+                raise
             guard.switch_off(device, f"its command {_raised(error)}")
             self._brake(id_, again=target is not None)
 
@@ -334,6 +340,14 @@ def require_description(device: DeviceSpec[Any, Any]) -> None:
 def described(device: DeviceSpec[Any, Any]) -> str:
     """Names a device, its kind and the kind's distribution."""
     return load_device_kinds()[0].describe(device.id, type(device))
+
+
+def _refuses(device: DeviceSpec[Any, Any], target: object) -> bool:
+    try:
+        device.check(target)
+    except Exception:  # noqa: BLE001 - a plug-in's code
+        return True
+    return False
 
 
 def _raised(error: Exception) -> str:

@@ -158,7 +158,7 @@ class SimulatedCell:
         While the cell is halted it ignores the commands.
 
         Raises:
-            DeviceError: A command is for a device that does not exist, or the engine broke.
+            DeviceError: A command is malformed or for a device that does not exist, or the engine broke.
         """
         require_known(commands, self._snapshot.devices)
         self._step(_NO_COMMANDS if self._halted else commands)

@@ -70,7 +70,7 @@ class FakeCell:
         """Does what the commands say and returns the state one period later.
 
         Raises:
-            DeviceError: A command is for a device that does not exist.
+            DeviceError: A command is malformed or for a device that does not exist.
         """
         require_known(commands, self._snapshot.devices)
         for models in (self._carriers, self._models):
