@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import Any
 
 from skiros_py.api.robots import (
@@ -14,7 +15,7 @@ from skiros_py.api.robots import (
     SignalReading,
     SignalReadings,
 )
-from skiros_py.errors import Refused, SkirosError, UnknownName, WrongState
+from skiros_py.errors import DeviceError, Refused, SkirosError, UnknownName, WrongState
 from skiros_py.execution.signals import SignalLost, Signals
 from skiros_py.ports.device import to_plain
 from skiros_py.ports.driver import CompositeDriver, Connection
@@ -91,10 +92,15 @@ def device_reading(session: Session, id_: str) -> DeviceReading:
 
 def device_state(session: Session, snapshot: Snapshot, id_: str) -> dict[str, Any]:
     """Returns the state of a device in one cycle as plain data, as :class:`~skiros_py.api.view.DeviceState` has it."""
-    device, state = session.cycle.board.devices[id_], snapshot.devices.get(id_)
+    board, state = session.cycle.board, snapshot.devices.get(id_)
+    device, still, data = board.devices[id_], True, None
+    if state is not None:
+        with suppress(DeviceError):  # of a kind that fails there is no state; the alarms name it
+            still = board.guard.call(device, "still", state)
+            data = board.guard.call(device, "encode", state)
     return {
-        "still": state is None or device.still(state),
-        "state": None if state is None else device.encode(state),
+        "still": still,
+        "state": data,
         "holds": next(iter(session.world.snapshot().subjects(HELD_BY, id_)), None),
     }
 
