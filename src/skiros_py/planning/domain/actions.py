@@ -19,6 +19,7 @@ from skiros_py.planning.domain.literals import (
     allows_value,
     asked_literals,
     expand,
+    overlap,
     property_of,
     storable,
 )
@@ -223,8 +224,7 @@ class _Placing:
         return self._found[key]
 
     def _is_brought(self, class_: str, relation: str) -> bool:
-        below = set(self._view.ontology.subclasses(class_))
-        return any(not below.isdisjoint(self._view.ontology.subclasses(c)) for c in self._brought.get(relation, ()))
+        return any(overlap(class_, c, self._view.ontology) for c in self._brought.get(relation, ()))
 
     def _is_there(self, class_: str, relation: str) -> bool:
         placements = (self._view.placement(thing) for thing in self._view.instances(class_))

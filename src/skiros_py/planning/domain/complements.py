@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from skiros_py.errors import PlanningError
 from skiros_py.planning.domain.actions import is_placement, numbered, shown
-from skiros_py.planning.domain.literals import NOT, is_stored, negated
+from skiros_py.planning.domain.literals import NOT, is_stored, negated, overlap
 from skiros_py.planning.domain.model import Action, Atom
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.view import WorldView
@@ -86,15 +86,9 @@ def _with_effects(action: Action, wanted: frozenset[str]) -> Action:
 def _may_be_one(new: Atom, old: Atom, types: Mapping[str, str], ontology: Ontology) -> bool:
     """Returns whether two atoms of an action may refer to the same things."""
     return new.predicate == old.predicate and all(
-        one == other or _overlap(types.get(one, ""), types.get(other, ""), ontology)
+        one == other or overlap(types.get(one, ""), types.get(other, ""), ontology)
         for one, other in zip(new.arguments, old.arguments, strict=True)
     )
-
-
-def _overlap(one: str, other: str, ontology: Ontology) -> bool:
-    if one not in ontology.classes or other not in ontology.classes:
-        return True
-    return not set(ontology.subclasses(one)).isdisjoint(ontology.subclasses(other))
 
 
 def complement_facts(

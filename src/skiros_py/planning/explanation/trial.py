@@ -6,10 +6,10 @@ import time
 from collections.abc import Callable, Sequence
 
 from skiros_py.errors import PlanningError
-from skiros_py.planning.domain.pddl import write_pddl
+from skiros_py.planning.domain.pddl import PddlTexts, write_pddl
 from skiros_py.planning.plan import Plan
 from skiros_py.planning.plan_validation import validate
-from skiros_py.planning.planners.planner import Planner, Planners, Solved, wait_for
+from skiros_py.planning.planners.planner import Answer, Planner, Planners, Solved, wait_for
 from skiros_py.planning.problem.task import Capability, build_task
 from skiros_py.skills.conditions import Condition
 from skiros_py.world.view import WorldView
@@ -54,17 +54,21 @@ class Trial:
         planner = self._planner_for(texts.requirements)
         if planner is None:
             return None
-        started = time.perf_counter()
         try:
-            answer = wait_for(planner.solve(texts.domain, texts.problem), self._check)
+            answer = self._answer(planner, texts)
             if isinstance(answer, Solved):
                 plan = validate(view, task, texts, answer)
                 return True if isinstance(plan, Plan) else None
         except PlanningError:
             return None
+        return False if answer.proven else None
+
+    def _answer(self, planner: Planner, texts: PddlTexts) -> Answer:
+        started = time.perf_counter()
+        try:
+            return wait_for(planner.solve(texts.domain, texts.problem), self._check)
         finally:
             self._left -= time.perf_counter() - started
-        return False if answer.proven else None
 
     def _check(self, taken: float) -> None:
         if self._stopped() or taken > min(self._each, self._left):

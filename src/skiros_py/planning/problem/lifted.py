@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-from skiros_py.planning.domain.literals import CAN, NOTHING, Asked
+from skiros_py.planning.domain.literals import CAN, NOTHING, Asked, overlap
 from skiros_py.planning.domain.model import Action, Atom
 from skiros_py.skills.conditions import Not
 from skiros_py.world.ontology import Ontology
@@ -101,11 +101,9 @@ class Lifted:
 
     def overlap(self, one: str, other: str) -> bool:
         """Returns True when something may be of both classes."""
-        if "object" in (one, other) or not one or not other:
-            return True
         key = one, other
         if key not in self._overlaps:
-            self._overlaps[key] = any(self.ontology.is_a(below, other) for below in self.ontology.subclasses(one))
+            self._overlaps[key] = overlap(one, other, self.ontology)
         return self._overlaps[key]
 
     def is_passive(self, class_: str) -> bool:
