@@ -90,13 +90,17 @@ class _Bound:
     def broken(self, view: WorldView) -> Verdict | None:
         """Returns why it does not hold; None if it does.
 
-        Its pattern is matched first; if that fails, the whole condition is evaluated for the reason.
+        Its pattern is matched first; if that raises, or gives no full reason, the whole condition is evaluated.
         """
         if self._pattern is None and self._is_pattern and all(_is_there(view, name) for name in self._binding):
             self._pattern = self.condition.closed_pattern(view.ontology)
-        with contextlib.suppress(Exception):  # the condition will say it
-            if self._pattern is not None and self._pattern.evaluate(view, self._binding):
-                return None
+        with contextlib.suppress(Exception):  # the whole condition reports it
+            if self._pattern is not None:
+                matched = self._pattern.evaluate(view, self._binding)
+                if matched:
+                    return None
+                if not isinstance(self.condition, Junction):
+                    return Verdict(False, str(self.condition), (matched,))
         verdict = judge(self.condition, view)
         return None if verdict else verdict
 
