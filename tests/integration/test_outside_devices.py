@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -689,7 +690,7 @@ def test_in_a_session_foreign_devices_move_are_seen_recorded_and_replayed(cell: 
     assert set(states["wrench_1"][-1]) == {"force", "torque"}
 
 
-def test_the_joints_of_foreign_devices_move_in_the_live_state_and_in_a_replay_over_rest(
+def test_over_rest_foreign_devices_have_models_and_their_joints_move_live_and_in_a_replay(
     lab: Path, site: Any, tmp_path: Path
 ) -> None:
     install_cell(site)
@@ -702,6 +703,9 @@ def test_the_joints_of_foreign_devices_move_in_the_live_state_and_in_a_replay_ov
         http.put("/jobs/aside", json={"goal": "RobotAtLocation(robot_1, bench_1)"}).raise_for_status()
         awaited(http, "aside", "Ended")
         live, replay = http.get("/state").json()["joints"], written(http, "aside")
+        plate = http.get("/devices/plate_1").json()
+        while (model := http.get("/robots/plate_1/model")).status_code == 202:
+            time.sleep(0.1)
 
     joints = replay.frames.joints
     assert {"plate_1/turn", "robot_1/a", "robot_1/b", "robot_1/c"} == set(live) == set(joints)
@@ -709,6 +713,8 @@ def test_the_joints_of_foreign_devices_move_in_the_live_state_and_in_a_replay_ov
         assert len(joints[name]) == len(replay.frames.times)
         assert joints[name][-1] > joints[name][0] + 0.1, name
     assert replay.frames.frames["plate_1"][0] != replay.frames.frames["plate_1"][-1]
+    assert (plate["model"], plate["place"]["position"]) == ("turntable", [2.0, 0.0, 0.0])
+    assert 'joint name="turn"' in model.text
 
 
 def turning(board: DeviceBoard) -> Iterator[None]:

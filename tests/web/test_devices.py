@@ -106,7 +106,7 @@ def test_devices_of_outside_kinds_are_drawn_where_their_frames_and_joints_are(si
     scene.write_text(LAB, encoding="utf-8")
     served = station(str(scene))
     anna = Person(visit(served.url, "#/world"), served.url, expect)
-    until(anna, lambda: joints(anna) != {})
+    until(anna, lambda: joints(anna, "robot_1") != {} != joints(anna, "plate_1") and anna.drawn("robot_1") is not None)
 
     moves_the_devices(served.services.station)
 
@@ -115,7 +115,8 @@ def test_devices_of_outside_kinds_are_drawn_where_their_frames_and_joints_are(si
     assert anna.drawn("cube_1") == pytest.approx([2.0, 0.3, 0.52], abs=0.01)
     assert turned(anna, "plate_1") == pytest.approx(math.pi / 2.0, abs=0.02)
     assert turned(anna, "robot_1") == pytest.approx(math.pi / 4.0, abs=0.02)
-    assert [joints(anna)[name] for name in "abc"] == pytest.approx([0.1, 0.2, 0.3], abs=0.01)
+    assert [joints(anna, "robot_1")[name] for name in "abc"] == pytest.approx([0.1, 0.2, 0.3], abs=0.01)
+    assert joints(anna, "plate_1")["turn"] == pytest.approx(math.pi / 2.0, abs=0.02)  # its own model, from its URDF
     if folder := os.environ.get("SKIROS_WEB_PICTURES"):
         anna.page.screenshot(path=f"{folder}/outside_devices.png")
 
@@ -149,9 +150,9 @@ def until(anna: Person, so: Callable[[], bool]) -> None:
     pytest.fail("it is not drawn so within 30 s")
 
 
-def joints(anna: Person) -> dict[str, float]:
-    """Where the joints of the robot are drawn, by name."""
-    found: dict[str, float] = anna.page.evaluate("window.skiros3d?.joints('robot_1') ?? {}")
+def joints(anna: Person, model: str) -> dict[str, float]:
+    """Returns the positions of the joints in a drawn model, by name."""
+    found: dict[str, float] = anna.page.evaluate("id => window.skiros3d?.joints(id) ?? {}", model)
     return found
 
 

@@ -79,6 +79,10 @@ class DeviceInfo(Answer):
     """Its kind."""
     robot: str | None = Field(examples=["robot_1"])
     """The robot that it belongs to; null for none."""
+    model: str = Field(examples=[""])
+    """Name of its own model, as `GET /robots/{id}/model` has it; empty for none, and for a device of a robot."""
+    place: PoseInfo | None
+    """Pose of a device without a robot in the map; null for a device of a robot."""
     description: dict[str, Any] = Field(examples=[{"max_gap": 0.08}])
     """What is known of it, by the names that its kind uses."""
     signals: tuple[SignalInfo, ...]

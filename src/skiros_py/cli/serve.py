@@ -244,7 +244,9 @@ def _expect_people(services: Services, url: str) -> None:
 
     if pages_of(services.settings) is not None:
         click.echo(f"pages   {url}/ for people", err=True)
-        services.station.robot_models.prepare(robot.model for robot in services.station.session.spec.robots)
+        services.station.robot_models.prepare(
+            group.model for group in services.station.session.spec.groups if group.model
+        )
 
 
 def _say_where(services: Services, url: str, data: Path, *, as_json: bool) -> None:

@@ -2451,6 +2451,8 @@ export interface components {
             id: string;
             kind: string;
             robot: string | null;
+            model: string;
+            place: components["schemas"]["PoseInfo"] | null;
             description: {
                 [key: string]: unknown;
             };

@@ -21,23 +21,6 @@ export function useModule(agent: string, module: string) {
   });
 }
 
-export function useRobots() {
-  return useQuery({ queryKey: keys.robots("all"), queryFn: () => answer(api.GET("/api/v1/robots")) });
-}
-
-export type Device = Schema<"DeviceInfo">;
-
-/** Devices of any kind; read again while they are shown, for others may open and close them. */
-export function useDevices() {
-  return useQuery({
-    queryKey: keys.robots("devices"),
-    queryFn: () => answer(api.GET("/api/v1/devices")),
-    refetchInterval: 5000,
-  });
-}
-
-export type Robot = NonNullable<ReturnType<typeof useRobots>["data"]>[number];
-
 /** What a module would be run with now; read again when the world changes. */
 export function usePanel(agent: string, module: string, values: Arguments) {
   const may = useMay("show_panel");

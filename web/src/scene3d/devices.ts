@@ -23,8 +23,6 @@ const STILL = 2e-4; // rad or m: less is not visible
 
 /** As they are drawn now; read only. */
 export const devices: Devices = nothing();
-/** Ids of the devices that carry bodies: what is drawn of them moves with their frames. */
-export const platforms = new Set<string>();
 
 let from: Devices = nothing();
 let to: Devices = nothing();
@@ -49,7 +47,6 @@ export function moveDevices(now: number): void {
 
 export function devicesOf(state: StationState): Devices {
   const found = nothing();
-  for (const id of Object.keys(state.platforms)) platforms.add(id);
   for (const [id, pose] of Object.entries({ ...state.frames, ...state.platforms })) {
     found.frames[id] = [...pose.position, ...pose.orientation];
   }

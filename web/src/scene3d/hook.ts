@@ -5,7 +5,7 @@ import { crowd } from "./elements/crowd";
 import { deviceInMap } from "./frames";
 import { poseOf } from "./pose";
 import { onPicture, pointOf, type Spot } from "./pointing";
-import { carrierOf, models } from "./robots/models";
+import { carrierOf, useModels } from "./robots/models";
 
 export interface Hook {
   /** CSS pixels of an element's middle in the page; null for what is not seen. */
@@ -67,6 +67,6 @@ function poseNow(id: string): number[] | null {
 }
 
 function jointsOf(robot: string): [string, number][] {
-  const joints = Object.entries(models.get(robot)?.joints ?? {});
+  const joints = Object.entries(useModels.getState()[robot]?.joints ?? {});
   return joints.filter(([, joint]) => joint.jointType !== "fixed").map(([name, joint]) => [name, joint.angle]);
 }

@@ -93,11 +93,10 @@ _STL: dict[int | str, dict[str, Any]] = {200: {"description": "The mesh.", "cont
 def get_robot_model(id: Id, station: StationDep) -> Response:  # noqa: A002 - as the address says it
     """Read a robot's model.
 
-    Returns what a robot looks like and how it moves, as URDF: links, joints, visible shapes with their colours.
+    Returns links, joints and visible shapes with their colours as URDF; of a robot, or of a device without a robot.
 
-    Files of meshes are named from the address of the model, are binary STL, and have few triangles. The description of
-    the robot says which joints stand where. The first time it may take some seconds; 202 without content says when to
-    ask again.
+    Mesh files are relative to the address of the model, binary STL, and have few triangles. The live state has the
+    positions of the joints. The first request may take some seconds: 202 without content says when to ask again.
     """
     try:
         return Response(station.robots.model(id).urdf, media_type="application/xml")
@@ -111,7 +110,7 @@ def get_robot_model(id: Id, station: StationDep) -> Response:  # noqa: A002 - as
 def get_robot_mesh(id: Id, name: _MeshName, station: StationDep) -> Response:  # noqa: A002
     """Read a mesh of a robot's model.
 
-    Gives one of the meshes that the model names, as binary STL [m]; nothing else.
+    Returns one of the mesh files of the model, as binary STL [m].
     """
     return Response(station.robots.mesh(id, name), media_type="model/stl", headers=_FOREVER)
 

@@ -15,6 +15,7 @@ from skiros_py.api.robots import (
     SignalReading,
     SignalReadings,
 )
+from skiros_py.api.view import PoseInfo
 from skiros_py.errors import DeviceError, Refused, SkirosError, UnknownName, WrongState
 from skiros_py.execution.signals import SignalLost, Signals
 from skiros_py.ports.device import to_plain
@@ -45,12 +46,15 @@ def device_info(session: Session, id_: str) -> DeviceInfo:
     group = session.spec.group_of(id_)
     device = group.device(id_)
     model = session.runtime.context.frames.kinematics(group)
+    robot = group.id if group in session.spec.robots else None
     described = to_plain(device)
     described.pop("id")
     return DeviceInfo(
         id=id_,
         kind=device.kind,
-        robot=group.id if group in session.spec.robots else None,
+        robot=robot,
+        model="" if robot else group.model,
+        place=None if robot else PoseInfo.view_of(group.place),
         description=described,
         signals=tuple(SignalInfo(name=s.name, unit=s.unit, frame=s.frame, help=s.help) for s in device.signals),
         open=id_ not in session.cycle.board.closed,

@@ -125,7 +125,7 @@ def _look(camera: str, shot: _Shot) -> Look:
         number=shot.number,
         camera=camera,
         time=shot.time,
-        pose=_pose(request.camera_pose),
+        pose=PoseInfo.view_of(request.camera_pose),
         points=_text(points.tobytes()),
         colours=_text(colours.tobytes()),
         seen=_seen(shot),
@@ -164,7 +164,7 @@ def _seen(shot: _Shot) -> tuple[Seen, ...]:
     except SkirosError:  # reported by the caller of the request
         return ()
     if isinstance(result, LookResult):
-        return tuple(Seen.view_of(one, pose=_pose(one.pose)) for one in result.detections)
+        return tuple(Seen.view_of(one, pose=PoseInfo.view_of(one.pose)) for one in result.detections)
     return _registered(shot, result) if isinstance(result, RegistrationResult) else ()
 
 
@@ -175,11 +175,7 @@ def _registered(shot: _Shot, result: RegistrationResult) -> tuple[Seen, ...]:
     low, high = request.solid.bounds()
     length, width, height = (high - low).tolist()
     size = (length, width, height)
-    return (Seen(type=shot.what, pose=_pose(result.pose), size=size, cost=result.cost, margin=0.0),)
-
-
-def _pose(pose: Pose) -> PoseInfo:
-    return PoseInfo(position=pose.position, orientation=pose.orientation)
+    return (Seen(type=shot.what, pose=PoseInfo.view_of(result.pose), size=size, cost=result.cost, margin=0.0),)
 
 
 def _text(data: bytes) -> str:

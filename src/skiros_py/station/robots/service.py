@@ -70,20 +70,23 @@ class RobotService:
             return self._station.looks.look(self._find(id_), camera)
 
     def model(self, id_: str) -> DrawnModel:
-        """Returns the visual model of a robot.
+        """Returns the visual model of a robot, or of a device without a robot.
 
         Raises:
             NotFound: There is none with this id.
             Busy: It is being made.
             Refused: The model cannot be read.
         """
-        robot = self._find(id_)
+        models = {group.id: group.model for group in self._station.session.spec.groups}
+        with addressed():
+            if id_ not in models:
+                raise UnknownName("robot", id_, models)
         try:
-            return self._station.robot_models.get(robot.model)
+            return self._station.robot_models.get(models[id_])
         except Busy:
             raise
-        except SkirosError as error:  # cells of plug-ins may have their own robots
-            raise Refused("NoModel", f"nobody knows what {id_} looks like: {error}") from None
+        except SkirosError as error:  # the robots of a plug-in may have none
+            raise Refused("NoModel", f"{id_} has no model that can be drawn: {error}") from None
 
     def mesh(self, id_: str, name: str) -> bytes:
         """Returns a mesh of a robot's model as binary STL [m].

@@ -106,7 +106,7 @@ def _shapes_told(primitives: Iterable[Primitive]) -> tuple[Block, ...]:
         Block(
             kind=block.kind,
             size=block.size,
-            pose=PoseInfo(position=block.pose.position, orientation=block.pose.orientation),
+            pose=PoseInfo.view_of(block.pose),
         )
         for block in primitives
     )
@@ -190,7 +190,7 @@ class _Observer:
             id=name,
             class_=element.type,
             label=element.label,
-            pose=_told(pose),
+            pose=None if pose is None else PoseInfo.view_of(pose),
             carrier=carrier,
             place=placement.place if placement is not None else None,
             owner=next(iter(view.owners(name)), None),
@@ -216,7 +216,7 @@ class _Observer:
     def _in_hand(self, name: str, gripper: str) -> PoseInfo | None:
         pose = self._view.value(name, POSE)
         hangs = gripper in self._view.objects(name, POSE_FRAME)
-        return _told(pose) if hangs and isinstance(pose, Pose) else None
+        return PoseInfo.view_of(pose) if hangs and isinstance(pose, Pose) else None
 
     def _carries(self, name: str) -> bool:
         return name in self._platforms or self._sort(self._view.element(name).type).base
@@ -228,7 +228,3 @@ class _Observer:
             kind = next((kind for above, kind in _KINDS if is_a(class_, above)), None)
             known = self._sorts[class_] = _Sort(kind, is_a(class_, BASE))
         return known
-
-
-def _told(pose: Pose | None) -> PoseInfo | None:
-    return None if pose is None else PoseInfo(position=pose.position, orientation=pose.orientation)

@@ -9,7 +9,7 @@ import { notifyProblem } from "../../widgets/problems";
 import { Status } from "../../widgets/Status";
 import classes from "../modules.module.css";
 import type { View } from "../places";
-import { type Device, useDevices } from "../queries";
+import { type Device, useDevices } from "../../api/cell";
 import { shown } from "../runs/changes";
 import { SignalPanel } from "./SignalPanel";
 import { extended, type Signal, type Traces } from "./traces";
@@ -22,7 +22,7 @@ const MOST = 200; // signals that are read at once
 /** All devices of the cell with their signals, whatever their kinds are, and the signals that are computed or set. */
 export function DevicesPanel({ show }: { show: Show }) {
   const { t } = useTranslation("modules");
-  const { data: devices } = useDevices();
+  const { data: devices } = useDevices(5000);
   const { data: signals = [] } = useQuery({
     queryKey: keys.robots("signals"),
     queryFn: () => answer(api.GET("/api/v1/signals")),

@@ -5,7 +5,7 @@ import { useTranslation } from "react-i18next";
 import { MayButton } from "../../widgets/MayButton";
 import { Status } from "../../widgets/Status";
 import classes from "../modules.module.css";
-import type { Device } from "../queries";
+import type { Device } from "../../api/cell";
 import { HOME } from "./panels";
 import { hand, jog } from "./robotHand";
 

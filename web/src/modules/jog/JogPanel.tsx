@@ -4,7 +4,7 @@ import { useMay } from "../../api/session";
 import { Teach } from "../teach/Teach";
 import { Learned } from "../teach/Learned";
 import type { View } from "../places";
-import { type Robot, useDevices, useRobots } from "../queries";
+import { type RobotInfo as Robot, useDevices, useRobots } from "../../api/cell";
 import { HandBar } from "./HandBar";
 import { panelsOf } from "./panels";
 import { useHindrance } from "./useHindrance";
@@ -43,7 +43,7 @@ function ByHand({ robot, alone }: { robot: Robot; alone: boolean }) {
   const hindrance = useHindrance(robot, alone);
   const may = useMay("jog_device");
   const disabled = hindrance !== "" || !may;
-  const { data: devices } = useDevices();
+  const { data: devices } = useDevices(5000);
   if (devices === undefined) return null;
   const own = devices.filter((device) => device.robot === robot.id);
   const panels = own.flatMap((device) => panelsOf({ device, disabled, t }));

@@ -2,7 +2,7 @@ import { Slider, Text } from "@mantine/core";
 import { IconMinus, IconPlus } from "@tabler/icons-react";
 import { useTranslation } from "react-i18next";
 import classes from "../modules.module.css";
-import type { Device } from "../queries";
+import type { Device } from "../../api/cell";
 import type { Step } from "./hand";
 import { HoldButton } from "./HoldButton";
 import { useLive } from "./live";

@@ -3,7 +3,7 @@ import { IconArrowBackUp, IconPlayerTrackNext } from "@tabler/icons-react";
 import { useState } from "react";
 import { useTranslation } from "react-i18next";
 import { useStation } from "../../live/station";
-import type { Device } from "../queries";
+import type { Device } from "../../api/cell";
 import { told } from "./hand";
 import { JointRow } from "./JointRow";
 import { useRest } from "./live";

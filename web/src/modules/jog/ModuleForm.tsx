@@ -4,7 +4,8 @@ import { useState } from "react";
 import { useTranslation } from "react-i18next";
 import { argumentFaults, type Arguments, ArgumentsForm } from "../../widgets/ArgumentsForm";
 import { MayButton } from "../../widgets/MayButton";
-import { type Device, useModule } from "../queries";
+import { type Device } from "../../api/cell";
+import { useModule } from "../queries";
 import { hand, jog, teach } from "./robotHand";
 
 interface Props {

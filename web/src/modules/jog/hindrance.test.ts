@@ -1,5 +1,5 @@
 import type { StationState } from "../../live/station";
-import type { Robot } from "../queries";
+import type { RobotInfo as Robot } from "../../api/cell";
 import { hindranceOf } from "./hindrance";
 
 const ROBOT = { id: "robot_1", agents: ["arm_1", "base_1"] } as unknown as Robot;

@@ -1,7 +1,7 @@
 /** Why a robot cannot be moved by hand just now. */
 
 import type { StationState } from "../../live/station";
-import type { Robot } from "../queries";
+import type { RobotInfo as Robot } from "../../api/cell";
 
 export type Hindrance =
   | { why: "unknown" }

@@ -1,5 +1,5 @@
 import type { TFunction } from "i18next";
-import type { Device } from "../queries";
+import type { Device } from "../../api/cell";
 import { panelsOf } from "./panels";
 
 const JOINT = { name: "shoulder", lower: null, upper: null, velocity: null };
@@ -13,6 +13,8 @@ function device(modules: string[], more: Partial<Device> = {}): Device {
     joints: [],
     frames: [],
     mounted_on: "",
+    model: "",
+    place: null,
     open: true,
     commanded: true,
     teach: [],

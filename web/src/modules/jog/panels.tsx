@@ -1,6 +1,6 @@
 import type { TFunction } from "i18next";
 import type { ReactNode } from "react";
-import type { Device } from "../queries";
+import type { Device } from "../../api/cell";
 import { BaseJog } from "./BaseJog";
 import { GripperJog } from "./GripperJog";
 import { Joints } from "./Joints";

@@ -1,6 +1,6 @@
 import { useTranslation } from "react-i18next";
 import { useStation } from "../../live/station";
-import type { Robot } from "../queries";
+import type { RobotInfo as Robot } from "../../api/cell";
 import { hindranceOf } from "./hindrance";
 import { hand } from "./robotHand";
 

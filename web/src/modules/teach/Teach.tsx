@@ -2,7 +2,7 @@ import { SegmentedControl, Stack, Text } from "@mantine/core";
 import { useState } from "react";
 import { useTranslation } from "react-i18next";
 import { ModuleForm } from "../jog/ModuleForm";
-import type { Device } from "../queries";
+import type { Device } from "../../api/cell";
 
 /** Learns from how the devices of a robot are now, with the modules that their kinds name. */
 export function Teach({ devices, disabled }: { devices: readonly Device[]; disabled: boolean }) {

@@ -5,6 +5,7 @@ import { useStation } from "../../live/station";
 import { type Pick, useSelection } from "../../selection/selection";
 import { useLayers } from "../layers";
 import { colourOf, type Palette, partColours } from "../palette";
+import { useModels } from "../robots/models";
 import { wake } from "../ticker";
 import { useShownView } from "../useShownView";
 import type { ViewElement } from "../view";
@@ -17,20 +18,22 @@ const TINT = 0.55; // of what is selected
 /** All elements that are not robots. */
 export function Elements({ palette }: { palette: Palette }) {
   const view = useShownView();
-  const heard = useStation(({ state }) => state !== null); // only then it is known which devices carry something
+  const carriers = useStation(({ state }) => Object.keys(state?.platforms ?? {}).join(" "));
+  const models = useModels();
   const rooms = useLayers(({ shown }) => shown.rooms);
   const selected = useSelection((state) => state.selected);
   const hovered = useSelection((state) => state.hovered);
   const pick = useSelection((state) => state.pick);
   const parts = useMemo(() => (view === null ? new Map<string, Color>() : partColours(view)), [view]);
   useEffect(() => {
-    if (view !== null) crowd.show(view, ({ hollow }) => hollow && !rooms);
-  }, [view, rooms, heard]);
+    const hidden = ({ id, hollow }: ViewElement) => (hollow && !rooms) || id in models;
+    if (view !== null) crowd.show(view, hidden, new Set(carriers.split(" ")));
+  }, [view, rooms, carriers, models]);
   useEffect(() => {
     const paint = painter(palette, { selected, hovered, pick });
     crowd.paint((element, sure) => paint(element, colourOf(element, palette, parts), sure));
     wake();
-  }, [view, rooms, heard, palette, parts, selected, hovered, pick]);
+  }, [view, rooms, carriers, models, palette, parts, selected, hovered, pick]);
   useEffect(() => () => crowd.dispose(), []);
   useFrame(() => crowd.follow(), -1);
   return <primitive object={crowd.group} />;

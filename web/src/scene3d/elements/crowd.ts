@@ -2,7 +2,6 @@
 
 import { Box3, type Color, Group, Matrix4 } from "three";
 import { create } from "zustand";
-import { platforms } from "../devices";
 import { frameInMap } from "../frames";
 import { type Item, layout } from "../layout";
 import { type Shape, shapeIn } from "../shapes";
@@ -25,11 +24,11 @@ class Crowd {
   private riders: Drawn[] = [];
   private shapes: View["shapes"] = {};
 
-  /** Shows a view; what is hidden has a place but no picture. */
-  show(view: View, hidden: (element: ViewElement) => boolean): void {
+  /** Shows a view. Hidden elements have a pose but are not drawn; carriers are devices, drawn where their frames are. */
+  show(view: View, hidden: (element: ViewElement) => boolean, carriers: ReadonlySet<string>): void {
     this.shapes = view.shapes;
     const bounds = (element: ViewElement) => this.shape(element)?.bounds ?? null;
-    const items = layout(view, bounds, (id) => platforms.has(id));
+    const items = layout(view, bounds, (id) => carriers.has(id));
     const visible = [...items.values()].filter((item) => !hidden(item.element));
     this.makeRoom(visible);
     this.drawn = new Map([...items].map(([id, item]) => [id, { item, batch: null, number: 0 }]));

@@ -6,7 +6,7 @@ import { crowd } from "../elements/crowd";
 import { frameInMap } from "../frames";
 import { useLayers } from "../layers";
 import { robotInMap } from "../robots/models";
-import { useRobots } from "../robots/useRobots";
+import { useRobots } from "../../api/cell";
 
 const LONG = 0.25; // m
 

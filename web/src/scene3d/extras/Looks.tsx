@@ -10,7 +10,7 @@ import type { Palette } from "../palette";
 import { matrixOf } from "../pose";
 import { quality } from "../quality";
 import { useReplay } from "../replay";
-import { useRobots } from "../robots/useRobots";
+import { useRobots } from "../../api/cell";
 import { wake } from "../ticker";
 import { Detections } from "./Detections";
 import { cloudOf, thinned } from "./points";

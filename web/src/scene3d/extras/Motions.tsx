@@ -8,7 +8,7 @@ import { useStation } from "../../live/station";
 import { useLayers } from "../layers";
 import type { Palette } from "../palette";
 import { useReplay } from "../replay";
-import { useRobots } from "../robots/useRobots";
+import { useRobots } from "../../api/cell";
 import { wake } from "../ticker";
 
 type Motion = Schema<"RobotMotion">;

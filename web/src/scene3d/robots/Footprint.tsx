@@ -6,7 +6,7 @@ import { useSelection } from "../../selection/selection";
 import type { Palette } from "../palette";
 import { headingOf, poseOf } from "../pose";
 import { robotInMap } from "./models";
-import type { RobotInfo } from "./useRobots";
+import type { RobotInfo } from "../../api/cell";
 
 const HEIGHT = 0.35; // m, of a robot of which only the outline is known
 const MARGIN = 1.2;

@@ -1,5 +1,6 @@
 /** A robot's model from its URDF, with few draws: what belongs to one link is one mesh. */
 
+import { useQuery } from "@tanstack/react-query";
 import {
   BufferAttribute,
   type BufferGeometry,
@@ -14,15 +15,21 @@ import { STLLoader } from "three/examples/jsm/loaders/STLLoader.js";
 import { mergeGeometries, toCreasedNormals } from "three/examples/jsm/utils/BufferGeometryUtils.js";
 import URDFLoader, { type URDFRobot } from "urdf-loader";
 import { ApiProblem, BASE } from "../../api/client";
+import { keys } from "../../api/keys";
 
 const CREASE = 0.6; // rad: sharper edges stay edges
 const UNPREPARED = [202, 503];
 const MOST_TRIES = 60;
 const MATERIAL = new MeshLambertMaterial({ vertexColors: true });
 
-/** Loads the model of a robot; null where it has none. */
-export async function loadModel(robot: string): Promise<URDFRobot | null> {
-  const address = `${BASE}/api/v1/robots/${encodeURIComponent(robot)}/model`;
+/** Returns the model of a robot, or of a device without a robot; null until it is loaded, and where there is none. */
+export function useModel(id: string, name: string): URDFRobot | null {
+  const { data } = useQuery({ queryKey: keys.robotModels(id, name), queryFn: () => loadModel(id), gcTime: 0 });
+  return data ?? null;
+}
+
+async function loadModel(id: string): Promise<URDFRobot | null> {
+  const address = `${BASE}/api/v1/robots/${encodeURIComponent(id)}/model`;
   const response = await prepared(address);
   if (response.status === 404) return null;
   if (!response.ok) throw new ApiProblem(response.status, undefined);

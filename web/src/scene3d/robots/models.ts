@@ -2,12 +2,25 @@
 
 import { Matrix4, type Vector3 } from "three";
 import type { URDFRobot } from "urdf-loader";
+import { create } from "zustand";
 import { deviceInMap } from "../frames";
 import { matrixOf } from "../pose";
-import type { RobotInfo } from "./useRobots";
+import { disposeModel } from "./model";
+import type { RobotInfo } from "../../api/cell";
 
-/** By the id of the robot, or of the device without a robot. */
-export const models = new Map<string, URDFRobot>();
+/** The drawn models by the id of the robot, or of the device without a robot. */
+export const useModels = create<Readonly<Record<string, URDFRobot>>>(() => ({}));
+
+/** Adds a model that is drawn; returns how to take it away. */
+export function addModel(id: string, model: URDFRobot): () => void {
+  useModels.setState({ [id]: model });
+  return () => {
+    const { [id]: gone, ...others } = useModels.getState();
+    useModels.setState(others, true);
+    if (gone !== undefined) disposeModel(gone);
+  };
+}
+
 /** The devices that move robots through the map, by the robots' ids. */
 export const carrierOf = new Map<string, string>();
 

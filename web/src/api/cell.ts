@@ -1,0 +1,24 @@
+/** Queries for the robots and devices of the station. */
+
+import { useQuery } from "@tanstack/react-query";
+import { answer, api, type Schema } from "./client";
+import { keys } from "./keys";
+
+export type Device = Schema<"DeviceInfo">;
+export type RobotInfo = Schema<"RobotInfo">;
+
+export function useRobots() {
+  return useQuery({
+    queryKey: keys.robots("all"),
+    queryFn: async () => (await answer(api.GET("/api/v1/robots"))) as RobotInfo[], // tuples lose their length there
+  });
+}
+
+/** Devices of any kind; read again at an interval [ms] if one is given, because others may open and close them. */
+export function useDevices(interval: number | false = false) {
+  return useQuery({
+    queryKey: keys.robots("devices"),
+    queryFn: async () => (await answer(api.GET("/api/v1/devices"))) as Device[],
+    refetchInterval: interval,
+  });
+}
