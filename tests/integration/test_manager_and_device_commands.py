@@ -93,7 +93,7 @@ def test_signals_are_listed_read_and_refused_from_the_shell(said: Ask, served: S
     refused = CliRunner().invoke(cli, ("signal", "set", "gripper_1.gap", "0.1", "--url", served.url))
     malformed = CliRunner().invoke(cli, ("signal", "set", "gripper_1.gap", "wide", "--url", served.url))
 
-    assert " m " in listed["gripper_1.gap"]
+    assert listed["gripper_1.gap"].split()[1:4] == ["m", "length", "gripper_1"]
     assert (name, float(value)) == ("gripper_1.gap", both["signals"]["gripper_1.gap"]["value"])
     assert set(both["signals"]) == {"gripper_1.gap", "localiser_1.x"}
     assert "'gripper_1.gap' comes from gripper_1: only inputs can be set" in str(refused.exception)

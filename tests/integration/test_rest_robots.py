@@ -77,7 +77,11 @@ def test_devices_of_any_kind_are_told_with_the_values_that_they_offer(api) -> No
     assert [(one.module, one.agent) for one in gripper.jog] == [("gripper_control", "arm_1")]
     assert [one.module for one in told["arm_1"].jog] == ["jog_joints", "jog_tool", "home"]
     assert (told["arm_1"].frames, len(told["arm_1"].joints), told["camera_1"].jog) == (("tcp",), 7, ())
-    assert {signal.name: signal.unit for signal in gripper.signals} == {"gap": "m", "force": "N", "still": ""}
+    assert {signal.name: (signal.unit, signal.dimension) for signal in gripper.signals} == {
+        "gap": ("m", "length"),
+        "force": ("N", "force"),
+        "still": ("", ""),
+    }
     assert reading.state is not None
     assert reading.signals["gap"] == reading.state["gap"]
     assert done(api, robots.get_device_state("camera_1")).state is None

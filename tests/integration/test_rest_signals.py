@@ -66,6 +66,7 @@ def test_signals_of_devices_computed_ones_and_inputs_are_listed_alike(client: Cl
     told = {one.name: one for one in client.signals.list()}
 
     assert (told["gripper_1.force"].unit, told["gripper_1.force"].source) == ("N", "gripper_1")
+    assert (told["half_limit"].dimension, told["localiser_1.yaw"].dimension) == ("speed", "angle")
     assert (told["half_limit"].help, told["half_limit"].source) == ("Half of the speed limit.", "half the limit")
     assert [name for name, one in told.items() if one.input] == ["speed_limit"]
 

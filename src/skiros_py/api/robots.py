@@ -55,6 +55,8 @@ class SignalInfo(Answer):
     """Its name, as conditions use it."""
     unit: str = Field(examples=["N"])
     """Its unit; empty for truth values and pure numbers."""
+    dimension: str = Field(examples=["force"])
+    """The dimension that its unit measures; empty for no unit, or one that is not known."""
     frame: str = Field(examples=[""])
     """"map", "own" for the frame of the device; empty where none matters."""
     help: str = Field(examples=["force per finger"])

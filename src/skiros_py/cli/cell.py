@@ -155,9 +155,12 @@ def signal() -> None:
 
 @served(signal, "signal list --data cell")
 def list_signals(client: Client) -> Found:
-    """Lists the signals, with their unit, source and meaning."""
+    """Lists the signals, with their unit, dimension, source and meaning."""
     signals = client.signals.list()
-    return signals, (f"{s.name:24} {s.unit or '-':8} {'input' if s.input else s.source:20} {s.help}" for s in signals)
+    return signals, (
+        f"{s.name:24} {s.unit or '-':8} {s.dimension or '-':16} {'input' if s.input else s.source:20} {s.help}"
+        for s in signals
+    )
 
 
 @served(signal, "signal get gripper_1.gap --data cell")

@@ -15,7 +15,7 @@ import numpy as np
 
 from skiros_py.errors import DeviceError, SkirosError
 from skiros_py.interruptions import Activity, CycleOverrun, limited
-from skiros_py.ports.device import DeviceModel, DeviceSpec
+from skiros_py.ports.device import DeviceModel, DeviceSpec, MobileSpec
 from skiros_py.ports.kinds import load_device_kinds
 from skiros_py.ports.values import Commands
 
@@ -325,6 +325,23 @@ def limited_call(
     if has_nan(answer):
         raise DeviceError(f"{what()} returned {answer!r:.80}")
     return answer
+
+
+def model_of(device: DeviceSpec[Any, Any], function: str, *arguments: Any) -> DeviceModel | None:
+    """Returns the model of a device that its kind makes; None for a device without a state.
+
+    Args:
+        device: The device.
+        function: The function that makes it: "fake" or "simulate".
+        *arguments: Its arguments.
+
+    Raises:
+        DeviceError: The function fails or hangs, or makes no model of a device that has a state.
+    """
+    model: DeviceModel | None = limited_call(device, function, *arguments)
+    if model is None and (device.state_type is not None or isinstance(device, MobileSpec)):
+        raise DeviceError(f"{described(device)} has a state, but {function} makes no model of it")
+    return model
 
 
 def require_description(device: DeviceSpec[Any, Any]) -> None:

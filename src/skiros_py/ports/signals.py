@@ -17,6 +17,37 @@ Value = float | bool | tuple[float, ...]
 """What a signal is worth in one cycle: a number, a truth value or a vector."""
 
 
+_DIMENSIONS = {
+    "m": "length",
+    "m²": "area",
+    "m³": "volume",
+    "rad": "angle",
+    "s": "time",
+    "Hz": "frequency",
+    "kg": "mass",
+    "m/s": "speed",
+    "rad/s": "angular speed",
+    "m/s²": "acceleration",
+    "rad/s²": "angular acceleration",
+    "N": "force",
+    "N m": "torque",
+    "Pa": "pressure",
+    "J": "energy",
+    "W": "power",
+    "A": "electric current",
+    "V": "voltage",
+    "K": "temperature",
+    "°C": "temperature",
+    "%": "ratio",
+    "px": "pixels",
+}
+
+
+def dimension_of(unit: str) -> str:
+    """Returns the dimension of values in a unit ("force" for "N"); empty for no unit, or one that is not known."""
+    return _DIMENSIONS.get(unit, "")
+
+
 @dataclass(frozen=True, slots=True)
 class Signal:
     """Describes one signal.

@@ -12,7 +12,7 @@ from skiros_py.errors import UnknownName, UsageError
 from skiros_py.geometry import Pose
 from skiros_py.ports.cell import BodySpec, CellSpec, RobotSpec
 from skiros_py.ports.device import DeviceModel
-from skiros_py.ports.guard import limited_call
+from skiros_py.ports.guard import model_of
 from skiros_py.ports.simulation import Colour, Engine, SimulatedRobot, Surface
 from skiros_py.simulation.spawn import free_pose, start_poses
 
@@ -71,7 +71,7 @@ class CellRobot:
         controllers = {}
         for device in spec.devices:
             stream = seed if device is spec.localiser else [*seed, *device.id.encode()]
-            controller = limited_call(device, "simulate", model, np.random.default_rng(stream))
+            controller = model_of(device, "simulate", model, np.random.default_rng(stream))
             if controller is not None:
                 controllers[device.id] = controller
         return cls(spec, model, controllers)

@@ -12,7 +12,7 @@ from skiros_py.devices.mobile_base import BaseState, BaseTwist
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
 from skiros_py.ports.cell import CellSpec, RobotSpec
-from skiros_py.ports.device import DeviceSpec
+from skiros_py.ports.device import DeviceSpec, MobileSpec
 from skiros_py.simulation.fake import FakeCell
 
 
@@ -73,7 +73,7 @@ class LampSpec(DeviceSpec[Lamp, None]):
 
     def fake(self, robot):
         self.fails_in("fake")
-        return LampModel(self)
+        return None if self.mistake == "no fake" else LampModel(self)
 
     def fails_in(self, method):
         if self.mistake == method:
@@ -116,6 +116,31 @@ def test_a_state_of_another_type_switches_the_device_off_and_names_it(said, capl
 
     assert cell.exchange({}).devices["lamp_1"] == Lamp(True)
     assert f"lamp_1 (kind 'lamp') was switched off: its state is a Lamp, not {said!r}" in caplog.text
+
+
+class Cart(MobileSpec[Lamp, None]):
+    """Moves its robot, but has no state that could say where."""
+
+    kind: ClassVar[str] = "cart"
+    device_class: ClassVar[str] = "test:Cart"
+
+    @classmethod
+    def read(cls, individual):
+        return cls(individual.id, Pose(), ())
+
+    def pose(self, state):
+        return Pose()
+
+    def fake(self, robot):
+        return None
+
+
+@pytest.mark.parametrize("device", [LampSpec("device_1", "no fake"), Cart("device_1", Pose(), ())])
+def test_a_device_whose_fake_has_no_state_is_refused_at_load(device):
+    with pytest.raises(
+        DeviceError, match=rf"device_1 \(kind '{device.kind}'\) has a state, but fake makes no model of it"
+    ):
+        FakeCell(CellSpec((), (RobotSpec("robot", "", (device,)),)))
 
 
 def test_a_fault_of_a_kind_names_the_distribution(site):

@@ -2305,6 +2305,7 @@ export interface components {
         CellSignal: {
             name: string;
             unit: string;
+            dimension: string;
             frame: string;
             help: string;
             length: number | null;
@@ -3602,6 +3603,7 @@ export interface components {
         SignalInfo: {
             name: string;
             unit: string;
+            dimension: string;
             frame: string;
             help: string;
         };

@@ -9,7 +9,7 @@ from skiros_py.errors import DeviceError
 from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.device import FakeRobot
 from skiros_py.ports.driver import require_known
-from skiros_py.ports.guard import DeviceModels, KindGuard, limited_call
+from skiros_py.ports.guard import DeviceModels, KindGuard, model_of
 from skiros_py.ports.values import Commands, DepthImage, Pending, Snapshot
 
 _PERIOD = 1.0 / 200.0
@@ -37,7 +37,7 @@ class FakeCell:
         self._halted = False
         self._robots = [(group.carrier, FakeRobot(_PERIOD, group.start)) for group in spec.groups]
         fakes = {
-            device.id: limited_call(device, "fake", robot)
+            device.id: model_of(device, "fake", robot)
             for group, (_, robot) in zip(spec.groups, self._robots, strict=True)
             for device in group.devices
         }

@@ -21,7 +21,7 @@ from skiros_py.execution.signals import SignalLost, Signals
 from skiros_py.ports.device import to_plain
 from skiros_py.ports.driver import CompositeDriver, Connection
 from skiros_py.ports.kinematics import JointRange, Kinematics
-from skiros_py.ports.signals import Value
+from skiros_py.ports.signals import Value, dimension_of
 from skiros_py.ports.values import Snapshot
 from skiros_py.station.control import ControlThread
 from skiros_py.station.requests import Service, addressed
@@ -56,7 +56,7 @@ def device_info(session: Session, id_: str) -> DeviceInfo:
         model="" if robot else group.model,
         place=None if robot else PoseInfo.view_of(group.place),
         description=described,
-        signals=tuple(SignalInfo(name=s.name, unit=s.unit, frame=s.frame, help=s.help) for s in device.signals),
+        signals=tuple(SignalInfo.view_of(s, dimension=dimension_of(s.unit)) for s in device.signals),
         open=id_ not in session.cycle.board.closed,
         commanded=device.target_type is not None,
         joints=tuple(joint_description(name, model) for name in device.joint_names),
@@ -151,6 +151,7 @@ def _described(signals: Signals, name: str) -> CellSignal:
     return CellSignal(
         name=name,
         unit=one.unit,
+        dimension=dimension_of(one.unit),
         frame=one.frame,
         help=one.help,
         length=one.length,

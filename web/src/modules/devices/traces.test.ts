@@ -38,7 +38,16 @@ test("a value that does not change is a line in the middle", () => {
 });
 
 test("the form of an input fits its shape", () => {
-  const signal: Signal = { name: "v", unit: "m/s", frame: "", help: "", length: null, source: "v", input: true };
+  const signal: Signal = {
+    name: "v",
+    unit: "m/s",
+    dimension: "",
+    frame: "",
+    help: "",
+    length: null,
+    source: "v",
+    input: true,
+  };
   const kinds = [parameterOf(signal, 0.5), parameterOf(signal, true), parameterOf({ ...signal, length: 3 }, [0, 0, 0])];
   expect(kinds.map((one) => inputKind(shapeOf(one)))).toEqual(["number", "boolean", "vector"]);
   expect(Object.keys(argumentFaults(kinds.slice(2), { v: [1, 2] }))).toEqual(["v"]);
