@@ -8,6 +8,7 @@
     │   │   └── NotFound      ... which the request is addressed to
     │   ├── GoalSyntaxError   ... at this column of the goal
     │   ├── MissingExtra      ... that needs an extra of the distribution, which is not installed
+    │   ├── DocumentError     ... at these places of a document
     │   ├── KeyReused         ... with the key of an earlier, different request
     │   └── WrongState        ... that cannot be done now, in the state things are in
     │       └── Removed       ... since its result was removed
@@ -33,8 +34,9 @@ from __future__ import annotations
 import difflib
 import string
 from bisect import bisect_left
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
+from dataclasses import dataclass
 from pathlib import Path
 
 
@@ -158,6 +160,44 @@ class GoalSyntaxError(UsageError):
         super().__init__(f"goal, column {column}: {reason}\n  {shown}\n  {' ' * (column - 1 - start)}^")
 
 
+@dataclass(frozen=True, slots=True)
+class DocumentFault:
+    """Something that is wrong with a document.
+
+    Attributes:
+        place: Where in the document ("children[1].module"); empty for the whole.
+        text: What is wrong, in a sentence.
+        line: 1-based line of an imported text; 0 if unknown.
+        column: 1-based column in that line; 0 if unknown.
+    """
+
+    place: str
+    text: str
+    line: int = 0
+    column: int = 0
+
+    def __str__(self) -> str:
+        line = f"line {self.line}, column {self.column}" if self.line else ""
+        where = ", ".join(part for part in (line, self.place) if part)
+        return f"{where}: {self.text}" if where else self.text
+
+
+class DocumentError(UsageError):
+    """A document that is not accepted; nothing of it was stored.
+
+    Attributes:
+        faults: What is wrong, each with its place.
+    """
+
+    def __init__(self, faults: Sequence[DocumentFault], document: str = "") -> None:
+        self.faults = tuple(faults)
+        said = "; ".join(map(str, self.faults[:_MOST_FAULTS_SHOWN]))
+        super().__init__(f"{document}: {said}" if document else said)
+
+
+_MOST_FAULTS_SHOWN = 20
+
+
 class KeyReused(UsageError):
     """A request has the key of an earlier, different one."""
 
@@ -230,7 +270,22 @@ class Locked(WorldError):
 
 
 class DescriptionError(SkirosError):
-    """A skill, primitive, condition or robot is described wrongly; its author must fix it."""
+    """A skill, primitive, condition, robot or document is described wrongly; its author must fix it.
+
+    Attributes:
+        text: What is wrong.
+        place: Where in a document ("children[1].seconds"); empty for the whole, or where there is no document.
+    """
+
+    def __init__(self, text: str, place: str = "") -> None:
+        self.text = text
+        self.place = place
+        super().__init__(f"{place}: {text}" if place else text)
+
+    def within(self, place: str) -> DescriptionError:
+        """Returns the same error of a larger document, in which the present one is at a place."""
+        inner = f".{self.place}" if self.place and not self.place.startswith("[") else self.place
+        return DescriptionError(self.text, f"{place}{inner}")
 
 
 class ModuleError(SkirosError):

@@ -35,8 +35,6 @@ _TABLE = {
         /goals GET+
         /goals/check POST+
         /goals/conditions GET+
-        /goal-templates GET+
-        /goal-templates/{name} GET+
         /events GET+
         /events/recent GET+
         /alarms GET+
@@ -73,8 +71,9 @@ _TABLE = {
         /modules/{agent}/{module} GET
         /module-runs GET
         /documents GET
-        /documents/{kind} GET
-        /documents/{kind}/{id} GET
+        /documents/{kind} GET+
+        /documents/{kind}/{id} GET+
+        /documents/{kind}/{id}/text GET
         /documents/{kind}/{id}/revisions GET
         /module-runs/{id} GET
         /skills GET
@@ -82,8 +81,6 @@ _TABLE = {
         /tasks GET
         /tasks/{name} GET
         /tasks/{name}/trace GET
-        /sequences GET
-        /sequences/{id} GET
         /devices GET
         /devices/{id} GET
         /devices/{id}/state GET
@@ -119,7 +116,7 @@ _TABLE = {
         /reset POST
         /goals PUT
         /documents/{kind}/{id} PUT DELETE
-        /goal-templates/{name} PUT DELETE
+        /documents/{kind}/{id}/text PUT
         /world/transactions POST
         /world/undo POST
         /elements POST
@@ -132,12 +129,6 @@ _TABLE = {
         /signals/{name}/value PUT
         /tasks POST
         /tasks/{name}/{command} POST
-        /sequences POST
-        /sequences/{id} DELETE
-        /sequences/{id}/steps POST
-        /sequences/{id}/steps/{number} PUT DELETE
-        /sequences/{id}/steps/{number}/move POST
-        /sequences/{id}/run POST
     """,
     "engineer": """
         /queries POST

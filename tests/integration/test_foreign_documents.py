@@ -8,11 +8,16 @@ from typing import Any
 
 import pytest
 
-from skiros_py.errors import StaleVersion, UnknownName, UsageError
+from skiros_py.api.documents import DocumentInfo
+from skiros_py.errors import DocumentError, DocumentFault, NotFound, StaleVersion, UnknownName, UsageError
 from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.skills.behaviour import nodes_of
 from skiros_py.skills.outcome import Failure, Outcome, Success
-from skiros_py.station.documents import DocumentStore, RunnableDocuments
+from skiros_py.station.alarms.alarms import Alarms
+from skiros_py.station.document_store import DocumentStore
+from skiros_py.station.documents import DocumentService
+from skiros_py.station.events.log import EventLog
+from skiros_py.station.requests import Seen
 from skiros_py.station.session import Options, Session
 from skiros_py.testing import TINY_ONTOLOGY, tiny_scene
 
@@ -107,7 +112,7 @@ class NetDocument(DocumentKind):
         for name, one in document["transitions"].items():
             for place in (*one["from"], *one["to"]):
                 if place not in document["places"]:
-                    raise DescriptionError(f"transitions.{name}: there is no place '{place}'")
+                    raise DescriptionError(f"there is no place '{place}'", f"transitions.{name}")
             parts[name] = reader.behaviour(one["do"])
         inputs = {name: tuple(one["from"]) for name, one in document["transitions"].items()}
         outputs = {name: tuple(one["to"]) for name, one in document["transitions"].items()}
@@ -230,13 +235,26 @@ def net(wanted: int = 2) -> dict[str, Any]:
 
 
 class Cell:
-    """A session with the wheel, its documents, and what was said."""
+    """A session with the wheel, its documents, and its events; as much of a station as documents need."""
 
     def __init__(self, session: Session, store: DocumentStore) -> None:
         self.session = session
-        self.documents = RunnableDocuments(store, session)
+        self.document_store = store
+        self.alarm_book = Alarms(EventLog(100))
+        self.documents = DocumentService(self)  # type: ignore[arg-type]
+        self.documents.open(session)
         self.events: list[ModuleEvent] = []
         session.monitor.subscribe(self.events.append, nodes=True)
+
+    def write(self, kind: str, id_: str, data: Any, seen: int | None = None) -> DocumentInfo:
+        return self.documents.put(kind, id_, data, Seen(seen))[0]
+
+    def faults(self, kind: str, data: Any) -> tuple[DocumentFault, ...]:
+        try:
+            self.write(kind, "checked", data)
+        except DocumentError as error:
+            return error.faults
+        return ()
 
     def run(self, module: str, agent: str = "base_1", cycles: int = 400) -> Outcome:
         running = self.session.managers[agent].start(module, {})
@@ -268,7 +286,7 @@ def cell(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Cell]:
 
 
 def test_a_cyclic_net_with_two_tokens_runs_as_a_document(cell: Cell) -> None:
-    document = cell.documents.write("net", "line", net(wanted=4))
+    document = cell.write("net", "line", net(wanted=4))
 
     outcome = cell.run("net:line")
 
@@ -276,7 +294,7 @@ def test_a_cyclic_net_with_two_tokens_runs_as_a_document(cell: Cell) -> None:
     assert cell.noted().count("pack") >= 4
     starts = [e for e in cell.events if e.kind == "document" and e.status is Status.STARTED]
     assert [(e.module, e.path, e.implementation) for e in starts] == [
-        ("net:line", "net:line", f"revision {document.version}")
+        ("net:line", "net:line", f"revision {document.revision}")
     ]
     fired = [e.value["transition"] for e in cell.events if e.event == "fires"]
     assert fired[:3] == ["make", "pack", "make"] or fired[:2] == ["make", "make"]
@@ -287,7 +305,7 @@ def test_a_cyclic_net_with_two_tokens_runs_as_a_document(cell: Cell) -> None:
 
 
 def test_a_net_is_drawn_with_its_ring_and_labels(cell: Cell) -> None:
-    cell.documents.write("net", "line", net())
+    cell.write("net", "line", net())
 
     root, *_ = nodes_of(cell.session.managers.documents["net:line"].behaviour, "body")
 
@@ -296,15 +314,15 @@ def test_a_net_is_drawn_with_its_ring_and_labels(cell: Cell) -> None:
 
 
 def test_a_fault_is_refused_with_its_place_and_changes_nothing(cell: Cell) -> None:
-    before = cell.documents.write("net", "line", net())
+    before = cell.write("net", "line", net())
     broken = net()
     broken["transitions"]["pack"]["from"] = ["mad"]
 
     with pytest.raises(UsageError, match=r"transitions\.pack: there is no place 'mad'"):
-        cell.documents.write("net", "line", broken)
+        cell.write("net", "line", broken)
 
-    assert cell.documents.find("net", "line") == before
-    faults = cell.documents.check("tree", {"type": "sequence", "children": [note("a"), {"type": "nix"}]})
+    assert cell.documents.get("net", "line") == before
+    faults = cell.faults("tree", {"type": "sequence", "children": [note("a"), {"type": "nix"}]})
     assert [fault.place for fault in faults] == ["children[1]"]
 
 
@@ -332,40 +350,43 @@ DRIVE = {"type": "do", "module": "drive_base"}
 def test_what_the_station_does_not_offer_is_refused_with_its_place(cell: Cell, wrong: Any, said: str) -> None:
     tree = {"parameters": [MOVER], "body": {"type": "sequence", "children": [note("a"), wrong]}}
 
-    faults = cell.documents.check("tree", tree)
+    faults = cell.faults("tree", tree)
 
     assert [fault.place for fault in faults] == ["1"]
     assert said in faults[0].text
-    with pytest.raises(UsageError, match="tree 'wrong': "):
-        cell.documents.write("tree", "wrong", tree)
-    assert cell.documents.all("tree") == ()
+    with pytest.raises(UsageError, match="tree:wrong: "):
+        cell.write("tree", "wrong", tree)
+    assert cell.documents.all("tree").documents == ()
 
 
 def test_a_document_may_call_itself_where_a_condition_ends_it(cell: Cell) -> None:
     again = {"type": "sequence", "children": [note("again"), {"type": "do", "module": "tree:again"}]}
 
-    assert cell.documents.write("tree", "again", again).version
+    assert cell.write("tree", "again", again).revision
 
 
 def test_a_reactive_node_in_a_tree_is_edited_while_the_session_runs(cell: Cell) -> None:
     tree = {"type": "react", "place": "box_a", "child": note("there"), "otherwise": note("away")}
-    first = cell.documents.write("tree", "watch", tree)
+    first = cell.write("tree", "watch", tree)
     cell.run("tree:watch")
-    second = cell.documents.write("tree", "watch", {**tree, "otherwise": note("far")}, expects=first.version)
+    second = cell.write("tree", "watch", {**tree, "otherwise": note("far")}, seen=first.revision)
     cell.run("tree:watch")
 
     assert cell.noted() == ["away", "far"]
     revisions = [e.implementation for e in cell.events if e.kind == "document" and e.status is Status.STARTED]
-    assert revisions == [f"revision {first.version}", f"revision {second.version}"]
-    assert [one.data["otherwise"] for one in cell.documents.revisions("tree", "watch")] == [note("away"), note("far")]
+    assert revisions == [f"revision {first.revision}", f"revision {second.revision}"]
+    assert [one.data["otherwise"] for one in cell.documents.revisions("tree", "watch").documents] == [
+        note("away"),
+        note("far"),
+    ]
     with pytest.raises(StaleVersion):
-        cell.documents.write("tree", "watch", tree, expects=first.version)
+        cell.write("tree", "watch", tree, seen=first.revision)
 
 
 def test_a_reactive_node_cancels_one_child_for_the_other(cell: Cell) -> None:
     long = {"type": "sequence", "children": [note("away"), {"type": "wait", "seconds": 60}]}
     tree = {"type": "react", "place": "box_a", "child": note("there"), "otherwise": long}
-    cell.documents.write("tree", "watch", tree)
+    cell.write("tree", "watch", tree)
     running = cell.session.managers["base_1"].start("tree:watch", {})
     for _ in range(20):
         cell.session.cycle.step()
@@ -381,8 +402,8 @@ def test_a_reactive_node_cancels_one_child_for_the_other(cell: Cell) -> None:
 
 
 def test_a_document_calls_another_one_and_a_removed_one_is_gone(cell: Cell) -> None:
-    cell.documents.write("tree", "inner", note("deep"))
-    cell.documents.write("tree", "outer", {"type": "do", "module": "tree:inner"})
+    cell.write("tree", "inner", note("deep"))
+    cell.write("tree", "outer", {"type": "do", "module": "tree:inner"})
     cell.run("tree:outer")
     cell.documents.remove("tree", "inner")
 
@@ -393,30 +414,56 @@ def test_a_document_calls_another_one_and_a_removed_one_is_gone(cell: Cell) -> N
         cell.session.managers["base_1"].start("tree:inner", {})
 
 
+def test_two_new_documents_that_call_each_other_are_written_one_after_the_other(cell: Cell) -> None:
+    calls = {"type": "sequence", "children": [note("there"), {"type": "do", "module": "tree:back"}]}
+
+    first = cell.write("tree", "there", calls)
+    back = {"type": "fallback", "children": [note("back"), {"type": "do", "module": "tree:there"}]}
+    second = cell.write("tree", "back", back)
+
+    assert [(one.place, one.text) for one in first.problems] == [("1", "there is no document 'tree:back' that can run")]
+    assert second.problems == cell.documents.get("tree", "there").problems == ()
+    assert cell.run("tree:there") == Success("back")
+
+
+def test_a_call_of_a_document_that_was_removed_is_a_problem_of_those_that_call_it(cell: Cell) -> None:
+    cell.write("tree", "inner", note("deep"))
+    cell.write("tree", "outer", {"type": "do", "module": "tree:inner"})
+    cell.documents.remove("tree", "inner")
+
+    assert [one.place for one in cell.documents.get("tree", "outer").problems] == [""]
+    assert [fault.place for fault in cell.faults("tree", {"type": "do", "module": "grove:inner"})] == [""]
+
+
 def test_documents_are_offered_again_by_the_next_session(cell: Cell) -> None:
-    cell.documents.write("tree", "hello", note("hello"))
+    cell.write("tree", "hello", note("hello"))
     cell.session.managers.documents.clear()
 
-    RunnableDocuments(cell.documents._store, cell.session)
+    DocumentService(cell).open(cell.session)  # type: ignore[arg-type]
 
     assert cell.run("tree:hello") == Success("hello")
 
 
 def test_a_document_is_exported_and_imported_as_text(cell: Cell) -> None:
-    cell.documents.write("tree", "hello", note("hello"))
+    first = cell.write("tree", "hello", note("hello"))
 
-    again = cell.documents.read("tree", "copy", cell.documents.text("tree", "hello"))
+    text, media_type, revision = cell.documents.export("tree", "hello")
+    again, new = cell.documents.import_text("tree", "copy", text, media_type)
 
-    assert again.data == note("hello")
-    with pytest.raises(UsageError, match="line 2, column"):
-        cell.documents.read("tree", "copy", '{"type": "do",\n "module" "note"}')
+    assert (again.data, new, revision) == (note("hello"), True, first.revision)
+    with pytest.raises(DocumentError) as wrong:
+        cell.documents.import_text("tree", "copy", '{"type": "do",\n "module" "note"}', media_type)
+    assert [(fault.line, fault.place) for fault in wrong.value.faults] == [(2, "")]
+    assert cell.documents.get("tree", "copy").revision == again.revision
 
 
 def test_the_palette_names_nodes_from_outside_with_their_fields(cell: Cell) -> None:
-    entries = {entry.kind: entry for entry in cell.documents.palette("tree")}
+    kinds = {kind.kind: kind for kind in cell.documents.kinds().kinds}
+    entries = {entry.kind: entry for entry in kinds["tree"].palette}
 
     assert set(entries["react"].fields) == {"child", "otherwise", "place"}
     assert entries["wait"].help == "Lets so many seconds of run time pass."
+    assert kinds["net"].help == "A place/transition net."
 
 
 @pytest.mark.parametrize(
@@ -434,29 +481,33 @@ def test_a_node_that_does_not_say_what_it_is_is_refused_with_its_place_and_not_s
 ) -> None:
     tree = {"type": "sequence", "children": [note("a"), {"type": "odd", "how": how}]}
 
-    with pytest.raises(UsageError, match=rf"tree 'bad': 1 \(odd\): .*{reason}"):
-        cell.documents.write("tree", "bad", tree)
+    with pytest.raises(UsageError, match=rf"tree:bad: 1 \(odd\): .*{reason}"):
+        cell.write("tree", "bad", tree)
 
-    assert cell.documents.get("tree", "bad") is None
+    with pytest.raises(NotFound):
+        cell.documents.get("tree", "bad")
 
 
 def test_a_stored_document_that_cannot_be_read_any_more_is_set_aside_and_can_be_removed(
     cell: Cell, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    cell.documents.write("moody", "sad", note("sad"))
-    cell.documents.write("tree", "hello", note("hello"))
+    cell.write("moody", "sad", note("sad"))
+    cell.write("tree", "hello", note("hello"))
     cell.session.managers.documents.clear()
     monkeypatch.setattr(cell.session.catalogue.documents["moody"], "bad_day", True)
 
-    again = RunnableDocuments(cell.documents._store, cell.session)
+    again = DocumentService(cell)  # type: ignore[arg-type]
+    again.open(cell.session)
 
     assert set(cell.session.managers.documents) == {"tree:hello"}
-    assert "no kind today" in again.set_aside["moody:sad"]
-    assert again.find("moody", "sad").data == note("sad")
+    (alarm,) = cell.alarm_book.active
+    assert (alarm.source, "no kind today" in alarm.text) == ("moody:sad", True)
+    sad = again.get("moody", "sad")
+    assert (sad.data, "no kind today" in sad.problems[0].text) == (note("sad"), True)
     with pytest.raises(UsageError, match="no kind today"):
-        again.write("moody", "sadder", note("sad"))
+        again.put("moody", "sadder", note("sad"))
     again.remove("moody", "sad")
-    assert (again.all("moody"), again.set_aside) == ((), {})
+    assert (again.all("moody").documents, cell.alarm_book.active) == ((), ())
 
 
 @pytest.mark.parametrize(
@@ -473,15 +524,15 @@ def test_a_field_of_another_type_than_its_nodes_class_declares_is_refused_with_i
 ) -> None:
     tree = {"type": "sequence", "children": [{"type": "odd", "how": "fine", **fields}]}
 
-    faults = cell.documents.check("tree", tree)
+    faults = cell.faults("tree", tree)
 
     assert [(one.place, one.text) for one in faults] == [fault]
-    assert cell.documents.check("tree", {"type": "odd", "how": "fine", "seconds": 2, "until": None}) == ()
+    assert cell.faults("tree", {"type": "odd", "how": "fine", "seconds": 2, "until": None}) == ()
 
 
 def test_events_of_nodes_and_of_called_documents_carry_the_run_around_them(cell: Cell) -> None:
-    cell.documents.write("tree", "inner", {"type": "sequence", "children": [{"type": "odd", "how": "fine"}]})
-    cell.documents.write("tree", "outer", {"type": "sequence", "children": [{"type": "do", "module": "tree:inner"}]})
+    cell.write("tree", "inner", {"type": "sequence", "children": [{"type": "odd", "how": "fine"}]})
+    cell.write("tree", "outer", {"type": "sequence", "children": [{"type": "do", "module": "tree:inner"}]})
 
     assert isinstance(cell.run("tree:outer"), Success)
 

@@ -49,6 +49,7 @@ def test_a_fault_is_answered_with_its_place(api: httpx2.Client) -> None:
 
     assert answer.status_code == 422
     assert "children[0]: it has no seconds" in answer.text
+    assert answer.json()["faults"] == [{"place": "children[0]", "text": "it has no seconds", "line": 0, "column": 0}]
     assert api.get("/documents/tree/wrong").status_code == 404
     assert api.get("/documents/nokind").status_code == 404
 
@@ -70,6 +71,46 @@ def test_a_document_is_drawn_and_run_as_a_module_without_a_restart(api: httpx2.C
     assert [row["path"] for row in done["progress"]] == ["tree:pauses", "tree:pauses"]
 
 
+def test_a_document_is_exported_and_imported_as_text_in_the_formats_of_its_kind(api: httpx2.Client) -> None:
+    tag = written(api, "by text").headers["ETag"]
+    json_ = {"Content-Type": "application/json; charset=utf-8"}
+
+    got = api.get("/documents/tree/by text/text")
+    copy = api.put("/documents/tree/copy/text", content=got.text, headers=json_)
+    blind = api.put("/documents/tree/by text/text", content=got.text, headers=json_)
+    again = api.put("/documents/tree/by text/text", content=got.text, headers={**json_, "If-Match": tag})
+
+    assert (got.headers["Content-Type"], got.headers["ETag"], json.loads(got.text)) == ("application/json", tag, TREE)
+    assert [answer.status_code for answer in (copy, blind, again)] == [201, 428, 200]
+    assert copy.json()["data"] == api.get("/documents/tree/copy").json()["data"] == TREE
+    assert api.get("/documents/tree/by text/text", params={"format": "xml"}).status_code == 422
+    assert api.get("/documents/tree/none such/text").status_code == 404
+    xml = api.put("/documents/tree/copy/text", content="<tree/>", headers={"Content-Type": "application/xml"})
+    assert (xml.status_code, "application/json" in xml.json()["detail"]) == (415, True)
+
+
+@pytest.mark.parametrize(
+    ("text", "fault"),
+    [
+        ('{"type": "wait",\n "seconds" 1}', {"place": "", "line": 2, "column": 12}),
+        ('{"type": "sequence", "children": [{"type": "wiat"}]}', {"place": "children[0]", "line": 0, "column": 0}),
+        ('{"type": "sequence", "children": [{"type": "do", "module": "fly"}]}', {"place": "0", "line": 0, "column": 0}),
+        ("[1, 2]", {"place": "", "line": 0, "column": 0}),
+    ],
+    ids=["malformed", "of an unknown type", "beyond the station", "no object"],
+)
+def test_a_fault_of_an_imported_text_is_answered_with_its_place_and_nothing_is_written(
+    api: httpx2.Client, text: str, fault: dict[str, Any]
+) -> None:
+    answer = api.put("/documents/tree/half/text", content=text, headers={"Content-Type": "application/json"})
+
+    assert answer.status_code == 422
+    (found,) = answer.json()["faults"]
+    assert {key: found[key] for key in fault} == fault
+    assert api.get("/documents/tree/half").status_code == 404
+    assert api.get("/documents/tree/half/revisions").json()["documents"] == []
+
+
 def test_a_removed_document_runs_no_more(api: httpx2.Client) -> None:
     seen = written(api, "gone").headers["ETag"]
 
@@ -83,7 +124,8 @@ def test_the_kinds_tell_the_nodes_that_an_editor_offers(api: httpx2.Client) -> N
 
     offered = {node["kind"]: node for node in kinds["tree"]["palette"]}
     assert offered["wait"]["fields"] == {"seconds": "float"}
-    assert kinds["tree"]["formats"] == ["json"]
+    assert kinds["tree"]["formats"] == {"json": "application/json"}
+    assert {"tree", "sequence", "template"} <= kinds.keys()
 
 
 def test_the_last_fifty_revisions_are_kept(api: httpx2.Client) -> None:
@@ -118,9 +160,10 @@ def test_a_document_is_written_run_and_debugged_from_the_shell(api: httpx2.Clien
             assert time.monotonic() < deadline, f"{status(run)}, not {wanted}"
             time.sleep(0.02)
 
-    assert said("write", "tree", "by hand", str(file))["module"] == "tree:by hand"
-    assert said("write", "tree", "by hand", str(file))["revision"] > 0
+    assert said("import", "tree", "by hand", str(file))["module"] == "tree:by hand"
+    assert said("import", "tree", "by hand", str(file))["revision"] > 0
     assert said("show", "tree", "by hand")["data"] == TREE
+    assert json.loads(said("export", "tree", "by hand")["text"]) == TREE
     assert "by hand" in [one["id"] for one in said("list", "tree")["documents"]]
 
     run = said("run", "tree", "by hand", "--agent", "base_1", "--break", "body/0", "--break", "body/1")["id"]

@@ -7,7 +7,7 @@ import httpx2
 import pytest
 from support.serving import Served, serving
 
-from skiros_py.api.goals import GoalOrder, GoalTemplateContent
+from skiros_py.api.goals import GoalOrder
 from skiros_py.api.jobs import order_from
 from skiros_py.client.calls import goals as goal_calls
 from skiros_py.client.client import Client
@@ -109,37 +109,39 @@ def test_goals_of_the_scene_are_replaced_by_who_has_seen_them(api):
 
 
 def test_a_template_is_written_by_who_has_seen_it(api):
-    first = api.put("/goal-templates/fill a kit", json=FILL)
+    first = api.put("/documents/template/fill a kit", json={"data": FILL})
     assert first.status_code == 201
-    problem(api.put("/goal-templates/fill a kit", json=FILL), 428)
+    problem(api.put("/documents/template/fill a kit", json={"data": FILL}), 428)
     head = {"If-Match": first.headers["etag"]}
-    second = api.put("/goal-templates/fill a kit", json={**FILL, "description": "for all kits"}, headers=head)
+    second = api.put(
+        "/documents/template/fill a kit", json={"data": {**FILL, "description": "for all kits"}}, headers=head
+    )
     assert second.status_code == 200
-    problem(api.put("/goal-templates/fill a kit", json=FILL, headers=head), 412)
-    problem(api.delete("/goal-templates/fill a kit", headers=head), 412)
-    assert api.get("/goal-templates/fill a kit").json() == second.json()
-    assert [one["name"] for one in api.get("/goal-templates").json()["templates"]] == ["fill a kit"]
-    assert api.delete("/goal-templates/fill a kit", headers={"If-Match": second.headers["etag"]}).status_code == 204
-    problem(api.get("/goal-templates/fill a kit"), 404)
+    problem(api.put("/documents/template/fill a kit", json={"data": FILL}, headers=head), 412)
+    problem(api.delete("/documents/template/fill a kit", headers=head), 412)
+    assert api.get("/documents/template/fill a kit").json() == second.json()
+    assert [one["id"] for one in api.get("/documents/template").json()["documents"]] == ["fill a kit"]
+    assert api.delete("/documents/template/fill a kit", headers={"If-Match": second.headers["etag"]}).status_code == 204
+    problem(api.get("/documents/template/fill a kit"), 404)
 
 
 def test_a_template_that_can_make_no_goal_is_refused_with_the_path(api):
     wrong = {"goal": [{"not": {"condition": "InKit", "arguments": [{"parameter": "kt"}, "kit_1"]}}]}
     assert (
         "goal[0].not.arguments[0]: unknown parameter 'kt'"
-        in problem(api.put("/goal-templates/x", json=wrong), 422)["detail"]
+        in problem(api.put("/documents/template/x", json={"data": wrong}), 422)["detail"]
     )
     wrong["goal"][0]["not"]["condition"] = "InKt"
     wrong["parameters"] = [{"name": "kt"}]
     assert (
         "goal[0].not.condition: unknown condition 'InKt'"
-        in problem(api.put("/goal-templates/x", json=wrong), 422)["detail"]
+        in problem(api.put("/documents/template/x", json={"data": wrong}), 422)["detail"]
     )
-    problem(api.get("/goal-templates/x"), 404)
+    problem(api.get("/documents/template/x"), 404)
 
 
 def test_a_job_is_ordered_by_template_parameters_and_materials(api):
-    api.put("/goal-templates/fill", json=FILL).raise_for_status()
+    api.put("/documents/template/fill", json={"data": FILL}).raise_for_status()
     order = {
         "work_master": "fill",
         "parameters": {"kit": "kit_1"},
@@ -150,8 +152,8 @@ def test_a_job_is_ordered_by_template_parameters_and_materials(api):
     assert job["order"]["work_master"] == "fill"
     assert [one["class"] for one in job["order"]["materials"]] == ["Starter", "RelayBox"]
 
-    etag = api.get("/goal-templates/fill").headers["etag"]
-    api.delete("/goal-templates/fill", headers={"If-Match": etag}).raise_for_status()
+    etag = api.get("/documents/template/fill").headers["etag"]
+    api.delete("/documents/template/fill", headers={"If-Match": etag}).raise_for_status()
     again = api.put("/jobs/by-template", json=order, params={"start": "false"})
     assert (again.status_code, again.json()) == (200, job)
     problem(api.put("/jobs/by-template-2", json=order), 422)
@@ -161,7 +163,7 @@ def test_a_job_is_ordered_by_template_parameters_and_materials(api):
     "name", ['kit_1") or EmptyHanded("gripper_1', "kit_1) and not InKit(Starter, kit_1", '"', "a\nb"]
 )
 def test_a_parameter_is_a_name_whatever_it_looks_like(api, name):
-    api.put("/goal-templates/inject", json=FILL, headers={"If-Match": "*"})
+    api.put("/documents/template/inject", json={"data": FILL}, headers={"If-Match": "*"})
     order = {"work_master": "inject", "parameters": {"kit": name}, "materials": [{"class": "Starter"}]}
     refused = problem(api.post("/goals/check", json=order), 422)
     assert refused["code"] == "UnknownName"
@@ -261,14 +263,14 @@ def test_a_preview_that_is_not_there_says_so(api):
 
 def test_who_listens_hears_that_a_template_was_written_and_removed(api):
     place = {"after": api.get("/events/recent", params={"limit": 1000}).json()["next"]}
-    tag = api.put("/goal-templates/told", json=FILL).headers["etag"]
-    api.delete("/goal-templates/told", headers={"If-Match": tag})
+    tag = api.put("/documents/template/told", json={"data": FILL}).headers["etag"]
+    api.delete("/documents/template/told", headers={"If-Match": tag})
 
     heard = api.get("/events/recent", params={"kind": "document", **place}).json()["items"]
 
     assert [(one["type"], one["subject"], one["data"]["kind"]) for one in heard] == [
-        ("written", "told", "goal template"),
-        ("removed", "told", "goal template"),
+        ("written", "told", "template"),
+        ("removed", "told", "template"),
     ]
 
 
@@ -276,14 +278,13 @@ def test_who_listens_hears_that_a_template_was_written_and_removed(api):
 
 
 def test_the_client_says_the_same(served):
-    content = GoalTemplateContent.model_validate(FILL)
     with Client(served.url) as client:
-        written = client.send(goal_calls.put_goal_template("by client", content))
-        assert client.send(goal_calls.get_goal_template("by client")) == written
+        written = client.documents.put("template", "by client", FILL)
+        assert client.documents.get("template", "by client") == written
         order = order_from(template="by client", parameters={"kit": "kit_1"}, materials=("RelayBox",))
         assert client.send(goal_calls.check_goal(order)).text == "InKit(kitting:RelayBox, kit_1)"
-        client.send(goal_calls.remove_goal_template("by client", seen=written.version))
-        assert "by client" not in {t.name for t in client.send(goal_calls.list_goal_templates()).templates}
+        client.documents.remove("template", "by client", seen=written.revision)
+        assert "by client" not in {one.id for one in client.documents.list("template").documents}
         goals, seen = client.send(goal_calls.get_goals())
         assert client.send(goal_calls.put_goals(goals.goals, seen=seen)).goals == goals.goals
         assert client.send(goal_calls.list_goal_conditions(every=True)).conditions

@@ -67,7 +67,7 @@ def test_a_nasty_label_is_one_in_goals_templates_and_questions(api: httpx2.Clien
 
     by_goal = api.post("/goals/check", json={"goal": in_kit(label)}).json()
     template = {"parameters": [{"name": "part"}], "goal": [in_kit({"parameter": "part"})]}
-    api.put("/goal-templates/put away", json=template, headers=ANYHOW).raise_for_status()
+    api.put("/documents/template/put away", json={"data": template}, headers=ANYHOW).raise_for_status()
     by_template = api.post("/goals/check", json={"work_master": "put away", "parameters": {"part": label}}).json()
     found = api.get("/elements", params={"label": label}).json()["items"]
     asked = {"query": "SELECT ?e { ?e rdfs:label $label }", "bindings": {"label": {"text": label}}}
@@ -130,7 +130,7 @@ def test_a_label_comes_back_from_a_scene_file_as_it_was(api: httpx2.Client, labe
 
 def test_a_goal_of_a_template_is_filled_with_names_and_never_with_goals(api: httpx2.Client) -> None:
     template = {"parameters": [{"name": "part"}], "goal": [in_kit({"parameter": "part"})]}
-    api.put("/goal-templates/put away", json=template, headers=ANYHOW).raise_for_status()
+    api.put("/documents/template/put away", json={"data": template}, headers=ANYHOW).raise_for_status()
     for injected in ("relay_box_1, kit_1_a) and InKit(Starter", "x) or (", json.dumps({"not": {}})):
         order = {"work_master": "put away", "parameters": {"part": injected}}
         refused = api.put("/jobs/injected", json=order)

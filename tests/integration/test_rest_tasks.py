@@ -8,8 +8,9 @@ import httpx2
 import pytest
 from support.serving import Served, serving
 
-from skiros_py.api.tasks import InsertStep, NewSequence, NewTask, RunSequence, SequenceInfo, TaskInfo, WantedStep
-from skiros_py.client.calls import sequences as seq
+from skiros_py.api.documents import DocumentInfo
+from skiros_py.api.tasks import NewTask, TaskInfo, WantedStep
+from skiros_py.client.calls import documents as docs
 from skiros_py.client.calls import tasks as calls
 from skiros_py.client.request import Call
 
@@ -31,7 +32,8 @@ def api(served: Served) -> Iterator[httpx2.Client]:
 
 def sent(api: httpx2.Client, call: Call[Any]) -> httpx2.Response:
     query = {key: value for key, value in call.query.items() if value is not None}
-    return api.request(call.method, call.path, json=call.json, params=query, headers=dict(call.headers))
+    headers = {name: value for name, value in call.headers.items() if value is not None}
+    return api.request(call.method, call.path, json=call.json, params=query, headers=headers)
 
 
 def done(api: httpx2.Client, call: Call[Any]) -> Any:
@@ -50,8 +52,17 @@ def until(api: httpx2.Client, name: str, *statuses: str) -> TaskInfo:
         time.sleep(0.01)
 
 
-def skills(sequence: SequenceInfo) -> list[str]:
-    return [step.arguments.get("Location", step.skill) for step in sequence.steps]
+def step(skill: str, **arguments: str) -> dict[str, Any]:
+    return {"skill": skill, "arguments": arguments}
+
+
+def written(api: httpx2.Client, id_: str, *steps: dict[str, Any], seen: int | None = None) -> DocumentInfo:
+    made: DocumentInfo = done(api, docs.put_document("sequence", id_, {"steps": list(steps)}, seen=seen))
+    return made
+
+
+def places(document: DocumentInfo) -> list[str]:
+    return [problem.place for problem in document.problems]
 
 
 # ---------------------------------------------------------------------- tasks
@@ -117,112 +128,99 @@ def test_what_is_unknown_is_not_found_and_unknown_commands_are_refused(api) -> N
     assert api.post("/tasks/nix/dance").status_code == 422
     assert api.post("/tasks", json={}).status_code == 422
     assert api.post("/tasks", json={"goal": ["x"], "steps": []}).status_code == 422
+    assert api.post("/tasks", json={"goal": ["x"], "sequence": "round"}).status_code == 422
 
 
 # ---------------------------------------------------------------------- sequences
 
-
-def test_each_edit_answers_all_steps_checked_as_those_before_leave_the_world(api) -> None:
-    made = done(api, seq.create_sequence(NewSequence(id="round", title="One round", steps=[TO_PALLET])))
-    pick = InsertStep(skill="pick", arguments={"Object": "alternator_1"})
-    picked = done(api, seq.insert_step("round", made.version, pick))
-    first = done(api, seq.insert_step("round", picked.version, InsertStep(**TO_KIT.model_dump(), at=1)))
-    away = done(api, seq.move_step("round", first.version, 1, 0))
-    other = done(api, seq.change_step("round", away.version, 0, TO_PALLET))
-    without = done(api, seq.remove_step("round", other.version, 0))
-
-    assert (made.works, picked.works) == (True, True)
-    assert skills(first) == ["pallet_a", "kit_1", "pick"]
-    assert [step.works for step in first.steps] == [True, True, False]
-    assert first.steps[2].problems
-    assert skills(away) == ["kit_1", "pallet_a", "pick"]
-    assert away.works
-    assert skills(other) == ["pallet_a", "pallet_a", "pick"]
-    assert skills(without) == ["pallet_a", "pick"]
-    assert done(api, seq.get_sequence("round")) == without
-    assert {one.id: one.count for one in done(api, seq.list_sequences()).items}["round"] == 2
+PALLET = step("drive", Location="pallet_a")
+KIT = step("drive", Location="kit_1")
 
 
-def test_nobody_edits_what_they_have_not_seen(api) -> None:
-    made = done(api, seq.create_sequence(NewSequence(steps=[TO_PALLET])))
-    done(api, seq.insert_step(made.id, made.version, InsertStep(**TO_KIT.model_dump(), at=None)))
+def test_a_sequence_is_answered_with_all_steps_checked_as_those_before_leave_the_world(api) -> None:
+    pick = step("pick", Object="alternator_1")
+    made = written(api, "round", PALLET, pick)
+    late = written(api, "round", PALLET, KIT, pick, seen=made.revision)
+    early = written(api, "round", KIT, PALLET, pick, seen=late.revision)
 
-    stale = sent(api, seq.remove_step(made.id, made.version, 0))
-    blind = api.delete(f"/sequences/{made.id}")
+    assert (places(made), places(late), places(early)) == ([], ["steps[2]"], [])
+    assert late.problems[0].text
+    assert made.agents == {"steps[0]": "base_1", "steps[1]": "arm_1"}
+    assert done(api, docs.get_document("sequence", "round")) == early
+
+
+def test_nobody_overwrites_a_sequence_that_they_have_not_seen(api) -> None:
+    made = written(api, "shared", PALLET)
+    written(api, "shared", PALLET, KIT, seen=made.revision)
+
+    stale = sent(api, docs.put_document("sequence", "shared", {"steps": []}, seen=made.revision))
+    blind = api.delete("/documents/sequence/shared")
 
     assert (stale.status_code, blind.status_code) == (412, 428)
-    assert len(done(api, seq.get_sequence(made.id)).steps) == 2
+    assert len(done(api, docs.get_document("sequence", "shared")).data["steps"]) == 2
 
 
-def test_wrong_steps_and_places_are_refused_and_nothing_changes(api) -> None:
-    made = done(api, seq.create_sequence(NewSequence(id="a", steps=[TO_PALLET])))
-    refusals = {
-        422: [
-            seq.insert_step("a", made.version, InsertStep(skill="fly", at=None)),
-            seq.insert_step("a", made.version, InsertStep(skill="drive", arguments={"Location": "nix"}, at=None)),
-            seq.insert_step("a", made.version, InsertStep(**TO_KIT.model_dump(), at=7)),
-            seq.move_step("a", made.version, 0, 5),
-        ],
-        404: [seq.remove_step("a", made.version, 3), seq.remove_step("nix", made.version, 0)],
-        409: [seq.create_sequence(NewSequence(id="a"))],
-    }
+@pytest.mark.parametrize(
+    ("data", "place"),
+    [
+        ({"steps": [PALLET, step("fly")]}, "steps[1]"),
+        ({"steps": [step("drive", Location="nix")]}, "steps[0]"),
+        ({"steps": [step("drive", Place="pallet_a")]}, "steps[0]"),
+        ({"steps": [{"skill": "drive", "at": 3}]}, "steps[0]"),
+        ({"steps": [{"skill": "drive", "arguments": {"Location": 3}}]}, "steps[0]"),
+        ({"steps": [PALLET] * 101}, "steps"),
+        ({"steps": [], "name": "x"}, "name"),
+        ({"title": "x" * 201}, "title"),
+    ],
+)
+def test_wrong_steps_are_refused_with_their_place_and_nothing_changes(api, data: Any, place: str) -> None:
+    if api.get("/documents/sequence/kept").status_code == 404:
+        written(api, "kept", PALLET)
+    before = done(api, docs.get_document("sequence", "kept"))
 
-    for status, wrong in refusals.items():
-        assert [sent(api, call).status_code for call in wrong] == [status] * len(wrong)
+    refused = sent(api, docs.put_document("sequence", "kept", data, seen=before.revision))
 
-    assert done(api, seq.get_sequence("a")) == made
+    assert (refused.status_code, refused.json()["code"]) == (422, "InvalidRequest")
+    assert [fault["place"] for fault in refused.json()["faults"]] == [place]
+    assert done(api, docs.get_document("sequence", "kept")) == before
 
 
-def test_a_sequence_is_made_of_a_plan_and_run_so_often_as_wanted(api) -> None:
+def test_a_sequence_is_made_of_a_plan_and_run_as_often_as_wanted(api) -> None:
     until(api, api.post("/tasks", json={"goal": ["RobotAtLocation(robot_1, kit_1)"]}).json()["name"], "ended")
-    made = done(api, seq.create_sequence(NewSequence(goal=["RobotAtLocation(robot_1, pallet_a)"])))
-    made = done(api, seq.insert_step(made.id, made.version, InsertStep(**TO_KIT.model_dump(), at=None)))
+    asked = api.post("/previews", json={"goal": "RobotAtLocation(robot_1, pallet_a)"}).raise_for_status().json()
+    plan = api.get(f"/previews/{asked['id']}", params={"wait": 30}).json()["steps"]
+    planned = [{"skill": one["skill"], "arguments": one["arguments"]} for one in plan]
+    written(api, "planned", *planned, KIT)
 
-    begun = done(api, seq.run_sequence(made.id, RunSequence(iterate=3)))
+    begun = done(api, calls.begin_task(NewTask(sequence="planned", iterate=3)))
     ended = until(api, begun.name, "ended")
 
-    assert skills(made) == ["pallet_a", "kit_1"]
     assert ended.report is not None
     assert ended.report.fault == ""
-    assert [step.arguments["Location"] for step in ended.steps] == ["pallet_a", "kit_1"] * 3
-    again = done(api, seq.create_sequence(NewSequence(task=ended.name)))
-    assert [step.skill for step in again.steps] == ["drive", "drive"]
+    assert [one.arguments["Location"] for one in ended.steps] == ["pallet_a", "kit_1"] * 3
 
 
-def test_a_sequence_is_made_of_the_kept_plan_of_a_job_whose_task_is_forgotten(tmp_path) -> None:
-    goal = {"goal": "InKit(Starter, kit_1)"}
+def test_the_plan_of_a_job_is_kept_with_what_a_sequence_needs_when_its_task_is_forgotten(tmp_path) -> None:
     with serving("kitting", tmp_path) as first, httpx2.Client(base_url=f"{first.url}/api/v1", timeout=60.0) as http:
-        http.put("/jobs/kept", json=goal, headers={"Prefer": "wait=30"}).raise_for_status()
-        fresh = http.post("/sequences", json={"job": "kept"}).raise_for_status().json()
+        order = {"goal": "InKit(Starter, kit_1)"}
+        http.put("/jobs/kept", json=order, headers={"Prefer": "wait=30"}).raise_for_status()
+        fresh = http.get("/jobs/kept/plan").raise_for_status().json()["steps"]
     with serving("kitting", tmp_path) as second, httpx2.Client(base_url=f"{second.url}/api/v1", timeout=60.0) as http:
         assert http.get("/tasks/kept").status_code == 404
-        kept = http.post("/sequences", json={"job": "kept"}).raise_for_status().json()
-        http.put("/jobs/later", json=goal, params={"start": "false"}).raise_for_status()
-        refused = http.post("/sequences", json={"job": "later"})
-        unknown = http.post("/sequences", json={"job": "never"})
+        kept = http.get("/jobs/kept/plan").raise_for_status().json()["steps"]
+        steps = [{"skill": one["skill"], "arguments": one["arguments"]} for one in kept]
+        http.put("/documents/sequence/again", json={"data": {"steps": steps}}).raise_for_status()
 
-    assert [step["skill"] for step in kept["steps"]] == ["drive", "pick", "drive", "place"]
-    assert [step["arguments"] for step in kept["steps"]] == [step["arguments"] for step in fresh["steps"]]
-    assert (refused.status_code, refused.json()["detail"]) == (409, "job 'later' has no plan")
-    assert unknown.status_code == 422
-
-
-def test_there_is_no_sequence_of_a_goal_that_has_no_plan(api) -> None:
-    before = done(api, seq.list_sequences())
-
-    response = api.post("/sequences", json={"goal": ["InKit(Starter, kit_1)", "not InKit(Starter, kit_1)"]})
-
-    assert (response.status_code, response.json()["code"]) == (409, "NoPlan")
-    assert response.json()["reasons"]
-    assert done(api, seq.list_sequences()) == before
+    assert [one["skill"] for one in kept] == ["drive", "pick", "drive", "place"]
+    assert [one["arguments"] for one in kept] == [one["arguments"] for one in fresh]
+    assert all(one["arguments"] for one in kept)
 
 
 def test_what_cannot_work_is_run_only_where_somebody_wants_it_anyway(api) -> None:
-    place = WantedStep(skill="place", arguments={"Object": "alternator_1"})
-    made = done(api, seq.create_sequence(NewSequence(steps=[place])))
+    written(api, "odd", step("place", Object="alternator_1"))
 
-    refused = sent(api, seq.run_sequence(made.id))
-    anyway = done(api, seq.run_sequence(made.id, RunSequence(anyway=True)))
+    refused = sent(api, calls.begin_task(NewTask(sequence="odd")))
+    anyway = done(api, calls.begin_task(NewTask(sequence="odd", anyway=True)))
     ended = until(api, anyway.name, "ended")
 
     assert (refused.status_code, refused.json()["code"]) == (409, "CannotWork")
@@ -231,33 +229,55 @@ def test_what_cannot_work_is_run_only_where_somebody_wants_it_anyway(api) -> Non
     assert not ended.report.reached
 
 
-def test_a_sequence_without_steps_is_never_run(api) -> None:
-    made = done(api, seq.create_sequence(NewSequence()))
+def test_a_sequence_without_steps_is_never_run_and_is_no_module(api) -> None:
+    written(api, "empty")
 
-    for how in (RunSequence(), RunSequence(anyway=True, iterate=None)):
-        assert sent(api, seq.run_sequence(made.id, how)).status_code == 409
+    for how in (NewTask(sequence="empty"), NewTask(sequence="empty", anyway=True, iterate=None)):
+        assert sent(api, calls.begin_task(how)).status_code == 409
+    assert api.get("/modules/base_1/sequence:empty").status_code == 404
+    assert sent(api, calls.begin_task(NewTask(sequence="none such"))).status_code == 422
 
 
-def test_a_step_whose_element_has_gone_is_said_to_and_can_be_taken_out(served, api) -> None:
-    pick = WantedStep(skill="pick", arguments={"Object": "compressor_1"})
-    made = done(api, seq.create_sequence(NewSequence(steps=[TO_PALLET, pick])))
-    with served.services.station.session.world.transaction("person", "throws it away") as tx:
+def test_a_sequence_is_a_module_too_and_its_steps_are_calls(api) -> None:
+    made = written(api, "both ways", PALLET, KIT)
+
+    (way,) = api.get("/modules/base_1/sequence:both ways").json()["implementations"]
+    run = api.post("/modules/base_1/sequence:both ways/runs", json={}).raise_for_status().json()
+    deadline = time.monotonic() + 30.0
+    while (found := api.get(f"/module-runs/{run['id']}").json())["status"] == "running":
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+
+    assert way["label"] == f"revision {made.revision}"
+    assert [node["module"] for node in way["nodes"]] == ["", "drive", "drive"]
+    assert found["status"] == "succeeded"
+
+
+def test_a_step_whose_element_has_gone_is_a_problem_and_others_can_be_edited_meanwhile(served, api) -> None:
+    first, second = step("pick", Object="compressor_1"), step("pick", Object="relay_box_2")
+    made = written(api, "old", PALLET, first, second)
+    with served.services.station.session.world.transaction("person", "throws them away") as tx:
         tx.remove("compressor_1")
+        tx.remove("relay_box_2")
 
-    shown = done(api, seq.get_sequence(made.id))
-    mended = done(api, seq.remove_step(made.id, made.version, 1))
+    shown = done(api, docs.get_document("sequence", "old"))
+    moved = written(api, "old", first, PALLET, second, seen=made.revision)
+    mended = written(api, "old", PALLET, seen=moved.revision)
 
-    assert [step.works for step in shown.steps] == [True, False]
-    assert "compressor_1" in shown.steps[1].problems[0]
-    assert mended.works
+    assert places(shown) == ["steps[1]", "steps[2]"]
+    assert "compressor_1" in shown.problems[0].text
+    assert places(moved) == ["steps[0]", "steps[2]"]
+    assert places(mended) == []
+    new = sent(api, docs.put_document("sequence", "old", {"steps": [first]}, seen=mended.revision))
+    assert new.status_code == 422
 
 
 def test_sequences_outlive_the_server(tmp_path) -> None:
     for run in range(2):
         with serving("kitting", tmp_path) as served, httpx2.Client(base_url=f"{served.url}/api/v1") as api:
             if run == 0:
-                made = done(api, seq.create_sequence(NewSequence(id="kept", title="Kept", steps=[TO_PALLET])))
+                made = written(api, "kept", PALLET)
             else:
-                assert done(api, seq.get_sequence("kept")) == made
-                assert sent(api, seq.delete_sequence("kept", made.version)).status_code == 204
-                assert api.get("/sequences/kept").status_code == 404
+                assert done(api, docs.get_document("sequence", "kept")) == made
+                assert sent(api, docs.remove_document("sequence", "kept", seen=made.revision)).status_code == 204
+                assert api.get("/documents/sequence/kept").status_code == 404

@@ -19,6 +19,8 @@ from skiros_py.errors import (
 )
 
 EXAMPLES = [
+    errors.DocumentError([errors.DocumentFault("children[1]", "it has no seconds", 2, 7)], "tree:a"),
+    errors.DescriptionError("it has no seconds", "children[1]"),
     UnknownName("scene", "kiting", ["kitting", "empty"], where="on the command line"),
     GoalSyntaxError("In(", 4, "expected a name"),
     FileError(Path("a.ttl"), "is not Turtle", line=3),
@@ -31,7 +33,11 @@ EXAMPLES = [
 ]
 
 
-FAULTS = [k for k in vars(errors).values() if isinstance(k, type) and k.__module__ == errors.__name__]
+FAULTS = [
+    kind
+    for kind in vars(errors).values()
+    if isinstance(kind, type) and issubclass(kind, BaseException) and kind.__module__ == errors.__name__
+]
 
 
 def test_every_fault_is_of_the_one_tree() -> None:

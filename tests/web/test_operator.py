@@ -262,7 +262,7 @@ KITTING = {
 
 def test_a_template_fills_a_kit(station, visit, expect):
     served = station(pace=20.0)
-    httpx2.put(f"{served.url}/api/v1/goal-templates/fill a kit", json=KITTING).raise_for_status()
+    httpx2.put(f"{served.url}/api/v1/documents/template/fill a kit", json={"data": KITTING}).raise_for_status()
     anna = Person(visit(served.url), served.url, expect)
     page = anna.page
     anna.choose("Template", "fill a kit", page.get_by_role("main"))

@@ -205,21 +205,3 @@ class GoalTemplateContent(Request):
         default=None, examples=[{"condition": "InKit", "arguments": [{"material": "class"}, {"parameter": "kit"}]}]
     )
     """A condition for each piece of the ordered material."""
-
-
-class GoalTemplate(Answer):
-    """A stored template."""
-
-    name: str = Field(examples=["fill kit"])
-    """Its name."""
-    version: int = Field(examples=[3])
-    """Its version, as in its ETag."""
-    content: GoalTemplateContent
-    """Its content."""
-
-
-class GoalTemplates(Answer):
-    """All templates."""
-
-    templates: tuple[GoalTemplate, ...]
-    """By name."""

@@ -1,4 +1,4 @@
-"""Tasks: what the robots pursue, of jobs and beside them; and sequences of steps that a person edits and runs."""
+"""Tasks: what the robots pursue, of jobs and beside them."""
 
 from __future__ import annotations
 
@@ -28,13 +28,14 @@ class WantedStep(Request):
 
 
 class NewTask(Request):
-    """What shall be done at once, apart from the queue of jobs: a goal, or steps as they are."""
+    """A goal, or steps without planning, to be started at once, apart from the queue of jobs."""
 
     model_config = ConfigDict(
         json_schema_extra={
             "examples": [
                 {"goal": ["InKit(Starter, kit_1)"]},
                 {"steps": [{"skill": "drive", "arguments": {"Location": "pallet_a"}}]},
+                {"sequence": "kit-round", "iterate": None},
             ]
         }
     )
@@ -43,6 +44,8 @@ class NewTask(Request):
     """Conditions that shall hold together."""
     steps: list[WantedStep] | None = Field(None, min_length=1, max_length=_MOST_STEPS)
     """Steps to be run in this order, without planning."""
+    sequence: Name | None = Field(None, examples=["kit-round"])
+    """Id of a document of kind `sequence`, whose steps are run."""
     iterate: int | None = Field(1, ge=1, le=1_000_000)
     """Steps: how often; null for until it is stopped."""
     anyway: bool = False
@@ -52,8 +55,8 @@ class NewTask(Request):
 
     @model_validator(mode="after")
     def _is_one(self) -> Self:
-        if (self.goal is None) == (self.steps is None):
-            raise ValueError("give either goal or steps")
+        if sum(one is not None for one in (self.goal, self.steps, self.sequence)) != 1:
+            raise ValueError("give one of goal, steps and sequence")
         return self
 
 
@@ -144,107 +147,3 @@ class TaskTrace(Answer):
     """Oldest first: time [s], what, text, step, skill, data."""
     forgotten: int = Field(examples=[0])
     """How many entries before these are kept no more."""
-
-
-class CheckedStep(Answer):
-    """A step, with what is known of it before it runs."""
-
-    skill: str = Field(examples=["drive"])
-    """Name of the skill."""
-    arguments: dict[str, str]
-    """Element ids by parameter key, as given."""
-    agent: str = Field(examples=["base_1"])
-    """Who would do it; empty where nobody is found."""
-    works: bool
-    """True when nothing speaks against it."""
-    problems: tuple[str, ...]
-    """What will not hold when its turn comes, a sentence each."""
-
-
-class SequenceSummary(Answer):
-    """A sequence."""
-
-    id: str = Field(examples=["kit-round"])
-    """Its id."""
-    title: str = Field(examples=["One round to the kit"])
-    """Its label."""
-    version: int = Field(examples=[3])
-    """Grows with every change; the same as the ETag."""
-    count: int = Field(examples=[4])
-    """How many steps it has."""
-
-
-class SequenceInfo(SequenceSummary):
-    """A sequence with its steps, each checked as things are now and as the steps before it leave them."""
-
-    works: bool
-    """True when it can be run: it has steps, and nothing speaks against any."""
-    steps: tuple[CheckedStep, ...]
-    """The steps, in order."""
-
-
-Sequences = Items[SequenceSummary]
-"""The sequences of a server."""
-
-
-class NewSequence(Request):
-    """A sequence from scratch, or from a plan: at most one of steps, goal, job, task, preview."""
-
-    model_config = ConfigDict(
-        json_schema_extra={
-            "examples": [
-                {"title": "One drive", "steps": [{"skill": "drive", "arguments": {"Location": "pallet_a"}}]},
-                {"goal": ["InKit(Starter, kit_1)"]},
-            ]
-        }
-    )
-
-    id: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,99}$")] | None = Field(None, examples=["kit-round"])
-    """Chosen by the caller; else the server makes one."""
-    title: str = Field("", max_length=200, examples=["One round to the kit"])
-    """Its label."""
-    steps: list[WantedStep] | None = Field(None, max_length=_MOST_STEPS)
-    """The steps."""
-    goal: list[GoalText] | None = Field(None, min_length=1, max_length=100)
-    """Conditions: the steps are those of a plan for them."""
-    job: Name | None = None
-    """Id of a job: the steps are those of its last plan."""
-    task: Name | None = None
-    """Name of a task: the steps are those of its last plan."""
-    preview: Name | None = None
-    """Id of a preview: the steps are those of its plan."""
-
-    @model_validator(mode="after")
-    def _is_one(self) -> Self:
-        if sum(one is not None for one in (self.steps, self.goal, self.job, self.task, self.preview)) > 1:
-            raise ValueError("give at most one of steps, goal, job, task and preview")
-        return self
-
-
-class InsertStep(WantedStep):
-    """A step, and before which other one it comes."""
-
-    model_config = ConfigDict(
-        json_schema_extra={"examples": [{"skill": "drive", "arguments": {"Location": "kit_1"}, "at": 0}]}
-    )
-
-    at: int | None = Field(None, ge=0, le=_MOST_STEPS)
-    """Index, from 0; the end where left out."""
-
-
-class MoveStep(Request):
-    """Where a step shall be."""
-
-    to: int = Field(ge=0, lt=_MOST_STEPS, examples=[0])
-    """Its index afterwards, from 0."""
-
-
-class RunSequence(Request):
-    """How a sequence is run."""
-
-    model_config = ConfigDict(json_schema_extra={"examples": [{"iterate": 1}, {"iterate": None}]})
-
-    iterate: int | None = Field(1, ge=1, le=1_000_000)
-    """How often; null for until it is stopped."""
-    anyway: bool = False
-    """True to run what cannot work as far as anybody knows."""

@@ -3,7 +3,7 @@
 from skiros_py.behaviours.assert_effects import AssertEffects
 from skiros_py.behaviours.check import Check
 from skiros_py.behaviours.do import Do
-from skiros_py.behaviours.document import DocumentFault, DocumentKind, Interface, PaletteEntry
+from skiros_py.behaviours.document import DocumentKind, Interface, PaletteEntry, Review
 from skiros_py.behaviours.every import Every
 from skiros_py.behaviours.fallback import Fallback
 from skiros_py.behaviours.for_each import ForEach
@@ -23,7 +23,6 @@ __all__ = [
     "Call",
     "Check",
     "Do",
-    "DocumentFault",
     "DocumentKind",
     "Edge",
     "Every",
@@ -38,6 +37,7 @@ __all__ = [
     "Policy",
     "Repeat",
     "Retry",
+    "Review",
     "Scope",
     "Sequence",
     "Timeout",

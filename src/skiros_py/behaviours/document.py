@@ -1,34 +1,20 @@
-"""Kinds of document: trees, nets and graphs that people edit and robots run."""
+"""Kinds of document: plain data that people edit, and that robots run or orders name."""
 
 from __future__ import annotations
 
 import json
-from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import Any, ClassVar
 
-from skiros_py.errors import DescriptionError, SkirosError, UnknownName, UsageError
+from skiros_py.errors import DescriptionError, DocumentError, DocumentFault, SkirosError, UnknownName
 from skiros_py.skills.behaviour import Behaviour, check_behaviour, check_nodes, walk
 from skiros_py.skills.parameters import Kind, Param, check_params
 from skiros_py.skills.plain import Reader
 from skiros_py.skills.references import check_references
-
-
-@dataclass(frozen=True, slots=True)
-class DocumentFault:
-    """Something that is wrong with a document.
-
-    Attributes:
-        place: Where in the document ("children[1].module"); empty for the whole.
-        text: What is wrong, in a sentence.
-    """
-
-    place: str
-    text: str
-
-    def __str__(self) -> str:
-        return f"{self.place}: {self.text}" if self.place else self.text
+from skiros_py.skills.skill import SkillDescription
+from skiros_py.world.view import WorldView
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,30 +45,47 @@ class Interface:
     outputs: tuple[str, ...] = ()
 
 
-class DocumentKind(ABC):
+@dataclass(frozen=True, slots=True)
+class Review:
+    """A document compared with the present world.
+
+    Attributes:
+        faults: Why it is refused, unless its present revision has the same faults.
+        problems: What would not work now; it is accepted nevertheless.
+        agents: The subsystems that would run parts of it now, by place.
+    """
+
+    faults: tuple[DocumentFault, ...] = ()
+    problems: tuple[DocumentFault, ...] = ()
+    agents: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
+
+
+class DocumentKind:
     """A kind of document, found by the entry-point group ``skiros.documents``.
 
-    A document is plain data; it is stored with its revisions, checked whenever it is written, and runs as a module
-    called ``{kind}:{id}`` from its next start on.
+    A document is plain data. It is stored with its revisions and checked whenever it is written. A kind that returns
+    a behaviour for it runs as a module called ``{kind}:{id}``, from its next start on.
 
     Class attributes:
         kind: Name of its entry point.
-        formats: In which text formats it is imported and exported.
+        formats: Text formats of import and export with their media types; the first one is the default. The API
+            accepts no media types of web forms, such as ``text/plain``.
+        for_orders: Whether orders name such documents, so that factory systems may read them.
     """
 
     kind: ClassVar[str]
-    formats: ClassVar[tuple[str, ...]] = ("json",)
+    formats: ClassVar[Mapping[str, str]] = MappingProxyType({"json": "application/json"})
+    for_orders: ClassVar[bool] = False
 
-    @abstractmethod
-    def behaviour(self, document: Any, reader: Reader) -> Behaviour:
-        """Returns what a document does.
+    def behaviour(self, document: Any, reader: Reader) -> Behaviour | None:
+        """Returns what a document does; None if it is not a module.
 
         Args:
             document: The document, as plain data.
             reader: Reads behaviours in it.
 
         Raises:
-            DescriptionError: Something in it is wrong; the text begins with the place.
+            DescriptionError: Something in it is wrong; the error has the place.
         """
 
     def interface(self, document: Any) -> Interface:
@@ -92,7 +95,7 @@ class DocumentKind(ABC):
         without a default a run must be given a value.
 
         Raises:
-            DescriptionError: Something in it is wrong; the text begins with the place.
+            DescriptionError: Something in it is wrong; the error has the place.
         """
         if not isinstance(document, Mapping):
             return Interface()
@@ -100,14 +103,16 @@ class DocumentKind(ABC):
         params = tuple(_param(index, one) for index, one in enumerate(given))
         check_params(params, "of the document")
         if not all(isinstance(name, str) and name for name in outputs):
-            raise DescriptionError(f"outputs: names of values, not {outputs!r:.100}")
+            raise DescriptionError(f"names of values, not {outputs!r:.100}", "outputs")
         return Interface(params, tuple(outputs))
 
     def check(self, document: Any, reader: Reader) -> tuple[DocumentFault, ...]:
-        """Returns what is wrong with a document; nothing where it can run."""
+        """Returns what is wrong with a document, regardless of the station; empty if nothing is."""
         try:
             interface = self.interface(document)
             found = self.behaviour(document, reader)
+            if found is None:
+                return ()
             check_behaviour(f"behaviour() of {self.kind}", found)
             check_nodes(found)
             written = {name for node in walk(found) for name in node.uses().writes}
@@ -115,15 +120,26 @@ class DocumentKind(ABC):
             for index, name in enumerate(interface.outputs):
                 if name not in written:
                     known = ", ".join(sorted(written)) or "nothing"
-                    raise DescriptionError(f"outputs[{index}]: no node writes '{name}'; written is {known}")
+                    raise DescriptionError(f"no node writes '{name}'; written is {known}", f"outputs[{index}]")
         except DescriptionError as error:
-            place, colon, text = str(error).partition(": ")
-            return (DocumentFault(place, text) if colon else DocumentFault("", place),)
+            return (DocumentFault(error.place, error.text),)
+        except DocumentError as error:
+            return error.faults
         except SkirosError as error:
             return (DocumentFault("", str(error)),)
         except Exception as error:  # noqa: BLE001 - a plug-in's parser: its error is a fault of this document
             return (DocumentFault("", f"{self.kind} cannot be read: {type(error).__name__}: {error}"),)
         return ()
+
+    def review(self, document: Any, world: WorldView, skills: Mapping[str, SkillDescription]) -> Review:  # noqa: ARG002
+        """Compares a document that passed :meth:`check` with the present world; by default nothing is found.
+
+        Args:
+            document: The document.
+            world: The world.
+            skills: The skills offered now, by name.
+        """
+        return Review()
 
     def palette(self, reader: Reader) -> Sequence[PaletteEntry]:
         """Returns the nodes that an editor offers; by default all kinds of behaviour that are dataclasses."""
@@ -135,30 +151,34 @@ class DocumentKind(ABC):
             entries.append(PaletteEntry(name, (cls.__doc__ or "").strip().partition("\n")[0], shown))
         return tuple(entries)
 
-    def parse(self, text: str, format_: str = "json") -> Any:
+    def parse(self, text: str, format_: str) -> Any:  # noqa: ARG002
         """Imports a document.
 
+        Args:
+            text: The text.
+            format_: One of ``formats``.
+
         Raises:
-            UsageError: It is not well-formed; the text names line and column.
+            DocumentError: It is not well-formed.
         """
-        self._require_format(format_)
         try:
             return json.loads(text)
         except json.JSONDecodeError as error:
-            raise UsageError(f"line {error.lineno}, column {error.colno}: {error.msg}") from error
+            raise DocumentError((DocumentFault("", error.msg, error.lineno, error.colno),)) from error
 
-    def export(self, document: Any, format_: str = "json") -> str:
-        """Exports a document as text.
-
-        Raises:
-            UnknownName: There is no such format.
-        """
-        self._require_format(format_)
+    def export(self, document: Any, format_: str) -> str:  # noqa: ARG002
+        """Exports a document as text in one of ``formats``."""
         return json.dumps(document, indent=2, ensure_ascii=False)
 
-    def _require_format(self, format_: str) -> None:
-        if format_ not in self.formats:
-            raise UnknownName("format", format_, self.formats, where=f"of {self.kind} documents")
+    @classmethod
+    def require_format(cls, format_: str) -> None:
+        """Requires that documents of this kind have a format.
+
+        Raises:
+            UnknownName: They do not.
+        """
+        if format_ not in cls.formats:
+            raise UnknownName("format", format_, cls.formats, where=f"of {cls.kind} documents")
 
 
 _OPTIONS = ("key", "type", "help", "default", "unit", "length")
@@ -167,9 +187,9 @@ _OPTIONS = ("key", "type", "help", "default", "unit", "length")
 def _param(index: int, data: Any) -> Param:
     place = f"parameters[{index}]"
     if not isinstance(data, Mapping) or not {"key", "type", "help"} <= data.keys():
-        raise DescriptionError(f"{place}: a parameter has a key, a type and a help, not {data!r:.100}")
+        raise DescriptionError(f"a parameter has a key, a type and a help, not {data!r:.100}", place)
     if unknown := [key for key in data if key not in _OPTIONS]:
-        raise DescriptionError(f"{place}: unknown: {', '.join(unknown)}; there is {', '.join(_OPTIONS)}")
+        raise DescriptionError(f"unknown: {', '.join(unknown)}; there is {', '.join(_OPTIONS)}", place)
     return Param(**data, kind=Kind.OFFLINE if "default" in data else Kind.ONLINE)
 
 
@@ -186,6 +206,6 @@ class Tree(DocumentKind):
         if isinstance(document, Mapping) and "body" in document:
             unknown = sorted(document.keys() - {"parameters", "outputs", "body"})
             if unknown:
-                raise DescriptionError(f"{unknown[0]}: a tree has parameters, outputs and a body, and nothing else")
+                raise DescriptionError("a tree has parameters, outputs and a body, and nothing else", unknown[0])
             document = document["body"]
         return reader.behaviour(document)

@@ -1,4 +1,4 @@
-"""``skiros document``: documents of a server, written, run and debugged."""
+"""``skiros document``: documents of a server: imported, exported, run and debugged."""
 
 from __future__ import annotations
 
@@ -10,16 +10,17 @@ import click
 
 from skiros_py.cli.module import given_params
 from skiros_py.cli.reaching import Found, served
-from skiros_py.errors import FileError
+from skiros_py.errors import UnknownName
 
 if TYPE_CHECKING:
-    from skiros_py.api.modules import DocumentInfo, ModuleRunInfo
+    from skiros_py.api.documents import DocumentInfo
+    from skiros_py.api.modules import ModuleRunInfo
     from skiros_py.client import Client
 
 
 @click.group("document")
 def command() -> None:
-    """Lists, writes, removes, runs and debugs the documents of a server: trees, nets and graphs."""
+    """Lists, imports, exports, removes, runs and debugs the documents of a server: trees, sequences, goal templates."""
 
 
 @served(command, "document list tree --data cell")
@@ -40,22 +41,34 @@ def show(client: Client, kind: str, id_: str, revisions: bool) -> Found:
         found = client.documents.revisions(kind, id_)
         return found, map(_line, found.documents)
     document = client.documents.get(kind, id_)
-    return document, [json.dumps(document.data, indent=2, ensure_ascii=False)]
+    return document, [json.dumps(document.data, indent=2, ensure_ascii=False), *_problems(document)]
 
 
-@served(command, "document write tree tidy_up tidy_up.json --data cell")
+@served(command, "document import tree tidy_up tidy_up.json --data cell")
 @click.argument("kind")
 @click.argument("id_", metavar="ID")
 @click.argument("file", type=click.Path(path_type=Path, dir_okay=False, exists=True))
-def write(client: Client, kind: str, id_: str, file: Path) -> Found:
-    """Writes a document or a new revision of it from a JSON FILE; its next run uses it."""
-    try:
-        data = json.loads(file.read_text(encoding="utf-8"))
-    except ValueError as error:
-        raise FileError(file, f"it is no JSON: {error}") from error
+@click.option("--format", "format_", metavar="NAME", help="One of the formats of KIND.  [default: the first one]")
+def import_(client: Client, kind: str, id_: str, file: Path, format_: str | None) -> Found:
+    """Writes a document or a new revision of it from a FILE; its next run uses it."""
+    formats = {one.kind: one.formats for one in client.documents.kinds().kinds}.get(kind, {"json": "application/json"})
+    if format_ is not None and format_ not in formats:
+        raise UnknownName("format", format_, formats, where=f"of {kind} documents")
+    media_type = next(iter(formats.values())) if format_ is None else formats[format_]
     known = {document.id: document.revision for document in client.documents.list(kind).documents}
-    document = client.documents.put(kind, id_, data, seen=known.get(id_))
-    return document, [_line(document)]
+    text = file.read_text(encoding="utf-8")
+    document = client.documents.import_text(kind, id_, text, media_type, seen=known.get(id_))
+    return document, [_line(document), *_problems(document)]
+
+
+@served(command, "document export tree tidy_up --data cell")
+@click.argument("kind")
+@click.argument("id_", metavar="ID")
+@click.option("--format", "format_", metavar="NAME", help="One of the formats of KIND.  [default: the first one]")
+def export(client: Client, kind: str, id_: str, format_: str | None) -> Found:
+    """Prints a document as text in a format of its KIND."""
+    text = client.documents.export(kind, id_, format_)
+    return {"text": text}, text.splitlines()
 
 
 @served(command, "document remove tree tidy_up --data cell")
@@ -102,6 +115,10 @@ def command_run(client: Client, run: str, verb: Literal["pause", "resume", "step
     """Pauses, resumes or stops a RUN, or executes one cycle of a paused one."""
     found = client.modules.command(run, verb)
     return found, _run_lines(found)
+
+
+def _problems(document: DocumentInfo) -> list[str]:
+    return [f"would not work now: {one.place}: {one.text}" for one in document.problems]
 
 
 def _line(document: DocumentInfo) -> str:

@@ -24,7 +24,7 @@ _COMMANDS = {
     "manager": ("cell:manager", "Open and close the skill managers of a server while it runs."),
     "signal": ("cell:signal", "List, read and set the signals of a server."),
     "device": ("cell:device", "List, open, close, jog and teach the devices of a server while it runs."),
-    "document": ("document", "Write, run and debug the documents of a server: trees, nets and graphs."),
+    "document": ("document", "Import, export, run and debug the documents of a server: trees, sequences, templates."),
     "call": ("call", "Call any operation of a server; list them."),
     "report": ("report", "Create a page about a run: timeline, pictures, events and their reasons."),
     "plan": ("plan", "Show domain, problem and plan without executing anything."),

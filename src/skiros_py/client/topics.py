@@ -21,7 +21,6 @@ from skiros_py.client.calls import (
     ontology,
     robots,
     scenes,
-    sequences,
     simulation,
     tasks,
     webhooks,
@@ -292,17 +291,8 @@ class Goals(Topic[C]):
     conditions = Method(goals.list_goal_conditions)
 
 
-class Templates(Topic[C]):
-    """Named goals with parameters."""
-
-    list = Method(goals.list_goal_templates)
-    get = Method(goals.get_goal_template)
-    put = Method(goals.put_goal_template)
-    remove = Method(goals.remove_goal_template)
-
-
 class Documents(Topic[C]):
-    """Documents that robots run: trees, nets, graphs."""
+    """Documents of all kinds: trees, sequences, goal templates."""
 
     kinds = Method(documents.list_document_kinds)
     list = Method(documents.list_documents)
@@ -310,6 +300,8 @@ class Documents(Topic[C]):
     revisions = Method(documents.list_document_revisions)
     put = Method(documents.put_document)
     remove = Method(documents.remove_document)
+    export = Method(documents.export_document)
+    import_text = Method(documents.import_document)
 
 
 class Previews(Topic[C]):
@@ -405,20 +397,6 @@ class Signals(Topic[C]):
     set = Method(robots.set_signal)
 
 
-class Sequences(Topic[C]):
-    """Sequences of steps edited by the user."""
-
-    list = Method(sequences.list_sequences)
-    create = Method(sequences.create_sequence)
-    get = Method(sequences.get_sequence)
-    delete = Method(sequences.delete_sequence)
-    insert_step = Method(sequences.insert_step)
-    change_step = Method(sequences.change_step)
-    remove_step = Method(sequences.remove_step)
-    move_step = Method(sequences.move_step)
-    run = Method(sequences.run_sequence)
-
-
 class Tasks(Topic[C]):
     """Goals that are being pursued now."""
 
@@ -448,8 +426,7 @@ class Topics(Generic[C]):
         locks: Edit locks on elements.
         jobs: Jobs: ordering, following, commanding.
         goals: Goals: checking, and those stored with the scene.
-        documents: Documents that robots run.
-        templates: Named goals with parameters.
+        documents: Documents of all kinds: trees, sequences, goal templates.
         previews: Goals that are planned but not executed.
         scenes: Scenes: those that can be loaded, and the current one.
         simulation: The simulation: the ground truth, as opposed to the world model.
@@ -458,7 +435,6 @@ class Topics(Generic[C]):
         robots: Robots: models, state, motions, looks.
         devices: Devices of any kind: readings, opening and closing, jogging and teaching.
         signals: Signals of the cell.
-        sequences: Sequences of steps edited by the user.
         tasks: Goals that are being pursued now.
     """
 
@@ -479,7 +455,6 @@ class Topics(Generic[C]):
         self.jobs = Jobs(client)
         self.goals = Goals(client)
         self.documents = Documents(client)
-        self.templates = Templates(client)
         self.previews = Previews(client)
         self.scenes = Scenes(client)
         self.simulation = Simulation(client)
@@ -488,5 +463,4 @@ class Topics(Generic[C]):
         self.robots = Robots(client)
         self.devices = Devices(client)
         self.signals = Signals(client)
-        self.sequences = Sequences(client)
         self.tasks = Tasks(client)

@@ -19,6 +19,7 @@ from skiros_py.server.problems import PROBLEMS, add_problem_handlers
 from skiros_py.server.routes import (
     access,
     alarms,
+    documents,
     elements,
     events,
     goals,
@@ -37,9 +38,9 @@ from skiros_py.server.services import Services
 
 PREFIX = "/api/v1"
 _ROUTERS = (
-    jobs.router, goals.router, goals.templates_router, goals.previews_router, world.router, elements.router,
+    jobs.router, goals.router, goals.previews_router, world.router, elements.router,
     ontology.router, queries.router, world.learned_router, world.locks_router, scenes.router,
-    scenes.simulation_router, modules.router, modules.documents_router, tasks.router, tasks.sequences_router,
+    scenes.simulation_router, modules.router, documents.router, tasks.router,
     modules.plugins_router, robots.router, alarms.router, events.router, alarms.stop_router, webhooks.router,
     access.router, access.keys_router, access.session_router,
 )  # fmt: skip

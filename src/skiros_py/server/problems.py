@@ -7,6 +7,7 @@ import json
 import logging
 import re
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict
 from datetime import UTC, datetime, timedelta
 from typing import Annotated, Any, Protocol, TypeVar
 
@@ -17,6 +18,7 @@ from starlette.exceptions import HTTPException
 from skiros_py.api.wire import ProblemDetails, fault_limit, fault_words
 from skiros_py.errors import (
     Busy,
+    DocumentError,
     FileError,
     GoalSyntaxError,
     KeyReused,
@@ -69,6 +71,7 @@ _REFUSED = {
     "NotFound": 404,
     "NotSaved": 507,
     "SceneUnreadable": 422,
+    "UnsupportedMediaType": 415,
     "VersionMissing": 428,
 }
 """HTTP status of a refusal by its code; 409 for all others."""
@@ -97,7 +100,7 @@ _JOB_KINDS: tuple[tuple[type[SkirosError], int, str], ...] = (
     *_KINDS,
 )
 """The same for orders and jobs, with the codes of the standard (OPC 10031-4 v2.00, annex B.2)."""
-_JOB_TOPICS = ("jobs", "goals", "goal-templates", "previews")
+_JOB_TOPICS = ("jobs", "goals", "previews")
 """First part of the paths of routes for orders and jobs."""
 
 
@@ -130,6 +133,8 @@ def _of(error: SkirosError, kinds: Sequence[tuple[type[SkirosError], int, str]])
         extra = {"known": list(error.known[:20]), "nearest": error.nearest}
     if isinstance(error, GoalSyntaxError):
         extra = {"column": error.column}
+    if isinstance(error, DocumentError):
+        extra = {"faults": [asdict(fault) for fault in error.faults[:100]]}
     if isinstance(error, Locked):
         extra = {"locks": [_lock(*lock) for lock in error.locks]}
     if isinstance(error, StaleVersion) and error.present is not None:

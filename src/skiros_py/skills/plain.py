@@ -130,7 +130,7 @@ class Reader:
         """Reads a behaviour.
 
         Raises:
-            DescriptionError: Something in it is wrong; the text names the place.
+            DescriptionError: Something in it is wrong; the error has the place.
         """
         del self._place[:]
         try:
@@ -138,9 +138,9 @@ class Reader:
             if not isinstance(value, Behaviour):
                 raise DescriptionError("a node with a type, such as {'type': 'wait', 'seconds': 1}")
         except SkirosError as error:
-            raise DescriptionError(f"{self.place or 'the root'}: {error}") from error
+            raise DescriptionError(str(error), self.place) from error
         except (TypeError, ValueError, RecursionError) as error:
-            raise DescriptionError(f"{self.place or 'the root'}: {type(error).__name__}: {error}") from error
+            raise DescriptionError(f"{type(error).__name__}: {error}", self.place) from error
         return value
 
     def dataclass(self, cls: type[B], data: Mapping[str, Any]) -> B:

@@ -1,483 +1,374 @@
-"""Documents: stored plain data such as goal templates, and those that robots run."""
+"""Documents: plain data of all kinds, stored with their revisions; those with a behaviour run as modules."""
 
 from __future__ import annotations
 
 import json
 import logging
-from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any, NamedTuple
 
 from skiros_py.api.alarms import AlarmKind
-from skiros_py.api.modules import DocumentInfo, DocumentKindInfo, DocumentKinds, Documents, PaletteNode
-from skiros_py.behaviours import Behaviour, DocumentFault, DocumentKind, Interface, PaletteEntry
-from skiros_py.database import Database, Schema
-from skiros_py.errors import FileError, SkirosError, StaleVersion, UnknownName, UsageError
+from skiros_py.api.documents import (
+    DocumentInfo,
+    DocumentKindInfo,
+    DocumentKinds,
+    DocumentProblem,
+    Documents,
+    PaletteNode,
+)
+from skiros_py.behaviours import Behaviour, DocumentKind, Interface, Review
+from skiros_py.errors import (
+    DocumentError,
+    DocumentFault,
+    Refused,
+    SkirosError,
+    UnknownName,
+    UsageError,
+    WrongState,
+)
 from skiros_py.execution.running import RunnableDocument
+from skiros_py.skills.behaviour import nodes_of
 from skiros_py.skills.lint.checking import faults_of_document
 from skiros_py.skills.lint.rule import Known
 from skiros_py.skills.plain import Reader
-from skiros_py.station.requests import ANY_VERSION, Seen, addressed, require_seen
+from skiros_py.station.document_store import Document, DocumentStore
+from skiros_py.station.requests import ANY_VERSION, Seen, Service, addressed, require_seen
 from skiros_py.station.session import Session
 
-if TYPE_CHECKING:
-    from skiros_py.station.station import Station
-
-
-TEMPLATE, SEQUENCE = "goal template", "sequence"
-TOLD = (TEMPLATE, SEQUENCE)
-"""The kinds of documents that are visible to callers, and whose changes are announced."""
-
-_TABLES = """
-CREATE TABLE documents (
-    kind TEXT NOT NULL, name TEXT NOT NULL, version INTEGER NOT NULL, data TEXT NOT NULL, PRIMARY KEY (kind, name)
-) WITHOUT ROWID;
-CREATE TABLE versions (last INTEGER NOT NULL);
-INSERT INTO versions VALUES (0);
-"""
-_REVISIONS = """
-CREATE TABLE revisions (
-    kind TEXT NOT NULL, name TEXT NOT NULL, version INTEGER NOT NULL, data TEXT NOT NULL,
-    PRIMARY KEY (kind, name, version)
-) WITHOUT ROWID;
-INSERT INTO revisions SELECT kind, name, version, data FROM documents;
-"""
-
-_SCHEMA = Schema("list of documents", "the documents of a server", 0x736B7376, (_TABLES, _REVISIONS))
-"""Application id of such a file: "sksv"."""
-
-_REVISIONS_KEPT = 50
-"""Number of latest revisions kept of each document; recordings contain the documents that ran."""
-_FORGET = """
-DELETE FROM revisions WHERE kind = ? AND name = ? AND version NOT IN (
-    SELECT version FROM revisions WHERE kind = ? AND name = ? ORDER BY version DESC LIMIT ?
-)
-"""
-
-
-@dataclass(frozen=True, slots=True)
-class Document:
-    """One document as it is now.
-
-    Attributes:
-        kind: Its kind, such as "goal template" or "sequence".
-        name: Its name, unique for its kind.
-        version: Its version, unique over all versions of all documents, even if one is removed and created again.
-        data: Its content, as JSON data.
-    """
-
-    kind: str
-    name: str
-    version: int
-    data: Any
-
-
-Tell = Callable[[Literal["written", "removed"], Document], None]
-"""Listener, called with a document that was written or removed."""
-
-
-def _nobody(_what: str, _document: Document) -> None:
-    """Default listener; does nothing."""
-
-
-class DocumentStore:
-    """The documents of a data directory; thread-safe. Close it.
-
-    Args:
-        path: The file; created if missing.
-        tell: Called with each document written or removed, in the thread that did it.
-
-    Raises:
-        FileError: It cannot be opened or created, or is damaged.
-    """
-
-    def __init__(self, path: Path, tell: Tell = _nobody) -> None:
-        self._tell = tell
-        self._database = Database(path, _SCHEMA, durable=True)
-        self._path = path
-
-    def all(self, kind: str) -> tuple[Document, ...]:
-        """Returns the documents of a kind, by name."""
-        rows = self._database.rows("SELECT name, version, data FROM documents WHERE kind = ? ORDER BY name", (kind,))
-        return tuple(self._document(kind, *row) for row in rows)
-
-    def get(self, kind: str, name: str) -> Document | None:
-        """Returns a document; None if there is none."""
-        rows = self._database.rows("SELECT version, data FROM documents WHERE kind = ? AND name = ?", (kind, name))
-        return next((self._document(kind, name, *row) for row in rows), None)
-
-    def find(self, kind: str, name: str) -> Document:
-        """Returns a document.
-
-        Raises:
-            UnknownName: There is none.
-        """
-        found = self.get(kind, name)
-        if found is None:
-            raise UnknownName(kind, name, [document.name for document in self.all(kind)])
-        return found
-
-    def revisions(self, kind: str, name: str) -> tuple[Document, ...]:
-        """Returns the last revisions of a document, oldest first, also of a removed one."""
-        rows = self._database.rows(
-            "SELECT version, data FROM revisions WHERE kind = ? AND name = ? ORDER BY version", (kind, name)
-        )
-        return tuple(self._document(kind, name, *row) for row in rows)
-
-    def put(self, kind: str, name: str, data: Any, *, expects: int | None = None) -> Document:
-        """Writes a new document or replaces an existing one; when this returns, it is on disk.
-
-        Args:
-            kind: Its kind.
-            name: Its name.
-            data: Its content, as JSON data.
-            expects: The version that it replaces; 0 if there must be none yet; None for any.
-
-        Raises:
-            StaleVersion: The present version is a different one.
-        """
-        text = json.dumps(data)
-        with self._database.transaction() as connection:
-            self._check(kind, name, expects)
-            ((version,),) = connection.execute("UPDATE versions SET last = last + 1 RETURNING last").fetchall()
-            connection.execute(
-                "INSERT OR REPLACE INTO documents (kind, name, version, data) VALUES (?, ?, ?, ?)",
-                (kind, name, version, text),
-            )
-            connection.execute("INSERT INTO revisions VALUES (?, ?, ?, ?)", (kind, name, version, text))
-            connection.execute(_FORGET, (kind, name, kind, name, _REVISIONS_KEPT))
-        document = Document(kind, name, int(version), data)
-        self._tell("written", document)
-        return document
-
-    def remove(self, kind: str, name: str, *, expects: int | None = None) -> None:
-        """Removes a document; has no effect if there is none.
-
-        Raises:
-            StaleVersion: The present version is not the expected one.
-        """
-        with self._database.transaction() as connection:
-            self._check(kind, name, expects)
-            gone = connection.execute(
-                "DELETE FROM documents WHERE kind = ? AND name = ? RETURNING version", (kind, name)
-            ).fetchall()
-        for (version,) in gone:
-            self._tell("removed", Document(kind, name, int(version), None))
-
-    def close(self) -> None:
-        """Closes the file; may be called twice."""
-        self._database.close()
-
-    def _check(self, kind: str, name: str, expects: int | None) -> None:
-        if expects is None:
-            return
-        found = self.get(kind, name)
-        now = found.version if found is not None else 0
-        if now != expects:
-            said = f"version {now} is there" if now else "there is none"
-            raise StaleVersion(f"{kind} '{name}': {said}, not version {expects}: it was changed since; look again")
-
-    def _document(self, kind: str, name: str, version: int, data: str) -> Document:
-        try:
-            return Document(kind, name, version, json.loads(data))
-        except ValueError as error:
-            raise FileError(self._path, f"the {kind} '{name}' in it cannot be read: {error}") from error
-
+_MOST = 1000
+"""Maximum number of documents of a kind."""
+_LONGEST = 200_000
+"""Maximum length of a document as JSON."""
 
 _log = logging.getLogger(__name__)
 
 
-class RunnableDocuments:
-    """The documents of a station, of all kinds that plug-ins bring.
+_NOT_REVIEWED = Review()
 
-    Each runs as a module ``{kind}:{id}``, by any skill manager, skill or document, from its next start on; what runs
-    already goes on as it began. Its revision is kept in the events of the run.
 
-    Args:
-        store: Where they are kept.
-        session: Whose managers run them.
+class DocumentText(NamedTuple):
+    """A document as text, in one of the formats of its kind."""
 
-    Attributes:
-        set_aside: Why a stored document cannot run, by module; it can be read, replaced and removed.
+    text: str
+    media_type: str
+    revision: int
+
+
+@dataclass(frozen=True, slots=True)
+class _Made:
+    """What a document is as a module; without a behaviour it is none."""
+
+    behaviour: Behaviour | None
+    title: str = ""
+    interface: Interface = field(default_factory=Interface)
+
+
+class DocumentService(Service):
+    """Stores documents of all kinds with their revisions, and offers those that have a behaviour as modules.
+
+    Each runs as a module ``{kind}:{id}``, by any skill manager, skill or document, from its next start on; what already
+    runs continues unchanged. Its revision is kept in the events of the run.
     """
-
-    def __init__(self, store: DocumentStore, session: Session) -> None:
-        self._store = store
-        self._session = session
-        catalogue = session.catalogue
-        self._reader = Reader(catalogue.behaviours, catalogue.conditions)
-        self._kinds = catalogue.documents
-        self.set_aside: dict[str, str] = {}
-        for kind in self._kinds:
-            for document in store.all(kind):
-                try:
-                    self._offer(document, *self._made(kind, document.name, document.data))
-                except UsageError as error:
-                    _log.warning("%s:%s cannot run: %s", kind, document.name, error)
-                    self.set_aside[f"{kind}:{document.name}"] = str(error)
-
-    @property
-    def kinds(self) -> tuple[str, ...]:
-        """Names of the kinds there are."""
-        return tuple(sorted(self._kinds))
-
-    def palette(self, kind: str) -> Sequence[PaletteEntry]:
-        """Returns the nodes that an editor of such documents offers.
-
-        Raises:
-            UnknownName: There is no such kind.
-            UsageError: The kind breaks.
-        """
-        try:
-            return self._kind(kind).palette(self._reader)
-        except SkirosError:
-            raise
-        except Exception as error:
-            raise UsageError(f"the palette of kind {kind}: {type(error).__name__}: {error}") from error
-
-    def formats(self, kind: str) -> tuple[str, ...]:
-        """Returns the text formats in which such documents are imported and exported.
-
-        Raises:
-            UnknownName: There is no such kind.
-        """
-        return self._known(kind).formats
-
-    def check(self, kind: str, data: Any) -> tuple[DocumentFault, ...]:
-        """Returns what is wrong with a document, each with its place.
-
-        Raises:
-            UnknownName: There is no such kind.
-        """
-        maker = self._kind(kind)
-        faults = maker.check(data, self._reader)
-        return faults or self._wrong_uses(maker.behaviour(data, self._reader), maker.interface(data), set())
-
-    def all(self, kind: str) -> tuple[Document, ...]:
-        """Returns the documents of a kind, by name.
-
-        Raises:
-            UnknownName: There is no such kind.
-        """
-        self._known(kind)
-        return self._store.all(kind)
-
-    def get(self, kind: str, name: str) -> Document | None:
-        """Returns a document as it is now; None where there is none.
-
-        Raises:
-            UnknownName: There is no such kind.
-        """
-        self._known(kind)
-        return self._store.get(kind, name)
-
-    def find(self, kind: str, name: str) -> Document:
-        """Returns a document as it is now.
-
-        Raises:
-            UnknownName: There is none.
-        """
-        self._known(kind)
-        return self._store.find(kind, name)
-
-    def revisions(self, kind: str, name: str) -> tuple[Document, ...]:
-        """Returns all revisions of a document, the oldest first.
-
-        Raises:
-            UnknownName: There is no such kind.
-        """
-        self._known(kind)
-        return self._store.revisions(kind, name)
-
-    def write(self, kind: str, name: str, data: Any, *, expects: int | None = None) -> Document:
-        """Writes a document, new or a further revision; its next run is of this one.
-
-        Args:
-            kind: Its kind.
-            name: Its name.
-            data: The document, as plain data.
-            expects: The revision that it replaces; 0 where there must be none yet. None for any.
-
-        Raises:
-            UnknownName: There is no such kind.
-            UsageError: Something is wrong with it; the text names each place.
-            StaleVersion: Another revision is there.
-        """
-        made = behaviour, _, interface = self._made(kind, name, data)
-        if faults := self._wrong_uses(behaviour, interface, {f"{kind}:{name}"}):
-            raise UsageError(f"{kind} '{name}': {'; '.join(map(str, faults))}")
-        document = self._store.put(kind, name, data, expects=expects)
-        self._offer(document, *made)
-        return document
-
-    def remove(self, kind: str, name: str, *, expects: int | None = None) -> None:
-        """Removes a document; its revisions are kept.
-
-        Raises:
-            StaleVersion: Another revision is there than is expected.
-        """
-        self._store.remove(kind, name, expects=expects)
-        self._session.managers.documents.pop(f"{kind}:{name}", None)
-        self.set_aside.pop(f"{kind}:{name}", None)
-
-    def text(self, kind: str, name: str, format_: str = "json") -> str:
-        """Exports a document as text.
-
-        Raises:
-            UnknownName: There is no such document or format.
-        """
-        return self._kind(kind).export(self.find(kind, name).data, format_)
-
-    def read(self, kind: str, name: str, text: str, format_: str = "json") -> Document:
-        """Imports a document from text; as :meth:`write`.
-
-        Raises:
-            UsageError: It is not well-formed, or something is wrong with it.
-        """
-        return self.write(kind, name, self._kind(kind).parse(text, format_))
-
-    def _made(self, kind: str, name: str, data: Any) -> tuple[Behaviour, str, Interface]:
-        """Returns what a document does, its title and its interface.
-
-        Raises:
-            UsageError: Something is wrong with it, or its kind breaks; the text names kind, document and reason.
-        """
-        maker = self._kind(kind)
-        try:
-            faults = maker.check(data, self._reader)
-            if not faults:
-                behaviour = maker.behaviour(data, self._reader)
-                return behaviour, behaviour.title, maker.interface(data)
-        except Exception as error:
-            raise UsageError(f"{kind} '{name}': {type(error).__name__}: {error}") from error
-        raise UsageError(f"{kind} '{name}': {'; '.join(map(str, faults))}")
-
-    def _wrong_uses(self, body: Behaviour, interface: Interface, modules: set[str]) -> tuple[DocumentFault, ...]:
-        """Returns what a document asks of this station that it does not offer; it may call the given modules, too."""
-        catalogue, ontology = self._session.catalogue, self._session.world.ontology
-        known = Known(ontology, catalogue.primitives, tuple(catalogue.skills.values()), catalogue.reasoners)
-        documents = modules | {f"{kind}:{one.name}" for kind in self._kinds for one in self._store.all(kind)}
-        return tuple(DocumentFault(*fault) for fault in faults_of_document(body, interface.params, known, documents))
-
-    def _offer(self, document: Document, behaviour: Behaviour, title: str, interface: Interface) -> None:
-        module = f"{document.kind}:{document.name}"
-        self.set_aside.pop(module, None)
-        self._session.managers.documents[module] = RunnableDocument(
-            behaviour, document.version, title, interface.params, interface.outputs
-        )
-
-    def _known(self, name: str) -> type[DocumentKind]:
-        if name not in self._kinds:
-            raise UnknownName("kind of document", name, tuple(self._kinds))
-        return self._kinds[name]
-
-    def _kind(self, name: str) -> DocumentKind:
-        try:
-            return self._known(name)()
-        except SkirosError:
-            raise
-        except Exception as error:
-            raise UsageError(f"documents of kind {name}: {type(error).__name__}: {error}") from error
-
-
-class DocumentService:
-    """Stores runnable documents with their revisions.
-
-    Args:
-        station: The station.
-    """
-
-    def __init__(self, station: Station) -> None:
-        self._station = station
-        self._runnable: RunnableDocuments
 
     def open(self, session: Session) -> None:
-        """Offers the documents as modules of a session, as soon as the store is open."""
-        if hasattr(self._station, "documents"):
-            self._runnable = RunnableDocuments(self._station.documents, session)
-            for module, reason in self._runnable.set_aside.items():
-                self._station.alarm_book.raise_(AlarmKind.MODULE, f"{module} cannot run: {reason}", module)
+        """Offers the stored documents as modules of a session, as soon as the store is open.
+
+        A document that cannot be read any more raises an alarm; it can be read, replaced and removed.
+        """
+        if not hasattr(self._station, "document_store"):
+            return
+        self._reader = Reader(session.catalogue.behaviours, session.catalogue.conditions)
+        self._kinds = session.catalogue.documents
+        for kind in self._kinds:
+            for document in self._store.all(kind):
+                try:
+                    made = self._make(self._kind(kind), document.data, _module(kind, document.name))
+                except UsageError as error:
+                    text = f"{_module(kind, document.name)} cannot run: {error}"
+                    _log.warning("%s", text)
+                    self._station.alarm_book.raise_(AlarmKind.MODULE, text, _module(kind, document.name))
+                else:
+                    self._offer(session, document, made)
+
+    @property
+    def _store(self) -> DocumentStore:
+        return self._station.document_store
+
+    # ------------------------------------------------------------------ reading
 
     def kinds(self) -> DocumentKinds:
-        """Lists the kinds of documents, each with the nodes that an editor offers."""
-        runnable = self._runnable
+        """Lists the kinds of documents, each with its formats and the nodes that an editor offers."""
         return DocumentKinds(
             kinds=tuple(
                 DocumentKindInfo(
-                    kind=kind,
-                    formats=runnable.formats(kind),
-                    palette=self._palette(kind),
+                    kind=name,
+                    help=(kind.__doc__ or "").strip().partition("\n")[0],
+                    formats=dict(kind.formats),
+                    palette=self._palette(name),
                 )
-                for kind in runnable.kinds
+                for name, kind in sorted(self._kinds.items())
             )
         )
 
     def _palette(self, kind: str) -> tuple[PaletteNode, ...]:
         try:
-            return tuple(PaletteNode(**asdict(entry)) for entry in self._runnable.palette(kind))
-        except SkirosError as error:
-            _log.warning("%s", error)
+            return tuple(PaletteNode(**asdict(entry)) for entry in self._kind(kind).palette(self._reader))
+        except Exception as error:  # noqa: BLE001 - a plug-in's palette
+            _log.warning("the palette of kind %s: %s: %s", kind, type(error).__name__, error)
             return ()
 
-    def all(self, kind: str) -> Documents:
-        """Lists the documents of a kind, by id.
+    def is_for_orders(self, kind: str) -> bool:
+        """Returns whether orders name documents of a kind, so that factory systems may read them.
 
         Raises:
             NotFound: There is no such kind.
         """
         with addressed():
-            return Documents(documents=tuple(map(_info, self._runnable.all(kind))))
+            return self._known(kind).for_orders
+
+    def all(self, kind: str) -> Documents:
+        """Lists the documents of a kind, by id, without comparing them with the world.
+
+        Raises:
+            NotFound: There is no such kind.
+        """
+        with addressed():
+            self._known(kind)
+        return Documents(documents=tuple(map(_info, self._store.all(kind))))
 
     def get(self, kind: str, id_: str) -> DocumentInfo:
-        """Returns a document as it is now.
+        """Returns a document, and what would not work now.
 
         Raises:
             NotFound: There is none.
         """
-        with addressed():
-            return _info(self._runnable.find(kind, id_))
+        document = self._find(kind, id_)
+        return _info(document, self._reviewed(document))
 
     def revisions(self, kind: str, id_: str) -> Documents:
-        """Lists all revisions of a document, oldest first.
+        """Lists the kept revisions of a document, oldest first, also of a removed one.
 
         Raises:
             NotFound: There is no such kind.
         """
         with addressed():
-            return Documents(documents=tuple(map(_info, self._runnable.revisions(kind, id_))))
+            self._known(kind)
+        return Documents(documents=tuple(map(_info, self._store.revisions(kind, id_))))
+
+    def export(self, kind: str, id_: str, format_: str | None = None) -> DocumentText:
+        """Returns a document as text.
+
+        Args:
+            kind: Its kind.
+            id_: Its id.
+            format_: One of the formats of its kind; None for the first one.
+
+        Raises:
+            NotFound: There is no such document.
+            UsageError: There is no such format, or its kind cannot write it.
+        """
+        document, known = self._find(kind, id_), self._known(kind)
+        format_ = next(iter(known.formats)) if format_ is None else format_
+        known.require_format(format_)
+        with _blamed(_module(kind, id_)):
+            text = known().export(document.data, format_)
+        return DocumentText(text, known.formats[format_], document.version)
+
+    # ------------------------------------------------------------------ writing
 
     def put(self, kind: str, id_: str, data: Any, seen: Seen | None = ANY_VERSION) -> tuple[DocumentInfo, bool]:
         """Writes a document; returns it, and True if it is new. Its next run uses this revision.
 
+        Faults that the present revision has, too, do not prevent writing: they are among its problems.
+
         Raises:
             NotFound: There is no such kind.
-            UsageError: It is not valid; the text gives the location of each fault.
+            DocumentError: It is not valid.
+            WrongState: There are too many documents of its kind.
             StaleVersion: It was changed since it was seen.
         """
         with addressed():
-            known = self._runnable.get(kind, id_)
-        if known is not None:
-            require_seen(seen, known.version)
-        expects = 0 if known is None else known.version
-        written = self._runnable.write(kind, id_, data, expects=expects)
-        self._station.alarm_book.clear(AlarmKind.MODULE, f"{kind}:{id_}")
-        return _info(written), known is None
+            self._known(kind)
+        before = self._store.get(kind, id_)
+        if before is not None:
+            require_seen(seen, before.version)
+        elif len(self._store.all(kind)) >= _MOST:
+            raise WrongState(f"there are {_MOST} documents of kind {kind} already: remove some that are not needed")
+        module, maker = _module(kind, id_), self._kind(kind)
+        _require_plain(data, module)
+        made = self._make(maker, data, module)
+        review = self._review(maker, data, made, module)
+        if review.faults:
+            accepted = set() if before is None else {fault.text for fault in self._reviewed(before).problems}
+            if refused := [fault for fault in review.faults if fault.text not in accepted]:
+                raise DocumentError(refused, module)
+        document = self._store.put(kind, id_, data, expects=0 if before is None else before.version)
+        self._offer(self._station.session, document, made)
+        self._station.alarm_book.clear(AlarmKind.MODULE, module)
+        return _info(document, _as_problems(review)), before is None
+
+    def import_text(
+        self, kind: str, id_: str, text: str, media_type: str, seen: Seen | None = ANY_VERSION
+    ) -> tuple[DocumentInfo, bool]:
+        """Writes a document from text in one of the formats of its kind; see :meth:`put`.
+
+        Raises:
+            NotFound: There is no such kind.
+            Refused: Its kind has no format of this media type.
+            DocumentError: The text is not well-formed, or the document is not valid.
+            StaleVersion: It was changed since it was seen.
+        """
+        with addressed():
+            known = self._known(kind)
+        formats = [name for name, type_ in known.formats.items() if type_ == media_type]
+        if not formats:
+            types = ", ".join(known.formats.values())
+            raise Refused(
+                "UnsupportedMediaType", f"{kind} documents are imported as {types}, not as {media_type!r:.100}"
+            )
+        with _blamed(_module(kind, id_)):
+            data = self._kind(kind).parse(text, formats[0])
+        return self.put(kind, id_, data, seen)
 
     def remove(self, kind: str, id_: str, seen: Seen | None = ANY_VERSION) -> None:
-        """Removes a document; its active runs continue.
+        """Removes a document; its active runs continue, and its revisions are kept.
 
         Raises:
             NotFound: There is none.
             StaleVersion: It was changed since it was seen.
         """
+        document, module = self._find(kind, id_), _module(kind, id_)
+        require_seen(seen, document.version)
+        self._store.remove(kind, id_, expects=document.version)
+        self._station.session.managers.documents.pop(module, None)
+        self._station.alarm_book.clear(AlarmKind.MODULE, module)
+
+    # ------------------------------------------------------------------ kinds
+
+    def _find(self, kind: str, id_: str) -> Document:
         with addressed():
-            known = self._runnable.find(kind, id_)
-        require_seen(seen, known.version)
-        self._runnable.remove(kind, id_, expects=known.version)
-        self._station.alarm_book.clear(AlarmKind.MODULE, f"{kind}:{id_}")
+            self._known(kind)
+            return self._store.find(kind, id_)
+
+    def _known(self, kind: str) -> type[DocumentKind]:
+        if kind not in self._kinds:
+            raise UnknownName("kind of document", kind, tuple(self._kinds))
+        return self._kinds[kind]
+
+    def _kind(self, kind: str) -> DocumentKind:
+        with _blamed(f"documents of kind {kind}"):
+            return self._known(kind)()
+
+    def _make(self, maker: DocumentKind, data: Any, module: str) -> _Made:
+        """Returns what a document is as a module.
+
+        Raises:
+            DocumentError: Something is wrong with it, or its kind raises an exception.
+        """
+        with _blamed(module):
+            if faults := maker.check(data, self._reader):
+                raise DocumentError(faults, module)
+            behaviour = maker.behaviour(data, self._reader)
+            return _Made(None) if behaviour is None else _Made(behaviour, behaviour.title, maker.interface(data))
+
+    def _offer(self, session: Session, document: Document, made: _Made) -> None:
+        module = _module(document.kind, document.name)
+        if made.behaviour is None:
+            session.managers.documents.pop(module, None)
+            return
+        session.managers.documents[module] = RunnableDocument(
+            made.behaviour, document.version, made.title, made.interface.params, made.interface.outputs
+        )
+
+    def _reviewed(self, document: Document) -> Review:
+        """Compares a stored document with the present world; all that is found are problems."""
+        module = _module(document.kind, document.name)
+        try:
+            maker = self._kind(document.kind)
+            made = self._make(maker, document.data, module)
+        except DocumentError as error:
+            return Review(problems=error.faults)
+        except UsageError as error:
+            return Review(problems=(DocumentFault("", str(error)),))
+        return _as_problems(self._review(maker, document.data, made, module))
+
+    def _review(self, maker: DocumentKind, data: Any, made: _Made, module: str) -> Review:
+        """Compares a document with the present world and the modules of this station."""
+        session = self._station.session
+        skills = {one.skill.name: one.skill for one in session.tasks.capabilities}
+        try:
+            found = maker.review(data, session.world.snapshot(), skills)
+        except Exception as error:  # noqa: BLE001 - a plug-in's check
+            return Review(faults=(DocumentFault("", f"{maker.kind} cannot check it: {type(error).__name__}: {error}"),))
+        if made.behaviour is None or found.faults:
+            return found
+        missing = tuple(self._missing_documents(made.behaviour, module))
+        catalogue = session.catalogue
+        known = Known(
+            session.world.ontology, catalogue.primitives, tuple(catalogue.skills.values()), catalogue.reasoners
+        )
+        modules = {module, *session.managers.documents, *(name for _, name in missing)}
+        faults = faults_of_document(made.behaviour, made.interface.params, known, modules)
+        problems = (DocumentFault(place, f"there is no document '{name}' that can run") for place, name in missing)
+        return replace(
+            found,
+            faults=tuple(DocumentFault(*fault) for fault in faults),
+            problems=(*found.problems, *problems),
+        )
+
+    def _missing_documents(self, root: Behaviour, module: str) -> Iterator[tuple[str, str]]:
+        """Yields the calls of documents that cannot run now, each with its place: they may be written later."""
+        there = {module, *self._station.session.managers.documents}
+        for node in nodes_of(root, ""):
+            for call in node.behaviour.uses().calls:
+                kind, colon, _ = call.module.partition(":")
+                if colon and kind in self._kinds and call.module not in there:
+                    yield node.path.lstrip("/"), call.module
 
 
-def _info(document: Document) -> DocumentInfo:
-    kind, name = document.kind, document.name
-    return DocumentInfo(kind=kind, id=name, revision=document.version, module=f"{kind}:{name}", data=document.data)
+@contextmanager
+def _blamed(module: str) -> Iterator[None]:
+    """Converts exceptions of a plug-in into faults of a document."""
+    try:
+        yield
+    except SkirosError:
+        raise
+    except Exception as error:
+        raise DocumentError((DocumentFault("", f"{type(error).__name__}: {error}"),), module) from error
+
+
+def _require_plain(data: Any, module: str) -> None:
+    """Requires that a document is an object that JSON can represent and editors can draw."""
+    if not isinstance(data, dict):
+        raise DocumentError((DocumentFault("", f"a document is an object, not {data!r:.100}"),), module)
+    try:
+        text = json.dumps(data, allow_nan=False, ensure_ascii=False)
+        text.encode()
+    except (TypeError, ValueError, RecursionError) as error:
+        fault = DocumentFault("", f"JSON cannot represent it: {type(error).__name__}: {error!s:.200}")
+        raise DocumentError((fault,), module) from None
+    if len(text) > _LONGEST:
+        fault = DocumentFault("", f"at most {_LONGEST} characters of JSON, not {len(text)}")
+        raise DocumentError((fault,), module)
+
+
+def _as_problems(review: Review) -> Review:
+    return replace(review, faults=(), problems=(*review.faults, *review.problems))
+
+
+def _module(kind: str, id_: str) -> str:
+    return f"{kind}:{id_}"
+
+
+def _info(document: Document, review: Review = _NOT_REVIEWED) -> DocumentInfo:
+    return DocumentInfo(
+        kind=document.kind,
+        id=document.name,
+        revision=document.version,
+        module=_module(document.kind, document.name),
+        data=document.data,
+        problems=tuple(DocumentProblem(place=one.place, text=one.text) for one in review.problems),
+        agents=dict(review.agents),
+    )

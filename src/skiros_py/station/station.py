@@ -13,13 +13,13 @@ from platformdirs import user_cache_path
 from skiros_py.station.alarms.alarms import Alarms, AlarmService
 from skiros_py.station.alarms.sources import AlarmSources
 from skiros_py.station.control import ControlThread, OpenSession
-from skiros_py.station.documents import TOLD, Document, DocumentService, DocumentStore
+from skiros_py.station.document_store import Document, DocumentStore
+from skiros_py.station.documents import DocumentService
 from skiros_py.station.events.live import LiveState
 from skiros_py.station.events.log import EventLog, Kind
 from skiros_py.station.events.sources import EventSources
-from skiros_py.station.jobs.goals import GoalService, TemplateService
+from skiros_py.station.jobs.goals import GoalService
 from skiros_py.station.jobs.jobs import JobService
-from skiros_py.station.jobs.templates import TemplateStore
 from skiros_py.station.jobs.waiting import JobWaiter
 from skiros_py.station.modules.modules import ModuleService, PluginService
 from skiros_py.station.modules.runs import ModuleRuns
@@ -39,7 +39,6 @@ from skiros_py.station.stops import HaltMark, Stops
 from skiros_py.station.tasks.book import TaskBook
 from skiros_py.station.tasks.planning import PreviewService
 from skiros_py.station.tasks.previews import Previews
-from skiros_py.station.tasks.sequences import SequenceService
 from skiros_py.station.tasks.tasks import TaskService
 from skiros_py.station.world.elements import ElementService
 from skiros_py.station.world.service import OntologyService, Queries
@@ -74,13 +73,13 @@ class Station:
     Attributes:
         data: The data directory.
         control: Runs the session.
-        alarms, behaviours, devices, elements, goals, jobs, modules, ontology, plugins, previews, recordings, robots,
-            scenes, sequences, signals, simulation, stops, tasks, templates, world: The use cases, by topic.
+        alarms, devices, documents, elements, goals, jobs, modules, ontology, plugins, previews, recordings, robots,
+            scenes, signals, simulation, stops, tasks, world: The use cases, by topic.
         events: The log of events.
         live: The present state of the robots.
         looks: The last looks of the cameras.
         motions: The planned motions of the robots.
-        documents: Stored documents, such as goal templates; from :meth:`start` on.
+        document_store: The stored documents; from :meth:`start` on.
         alarm_book, job_recordings, module_runs, preview_book, task_book: Active and recent items.
         scene_store: The files of scenes.
         stage: Reads scenes beside the live world.
@@ -101,8 +100,7 @@ class Station:
         self.live = LiveState(self.looks, self.motions)
         self.module_runs = ModuleRuns(self.events.epoch)
         self.task_book = TaskBook()
-        self.documents: DocumentStore
-        self.template_store: TemplateStore
+        self.document_store: DocumentStore
         self.waiter = JobWaiter(limits.open_jobs)
         self.preview_book = Previews()
         self.query_worker = Queries(self.control)
@@ -127,8 +125,8 @@ class Station:
         self.bodies = Bodies(self.control, self.alarm_book)
         self.simulation = Simulation(self.control, self.bodies)
         self.alarms = AlarmService(self)
-        self.behaviours = DocumentService(self)
-        self.control.on_open(self.behaviours.open)
+        self.documents = DocumentService(self)
+        self.control.on_open(self.documents.open)
         self.devices = DeviceService(self)
         self.signals = SignalService(self)
         self.elements = ElementService(self)
@@ -140,9 +138,7 @@ class Station:
         self.previews = PreviewService(self)
         self.robots = RobotService(self)
         self.scenes = SceneService(self)
-        self.sequences = SequenceService(self)
         self.tasks = TaskService(self)
-        self.templates = TemplateService(self)
         self.world = WorldService(self)
         self.job_recordings = JobRecordings(data / "recordings")
         self.control.on_open(self.job_recordings.open)
@@ -182,20 +178,15 @@ class Station:
             self.control.start()  # locks the data directory, so that no other program has its files open
             self._stack.callback(self.waiter.close)
             self._stack.callback(self.preview_book.close)
-            self.documents = self._stack.enter_context(closing(DocumentStore(self.data / "server.db", self._note)))
-            self.template_store = TemplateStore(self.documents)
-            self.control.call(self.behaviours.open)
+            store = closing(DocumentStore(self.data / "server.db", self._note))
+            self.document_store = self._stack.enter_context(store)
+            self.control.call(self.documents.open)
         except BaseException:
             self.close()
             raise
 
     def _note(self, what: Literal["written", "removed"], document: Document) -> None:
-        """Announces a change of a document, not its content.
-
-        Documents of other kinds are internal data of the station, such as the name under which the scene was saved.
-        """
-        if document.kind not in TOLD:
-            return
+        """Announces a change of a document, not its content."""
         data = {"kind": document.kind, "name": document.name, "version": document.version}
         self.events.append(Kind.DOCUMENT, what, document.name, data=data)
 

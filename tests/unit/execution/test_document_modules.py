@@ -7,9 +7,9 @@ from typing import Any, ClassVar
 
 import pytest
 
-from skiros_py.behaviours import DocumentFault
 from skiros_py.behaviours.document import Tree
 from skiros_py.catalogue import load_catalogue
+from skiros_py.errors import DocumentFault
 from skiros_py.execution.running import RunnableDocument
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import param

@@ -13,7 +13,7 @@ from skiros_py.api.goals import GoalOrder
 from skiros_py.api.jobs import JobOrder
 from skiros_py.api.world import ElementPatch, NewElement
 from skiros_py.errors import NotFound, Refused, StaleVersion, UnknownName, UsageError, WrongState
-from skiros_py.station.documents import DocumentStore
+from skiros_py.station.document_store import DocumentStore
 from skiros_py.station.requests import Seen
 from skiros_py.station.session import Options, Session
 from skiros_py.station.station import Station
@@ -84,8 +84,8 @@ def test_a_stored_document_that_cannot_be_read_is_set_aside_with_an_alarm_until_
     (alarm,) = (alarm for alarm in station.alarm_book.active if alarm.kind is AlarmKind.MODULE)
     assert (alarm.source, "a number of seconds" in alarm.text) == ("tree:bad", True)
     assert station.session.managers["base_1"].documents == ("tree:good",)
-    assert station.behaviours.get("tree", "bad").data == {"type": "wait", "seconds": "soon"}
-    station.behaviours.remove("tree", "bad")
+    assert station.documents.get("tree", "bad").data == {"type": "wait", "seconds": "soon"}
+    station.documents.remove("tree", "bad")
     assert not [alarm for alarm in station.alarm_book.active if alarm.kind is AlarmKind.MODULE]
 
 

@@ -1,17 +1,16 @@
 import { ActionIcon, Button, Group, Stack, Table, TextInput, Tooltip, VisuallyHidden } from "@mantine/core";
 import { IconPlus, IconTable, IconTrash } from "@tabler/icons-react";
 import { useTranslation } from "react-i18next";
-import type { Schema } from "../api/client";
 import { CountField } from "../widgets/arguments/CountField";
 import { ElementPicker } from "../widgets/ElementPicker";
 import { ClassPicker } from "./ClassPicker";
 import type { Filled, Piece } from "./draft";
 import { usePlaces } from "./pieces";
 import type { ConditionWord } from "./sentence";
-import { classOf, EMPTY, type Field, fieldsOf, isCounted } from "./templates";
+import { classOf, type Content, EMPTY, type Field, fieldsOf, isCounted } from "./templates";
 
 interface Props {
-  content: Schema<"GoalTemplateContent">;
+  content: Content;
   filled: Filled;
   words: readonly ConditionWord[];
   onChange: (materials: readonly Piece[]) => void;

@@ -2,12 +2,20 @@ import { Alert, Button, Checkbox, Group, Modal, Stack, Text, Textarea, TextInput
 import { notifications } from "@mantine/notifications";
 import { useState } from "react";
 import { useTranslation } from "react-i18next";
-import { answer, api, ApiProblem, type Schema } from "../api/client";
+import { ApiProblem } from "../api/client";
 import { useSingleMutation } from "../api/mutations";
 import { queryClient } from "../api/queries";
 import { problemText } from "../widgets/problems";
 import { type CheckedCondition, type GoalData, shortText } from "./goals";
-import { isTemplateName, TEMPLATES, useTemplates, variablesOf, withPlaceholders } from "./templates";
+import {
+  type Content,
+  isTemplateName,
+  TEMPLATES,
+  useTemplates,
+  variablesOf,
+  withPlaceholders,
+  writeTemplate,
+} from "./templates";
 import { useWords } from "./words";
 
 interface Props {
@@ -37,13 +45,7 @@ function Form({ onDone, conditions }: { onDone: () => void; conditions: readonly
   const fits = isTemplateName(name);
   const there = known.find((template) => template.name === name.trim());
   const write = useSingleMutation({
-    mutationFn: (content: Schema<"GoalTemplateContent">) =>
-      answer(
-        api.PUT("/api/v1/goal-templates/{name}", {
-          params: { path: { name: name.trim() }, header: there ? { "if-match": `"${there.version}"` } : {} },
-          body: content,
-        }),
-      ),
+    mutationFn: (content: Content) => writeTemplate(name.trim(), content, there),
     onSuccess: () => {
       notifications.show({ message: t("template.saved", { name: name.trim() }) });
       onDone();

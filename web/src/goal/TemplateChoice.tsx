@@ -28,7 +28,7 @@ export function TemplateChoice({ verdicts }: { verdicts: readonly Verdict[] }) {
         clearable
       />
       {draft.template === null && (
-        <MayButton operation="put_goal_template" variant="default" disabled={!ready} onClick={open}>
+        <MayButton operation="put_document" variant="default" disabled={!ready} onClick={open}>
           {t("template.save")}
         </MayButton>
       )}

@@ -2,7 +2,6 @@ import { ActionIcon, Alert, Button, Group, Stack, Text, TextInput, Title, Toolti
 import { IconArrowBackUp, IconTrash } from "@tabler/icons-react";
 import { useState } from "react";
 import { useTranslation } from "react-i18next";
-import { answer, api } from "../api/client";
 import { useSingleMutation } from "../api/mutations";
 import { queryClient } from "../api/queries";
 import { useMay } from "../api/session";
@@ -16,7 +15,7 @@ import { type Filled, useDraft } from "./draft";
 import classes from "./goal.module.css";
 import { rowOf, whyAlone } from "./goals";
 import { Materials } from "./Materials";
-import { classOf, type Template, TEMPLATES } from "./templates";
+import { classOf, removeTemplate, type Template, TEMPLATES } from "./templates";
 import { Verdict } from "./Verdict";
 import { useWords } from "./words";
 
@@ -117,18 +116,13 @@ export function TemplateForm({ template, filled, verdict }: Props) {
   );
 }
 
-function RemoveTemplate({ template: { name, version } }: { template: Template }) {
+function RemoveTemplate({ template }: { template: Template }) {
   const { t } = useTranslation(["goal", "common"]);
   const { change } = useDraft();
-  const may = useMay("remove_goal_template");
+  const may = useMay("remove_document");
   const [asking, setAsking] = useState(false);
   const remove = useSingleMutation({
-    mutationFn: () =>
-      answer(
-        api.DELETE("/api/v1/goal-templates/{name}", {
-          params: { path: { name }, header: { "if-match": `"${version}"` } },
-        }),
-      ),
+    mutationFn: () => removeTemplate(template),
     onSuccess: () => change({ template: null }),
     onError: notifyProblem,
     onSettled: () => queryClient.invalidateQueries({ queryKey: TEMPLATES }),
@@ -148,7 +142,7 @@ function RemoveTemplate({ template: { name, version } }: { template: Template })
       </Tooltip>
       {asking && (
         <ConfirmDialog
-          title={t("template.removeTitle", { name })}
+          title={t("template.removeTitle", { name: template.name })}
           text={t("template.removeText")}
           action={t("common:remove")}
           onConfirm={() => remove.mutate()}

@@ -14,7 +14,7 @@ const WORDS = [
 ];
 const CONTENT = {
   description: "",
-  parameters: [{ name: "kit", class: "Kit", description: "" }],
+  parameters: [{ name: "kit", class: "Kit", description: "", default: null }],
   goal: [],
   per_material: { condition: "ObjectAtLocation", arguments: [{ material: "class" }, { material: "location" }] },
 };

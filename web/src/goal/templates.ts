@@ -7,18 +7,52 @@ import type { Filled, Piece } from "./draft";
 import { type CheckedCondition, type GoalData, type GoalOrder, isWord } from "./goals";
 import type { ConditionWord } from "./sentence";
 
-export type Template = Schema<"GoalTemplate">;
-type Content = Schema<"GoalTemplateContent">;
+/** What a template says; conditions have placeholders where an order fills in names. */
+export interface Content {
+  description: string;
+  parameters: Parameter[];
+  goal: GoalData[];
+  per_material: GoalData | null;
+}
 
-export const TEMPLATES = keys.templates();
+type Parameter = Required<Schema<"TemplateParameter">>;
+type GivenParameter = Pick<Parameter, "name"> & Partial<Parameter>;
+
+export interface Template {
+  name: string;
+  version: number;
+  content: Content;
+}
+
+const KIND = "template";
+export const TEMPLATES = keys.documents(KIND);
 
 export function useTemplates(): readonly Template[] {
   const { data } = useQuery({
     queryKey: TEMPLATES,
-    queryFn: () => answer(api.GET("/api/v1/goal-templates")),
-    select: ({ templates }) => templates,
+    queryFn: () => answer(api.GET("/api/v1/documents/{kind}", { params: { path: { kind: KIND } } })),
+    select: ({ documents }) => documents.map(templateOf),
   });
   return data ?? NONE;
+}
+
+function templateOf({ id, revision, data }: Schema<"DocumentInfo">): Template {
+  const given = data as Partial<Omit<Content, "parameters">> & { parameters?: GivenParameter[] };
+  const parameters = (given.parameters ?? []).map((one) => ({ class: "", default: null, description: "", ...one }));
+  const content = { description: "", goal: [], per_material: null, ...given, parameters };
+  return { name: id, version: revision, content };
+}
+
+/** Writes a template; over the one that was seen, where there is one. */
+export function writeTemplate(name: string, content: Content, seen?: Template): Promise<unknown> {
+  const header = seen ? { "if-match": `"${seen.version}"` } : {};
+  const params = { path: { kind: KIND, id: name }, header };
+  return answer(api.PUT("/api/v1/documents/{kind}/{id}", { params, body: { data: { ...content } } }));
+}
+
+export function removeTemplate({ name, version }: Template): Promise<unknown> {
+  const params = { path: { kind: KIND, id: name }, header: { "if-match": `"${version}"` } };
+  return answer(api.DELETE("/api/v1/documents/{kind}/{id}", { params }));
 }
 
 const NONE: readonly Template[] = [];

@@ -11,7 +11,7 @@ const OLD_BY: Record<EventInfo["kind"], readonly string[]> = {
   task: ["tasks"],
   job: ["jobs", "tasks"],
   alarm: ["alarms", "jobs"],
-  document: ["templates", "sequences", "world"], // a sequence is read with the state of the world
+  document: ["documents", "world"], // a sequence is read with the state of the world
   system: [
     "station",
     "modules",
@@ -23,8 +23,7 @@ const OLD_BY: Record<EventInfo["kind"], readonly string[]> = {
     "scenes",
     "ontology",
     "world",
-    "templates",
-    "sequences",
+    "documents",
     "me",
   ],
 };

@@ -64,7 +64,7 @@ function Known({ job }: { job: Schema<"Job"> }) {
       <Group gap={6}>
         <JobCommands job={job} gone={() => forget(job.id)} />
         {job.started !== null && <ReplayButton job={job.id} />}
-        {job.plan.length > 0 && <NewSequenceButton from={{ job: job.id }} title={job.id} icon={IconListNumbers} />}
+        {job.plan.length > 0 && <NewSequenceButton job={job.id} title={job.id} icon={IconListNumbers} />}
       </Group>
       <Replayed job={job.id} run={run} choose={choose} />
       {error !== null && <Problem error={error} again={refetch} />}

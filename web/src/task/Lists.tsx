@@ -12,6 +12,7 @@ import { Entry } from "./Entry";
 import { JobList } from "./JobList";
 import { NewSequenceButton } from "./NewSequenceButton";
 import { Problem } from "./Problem";
+import { useSequences } from "./sequences";
 import classes from "./task.module.css";
 import { taskState } from "./taskWords";
 import { taskMood } from "./words";
@@ -104,19 +105,15 @@ function TaskList({ current, open }: ListProps) {
 
 function SequenceList({ current, open }: ListProps) {
   const { t } = useTranslation("task");
-  const { data, error, refetch } = useQuery({
-    queryKey: keys.sequences("list"),
-    queryFn: () => answer(api.GET("/api/v1/sequences")),
-    staleTime: 0, // there are no events for those that others make
-  });
+  const { data, error, refetch } = useSequences();
   return (
     <>
-      <NewSequenceButton from={{}} title="" made={(id) => open({ kind: "sequence", id })} />
+      <NewSequenceButton title="" made={(id) => open({ kind: "sequence", id })} />
       {error !== null && <Problem error={error} again={refetch} />}
-      {data?.items.length === 0 && <Text c="dimmed">{t("list.noSequences")}</Text>}
+      {data?.length === 0 && <Text c="dimmed">{t("list.noSequences")}</Text>}
       <ScrollArea flex={1} mih={0}>
         <Stack gap={2}>
-          {data?.items.map(({ id, title, count }) => (
+          {data?.map(({ id, title, count }) => (
             <Entry
               key={id}
               title={title || id}

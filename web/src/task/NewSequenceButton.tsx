@@ -4,17 +4,20 @@ import { IconPlus, type TablerIcon } from "@tabler/icons-react";
 import { useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 import { useTranslation } from "react-i18next";
-import { answer, api, type Schema } from "../api/client";
+import { answer, api } from "../api/client";
 import { keys } from "../api/keys";
 import { useSingleMutation } from "../api/mutations";
 import { useTab } from "../app/useTab";
 import { MayButton } from "../widgets/MayButton";
 import { detailOf } from "./address";
 import { Problem } from "./Problem";
+import { type WantedStep, write } from "./sequences";
+
+const LONGEST = 30; // s, for a plan
 
 interface Props {
-  /** What its steps are those of: a job, a task or a preview; of nothing, or of a goal that is asked for. */
-  from: Pick<Schema<"NewSequence">, "job" | "task" | "preview">;
+  /** Id of a job, whose last plan it takes over; without one it begins empty, or with the plan for a goal. */
+  job?: string;
   /** Name that is proposed. */
   title: string;
   /** Shows it when it was made; else the tab does. */
@@ -23,28 +26,23 @@ interface Props {
 }
 
 /** Makes a sequence: empty, of a goal, or of the plan of something. */
-export function NewSequenceButton({ from, title, made, icon: Icon = IconPlus }: Props) {
+export function NewSequenceButton({ job, title, made, icon: Icon = IconPlus }: Props) {
   const { t } = useTranslation("task");
   const [opened, { open, close }] = useDisclosure(false);
-  const copies = Object.keys(from).length > 0;
+  const copies = job !== undefined;
   return (
     <>
-      <MayButton
-        operation="create_sequence"
-        variant="default"
-        leftSection={<Icon size={14} aria-hidden />}
-        onClick={open}
-      >
+      <MayButton operation="put_document" variant="default" leftSection={<Icon size={14} aria-hidden />} onClick={open}>
         {t(copies ? "sequence.ofPlan" : "sequence.new")}
       </MayButton>
       <Modal opened={opened} onClose={close} title={t(copies ? "sequence.ofPlan" : "sequence.new")} centered>
-        <Form from={from} title={title} copies={copies} close={close} made={made} />
+        <Form job={job} title={title} close={close} made={made} />
       </Modal>
     </>
   );
 }
 
-function Form({ from, title: proposed, copies, close, made }: Props & { copies: boolean; close: () => void }) {
+function Form({ job, title: proposed, close, made }: Props & { close: () => void }) {
   const { t } = useTranslation("task");
   const { t: common } = useTranslation();
   const [, openTab] = useTab();
@@ -52,16 +50,13 @@ function Form({ from, title: proposed, copies, close, made }: Props & { copies: 
   const [title, setTitle] = useState(proposed);
   const [goal, setGoal] = useState("");
   const { mutate, isPending, error } = useSingleMutation({
-    mutationFn: () => {
-      const goals = goal
-        .split("\n")
-        .map((line) => line.trim())
-        .filter(Boolean);
-      const body = { title, ...from, ...(goals.length > 0 && { goal: goals }) };
-      return answer(api.POST("/api/v1/sequences", { body }));
+    mutationFn: async () => {
+      const steps = job === undefined ? await planned(goal) : await planOf(job);
+      const wanted = steps.map(({ skill, arguments: given = {} }) => ({ skill, arguments: given }));
+      return write(`sequence-${Math.random().toString(16).slice(2, 10)}`, { title, steps: wanted });
     },
     onSuccess: ({ id }) => {
-      void client.invalidateQueries({ queryKey: keys.sequences() });
+      void client.invalidateQueries({ queryKey: keys.documents() });
       close();
       if (made === undefined) openTab("task", detailOf({ kind: "sequence", id }));
       else made(id);
@@ -82,7 +77,7 @@ function Form({ from, title: proposed, copies, close, made }: Props & { copies: 
           onChange={(event) => setTitle(event.currentTarget.value)}
           data-autofocus
         />
-        {!copies && (
+        {job === undefined && (
           <Textarea
             label={t("sequence.goal")}
             description={t("sequence.goalHelp")}
@@ -106,4 +101,22 @@ function Form({ from, title: proposed, copies, close, made }: Props & { copies: 
       </Stack>
     </form>
   );
+}
+
+async function planOf(job: string): Promise<readonly WantedStep[]> {
+  return (await answer(api.GET("/api/v1/jobs/{id}/plan", { params: { path: { id: job } } }))).steps;
+}
+
+/** The steps of a plan for the goals, one a line; none where there are no goals. */
+async function planned(goal: string): Promise<readonly WantedStep[]> {
+  const goals = goal
+    .split("\n")
+    .map((line) => line.trim())
+    .filter(Boolean);
+  if (goals.length === 0) return [];
+  const asked = await answer(api.POST("/api/v1/previews", { body: { goal: goals, work_master: "", materials: [] } }));
+  const params = { path: { id: asked.id }, query: { wait: LONGEST } };
+  const preview = await answer(api.GET("/api/v1/previews/{id}", { params }));
+  if (preview.state === "planned") return preview.steps;
+  throw new Error(preview.reasons.join("; ") || preview.state);
 }

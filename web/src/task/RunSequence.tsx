@@ -3,7 +3,7 @@ import { IconPlayerPlay } from "@tabler/icons-react";
 import { useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 import { useTranslation } from "react-i18next";
-import { answer, api } from "../api/client";
+import { answer, api, type Schema } from "../api/client";
 import { keys } from "../api/keys";
 import { useSingleMutation } from "../api/mutations";
 import { useTab } from "../app/useTab";
@@ -26,8 +26,8 @@ export function RunSequence({ sequence: { id, count, works } }: { sequence: Sequ
   const [anyway, setAnyway] = useState(false);
   const { mutate, isPending, error } = useSingleMutation({
     mutationFn: () => {
-      const body = { iterate: endless ? null : times, anyway };
-      return answer(api.POST("/api/v1/sequences/{id}/run", { params: { path: { id } }, body }));
+      const body = { sequence: id, iterate: endless ? null : times, anyway };
+      return answer(api.POST("/api/v1/tasks", { body: body as Schema<"NewTask"> }));
     },
     onSuccess: ({ name }) => {
       void client.invalidateQueries({ queryKey: keys.tasks() });
@@ -51,7 +51,7 @@ export function RunSequence({ sequence: { id, count, works } }: { sequence: Sequ
           <Checkbox size="xs" label={t("run.anyway")} checked={anyway} onChange={() => setAnyway(!anyway)} mb={6} />
         )}
         <MayButton
-          operation="run_sequence"
+          operation="begin_task"
           leftSection={<IconPlayerPlay size={14} aria-hidden />}
           disabled={count === 0 || (!works && !anyway)}
           loading={isPending}

@@ -50,7 +50,7 @@ beforeEach(() => {
       disconnect() {}
     },
   );
-  queryClient.setQueryData(keys.me, { operations: ["move_step"] });
+  queryClient.setQueryData(keys.me, { operations: ["put_document"] });
 });
 
 test("the focus goes with a step that was moved", async () => {

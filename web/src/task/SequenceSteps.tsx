@@ -19,12 +19,11 @@ import { ActionIcon, Group, Stack, Text, Tooltip } from "@mantine/core";
 import { IconArrowDown, IconArrowUp, IconGripVertical, IconPencil, IconTrash } from "@tabler/icons-react";
 import { type ReactNode, type RefObject, useEffect, useRef } from "react";
 import { useTranslation } from "react-i18next";
-import type { Schema } from "../api/client";
 import { useMay } from "../api/session";
 import { Status } from "../widgets/Status";
 import type { Skills } from "./schedule";
 import { OpenStepForm } from "./OpenStepForm";
-import { fateOf, type Sequence, type useEdits } from "./sequences";
+import { fateOf, type Sequence, type Step, type useEdits } from "./sequences";
 import type { StepForms } from "./stepForms";
 import classes from "./task.module.css";
 import { stepTitle } from "./words";
@@ -152,7 +151,7 @@ function Rows({ sequence, skills, pending, edit, forms, move }: Props & { move: 
 }
 
 interface RowProps extends Pick<Props, "skills" | "pending"> {
-  step: Schema<"CheckedStep">;
+  step: Step;
   index: number;
   count: number;
   move: Move;
@@ -164,7 +163,7 @@ interface RowProps extends Pick<Props, "skills" | "pending"> {
 
 function StepRow({ step, index, count, skills, pending, move, change, changing, remove }: RowProps) {
   const { t } = useTranslation("task");
-  const may = useMay("move_step");
+  const may = useMay("put_document");
   const { setNodeRef, setActivatorNodeRef, attributes, listeners, transform, transition } = useSortable({
     id: String(index + 1),
     disabled: !may || pending,
@@ -220,7 +219,7 @@ function StepRow({ step, index, count, skills, pending, move, change, changing, 
   );
 }
 
-function Problems({ step: { problems, agent } }: { step: Schema<"CheckedStep"> }) {
+function Problems({ step: { problems, agent } }: { step: Step }) {
   const { t } = useTranslation("task");
   return (
     <Group gap="xs" align="start" wrap="nowrap" pl={30}>

@@ -3,7 +3,6 @@ import { IconPlus, IconTrash } from "@tabler/icons-react";
 import { useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 import { useTranslation } from "react-i18next";
-import { answer, api } from "../api/client";
 import { keys } from "../api/keys";
 import { useSingleMutation } from "../api/mutations";
 import { useTab } from "../app/useTab";
@@ -14,7 +13,7 @@ import { ConflictAlert } from "./ConflictAlert";
 import { Problem } from "./Problem";
 import { RunSequence } from "./RunSequence";
 import type { Skills } from "./schedule";
-import { isConflict, type Sequence, useEdits, useSequence, type WantedStep } from "./sequences";
+import { isConflict, remove, type Sequence, useEdits, useSequence, type WantedStep } from "./sequences";
 import { SequenceSteps } from "./SequenceSteps";
 import { StepForm } from "./StepForm";
 import { useStepForms } from "./stepForms";
@@ -77,7 +76,7 @@ function NewStep({ skills, pending, insert }: NewStepProps) {
     return (
       <Group>
         <MayButton
-          operation="insert_step"
+          operation="put_document"
           variant="light"
           leftSection={<IconPlus size={14} aria-hidden />}
           onClick={() => setOpened(true)}
@@ -96,19 +95,16 @@ function NewStep({ skills, pending, insert }: NewStepProps) {
   return <StepForm skills={skills} label={t("step.add")} pending={pending} save={save} cancel={close} />;
 }
 
-function Remove({ sequence: { id, version } }: { sequence: Sequence }) {
+function Remove({ sequence }: { sequence: Sequence }) {
   const { t } = useTranslation("task");
   const { t: common } = useTranslation();
   const [sure, ask] = useState(false);
   const client = useQueryClient();
   const [, open] = useTab();
   const { mutate, isPending } = useSingleMutation({
-    mutationFn: () =>
-      answer(
-        api.DELETE("/api/v1/sequences/{id}", { params: { path: { id }, header: { "if-match": `"${version}"` } } }),
-      ),
+    mutationFn: () => remove(sequence),
     onSuccess: () => {
-      void client.invalidateQueries({ queryKey: keys.sequences() });
+      void client.invalidateQueries({ queryKey: keys.documents() });
       open("task");
     },
     onError: notifyProblem,
@@ -116,7 +112,7 @@ function Remove({ sequence: { id, version } }: { sequence: Sequence }) {
   if (!sure) {
     return (
       <MayButton
-        operation="delete_sequence"
+        operation="remove_document"
         variant="subtle"
         ml="auto"
         leftSection={<IconTrash size={14} aria-hidden />}

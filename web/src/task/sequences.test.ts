@@ -1,4 +1,4 @@
-import { type Conflict, fateOf, onto, type Sequence } from "./sequences";
+import { type Conflict, edited, fateOf, onto, type Sequence, sequenceOf } from "./sequences";
 
 function sequence(version: number, places: string[]): Sequence {
   const steps = places.map((Location) => {
@@ -62,4 +62,31 @@ test("another step that came to the place of a removed one is not what that was 
   expect(fateOf({ seen: three, at: 1 }, sequence(2, ["pallet_a", "kit_2", "pallet_b"]))).toEqual({ fate: "removed" });
   const twice = sequence(1, ["kit_1", "pallet_a", "kit_1"]);
   expect(fateOf({ seen: twice, at: 1 }, sequence(2, ["kit_1", "kit_1", "kit_1"]))).toEqual({ fate: "removed" });
+});
+
+test("a sequence is a document with the problems and the subsystem of each step", () => {
+  const document = {
+    kind: "sequence",
+    id: "round",
+    revision: 7,
+    module: "sequence:round",
+    data: { title: "Round", steps: [{ skill: "drive" }, { skill: "place", arguments: { Object: "starter_1" } }] },
+    problems: [{ place: "steps[1]", text: "nothing is held" }],
+    agents: { "steps[0]": "base_1", "steps[1]": "arm_1" },
+  };
+  const shown = sequenceOf(document);
+  expect(shown).toMatchObject({ id: "round", title: "Round", version: 7, count: 2, works: false });
+  expect(shown.steps.map(({ agent, works, problems }) => ({ agent, works, problems }))).toEqual([
+    { agent: "base_1", works: true, problems: [] },
+    { agent: "arm_1", works: false, problems: ["nothing is held"] },
+  ]);
+});
+
+test("an edit is made in the steps that were seen", () => {
+  const steps = ["a", "b", "c"].map((Location) => ({ skill: "drive", arguments: { Location } }));
+  const places = (edit: Parameters<typeof edited>[1]) => edited(steps, edit).map((step) => step.arguments?.Location);
+  expect(places({ kind: "insert", at: 1, step: STEP })).toEqual(["a", "pallet_b", "b", "c"]);
+  expect(places({ kind: "change", at: 0, step: STEP })).toEqual(["pallet_b", "b", "c"]);
+  expect(places({ kind: "remove", at: 2 })).toEqual(["a", "b"]);
+  expect(places({ kind: "move", at: 0, to: 2 })).toEqual(["b", "c", "a"]);
 });

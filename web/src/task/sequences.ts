@@ -7,8 +7,66 @@ import { keys } from "../api/keys";
 import { useSingleMutation } from "../api/mutations";
 import { notifyProblem } from "../widgets/problems";
 
-export type Sequence = Schema<"SequenceInfo">;
 export type WantedStep = Schema<"WantedStep">;
+
+export interface Step extends WantedStep {
+  arguments: Record<string, string>;
+  /** Who would do it now; empty where nobody is found. */
+  agent: string;
+  works: boolean;
+  problems: string[];
+}
+
+export interface Sequence {
+  id: string;
+  title: string;
+  version: number;
+  count: number;
+  /** Whether it has steps, and nothing is known that speaks against one. */
+  works: boolean;
+  steps: Step[];
+}
+
+/** What a document of this kind says. */
+interface Content {
+  title?: string;
+  steps?: WantedStep[];
+}
+
+const KIND = "sequence";
+
+export function sequenceOf({ id, revision, data, problems, agents }: Schema<"DocumentInfo">): Sequence {
+  const { title = "", steps = [] } = data as Content;
+  const checked = steps.map((step, index) => {
+    const place = `steps[${index}]`;
+    const wrong = problems.filter((problem) => problem.place === place).map(({ text }) => text);
+    const agent = agents[place] ?? "";
+    return { ...step, arguments: step.arguments ?? {}, agent, works: wrong.length === 0, problems: wrong };
+  });
+  const works = steps.length > 0 && problems.length === 0;
+  return { id, title, version: revision, count: steps.length, works, steps: checked };
+}
+
+export function useSequences() {
+  return useQuery({
+    queryKey: keys.documents(KIND),
+    queryFn: () => answer(api.GET("/api/v1/documents/{kind}", { params: { path: { kind: KIND } } })),
+    select: ({ documents }) => documents.map(sequenceOf),
+  });
+}
+
+/** Writes a sequence; a new one where no version is given. */
+export async function write(id: string, content: Content, version?: number): Promise<Sequence> {
+  const header = version === undefined ? {} : { "if-match": `"${version}"` };
+  const params = { path: { kind: KIND, id }, header };
+  const body = { data: content as Record<string, unknown> };
+  return sequenceOf(await answer(api.PUT("/api/v1/documents/{kind}/{id}", { params, body })));
+}
+
+export function remove({ id, version }: Sequence): Promise<unknown> {
+  const params = { path: { kind: KIND, id }, header: { "if-match": `"${version}"` } };
+  return answer(api.DELETE("/api/v1/documents/{kind}/{id}", { params }));
+}
 
 export type Edit =
   | { kind: "insert"; at: number; step: WantedStep }
@@ -33,8 +91,9 @@ export function useSequence(id: string) {
   return useQuery({ queryKey: keyOf(id), queryFn: () => read(id), staleTime: 0 });
 }
 
-function read(id: string): Promise<Sequence> {
-  return answer(api.GET("/api/v1/sequences/{id}", { params: { path: { id } } }));
+async function read(id: string): Promise<Sequence> {
+  const params = { path: { kind: KIND, id } };
+  return sequenceOf(await answer(api.GET("/api/v1/documents/{kind}/{id}", { params })));
 }
 
 /** @param made - Called with what there is after a change that was made from here. */
@@ -43,10 +102,13 @@ export function useEdits(sequence: Sequence, made: (there: Sequence) => void) {
   const [conflict, setConflict] = useState<Conflict | null>(null);
   const take = (there: Sequence) => {
     client.setQueryData(keyOf(sequence.id), there);
-    void client.invalidateQueries({ queryKey: keys.sequences() });
+    void client.invalidateQueries({ queryKey: keys.documents(KIND) });
   };
   const { mutate, isPending } = useSingleMutation({
-    mutationFn: (edit: Edit) => send(sequence, edit),
+    mutationFn: (edit: Edit) => {
+      const { id, title, version } = sequence;
+      return write(id, { title, steps: edited(sequence.steps, edit) }, version);
+    },
     onSuccess: (there) => {
       take(there);
       made(there);
@@ -67,23 +129,18 @@ export function isConflict(error: unknown): boolean {
   return error instanceof ApiProblem && error.status === 412;
 }
 
-function send({ id, version }: Sequence, edit: Edit): Promise<Sequence> {
-  const header = { "if-match": `"${version}"` };
-  const step = { path: { id, number: edit.at }, header };
+/** The steps after an edit. */
+export function edited(steps: readonly WantedStep[], edit: Edit): WantedStep[] {
+  const wanted: WantedStep[] = steps.map(({ skill, arguments: given = {} }) => ({ skill, arguments: given }));
   switch (edit.kind) {
     case "insert":
-      return answer(
-        api.POST("/api/v1/sequences/{id}/steps", {
-          params: { path: { id }, header },
-          body: { ...edit.step, at: edit.at },
-        }),
-      );
+      return wanted.toSpliced(edit.at, 0, edit.step);
     case "change":
-      return answer(api.PUT("/api/v1/sequences/{id}/steps/{number}", { params: step, body: edit.step }));
+      return wanted.with(edit.at, edit.step);
     case "remove":
-      return answer(api.DELETE("/api/v1/sequences/{id}/steps/{number}", { params: step }));
+      return wanted.toSpliced(edit.at, 1);
     case "move":
-      return answer(api.POST("/api/v1/sequences/{id}/steps/{number}/move", { params: step, body: { to: edit.to } }));
+      return wanted.toSpliced(edit.at, 1).toSpliced(edit.to, 0, ...wanted.slice(edit.at, edit.at + 1));
   }
 }
 

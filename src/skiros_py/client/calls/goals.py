@@ -1,4 +1,4 @@
-"""Goals: checking, previews, templates."""
+"""Goals: checking and previews."""
 
 from __future__ import annotations
 
@@ -9,14 +9,11 @@ from skiros_py.api.goals import (
     ConditionWords,
     GoalData,
     GoalOrder,
-    GoalTemplate,
-    GoalTemplateContent,
-    GoalTemplates,
     GoalTexts,
     SceneGoals,
 )
 from skiros_py.api.jobs import AppliedRepair, Preview, PreviewPage
-from skiros_py.client.request import Call, if_match, nothing, path_of
+from skiros_py.client.request import Call, path_of
 
 
 def check_goal(order: GoalOrder) -> Call[CheckedGoal]:
@@ -50,34 +47,6 @@ def list_goal_conditions(*, every: bool = False) -> Call[ConditionWords]:
     """
     query = {"all": "true" if every else None}
     return Call("GET", "/goals/conditions", ConditionWords, query=query)
-
-
-def list_goal_templates() -> Call[GoalTemplates]:
-    """Lists the goal templates."""
-    return Call("GET", "/goal-templates", GoalTemplates)
-
-
-def get_goal_template(name: str) -> Call[GoalTemplate]:
-    """Returns a goal template."""
-    return Call("GET", path_of("goal-templates", name), GoalTemplate)
-
-
-def put_goal_template(name: str, content: GoalTemplateContent, *, seen: int | None = None) -> Call[GoalTemplate]:
-    """Writes a goal template.
-
-    Args:
-        name: Its name.
-        content: Its content.
-        seen: Version of the existing template, if any.
-    """
-    body = content.model_dump(mode="json", by_alias=True, exclude_defaults=True)
-    headers = if_match(seen)
-    return Call("PUT", path_of("goal-templates", name), GoalTemplate, json=body, headers=headers, repeatable=False)
-
-
-def remove_goal_template(name: str, *, seen: int) -> Call[None]:
-    """Removes a goal template."""
-    return Call("DELETE", path_of("goal-templates", name), nothing, headers=if_match(seen), repeatable=False)
 
 
 def ask_preview(order: GoalOrder) -> Call[Preview]:

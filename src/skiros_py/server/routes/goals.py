@@ -1,4 +1,4 @@
-"""Routes: goals, previews of their plans, and goal templates (ISA-95: work masters)."""
+"""Routes: goals, and previews of their plans."""
 
 from __future__ import annotations
 
@@ -11,15 +11,12 @@ from skiros_py.api.goals import (
     CheckedGoal,
     ConditionWords,
     GoalOrder,
-    GoalTemplate,
-    GoalTemplateContent,
-    GoalTemplates,
     GoalTexts,
     SceneGoals,
 )
 from skiros_py.api.jobs import AppliedRepair, Preview, PreviewPage
 from skiros_py.server.access.roles import CallerDep, Role, needs
-from skiros_py.server.problems import NEEDS_VERSION, SeenDep, etag, tagged, with_etag
+from skiros_py.server.problems import NEEDS_VERSION, SeenDep, etag, tagged
 from skiros_py.server.services import StationDep
 from skiros_py.station.jobs.goals import goals_version
 
@@ -132,64 +129,3 @@ def apply_repair(
         number: Number of the repair.
     """
     return station.previews.apply_repair(id, number, caller.author)
-
-
-templates_router = APIRouter(tags=["goal templates"])
-
-TemplateName = Annotated[
-    str, Path(min_length=1, max_length=200, description="Name of the template.", examples=["fill kit"])
-]
-
-
-@templates_router.get("/goal-templates", dependencies=[needs(Role.VIEWER, mes=True)])
-def list_goal_templates(station: StationDep) -> GoalTemplates:
-    """List goal templates.
-
-    Lists the goal templates, by name.
-    """
-    return station.templates.all()
-
-
-@templates_router.get("/goal-templates/{name}", dependencies=[needs(Role.VIEWER, mes=True)], responses=tagged())
-def get_goal_template(name: TemplateName, station: StationDep, response: Response) -> GoalTemplate:
-    """Look at a goal template.
-
-    Shows a goal template.
-    """
-    return with_etag(station.templates.get(name), response)
-
-
-@templates_router.put(
-    "/goal-templates/{name}",
-    dependencies=[needs(Role.OPERATOR)],
-    responses=NEEDS_VERSION
-    | tagged()
-    | {201: {"model": GoalTemplate, "description": "It is new.", **tagged(201)[201]}},
-)
-def put_goal_template(
-    name: TemplateName,
-    content: GoalTemplateContent,
-    station: StationDep,
-    seen: SeenDep,
-    response: Response,
-) -> GoalTemplate:
-    """Write a goal template.
-
-    Writes a goal template; for one that is there already, `If-Match` names the version that was seen.
-
-    Jobs that were ordered with it stay as they are.
-    """
-    template, new = station.templates.put(name, content, seen)
-    response.status_code = 201 if new else 200
-    return with_etag(template, response)
-
-
-@templates_router.delete(
-    "/goal-templates/{name}", status_code=204, dependencies=[needs(Role.OPERATOR)], responses=NEEDS_VERSION
-)
-def remove_goal_template(name: TemplateName, station: StationDep, seen: SeenDep) -> None:
-    """Remove a goal template.
-
-    Removes a goal template; `If-Match` names the version that was seen. Jobs that were ordered with it stay.
-    """
-    station.templates.remove(name, seen)

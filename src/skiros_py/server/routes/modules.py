@@ -1,4 +1,4 @@
-"""Routes: skill managers, modules and their runs, plug-ins, and documents that robots run."""
+"""Routes: skill managers, modules and their runs, plug-ins."""
 
 from __future__ import annotations
 
@@ -7,10 +7,6 @@ from typing import Annotated, Literal
 from fastapi import APIRouter, Path, Query, Response
 
 from skiros_py.api.modules import (
-    DocumentContent,
-    DocumentInfo,
-    DocumentKinds,
-    Documents,
     ManagerInfo,
     ModuleDetails,
     ModuleRunInfo,
@@ -25,7 +21,6 @@ from skiros_py.api.modules import (
     SkillInfo,
 )
 from skiros_py.server.access.roles import CallerDep, Role, needs
-from skiros_py.server.problems import NEEDS_VERSION, SeenDep, etag, tagged
 from skiros_py.server.services import StationDep
 
 router = APIRouter(tags=["modules"])
@@ -215,89 +210,3 @@ def list_plugin_faults(station: StationDep) -> list[PluginFaultInfo]:
     Lists the plug-ins that do not load or do not fit the present scene, with the traceback for their authors.
     """
     return station.plugins.faults()
-
-
-documents_router = APIRouter(tags=["documents"])
-
-KindName = Annotated[str, Path(min_length=1, max_length=100, description="Kind of the document.", examples=["tree"])]
-DocumentsId = Annotated[
-    str, Path(min_length=1, max_length=200, description="Id of the document.", examples=["tidy up"])
-]
-
-
-@documents_router.get("/documents", dependencies=[needs(Role.VIEWER)])
-def list_document_kinds(station: StationDep) -> DocumentKinds:
-    """List the kinds of documents.
-
-    Lists the kinds of documents that plug-ins bring, each with the nodes that an editor offers.
-    """
-    return station.behaviours.kinds()
-
-
-@documents_router.get("/documents/{kind}", dependencies=[needs(Role.VIEWER)])
-def list_documents(kind: KindName, station: StationDep) -> Documents:
-    """List documents.
-
-    Lists the documents of a kind, by id.
-    """
-    return station.behaviours.all(kind)
-
-
-@documents_router.get("/documents/{kind}/{id}", dependencies=[needs(Role.VIEWER)], responses=tagged())
-def get_document(kind: KindName, id: DocumentsId, station: StationDep, response: Response) -> DocumentInfo:  # noqa: A002
-    """Look at a document.
-
-    Shows a document as it is now; it runs as the module `{kind}:{id}`.
-    """
-    return _tagged(station.behaviours.get(kind, id), response)
-
-
-@documents_router.get("/documents/{kind}/{id}/revisions", dependencies=[needs(Role.VIEWER)])
-def list_document_revisions(kind: KindName, id: DocumentsId, station: StationDep) -> Documents:  # noqa: A002
-    """List revisions.
-
-    Lists all revisions of a document, the oldest first; also of one that was removed.
-    """
-    return station.behaviours.revisions(kind, id)
-
-
-@documents_router.put(
-    "/documents/{kind}/{id}",
-    dependencies=[needs(Role.OPERATOR)],
-    responses=NEEDS_VERSION
-    | tagged()
-    | {201: {"model": DocumentInfo, "description": "It is new.", **tagged(201)[201]}},
-)
-def put_document(
-    kind: KindName,
-    id: DocumentsId,  # noqa: A002
-    content: DocumentContent,
-    station: StationDep,
-    seen: SeenDep,
-    response: Response,
-) -> DocumentInfo:
-    """Write a document.
-
-    Writes a document; for one that is there already, `If-Match` names the revision that was seen.
-
-    It is checked first: a fault is answered with its place. Its next run is of this revision; what runs goes on.
-    """
-    document, new = station.behaviours.put(kind, id, content.data, seen)
-    response.status_code = 201 if new else 200
-    return _tagged(document, response)
-
-
-@documents_router.delete(
-    "/documents/{kind}/{id}", status_code=204, dependencies=[needs(Role.OPERATOR)], responses=NEEDS_VERSION
-)
-def remove_document(kind: KindName, id: DocumentsId, station: StationDep, seen: SeenDep) -> None:  # noqa: A002
-    """Remove a document.
-
-    Removes a document; `If-Match` names the revision that was seen. What runs of it goes on.
-    """
-    station.behaviours.remove(kind, id, seen)
-
-
-def _tagged(document: DocumentInfo, response: Response) -> DocumentInfo:
-    response.headers["ETag"] = etag(document.revision)
-    return document

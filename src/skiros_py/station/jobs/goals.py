@@ -1,4 +1,4 @@
-"""Use cases: goals and goal templates. They are parsed and checked here; a job or a task pursues them."""
+"""Use cases: goals. They are parsed and checked here; a job or a task pursues them."""
 
 from __future__ import annotations
 
@@ -14,9 +14,6 @@ from skiros_py.api.goals import (
     ConditionWord,
     ConditionWords,
     GoalOrder,
-    GoalTemplate,
-    GoalTemplateContent,
-    GoalTemplates,
     GoalTexts,
     Role,
     SceneGoals,
@@ -29,8 +26,8 @@ from skiros_py.skills.conditions.effects import Assign, Relate, effects_of
 from skiros_py.skills.conditions.watch import ReadingView
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.station.jobs.orders import texts_of
-from skiros_py.station.jobs.templates import TemplateStore, check_template, goal_texts
-from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, Service, addressed, require_seen
+from skiros_py.station.jobs.templates import goal_texts
+from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, Service, require_seen
 from skiros_py.tasks.goals import goal_as_data, goal_as_text, parse_goal
 from skiros_py.world.change import Writer
 from skiros_py.world.ontology import Ontology
@@ -164,7 +161,7 @@ class GoalService(Service):
         session = self._station.session
         version, state = session.world.state()
         view = ReadingView(state, session.world.sensors)  # one state of the world, with the present readings of devices
-        return checked_goal(texts_of(order, self._station.template_store), view, version, session.catalogue.conditions)
+        return checked_goal(texts_of(order, self._station.document_store), view, version, session.catalogue.conditions)
 
     def get(self) -> SceneGoals:
         """Returns the goals of the scene."""
@@ -209,51 +206,3 @@ class GoalService(Service):
 def goals_version(goals: tuple[str, ...]) -> int:
     """Returns a version number of the texts; the version of the world would change with every other edit."""
     return int.from_bytes(hashlib.sha256(repr(goals).encode()).digest()[:6])
-
-
-class TemplateService(Service):
-    """Goal templates, which ISA-95 calls work masters."""
-
-    @property
-    def _store(self) -> TemplateStore:
-        return self._station.template_store
-
-    def all(self) -> GoalTemplates:
-        """Lists the goal templates, by name."""
-        return GoalTemplates(templates=self._store.all())
-
-    def get(self, name: str) -> GoalTemplate:
-        """Returns a goal template.
-
-        Raises:
-            NotFound: There is none with this name.
-        """
-        with addressed():
-            return self._store.find(name)
-
-    def put(
-        self, name: str, content: GoalTemplateContent, seen: Seen | None = ANY_VERSION
-    ) -> tuple[GoalTemplate, bool]:
-        """Writes a goal template; returns it, and True if it is new.
-
-        Raises:
-            UsageError: It cannot produce goals.
-            StaleVersion: It was changed since it was seen.
-        """
-        session = self._station.session
-        check_template(content, session.world.ontology, session.catalogue.conditions)
-        known = self._store.get(name)
-        if known is not None:
-            require_seen(seen, known.version)
-        return self._store.put(name, content, expects=0 if known is None else known.version), known is None
-
-    def remove(self, name: str, seen: Seen | None = ANY_VERSION) -> None:
-        """Removes a goal template; jobs ordered with it remain.
-
-        Raises:
-            NotFound: There is none with this name.
-            StaleVersion: It was changed since it was seen.
-        """
-        known = self.get(name)
-        require_seen(seen, known.version)
-        self._store.remove(name, expects=known.version)

@@ -24,8 +24,10 @@ from skiros_py.api.jobs import (
     WorkMaster,
 )
 from skiros_py.errors import Refused, StaleVersion, UsageError, WrongState
+from skiros_py.station.document_store import TEMPLATE
 from skiros_py.station.jobs.accounts import explanation_of, plan_of, planned_steps, report_of, response_of
 from skiros_py.station.jobs.orders import digest_of, is_same, job_order, new_id, texts_of
+from skiros_py.station.jobs.templates import content_of
 from skiros_py.station.jobs.views import STATES, job_view, transitions_view
 from skiros_py.station.requests import LIBRARY, Author, Service
 from skiros_py.tasks.jobs import Job as Known
@@ -90,7 +92,7 @@ class JobService(Service):
         known = self._ordered_before(order, receipt, again=again)
         if known is not None:
             return OrderResult(_view(self._with_leave(known, start, author)), repeated=True)
-        wanted = job_order(order, order.id or new_id(), texts_of(order, self._station.template_store))
+        wanted = job_order(order, order.id or new_id(), texts_of(order, self._station.document_store))
         comment = _said(author, "")
         return OrderResult(
             _view(jobs.submit(wanted, start=start, comment=comment, receipt=receipt, again=again)), repeated=False
@@ -131,7 +133,7 @@ class JobService(Service):
             raise StaleVersion(f"there is no job '{id_}' (any more): leave out If-Match to order it")
         if known is None:
             _check_removed(None if again else jobs.store.removed(id_), order)
-            wanted = job_order(order, id_, texts_of(order, self._station.template_store))
+            wanted = job_order(order, id_, texts_of(order, self._station.document_store))
             submitted = jobs.submit(wanted, start=start, comment=_said(author, ""), again=again)
             return OrderResult(_view(submitted), repeated=False)
         if is_same(order, known.order):
@@ -139,7 +141,7 @@ class JobService(Service):
         elif not replaces:  # a different order with the id of a job requires that the author has seen it
             raise _taken_already(known)
         else:
-            changed = job_order(order, id_, texts_of(order, self._station.template_store))
+            changed = job_order(order, id_, texts_of(order, self._station.document_store))
             known = jobs.update(changed, _said(author, ""), expects=expects)
         return OrderResult(_view(known), repeated=True)
 
@@ -318,8 +320,8 @@ class JobService(Service):
         session = self._station.session
         return JobCapabilities(
             work_masters=tuple(
-                WorkMaster.view_of(one.content, id=one.name, version=one.version)
-                for one in self._station.template_store.all()
+                WorkMaster.view_of(content_of(one.data), id=one.name, version=one.version)
+                for one in self._station.document_store.all(TEMPLATE)
             ),
             material_class_ids=tuple(sorted(session.world.ontology.subclasses(MANIPULATABLE))),
             equipment_ids=tuple(robot.id for robot in session.spec.robots),

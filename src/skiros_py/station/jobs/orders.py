@@ -11,7 +11,8 @@ from skiros_py.api.goals import GoalOrder
 from skiros_py.api.jobs import JobOrder as Ordered
 from skiros_py.api.wire import fault_words
 from skiros_py.errors import UsageError
-from skiros_py.station.jobs.templates import TemplateStore, goal_texts
+from skiros_py.station.document_store import DocumentStore
+from skiros_py.station.jobs.templates import goal_texts, template_texts
 from skiros_py.tasks.jobs import JobOrder
 
 LONGEST = 64 << 10
@@ -31,7 +32,7 @@ def digest_of(ordered: Ordered, *, start: bool) -> str:
     return hashlib.sha256(f"{start} {ordered.model_dump_json(by_alias=True)}".encode()).hexdigest()
 
 
-def texts_of(ordered: GoalOrder, templates: TemplateStore) -> tuple[str, ...]:
+def texts_of(ordered: GoalOrder, documents: DocumentStore) -> tuple[str, ...]:
     """Returns the goal texts of an order.
 
     Raises:
@@ -41,7 +42,7 @@ def texts_of(ordered: GoalOrder, templates: TemplateStore) -> tuple[str, ...]:
     _check_length("the order", len(ordered.model_dump_json(by_alias=True).encode()))
     if not ordered.work_master:
         return goal_texts(ordered.goal)
-    texts = templates.texts(ordered.work_master, ordered.parameters, ordered.materials)
+    texts = template_texts(documents, ordered.work_master, ordered.parameters, ordered.materials)
     _check_length(f"what goal template '{ordered.work_master}' makes of it", sum(len(text.encode()) for text in texts))
     return texts
 

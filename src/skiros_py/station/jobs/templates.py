@@ -1,19 +1,26 @@
-"""Goal templates (ISA-95: work masters): stored beside the world, checked when written, filled in as texts."""
+"""Goal templates (ISA-95: work masters): documents that orders fill in; goals as texts."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
-from skiros_py.api.goals import GoalTemplate, GoalTemplateContent, Material
+from skiros_py.api.goals import GoalTemplateContent, Material
 from skiros_py.api.wire import fault_words
-from skiros_py.errors import UnknownName, UsageError
+from skiros_py.behaviours import DocumentKind, PaletteEntry, Review
+from skiros_py.errors import DocumentError, DocumentFault, UnknownName, UsageError
 from skiros_py.skills.conditions import ConditionType
-from skiros_py.station.documents import TEMPLATE, Document, DocumentStore
+from skiros_py.skills.plain import Reader
+from skiros_py.skills.skill import SkillDescription
+from skiros_py.station.document_store import TEMPLATE, DocumentStore
 from skiros_py.tasks.goals.forms import Joined, Name, Negation, Quantification, Said, Word
 from skiros_py.world.names import local_name
 from skiros_py.world.ontology import Ontology
+from skiros_py.world.view import WorldView
+
+if TYPE_CHECKING:
+    from pydantic import ValidationError
 
 _DEEPEST = 60
 """Maximum nesting: the goal language refuses deeper goals anyway, and recursion over them would fail."""
@@ -43,13 +50,13 @@ def check_structure(data: dict[str, Any], where: str) -> None:
         where: Path to it.
 
     Raises:
-        UsageError: It cannot; the text gives the path to the fault.
+        DocumentError: It cannot.
     """
     (said,) = _said([data], where, alone=True)
     try:
         _text(said, frozenset(), 0)
     except UsageError as error:
-        raise UsageError(f"{where}: {error}") from None
+        raise DocumentError([DocumentFault(where, str(error))]) from None
 
 
 def _said(data: Sequence[object], where: str, *, alone: bool) -> list[Said]:
@@ -60,9 +67,13 @@ def _said(data: Sequence[object], where: str, *, alone: bool) -> list[Said]:
     try:
         fields = GOALS.validate_python(list(data))
     except ValidationError as error:
-        problems = (f"{where}{_path(one['loc'][alone:])}: {fault_words(one)}" for one in error.errors()[:20])
-        raise UsageError("; ".join(problems)) from None
+        raise DocumentError(_pydantic_faults(where, error, skip=int(alone))) from None
     return [one.said() for one in fields]
+
+
+def _pydantic_faults(where: str, error: ValidationError, *, skip: int) -> list[DocumentFault]:
+    faults = error.errors(include_url=False)[:20]
+    return [DocumentFault(f"{where}{_path(one['loc'][skip:])}".lstrip("."), fault_words(one)) for one in faults]
 
 
 def _path(loc: Sequence[int | str]) -> str:
@@ -143,20 +154,20 @@ def filled(
     return goal + pieces
 
 
-def faults_of(template: GoalTemplateContent) -> list[str]:
-    """Returns the faults in the placeholders of a template, one sentence each, with its path."""
+def faults_of(template: GoalTemplateContent) -> list[DocumentFault]:
+    """Returns the faults in the placeholders of a template."""
     size = _size([*template.goal, template.per_material])
     if size > _LARGEST:
-        return [f"goal: a template has {_LARGEST} names, lists and objects at most, this one has {size}"]
+        return [DocumentFault("goal", f"at most {_LARGEST} names, lists and objects, not {size}")]
     names = [parameter.name for parameter in template.parameters]
     twice = sorted({name for name in names if names.count(name) > 1})
-    faults = [f"parameters: '{name}' is there twice" for name in twice]
+    faults = [DocumentFault("parameters", f"'{name}' is there twice") for name in twice]
     for index, goal in enumerate(template.goal):
         faults += _faults(goal, f"goal[{index}]", names, ())
     if template.per_material is not None:
         faults += _faults(template.per_material, "per_material", names, _FIELDS)
     if not template.goal and template.per_material is None:
-        faults.append("goal: a template needs conditions, or one for each material")
+        faults.append(DocumentFault("goal", "a template needs conditions, or one for each material"))
     return faults
 
 
@@ -246,16 +257,16 @@ def _replaced(data: Any, parameters: Mapping[str, str], material: Mapping[str, s
             return data
 
 
-def _faults(data: Any, path: str, names: Sequence[str], fields: Sequence[str], depth: int = 0) -> list[str]:
+def _faults(data: Any, path: str, names: Sequence[str], fields: Sequence[str], depth: int = 0) -> list[DocumentFault]:
     if depth > _DEEPEST:
-        return [f"{path[:200]}: nested deeper than {_DEEPEST} levels"]
+        return [DocumentFault(path[:200], f"nested deeper than {_DEEPEST} levels")]
     match data:
         case {"parameter": key} if len(data) == 1:
-            return [] if key in names else [f"{path}: {UnknownName('parameter', str(key), names)}"]
+            return [] if key in names else [DocumentFault(path, str(UnknownName("parameter", str(key), names)))]
         case {"material": field} if len(data) == 1:
             where = "" if fields else "(materials are for per_material only)"
             unknown = UnknownName("field of a material", str(field), fields, where=where)
-            return [] if field in fields else [f"{path}: {unknown}"]
+            return [] if field in fields else [DocumentFault(path, str(unknown))]
         case dict():
             each = [_faults(value, f"{path}.{key}", names, fields, depth + 1) for key, value in data.items()]
         case list():
@@ -265,107 +276,83 @@ def _faults(data: Any, path: str, names: Sequence[str], fields: Sequence[str], d
     return [fault for found in each for fault in found]
 
 
-KIND = TEMPLATE
-
-
-class TemplateStore:
-    """The goal templates of a data directory.
-
-    Args:
-        documents: The store that contains them.
-    """
-
-    def __init__(self, documents: DocumentStore) -> None:
-        self._documents = documents
-
-    def all(self) -> tuple[GoalTemplate, ...]:
-        """Returns all templates, by name."""
-        return tuple(_template(document) for document in self._documents.all(KIND))
-
-    def get(self, name: str) -> GoalTemplate | None:
-        """Returns a template; None if there is none."""
-        document = self._documents.get(KIND, name)
-        return None if document is None else _template(document)
-
-    def find(self, name: str) -> GoalTemplate:
-        """Returns a template.
-
-        Raises:
-            UnknownName: There is none.
-        """
-        return _template(self._documents.find(KIND, name))
-
-    def put(self, name: str, content: GoalTemplateContent, *, expects: int | None) -> GoalTemplate:
-        """Writes a template.
-
-        Args:
-            name: Its name.
-            content: Its content; see :func:`check_template`.
-            expects: The version that it replaces; 0 if there must be none yet; None for any.
-
-        Raises:
-            StaleVersion: The present version is a different one.
-        """
-        data = content.model_dump(mode="json", by_alias=True)
-        return _template(self._documents.put(KIND, name, data, expects=expects))
-
-    def remove(self, name: str, *, expects: int | None) -> None:
-        """Removes a template.
-
-        Raises:
-            StaleVersion: The present version is a different one.
-        """
-        self._documents.remove(KIND, name, expects=expects)
-
-    def texts(self, name: str, parameters: Mapping[str, str], materials: tuple[Material, ...]) -> tuple[str, ...]:
-        """Returns the goal texts of a template filled in with an order.
-
-        Raises:
-            UnknownName: There is no such template, or it has no such parameter.
-            UsageError: A parameter is missing, or the material does not fit.
-        """
-        content = self.find(name).content
-        return goal_texts(filled(name, content, parameters, materials))
-
-
-def check_template(content: GoalTemplateContent, ontology: Ontology, conditions: Mapping[str, ConditionType]) -> None:
-    """Checks that a template can produce goals: its structure, placeholders, words and classes.
+def content_of(document: Any) -> GoalTemplateContent:
+    """Returns the content of a template.
 
     Raises:
-        UsageError: It is not valid; the text lists all faults, each with its path.
+        DocumentError: It is no template; each fault has its place.
     """
-    faults = faults_of(content) or [*_class_faults(content, ontology), *_word_faults(content, conditions)]
-    if faults:
-        raise UsageError("; ".join(faults[:20]))
+    from pydantic import ValidationError
+
+    try:
+        return GoalTemplateContent.model_validate(document)
+    except ValidationError as error:
+        raise DocumentError(_pydantic_faults("", error, skip=0)) from None
 
 
-def _class_faults(content: GoalTemplateContent, ontology: Ontology) -> Iterator[str]:
+def template_texts(
+    documents: DocumentStore, name: str, parameters: Mapping[str, str], materials: tuple[Material, ...]
+) -> tuple[str, ...]:
+    """Returns the goal texts of a template filled in with an order.
+
+    Raises:
+        UnknownName: There is no such template, or it has no such parameter.
+        UsageError: A parameter is missing, or the material does not fit.
+    """
+    content = content_of(documents.find(TEMPLATE, name).data)
+    return goal_texts(filled(name, content, parameters, materials))
+
+
+class TemplateDocument(DocumentKind):
+    """A goal with placeholders, which orders fill in (ISA-95: work master)."""
+
+    kind: ClassVar[str] = TEMPLATE
+    for_orders: ClassVar[bool] = True
+
+    def check(self, document: Any, reader: Reader) -> tuple[DocumentFault, ...]:
+        """Returns the faults in its structure, its placeholders and the words of its goals."""
+        try:
+            content = content_of(document)
+        except DocumentError as error:
+            return error.faults
+        return tuple(faults_of(content) or _word_faults(content, reader.words))
+
+    def review(self, document: Any, world: WorldView, skills: Mapping[str, SkillDescription]) -> Review:  # noqa: ARG002
+        """Checks the classes of its parameters."""
+        return Review(tuple(_class_faults(content_of(document), world.ontology)))
+
+    def palette(self, reader: Reader) -> Sequence[PaletteEntry]:  # noqa: ARG002
+        """Returns nothing: a template has no nodes."""
+        return ()
+
+
+def _class_faults(content: GoalTemplateContent, ontology: Ontology) -> Iterator[DocumentFault]:
     classes: dict[str, str] = {name: name for curie in ontology.classes for name in (curie, local_name(curie))}
     for index, parameter in enumerate(content.parameters):
         if parameter.class_ and parameter.class_ not in classes:
-            yield f"parameters[{index}].class: {UnknownName('class', parameter.class_, classes)}"
+            yield DocumentFault(f"parameters[{index}].class", str(UnknownName("class", parameter.class_, classes)))
 
 
-def _word_faults(content: GoalTemplateContent, conditions: Mapping[str, ConditionType]) -> Iterator[str]:
+def _word_faults(content: GoalTemplateContent, conditions: Mapping[str, ConditionType]) -> Iterator[DocumentFault]:
     """Fills in the template with placeholder names, and yields the faults of the result."""
     stand_in = {parameter.name: "x" for parameter in content.parameters}
     material = Material.model_validate({"class": "x", "id": "x", "location": "x", "use": "x"})
     try:
         goals = filled("it", content, stand_in, (material,) if content.per_material is not None else ())
     except UsageError as error:
-        yield str(error)
+        yield DocumentFault("", str(error))
         return
     paths = [*(f"goal[{index}]" for index in range(len(content.goal))), "per_material"]
     for path, goal in zip(paths, goals, strict=False):
         try:
             check_structure(goal, path)
-        except UsageError as error:
-            yield str(error)
+        except DocumentError as error:
+            yield from error.faults
             continue
         yield from _unknown_words(goal, path, conditions)
 
 
-def _unknown_words(data: object, path: str, conditions: Mapping[str, ConditionType]) -> Iterator[str]:
+def _unknown_words(data: object, path: str, conditions: Mapping[str, ConditionType]) -> Iterator[DocumentFault]:
     known = {name.casefold(): type_ for name, type_ in conditions.items()}
     match data:
         case {"condition": str(word), "arguments": list(arguments)}:
@@ -380,15 +367,11 @@ def _unknown_words(data: object, path: str, conditions: Mapping[str, ConditionTy
 
 def _word_fault(
     word: str, arguments: Collection[object], path: str, known: Mapping[str, ConditionType], all_: Collection[str]
-) -> Iterator[str]:
+) -> Iterator[DocumentFault]:
     type_ = known.get(word.casefold())
     if type_ is None:
-        yield f"{path}.condition: {UnknownName('condition', word, all_)}"
+        yield DocumentFault(f"{path}.condition", str(UnknownName("condition", word, all_)))
     elif len(arguments) != len(type_.roles):
         roles = ", ".join(f"{role.name}: {local_name(role.class_)}" for role in type_.roles)
-        yield f"{path}.arguments: {type_.name} takes {len(type_.roles)} ({roles}), got {len(arguments)}"
-
-
-def _template(document: Document) -> GoalTemplate:
-    content = GoalTemplateContent.model_validate(document.data)
-    return GoalTemplate(name=document.name, version=document.version, content=content)
+        text = f"{type_.name} takes {len(type_.roles)} ({roles}), got {len(arguments)}"
+        yield DocumentFault(f"{path}.arguments", text)

@@ -24,7 +24,7 @@ class PreviewService(Service):
             UsageError: The goal cannot be parsed.
         """
         station = self._station
-        goal = texts_of(order, station.template_store)
+        goal = texts_of(order, station.document_store)
         station.session.parse(goal)
         capabilities = station.control.call(lambda session: session.tasks.capabilities)
         return _shown(station.preview_book.ask(station.session, goal, capabilities))

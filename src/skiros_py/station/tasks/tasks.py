@@ -5,17 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from datetime import UTC, datetime
+from types import MappingProxyType
 from typing import Literal
 
-from skiros_py.api.jobs import JobPolicy
 from skiros_py.api.tasks import NewTask, TaskInfo, TaskQuestion, TaskReport, Tasks, TaskStep, TaskTrace
 from skiros_py.errors import Refused
 from skiros_py.planning.plan import Step
+from skiros_py.skills.skill import SkillDescription
+from skiros_py.station.document_store import SEQUENCE
 from skiros_py.station.jobs.accounts import planned_steps
 from skiros_py.station.requests import LIBRARY, Author, Service, addressed
 from skiros_py.station.session import Session
 from skiros_py.station.tasks.book import KeptTask
-from skiros_py.station.tasks.sequences import Workbench, require_works
+from skiros_py.station.tasks.sequences import require_works, steps_of
 from skiros_py.tasks.handle import Policy, TaskHandle
 from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.sequences import StepSequence
@@ -70,7 +72,8 @@ def task_trace(task: KeptTask, limit: int) -> TaskTrace:
     return TaskTrace(entries=tuple(entry.as_json() for entry in kept), forgotten=forgotten)
 
 
-_PLAIN = JobPolicy()
+def _skills(session: Session) -> dict[str, SkillDescription]:
+    return {capability.skill.name: capability.skill for capability in session.tasks.capabilities}
 
 
 class TaskService(Service):
@@ -87,49 +90,38 @@ class TaskService(Service):
         return Tasks(items=tuple(task_info(task, in_full=False) for task in wanted[:limit]))
 
     def begin(self, request: NewTask, author: Author = LIBRARY) -> TaskInfo:
-        """Starts to pursue a goal, or to run steps without planning.
+        """Starts to pursue a goal, or to run given steps or those of a sequence without planning.
 
         Raises:
-            UsageError: The goal or a step cannot be parsed.
-            Refused: A step cannot work, and running it anyway was not requested.
+            UsageError: The goal or a step cannot be parsed, or there is no such sequence.
+            Refused: There are no steps, or a step cannot work and running it anyway was not requested.
             WrongState: Everything is halted.
         """
+        policy = Policy(**request.policy.model_dump())
         if request.goal is not None:
             conditions = self._station.session.parse(request.goal)
-            policy = Policy(**request.policy.model_dump())
             return self._note(lambda session: session.begin(conditions, policy), author)
-        bench = Workbench.of(self._station.session)
-        steps = tuple(bench.read(step) for step in request.steps or [])
-        return self.run_steps(steps, request.iterate, author, anyway=request.anyway, policy=request.policy)
-
-    def run_steps(
-        self,
-        steps: Sequence[Step],
-        iterate: int | None,
-        author: Author,
-        *,
-        anyway: bool,
-        policy: JobPolicy = _PLAIN,
-    ) -> TaskInfo:
-        """Starts to run steps without planning.
-
-        Raises:
-            Refused: There are none; or they cannot work now, and running them anyway was not requested.
-            UsageError: A step refers to something that does not exist.
-            WrongState: Everything is halted.
-        """
+        steps = self._steps(request)
         if not steps:  # repetitions without steps take no time: the control cycle would never end
             raise Refused("CannotWork", "the sequence has no steps: add one")
-        if not anyway:
-            require_works(self._station.session, steps)
+        session = self._station.session
+        if not request.anyway:
+            require_works(steps, session.world.snapshot(), _skills(session))
 
         def begin(session: Session) -> TaskHandle:
-            sequence = StepSequence(session.world, Workbench.of(session).skills, steps)
+            sequence = StepSequence(session.world, _skills(session), steps)
             # Checked above: the control thread has no time to check again.
             session.runtime.require_ready()
-            return session.tasks.execute(sequence, iterate=iterate, policy=Policy(**policy.model_dump()), anyway=True)
+            return session.tasks.execute(sequence, iterate=request.iterate, policy=policy, anyway=True)
 
         return self._note(begin, author)
+
+    def _steps(self, request: NewTask) -> Sequence[Step]:
+        if request.sequence is not None:
+            return steps_of(self._station.document_store.find(SEQUENCE, request.sequence).data)
+        session = self._station.session
+        steps = [Step(one.skill, MappingProxyType(dict(one.arguments))) for one in request.steps or []]
+        return StepSequence(session.world.snapshot(), _skills(session), steps).steps
 
     def _note(self, begin: Callable[[Session], TaskHandle], author: Author) -> TaskInfo:
         def do(session: Session) -> KeptTask:

@@ -2,21 +2,19 @@
 
 import pytest
 
-from skiros_py.api.goals import GoalTemplateContent
 from skiros_py.api.jobs import JobOrder
 from skiros_py.errors import UsageError
-from skiros_py.station.documents import DocumentStore
+from skiros_py.station.document_store import DocumentStore
 from skiros_py.station.jobs.orders import digest_of, is_same, job_order, texts_of
-from skiros_py.station.jobs.templates import TemplateStore
 
 PLAIN = {"goal": "In(Ball, slot_1)", "deadline": "2030-01-01T12:00:00+02:00", "materials": [{"class": "Ball"}]}
 
 
 @pytest.fixture
-def templates(tmp_path):
-    documents = DocumentStore(tmp_path / "server.db")
-    yield TemplateStore(documents)
-    documents.close()
+def documents(tmp_path):
+    store = DocumentStore(tmp_path / "server.db")
+    yield store
+    store.close()
 
 
 def ordered(**fields):
@@ -40,14 +38,13 @@ def test_another_order_is_another(change):
     assert digest_of(ordered(**PLAIN | change), start=True) != digest_of(ordered(**PLAIN), start=True)
 
 
-def test_an_order_with_a_template_is_the_same_although_the_template_has_changed(templates):
+def test_an_order_with_a_template_is_the_same_although_the_template_has_changed(documents):
     for slot in ("slot_1", "slot_2"):
-        content = GoalTemplateContent(goal=({"condition": "In", "arguments": ["Ball", slot]},))
-        templates.put("fill", content, expects=None)
+        documents.put("template", "fill", {"goal": [{"condition": "In", "arguments": ["Ball", slot]}]})
         order = ordered(work_master="fill")
         if slot == "slot_1":
-            first = job_order(order, "a", texts_of(order, templates))
-    assert texts_of(order, templates) == ("In(Ball, slot_2)",)
+            first = job_order(order, "a", texts_of(order, documents))
+    assert texts_of(order, documents) == ("In(Ball, slot_2)",)
     assert is_same(order, first)
     assert not is_same(ordered(work_master="other"), first)
 

@@ -89,7 +89,7 @@ def test_a_template_that_would_make_too_much_of_an_order_is_refused_before_it_ma
 
 def test_a_template_has_a_greatest_size():
     (fault,) = faults_of(GoalTemplateContent.model_validate({"per_material": {"all_of": [{"a": ["x"]}] * 2000}}))
-    assert "5000 names, lists and objects at most, this one has 60" in fault
+    assert "at most 5000 names, lists and objects, not 60" in str(fault)
 
 
 @pytest.mark.parametrize(
@@ -103,9 +103,9 @@ def test_a_template_has_a_greatest_size():
 )
 def test_what_is_wrong_with_placeholders_is_told_with_its_path(fields, said):
     content = GoalTemplateContent.model_validate({"parameters": [{"name": "kit"}], **fields})
-    assert any(said in fault for fault in faults_of(content))
+    assert any(said in str(fault) for fault in faults_of(content))
 
 
 def test_a_parameter_that_is_there_twice_is_named():
     content = GoalTemplateContent.model_validate({"parameters": [{"name": "kit"}] * 2, "goal": [{"a": 1}]})
-    assert faults_of(content) == ["parameters: 'kit' is there twice"]
+    assert [str(fault) for fault in faults_of(content)] == ["parameters: 'kit' is there twice"]

@@ -5,7 +5,7 @@ from contextlib import closing
 import pytest
 
 from skiros_py.errors import StaleVersion, UnknownName
-from skiros_py.station.documents import DocumentStore
+from skiros_py.station.document_store import DocumentStore
 
 
 @pytest.fixture
@@ -27,7 +27,7 @@ def test_what_is_written_is_there_when_the_file_is_opened_again(store, tmp_path)
 
 def test_kinds_have_names_of_their_own(store):
     store.put("sequence", "a", 1)
-    store.put("goal template", "a", 2)
+    store.put("template", "a", 2)
     assert [document.data for document in store.all("sequence")] == [1]
 
 
