@@ -11,6 +11,7 @@ import pytest
 from skiros_py.api.documents import DocumentInfo
 from skiros_py.errors import DocumentError, DocumentFault, NotFound, StaleVersion, UnknownName, UsageError
 from skiros_py.execution.monitor import ModuleEvent, Status
+from skiros_py.recording import Recorder, Recording, RecordingWriter
 from skiros_py.skills.behaviour import nodes_of
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.station.alarms.alarms import Alarms
@@ -234,6 +235,9 @@ def net(wanted: int = 2) -> dict[str, Any]:
     }
 
 
+PAUSE = {"type": "wait", "seconds": 0.1}
+
+
 class Cell:
     """A session with the wheel, its documents, and its events; as much of a station as documents need."""
 
@@ -412,6 +416,36 @@ def test_a_document_calls_another_one_and_a_removed_one_is_gone(cell: Cell) -> N
     assert isinstance(cell.run("tree:outer"), Failure)
     with pytest.raises(UnknownName):
         cell.session.managers["base_1"].start("tree:inner", {})
+
+
+def test_a_run_keeps_its_revision_while_its_document_is_edited_and_the_recording_names_both(
+    cell: Cell, tmp_path: Path
+) -> None:
+    slow = {"type": "react", "place": "box_b", "child": note("there"), "otherwise": PAUSE}
+    line = net(wanted=2)
+    line["transitions"]["make"]["do"] = slow
+    recording = tmp_path / "run.mcap"
+    with Recorder(RecordingWriter(recording), cell.session.runtime, {}):
+        first = cell.write("net", "line", line)
+        running = cell.session.managers["base_1"].start("net:line", {})
+        for _ in range(5):
+            cell.session.cycle.step()
+        quick = {**line, "goal": "made", "wanted": 1}
+        second = cell.write("net", "line", quick, seen=first.revision)
+        while not running.done:
+            cell.session.cycle.step()
+        packed = cell.noted().count("pack")
+        again = cell.run("net:line")
+
+    assert (running.result, again) == (Success("reached"), Success("reached"))
+    assert packed >= 2
+    assert cell.noted().count("pack") == packed
+    started = [e.implementation for e in cell.events if e.kind == "document" and e.status is Status.STARTED]
+    assert started == [f"revision {first.revision}", f"revision {second.revision}"]
+    with Recording(recording) as recorded:
+        kept = [message for _, _, message in recorded.messages("/documents/net:line")]
+    assert [one["revision"] for one in kept] == [first.revision, second.revision]
+    assert [one["behaviour"]["wanted"] for one in kept] == [2, 1]
 
 
 def test_two_new_documents_that_call_each_other_are_written_one_after_the_other(cell: Cell) -> None:
