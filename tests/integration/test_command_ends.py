@@ -192,3 +192,19 @@ def test_a_text_with_a_stack_keeps_the_innermost_line_that_is_neither_ours_nor_p
     stack = f'  File "/own/skill.py", line 3, in hop\n  File "{json.__file__}", line 9, in loads'
 
     assert brief(f"it broke\n{stack}") == "it broke (/own/skill.py:3 in hop)"
+
+
+def test_a_reader_that_leaves_ends_the_command_without_a_word() -> None:
+    for arguments in (("scene", "show", "kitting"), ("world", "query", "kitting", "SELECT * {?a ?b ?c}")):
+        with subprocess.Popen(
+            [sys.executable, "-m", "skiros_py.cli", *arguments],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        ) as process:
+            assert process.stdout is not None
+            assert process.stderr is not None
+            process.stdout.close()
+            said = process.stderr.read()
+
+        assert (said, process.returncode) == ("", 130)

@@ -8,8 +8,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+from skiros_py.config import find_scene
 from skiros_py.station.worlds import open_data
 
+ROOT = Path(__file__).parents[2]
 SKIROS = Path(sys.executable).parent / "skiros"
 HEADER = """@prefix scene: <https://w3id.org/skiros-py/scene#> .
 @prefix kitting: <https://w3id.org/skiros-py/kitting#> .
@@ -76,6 +78,19 @@ def test_a_scene_is_checked_with_its_goal(tmp_path: Path) -> None:
     assert good.stdout == "good.ttl: 1 elements, 0 goals, nothing wrong\n"
     assert "bad.ttl: sk:goal: " in bad.stderr
     assert "worse.ttl:5: a (kitting:Kit) is nowhere" in worse.stderr
+
+
+def test_a_check_finds_what_no_cell_can_be_made_of(tmp_path: Path) -> None:
+    text = find_scene("kitting").read_text(encoding="utf-8")
+    panda = (ROOT / "robots/src/skiros_robots/mobile_panda.ttl").read_text(encoding="utf-8")
+    camera = panda[panda.index("scene:camera_1 a sk:Camera") :].replace("camera_1", "eye")
+    camera = camera.replace("camera_optical", "nowhere") + "scene:arm_1 sk:hasA scene:eye .\n"
+    (tmp_path / "camera.ttl").write_text(text + camera, encoding="utf-8")
+
+    result = skiros("scene", "check", "camera.ttl", cwd=tmp_path)
+
+    assert result.returncode == 2
+    assert "camera.ttl: eye, in the model 'mobile_panda': unknown link 'nowhere'" in result.stderr
 
 
 def test_a_scene_that_is_refused_is_not_saved_and_the_old_file_stays(tmp_path: Path) -> None:

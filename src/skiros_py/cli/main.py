@@ -6,6 +6,7 @@ import os
 import sys
 import traceback
 from contextlib import AbstractContextManager, nullcontext
+from pathlib import Path
 
 import click
 
@@ -93,6 +94,13 @@ def _run(arguments: list[str]) -> int:
     except BrokenPipeError:
         silence()
         return STOPPED
+    except SystemExit as error:
+        raised_in = Path(traceback.extract_tb(error.__traceback__)[-1].filename).parts
+        if {"click", "rich"}.isdisjoint(raised_in):
+            return _internal(error, as_json=as_json)
+        # they exit when the reader of the output has left
+        silence()
+        return STOPPED
     except OSError as error:
         status = _fault(f"{error.strerror or error}", NOT_REACHED, as_json=False, show=True)
         silence()
@@ -107,7 +115,11 @@ def _internal(error: BaseException, *, as_json: bool) -> int:
     if os.environ.get("SKIROS_DEBUG"):
         traceback.print_exception(error)
     stack = "".join(traceback.format_tb(error.__traceback__))
-    text = brief(f"internal error: {type(error).__name__}: {error}\n{stack}")
+    what = f"internal error: {type(error).__name__}: {error}\n"
+    text = brief(what + stack)
+    if text.strip() == what.strip():  # it is the platform's own
+        last = traceback.extract_tb(error.__traceback__)[-1]
+        text = f"{text.strip()} ({last.filename}:{last.lineno} in {last.name})"
     return _fault(f"{text} (SKIROS_DEBUG=1 shows where)", NOT_REACHED, as_json=as_json, show=True)
 
 

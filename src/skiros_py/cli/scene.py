@@ -11,7 +11,7 @@ import click
 
 from skiros_py.cli.options import JSON
 from skiros_py.cli.output import DIFFERENT, REACHED, answer_text, escaped, tell
-from skiros_py.errors import FileError, UsageError
+from skiros_py.errors import DescriptionError, FileError, UsageError
 
 if TYPE_CHECKING:
     from skiros_py.world.branches import Branch
@@ -61,21 +61,28 @@ def show(scene: str, as_json: bool) -> int:
 @click.argument("scene")
 @JSON
 def check(scene: str, as_json: bool) -> int:
-    """Checks SCENE against the ontologies, and its goal against the conditions of the plug-ins.
+    """Checks SCENE against the ontologies, its goal against the conditions, and whether its cell can be simulated.
 
     Exit status: 0 nothing is wrong, 2 something is; the message says where and what would be right.
     """
     from skiros_py.catalogue import load_catalogue
     from skiros_py.config import find_scene
+    from skiros_py.simulation.cell import SimulatedCell
+    from skiros_py.skills.cell_reader import read_cell
     from skiros_py.station.worlds import open_world
     from skiros_py.tasks.goals import parse_goal
-    from skiros_py.world.vocabulary import ELEMENT
+    from skiros_py.world.vocabulary import DEVICE, ELEMENT, ROBOT
 
     world = open_world(scene)
     try:
         parse_goal(world.goals, world, load_catalogue().conditions)
     except UsageError as error:
         raise FileError(find_scene(scene), f"sk:goal: {error}") from error
+    if world.instances(DEVICE):  # else it is a world to be asked, not a cell
+        try:
+            SimulatedCell(read_cell(world.snapshot(), world.instances(ROBOT)), seed=0).close()
+        except DescriptionError as error:
+            raise FileError(find_scene(scene), str(error)) from error
     elements = len(world.instances(ELEMENT))
     line = f"{scene}: {elements} elements, {len(world.goals)} goals, nothing wrong"
     return tell({"scene": scene, "elements": elements, "goals": list(world.goals)}, [line], as_json=as_json)

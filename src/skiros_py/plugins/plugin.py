@@ -45,6 +45,8 @@ def origin_of(module: str) -> str:
 _FRAME = re.compile(r'File "([^"<]+)", line (\d+)(?:, in (\S+))?')
 _PLATFORM = Path(__file__).parents[1]
 _STANDARD = Path(sysconfig.get_path("stdlib"))
+_CALLERS = {"importlib", "click"}
+"""Libraries that call the platform's code and authors' code."""
 
 
 def authors_line(stack: str) -> tuple[Path, int, str] | None:
@@ -56,7 +58,7 @@ def authors_line(stack: str) -> tuple[Path, int, str] | None:
 
 def _is_foreign(file: Path) -> bool:
     is_standard = _STANDARD in file.parents and "site-packages" not in file.parts
-    return is_standard or _PLATFORM in file.parents or "importlib" in file.parts
+    return is_standard or _PLATFORM in file.parents or not _CALLERS.isdisjoint(file.parts)
 
 
 _REFERENCE = re.compile(r"\s*([\w.]+)\s*(?::\s*([\w.]+)\s*)?(?:\[.*\]\s*)?")

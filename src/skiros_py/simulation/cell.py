@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skiros_py.devices.camera import CameraSpec
-from skiros_py.errors import DeviceError, SkirosError, UsageError
+from skiros_py.errors import DescriptionError, DeviceError, SkirosError, UnknownName, UsageError
 from skiros_py.geometry import Pose
 from skiros_py.plugins.loading import find_plugin
 from skiros_py.ports.cell import BodySpec, CellSpec, RobotSpec
@@ -282,7 +282,13 @@ def _start_engine(wanted: str | EngineFactory, *, gui: bool) -> Engine:
 
 
 def _write_models(spec: CellSpec, directory: Path) -> dict[str, Path]:
-    paths = {model: write_robot_urdf(model, directory) for model in {group.model for group in spec.groups} - {""}}
+    paths: dict[str, Path] = {}
+    for group in spec.groups:
+        if group.model and group.model not in paths:
+            try:
+                paths[group.model] = write_robot_urdf(group.model, directory)
+            except UnknownName as error:
+                raise DescriptionError(f"sk:model of {group.id}: {error}") from error
     return {group.id: paths[group.model] for group in spec.groups if group.model}
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from skiros_py.errors import UnknownName, UsageError
+from skiros_py.errors import DescriptionError, UnknownName, UsageError
 from skiros_py.geometry import Pose
 from skiros_py.ports.cell import BodySpec, CellSpec, RobotSpec
 from skiros_py.ports.device import DeviceModel
@@ -71,7 +71,12 @@ class CellRobot:
         controllers = {}
         for device in spec.devices:
             stream = seed if device is spec.localiser else [*seed, *device.id.encode()]
-            controller = model_of(device, "simulate", model, np.random.default_rng(stream))
+            try:
+                for frame in device.frame_names:
+                    model.link(frame)
+                controller = model_of(device, "simulate", model, np.random.default_rng(stream))
+            except UnknownName as error:
+                raise DescriptionError(f"{device.id}, in the model '{spec.model}': {error}") from error
             if controller is not None:
                 controllers[device.id] = controller
         return cls(spec, model, controllers)

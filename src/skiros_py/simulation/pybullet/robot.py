@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import xml.etree.ElementTree as ET
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from skiros_py.errors import UnknownName, UsageError
+from skiros_py.errors import DescriptionError, DeviceError, UnknownName, UsageError
 from skiros_py.geometry import Array, Pose
 from skiros_py.ports.simulation import JointLimits, JointReadings, Surface, Twist, Wrench
 from skiros_py.simulation.pybullet.client import Client
@@ -17,6 +18,16 @@ if TYPE_CHECKING:
     from skiros_py.simulation.pybullet.engine import PyBulletEngine
 
 _COUPLING_ERP = 0.1
+
+
+def _why_not_loaded(urdf: Path) -> str:
+    """Returns what is wrong with a URDF file that PyBullet has refused with a mere "cannot load"; empty if unknown."""
+    try:
+        meshes = {mesh.get("filename", "") for mesh in ET.parse(urdf).iter("mesh")}  # noqa: S314 - an installed model
+    except (OSError, ET.ParseError) as error:
+        return f"the model cannot be read: {error}"
+    gone = sorted(name for name in meshes if not (urdf.parent / name.removeprefix("package://")).is_file())
+    return f"there is no mesh {', '.join(gone)} beside the model" if gone else ""
 
 
 class RobotModel:
@@ -37,7 +48,10 @@ class RobotModel:
         self.client = client
         flags = client.URDF_USE_INERTIA_FROM_FILE
         at = {} if pose == Pose() else {"basePosition": pose.position, "baseOrientation": pose.orientation}
-        self.body: int = client.loadURDF(str(urdf), useFixedBase=True, flags=flags, **at)
+        try:
+            self.body: int = client.loadURDF(str(urdf), useFixedBase=True, flags=flags, **at)
+        except DeviceError as error:
+            raise DescriptionError(f"{urdf}: {_why_not_loaded(urdf) or error}") from error
         self.infos = [client.getJointInfo(self.body, index) for index in range(client.getNumJoints(self.body))]
         self.numbers: dict[str, int] = {info[1].decode(): info[0] for info in self.infos}
         self.links: dict[str, int] = {client.getBodyInfo(self.body)[0].decode(): -1}
