@@ -136,7 +136,11 @@ class PinocchioKinematics:
     def __init__(self, urdf: Path) -> None:
         model = self._model = pin.buildModelFromUrdf(str(urdf))
         self._data = threading.local()
-        self._joints = {name: joint for name, joint in zip(model.names, model.joints, strict=True) if joint.nv == 1}
+        self._joints = {
+            name: joint
+            for number, (name, joint) in enumerate(zip(model.names, model.joints, strict=True))
+            if number and joint.nv == 1  # number 0 is Pinocchio's own joint "universe"
+        }
         self.joints: Mapping[str, JointRange] = {name: self._range(joint) for name, joint in self._joints.items()}
         bodies = [frame for frame in model.frames if frame.type == pin.FrameType.BODY]
         self._frames = {str(frame.name): int(model.getFrameId(frame.name)) for frame in bodies}

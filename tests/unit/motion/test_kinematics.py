@@ -1,0 +1,38 @@
+"""Kinematics of models of any shape."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from skiros_py.geometry import Pose
+from skiros_py.motion.pinocchio.kinematics import PinocchioKinematics
+from skiros_py.ports.kinematics import JointRange
+
+INERTIAL = """<inertial><mass value="1"/>
+    <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial>"""
+EYE = f'<robot name="eye"><link name="housing">{INERTIAL}</link></robot>'
+TABLE = f"""<robot name="table"><link name="foot"/><link name="plate">{INERTIAL}</link>
+    <joint name="lift" type="prismatic"><parent link="foot"/><child link="plate"/><origin xyz="0 0 0.5"/>
+    <axis xyz="0 0 1"/><limit lower="0" upper="0.2" effort="9" velocity="1"/></joint></robot>"""
+
+
+def model_of(folder: Path, urdf: str) -> PinocchioKinematics:
+    file = folder / "model.urdf"
+    file.write_text(urdf, encoding="utf-8")
+    return PinocchioKinematics(file)
+
+
+def test_a_model_of_one_link_has_one_frame_and_no_joints(tmp_path: Path) -> None:
+    eye = model_of(tmp_path, EYE)
+
+    assert (dict(eye.joints), dict(eye.parents), eye.poses({})) == ({}, {}, {})
+    assert eye.pose("housing", {}) == Pose()
+
+
+def test_the_joints_of_a_model_are_its_own_whatever_its_root_is_called(tmp_path: Path) -> None:
+    table = model_of(tmp_path, TABLE)
+
+    assert dict(table.joints) == {"lift": JointRange(0.0, 0.2, 1.0)}
+    assert table.pose("plate", {"lift": 0.1}).position == pytest.approx((0.0, 0.0, 0.6))
