@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from integration.test_rest_replays import api, awaited, written
+from mcap.reader import make_reader
 from support.serving import serving
 
 from skiros_py.api.modules import ModuleRunInfo
@@ -32,6 +35,7 @@ from skiros_py.skills.outcome import Success
 from skiros_py.skills.surroundings import map_pose
 from skiros_py.station.recordings.replay import replay_text
 from skiros_py.station.recordings.runs import recorder_of
+from skiros_py.station.recordings.sources import camera_of
 from skiros_py.station.session import Options, Session
 from skiros_py.station.world.view import view_of
 from skiros_py.testing import TINY_ONTOLOGY, Bench, Deaf, FaultyCell, Frozen, Noisy, robot_turtle, world_of
@@ -555,6 +559,7 @@ def test_in_physics_a_wrist_feels_weight_and_a_camera_without_a_robot_sees(lab: 
 
 LINK = """<link name="{0}"><inertial><mass value="{1}"/>
     <inertia ixx="0.05" ixy="0" ixz="0" iyy="0.05" iyz="0" izz="0.05"/></inertial></link>"""
+BOX = '<visual><geometry><box size="0.3 0.3 0.1"/></geometry></visual>'
 JOINT = """<joint name="{0}" type="{1}"><parent link="{2}"/><child link="{3}"/><origin xyz="{4}"/><axis xyz="{5}"/>
     <limit lower="-9" upper="9" effort="3000" velocity="3"/></joint>"""
 FINGERS = [(f"{name}", "revolute", "palm", f"finger_{name}", f"0.05 0.0{number} 0", "0 1 0")
@@ -677,6 +682,9 @@ def test_in_a_session_foreign_devices_move_are_seen_recorded_and_replayed(cell: 
     assert real.position == pytest.approx(believed.position, abs=0.02)
     assert (seen.carrier, seen.pose.position) == ("plate_1", (0.3, 0.0, 0.02))
 
+    with file.open("rb") as stream:
+        attached = {one.name for one in make_reader(stream).iter_attachments()}
+    assert attached == {"scene.ttl", "carrier.urdf", "turntable.urdf"}
     with Recording(file) as recording:
         replay = Replay.model_validate_json(replay_text(recording, over=True))
         frames = [one["child_frame_id"] for _, _, all_ in recording.messages("/frames") for one in all_["transforms"]]
@@ -740,6 +748,23 @@ def test_in_physics_foreign_devices_are_faulted_and_a_camera_without_a_robot_see
     assert now.devices["plate_1"].angle == pytest.approx(0.0, abs=0.01)
     assert any(now.devices["wrench_1"].force)
     assert image.depth[24, 32] == pytest.approx(2.0, abs=0.02)
+
+
+@pytest.mark.physics
+def test_a_cell_without_a_robot_is_seen_whole_from_above(lab: Path, site: Any, tmp_path: Path) -> None:
+    install_cell(site, form=LINK.replace("</link>", BOX + "</link>"))
+    scene = tmp_path / "lab_scene.ttl"
+    scene.write_text(re.sub(r"scene:(robot|base|hand|wrench)_1 a .*?\n(?=scene:)", "", LAB, flags=re.DOTALL))
+    with Session(str(scene), Options(seed=1)) as session:
+        camera = camera_of(session)
+        assert camera is not None
+        picture = camera(session.cycle.board.snapshot, "plate_1").result().astype(int)
+        seen = np.argwhere(np.ptp(picture, axis=2) > 30)
+
+    assert session.spec.robots == ()
+    assert len(seen) > 100, "the floor is grey: only bodies have colours"
+    assert seen.min(axis=0).min() > 0
+    assert (seen.max(axis=0) < np.array(picture.shape[:2]) - 1).all()
 
 
 def test_an_outside_base_is_planned_with_driven_and_jogged_by_the_skills_that_come_along(cell: Session) -> None:

@@ -195,10 +195,10 @@ class Signals:
             pass
         return ""
 
-    def computed(self) -> Mapping[str, Value]:
-        """Returns the values of signals that were computed in this cycle, because they were read; computes none."""
-        cycle = self._board.snapshot.cycle
-        return {name: value for node in self._nodes if node.cycle == cycle for name, value in node.values.items()}
+    def current(self) -> Mapping[str, Value]:
+        """Returns the values of the signals that were read in this cycle; reads and computes none."""
+        cycle, nodes = self._board.snapshot.cycle, (*self._nodes, *self._offers.values())
+        return {name: value for node in nodes if node.cycle == cycle for name, value in node.values.items()}
 
     def set(self, name: str, value: Value) -> None:
         """Sets an input from outside, for any thread; it counts from the next cycle on.

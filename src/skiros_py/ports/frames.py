@@ -122,15 +122,19 @@ class FrameTree:
         place of a device without a robot is "device/root".
         """
         for group in self._cell.groups:
-            root = _root(group)
-            yield MAP, root, group.pose(self.snapshot, self._guard)
-            kinematics = self._ports.find(Kinematics, group.devices[0].id) if group.devices else None
-            links = {} if kinematics is None else kinematics.poses(self.joints(group))
-            for link, pose in links.items():
-                yield root, f"{group.id}/{link}", pose
-            for device in group.devices:
-                if device.id != root:
-                    yield from self._mount(group, device, links)
+            yield from self.transforms_of(group)
+
+    def transforms_of(self, group: RobotSpec) -> Iterator[tuple[str, str, Pose]]:
+        """Yields the frames of one robot, or of a device without a robot, as :meth:`transforms` does."""
+        root = _root(group)
+        yield MAP, root, group.pose(self.snapshot, self._guard)
+        kinematics = self._ports.find(Kinematics, group.devices[0].id) if group.devices else None
+        links = {} if kinematics is None else kinematics.poses(self.joints(group))
+        for link, pose in links.items():
+            yield root, f"{group.id}/{link}", pose
+        for device in group.devices:
+            if device.id != root:
+                yield from self._mount(group, device, links)
 
     def _mount(
         self, group: RobotSpec, device: DeviceSpec[Any, Any], links: Mapping[str, Pose]

@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from skiros_py.errors import UsageError
+from skiros_py.errors import SkirosError, UsageError
 from skiros_py.execution.monitor import ModuleEvent, Monitor, Status
 from skiros_py.execution.runtime import Runtime
 from skiros_py.geometry import Pose
 from skiros_py.ports.values import Pending, Snapshot
 from skiros_py.recording.foxglove import COMPRESSED_IMAGE, Json, Schema, compressed_image
-from skiros_py.recording.recorder import Recorder
+from skiros_py.recording.recorder import Recorder, contained
 from skiros_py.recording.topics import Topic
 
 if TYPE_CHECKING:
@@ -83,8 +83,9 @@ def record_pictures(camera: Camera) -> Callable[[Recorder], None]:
         def want(caption: str, agent: str) -> None:
             captions.setdefault(agent, []).append(caption)
 
-        recorder.on_end(shoot)
-        recorder.on_end(recorder.runtime.cycle.observe(shoot))
+        take = contained("recording source record_pictures", shoot)
+        recorder.on_end(take)
+        recorder.on_cycle(take)
         recorder.on_end(_KeyMoments(recorder.runtime.monitor, want).leave)
 
     return record
@@ -115,6 +116,12 @@ def over_the_shoulder(robot: Pose) -> tuple[_Point, _Point]:
     eye = robot.apply(np.array([-0.9, -1.5, 1.7]))
     yaw = robot.yaw
     return (float(eye[0]), float(eye[1]), float(eye[2])), (x + 0.5 * math.cos(yaw), y + 0.5 * math.sin(yaw), 0.5)
+
+
+def from_above(centre: _Point, distance: float) -> tuple[_Point, _Point]:
+    """Returns where an observer is who looks down at a point from a distance, and that point [m]."""
+    x, y, z = centre
+    return (x - 0.46 * distance, y - 0.69 * distance, z + 0.56 * distance), centre
 
 
 # ---------------------------------------------------------------------- contact sheet and animation
@@ -162,10 +169,11 @@ class RunPictures:
         self._path = path
         self._shots: list[_Shot] = []
         self._next = 0.0
+        name = f"--record {path}"
         if path.suffix == _SHEET:
-            self._leave = _KeyMoments(runtime.monitor, self._shoot).leave
+            self._leave = _KeyMoments(runtime.monitor, contained(name, self._shoot)).leave
         else:
-            self._leave = runtime.cycle.observe(self._on_cycle)
+            self._leave = runtime.cycle.observe(contained(name, self._on_cycle))
 
     def _on_cycle(self) -> None:
         now = self._board.snapshot.time
@@ -181,7 +189,7 @@ class RunPictures:
         """Takes no more pictures, and writes those it has.
 
         Raises:
-            UsageError: The file cannot be written any more.
+            UsageError: The file cannot be written any more, or a picture could not be rendered.
         """
         self._leave()
         try:
@@ -190,8 +198,8 @@ class RunPictures:
                 _contact_sheet(pictures).save(self._path)
             else:
                 pictures[0].save(self._path, save_all=True, append_images=pictures[1:], duration=100, loop=0)
-        except OSError as error:
-            raise UsageError(f"--record {self._path} cannot be written: {error.strerror or error}") from error
+        except (OSError, SkirosError) as error:
+            raise UsageError(f"--record {self._path} cannot be written: {error}") from error
 
 
 def _captioned(shot: _Shot) -> Image:

@@ -6,19 +6,20 @@ import dataclasses
 import json
 import logging
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from functools import partial
 from itertools import count
 from math import inf
-from typing import Any, Self
+from typing import Any, ParamSpec, Self
 
 from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.execution.running import RunnableDocument
 from skiros_py.execution.runtime import Runtime
+from skiros_py.geometry import Pose
 from skiros_py.interruptions import limited
 from skiros_py.ports.adapters import Ports
-from skiros_py.ports.cell import CellSpec
+from skiros_py.ports.cell import CellSpec, RobotSpec
 from skiros_py.ports.device import DeviceSpec, MobileSpec
 from skiros_py.ports.frames import FrameTree
 from skiros_py.ports.guard import KindGuard
@@ -35,6 +36,7 @@ from skiros_py.world.index import Index
 from skiros_py.world.journal.snapshot import snapshot_pieces
 
 _log = logging.getLogger(__name__)
+P = ParamSpec("P")
 
 _EVERY = 0.05
 """Time between two states of the devices [s]."""
@@ -55,8 +57,8 @@ def _schema(name: str, /, **properties: object) -> Schema:
 
 _OBJECT, _TEXT, _NUMBER, _WHOLE = ({"type": name} for name in ("object", "string", "number", "integer"))
 _OBJECTS, _TEXTS = ({"type": "array", "items": items} for items in (_OBJECT, _TEXT))
-_FRAMES = Topic(FRAMES, FRAME_TRANSFORMS, lambda time, tree: frame_transforms(time, tree.transforms()), _KEY)
-_JOINTS = Topic(JOINTS, _schema("Joints"), lambda _time, tree: plain(tree.joint_positions()), _KEY)
+_FRAMES = Topic(FRAMES, FRAME_TRANSFORMS, frame_transforms, _KEY)
+_JOINTS = Topic(JOINTS, _schema("Joints"), lambda _time, joints: plain(joints), _KEY)
 _LOG = Topic("/log", LOG, lambda time, line: log(time, *line))
 _RUNS = Topic("/runs", own_schema(ModuleEvent))
 _TASKS = Topic("/tasks", _schema("Task", number=_WHOLE, name=_TEXT, goal=_TEXTS))
@@ -119,7 +121,7 @@ class Recorder:
         own = {"version": world.state()[0], "start": self.runtime.cycle.board.now, "wall": time.time()}
         self.writer.put_metadata("run", {**self._about, **own, "robots": _robots(self.runtime), "ended": None})
         for source in self._sources:
-            source(self)
+            contained(f"recording source {getattr(source, '__qualname__', source)}", source)(self)
 
     def end(self, fault: str = "", *, cut_off: bool = False) -> None:
         """Ends the recording; what was noted is still written.
@@ -154,6 +156,11 @@ class Recorder:
         """
         self.writer.put(topic, self.runtime.cycle.board.snapshot.time if at is None else at, value)
 
+    def on_cycle(self, callback: Callable[[], object]) -> None:
+        """Calls a function at the end of each cycle while it records; one that raises is switched off and logged."""
+        name = f"recording source {getattr(callback, '__qualname__', callback)}"
+        self.on_end(self.runtime.cycle.observe(contained(name, callback)))
+
     def on_end(self, callback: Callable[[], object]) -> None:
         """Calls a function when the recording ends, such as one that ends a subscription; what it raises is logged."""
         self._stack.callback(_surely, callback)
@@ -186,6 +193,23 @@ class Recorder:
         self.put(_TASKS, known)
 
 
+def contained(name: str, callback: Callable[P, object]) -> Callable[P, None]:
+    """Returns a function that calls another; once that raises, it is logged by name and never called again."""
+    broken = False
+
+    def call(*args: P.args, **kwargs: P.kwargs) -> None:
+        nonlocal broken
+        if broken:
+            return
+        try:
+            callback(*args, **kwargs)
+        except Exception as error:  # noqa: BLE001 - a run does not end because it cannot be recorded
+            broken = True
+            _log.warning("%s is switched off: it raised %s: %s", name, type(error).__name__, error)
+
+    return call
+
+
 def _surely(callback: Callable[[], object]) -> None:
     try:
         callback()
@@ -204,19 +228,19 @@ def _record_runs(recorder: Recorder) -> None:
 
 
 def _record_signals(recorder: Recorder) -> None:
-    """Records each signal that is computed in a channel of its own, where its value changes; computes none itself."""
+    """Records each signal that is read in a channel of its own, where its value changes; reads none itself."""
     board, signals = recorder.runtime.cycle.board, recorder.runtime.signals
     written: dict[str, tuple[float, Value]] = {}
 
     def on_cycle() -> None:
         now = board.snapshot.time
-        for name, value in signals.computed().items():
+        for name, value in signals.current().items():
             last, before = written.get(name, (-inf, None))
             if value != before and now - last >= _EVERY - board.period / 2.0:
                 written[name] = now, value
                 recorder.put(_signal_topic(name, value), value)
 
-    recorder.on_end(recorder.runtime.cycle.observe(on_cycle))
+    recorder.on_cycle(on_cycle)
 
 
 def _signal_topic(name: str, value: Value) -> Topic:
@@ -297,7 +321,7 @@ def _record_devices(recorder: Recorder) -> None:
     on_cycle()
     recorder.on_end(lambda: recorder.writer.defer(devices.end))
     recorder.on_end(lambda: recorder.writer.defer(partial(devices.take, board.snapshot)))
-    recorder.on_end(recorder.runtime.cycle.observe(on_cycle))
+    recorder.on_cycle(on_cycle)
 
 
 class Devices:
@@ -313,6 +337,7 @@ class Devices:
         self._ports = ports
         self._guard = KindGuard()  # in the writer's thread it only names what fails
         self._devices = cell.devices
+        self._groups: Sequence[RobotSpec] = cell.groups
         self._topics: dict[str, Topic] = {}
         self._off: set[str] = set()
         self._written: list[float] | None = None
@@ -339,8 +364,18 @@ class Devices:
         for name, state in states.items():
             write(self._topics[name], snapshot.time, state)
         tree = FrameTree(self._cell, dataclasses.replace(snapshot, devices=states), self._ports, self._guard)
-        for topic in (_JOINTS, _FRAMES):
-            write(topic, snapshot.time, tree)
+        joints: dict[str, float] = {}
+        frames: list[tuple[str, str, Pose]] = []
+        for group in self._groups:
+            try:
+                frames += list(tree.transforms_of(group))
+                joints |= {f"{group.id}/{name}": at for name, at in tree.joints(group).items()}
+            except Exception as error:  # noqa: BLE001 - the code of a plug-in, or a broken model
+                self._groups = [other for other in self._groups if other is not group]
+                text = "frames of %s are no longer recorded: %s: %s"
+                _log.warning(text, group.id, type(error).__name__, error)
+        write(_JOINTS, snapshot.time, joints)
+        write(_FRAMES, snapshot.time, frames)
 
     def _measured(self, snapshot: Snapshot) -> list[float]:
         """Returns the numbers that change when something moves [m, rad]; of a sensor, those that it measures.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import tempfile
 from collections import Counter
 from dataclasses import dataclass
@@ -78,8 +79,10 @@ def outside_view(eye: Vector, target: Vector, width: int, height: int) -> View:
 ENGINE = "pybullet"
 """The engine that is used where no other is asked for."""
 
-_VIEW_DISTANCE = 6.0
-"""From how far the window shows the cell [m]."""
+_LEAST_DISTANCE, _MOST_DISTANCE = 2.0, 25.0
+"""From how near and how far the whole cell is shown [m]."""
+_GROUP_RADIUS = 0.8
+"""Radius within which a robot or a device is about its place [m]."""
 _PERIOD = 1.0 / 200.0
 _SETTLING = 100  # cycles before cycle 0
 _NOISE_STREAM = 2
@@ -115,6 +118,7 @@ class SimulatedCell:
         self._engine = _start_engine(engine, gui=gui)
         self.devices = spec.devices
         self._seed = seed
+        self._places = [group.start.position for group in spec.groups]
         self._cameras = {camera.id: (robot, camera) for robot in spec.groups for camera in robot.of(CameraSpec)}
         self._shots: Counter[str] = Counter()
         self._directory = tempfile.TemporaryDirectory(prefix="skiros-cell-")
@@ -126,7 +130,7 @@ class SimulatedCell:
             self._models = DeviceModels(self.devices, models)
             self._snapshot = self._models.start(self._settle)
             if gui:
-                self._engine.look_at(_middle(spec), _VIEW_DISTANCE)
+                self._engine.look_at(*self.overview())
             if self._cameras:
                 self._engine.prepare_rendering()  # starts while the caller does other things
         except BaseException:
@@ -215,6 +219,21 @@ class SimulatedCell:
         """
         return self._engine.render(outside_view(eye, target, width, height), colour_of)
 
+    def overview(self) -> tuple[Vector, float]:
+        """Returns the middle of everything in the cell and the distance from which all of it can be seen [m]."""
+        spheres = [(place, _GROUP_RADIUS) for place in self._places]
+        for name, pose in self._engine.poses().items():
+            reach = max(float(np.linalg.norm(corner)) for corner in self.scene.body(name).solid.bounds())
+            spheres.append((pose.position, reach))
+        if not spheres:
+            return (0.0, 0.0, 0.0), _LEAST_DISTANCE
+        centres, radii = np.array([centre for centre, _ in spheres]), np.array([[radius] for _, radius in spheres])
+        low, high = (centres - radii).min(axis=0), (centres + radii).max(axis=0)
+        low[2] = max(low[2], 0.0)
+        (x, y, z), radius = (low + high) / 2.0, float(np.linalg.norm(high - low)) / 2.0
+        distance = radius / math.sin(_OUTSIDE_FOV / 2.0)
+        return (float(x), float(y), float(z)), min(max(distance, _LEAST_DISTANCE), _MOST_DISTANCE)
+
     def move_body(self, body_id: str, pose: Pose) -> None:
         """Puts a body somewhere else in the map, at rest; the robot is not told.
 
@@ -290,11 +309,3 @@ def _write_models(spec: CellSpec, directory: Path) -> dict[str, Path]:
             except UnknownName as error:
                 raise DescriptionError(f"sk:model of {group.id}: {error}") from error
     return {group.id: paths[group.model] for group in spec.groups if group.model}
-
-
-def _middle(spec: CellSpec) -> tuple[float, float, float]:
-    """Returns the middle of everything that stands somewhere, in the map [m]."""
-    poses = [body.pose for body in spec.bodies if body.pose is not None and body.carrier is None]
-    poses += [group.start for group in spec.groups]
-    x, y = (sum(pose.position[axis] for pose in poses) / len(poses) for axis in (0, 1))
-    return x, y, 0.5

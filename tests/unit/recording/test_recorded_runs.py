@@ -14,8 +14,11 @@ from skiros_py.devices.arm import ArmState
 from skiros_py.errors import FileError
 from skiros_py.ports.values import Done
 from skiros_py.recording import Recorder, Recording, RecordingWriter
-from skiros_py.recording.pictures import record_pictures
-from skiros_py.testing import Bench, tiny_world
+from skiros_py.recording.pictures import RunPictures, record_pictures
+from skiros_py.recording.recorder import Devices
+from skiros_py.simulation.fake import FakeCell
+from skiros_py.skills.cell_reader import read_cell
+from skiros_py.testing import Bench, tiny_world, world_of
 from skiros_py.world.index import Index
 
 GOAL = "In(Ball, slot_1)"
@@ -147,3 +150,46 @@ def test_a_record_is_never_written_over(tmp_path: Path) -> None:
 def _place(index: Index, element: str) -> str:
     placement = index.placement(element)
     return "" if placement is None else placement.place
+
+
+def test_a_source_or_picture_taker_that_raises_is_switched_off_by_name_and_the_run_goes_on(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    calls = []
+
+    def broken_camera(_snapshot: object, _agent: str) -> Done:
+        calls.append(_agent)
+        raise IndexError("tuple index out of range")
+
+    def broken_source(_recorder: Recorder) -> None:
+        raise ZeroDivisionError("no time")
+
+    with Bench(tiny_world()) as bench:
+        pictures = RunPictures(bench.runtime, broken_camera, tmp_path / "run.gif")
+        with recording_of(bench, tmp_path / "one.mcap", broken_source, record_pictures(broken_camera)):
+            report = bench.pursue(GOAL)
+        pictures.write()
+
+    assert report.reached
+    assert len(calls) == 2
+    switched_off = [record.getMessage() for record in caplog.records if "is switched off" in record.getMessage()]
+    assert [text for text in switched_off if "broken_source" in text and "ZeroDivisionError: no time" in text]
+    assert [text for text in switched_off if "record_pictures" in text and "IndexError" in text]
+    assert [text for text in switched_off if "--record" in text and "IndexError" in text]
+
+
+def test_a_robot_whose_kinematics_raise_does_not_take_the_frames_of_the_others_along(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    class BrokenForOne:
+        def find(self, _port: type, device: str) -> None:
+            if device.endswith("_1"):
+                raise IndexError("list index out of range")
+
+    spec = read_cell(world_of("", robots=2), ["robot_1", "robot_2"])
+    devices, written = Devices(spec, BrokenForOne()), {}
+    devices.take(FakeCell(spec).read(), lambda topic, _time, value: written.update({topic.name: value}))
+
+    assert {frame for _, frame, _ in written["/frames"]} >= {"base_2"}
+    assert "base_1" not in {frame for _, frame, _ in written["/frames"]}
+    assert "frames of robot_1 are no longer recorded: IndexError" in caplog.text

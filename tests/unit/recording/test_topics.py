@@ -139,7 +139,8 @@ def test_a_signal_that_is_read_has_a_channel_with_each_of_its_values(tmp_path: P
     path = tmp_path / "one.mcap"
     inputs = [Input(Signal("limit"), 0.5), Input(Signal("aim", length=2), (1.0, 2.0)), Input(Signal("unread"), 1.0)]
     with Bench(tiny_world(), signals=lambda _: inputs) as bench:
-        bench.cycle.observe(lambda: list(map(bench.signals.read, ("limit", "aim"))))
+        read = ("limit", "aim", "gripper_1.still")
+        bench.cycle.observe(lambda: list(map(bench.signals.read, read)))
         with Recorder(RecordingWriter(path), bench.runtime, {}):
             bench.advance(0.5)
             bench.signals.set("limit", True)
@@ -147,7 +148,12 @@ def test_a_signal_that_is_read_has_a_channel_with_each_of_its_values(tmp_path: P
 
     with Recording(path) as recording:
         said = [(topic, message["value"]) for topic, _, message in recording.messages("/signals/")]
-    assert said == [("/signals/limit", 0.5), ("/signals/aim", [1.0, 2.0]), ("/signals/limit", True)]
+    assert said == [
+        ("/signals/limit", 0.5),
+        ("/signals/aim", [1.0, 2.0]),
+        ("/signals/gripper_1.still", True),
+        ("/signals/limit", True),
+    ]
 
 
 def test_each_revision_of_a_document_that_runs_is_recorded_once(tmp_path: Path) -> None:

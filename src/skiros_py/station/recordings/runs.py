@@ -60,14 +60,15 @@ def recorder_of(
 
 
 def _attach_models(session: Session) -> Callable[[Recorder], None]:
-    """Attaches the believed scene and the model of each robot."""
+    """Attaches the believed scene and the models of the robots and devices."""
 
     def attach(recorder: Recorder) -> None:
         index = session.world.snapshot()
         recorder.writer.attach("scene.ttl", "text/turtle", lambda: scene_turtle(index).encode())
-        for robot in session.spec.robots:
-            if session.runtime.context.frames.kinematics(robot) is not None:
-                recorder.writer.attach(f"{robot.model}.urdf", "application/xml", partial(_urdf, robot.model))
+        groups = (group for group in session.spec.groups if group.model)
+        modelled = (group.model for group in groups if session.runtime.context.frames.kinematics(group) is not None)
+        for model in dict.fromkeys(modelled):
+            recorder.writer.attach(f"{model}.urdf", "application/xml", partial(_urdf, model))
 
     return attach
 

@@ -27,7 +27,7 @@ from skiros_py.recording.foxglove import (
     point_cloud,
     scene_update,
 )
-from skiros_py.recording.pictures import HEIGHT, WIDTH, Camera, over_the_shoulder, webp
+from skiros_py.recording.pictures import HEIGHT, WIDTH, Camera, from_above, over_the_shoulder, webp
 from skiros_py.recording.recorder import Recorder
 from skiros_py.recording.topics import Topic
 from skiros_py.recording.writer import Write
@@ -153,11 +153,14 @@ def camera_of(session: Session) -> Camera | None:
         return None
 
     def picture(snapshot: Snapshot, agent: str) -> Pending[Any]:
-        """Renders the workspace of a robot from behind it; of the first robot if the agent is unknown."""
-        robots = session.spec.robots
-        robot = next((robot for robot in robots if robot.has(agent)), robots[0])
-        eye, target = over_the_shoulder(robot.pose(snapshot, session.cycle.board.guard))
-        return session.simulation.picture(eye, target, width=WIDTH, height=HEIGHT)
+        """Renders the workspace of the agent's robot, or of the first one, from behind it; without robots the cell."""
+        robots, cell = session.spec.robots, session.simulation
+        robot = next((robot for robot in robots if robot.has(agent)), next(iter(robots), None))
+        if robot is None:
+            view = from_above(*cell.overview())
+        else:
+            view = over_the_shoulder(robot.pose(snapshot, session.cycle.board.guard))
+        return cell.picture(*view, width=WIDTH, height=HEIGHT)
 
     return picture
 
