@@ -97,14 +97,11 @@ def remove_document(kind: KindName, id: Id, station: StationDep, seen: SeenDep) 
     station.documents.remove(kind, id, seen)
 
 
-_TEXT = {"schema": {"type": "string"}}
-
-
 @router.get(
     "/documents/{kind}/{id}/text",
     dependencies=[needs(Role.VIEWER)],
     response_class=Response,
-    responses={200: {"description": "The document.", "content": {"*/*": _TEXT}, **tagged()[200]}},
+    responses={200: {"description": "The document.", "content": {"*/*": {}}, **tagged()[200]}},
 )
 def export_document(
     kind: KindName,
@@ -130,7 +127,7 @@ async def _text(request: Request) -> str:
 @router.put(
     "/documents/{kind}/{id}/text",
     dependencies=[needs(Role.OPERATOR)],
-    openapi_extra={"requestBody": {"required": True, "content": {"*/*": _TEXT}}},
+    openapi_extra={"requestBody": {"required": True, "content": {"*/*": {"schema": {"type": "string"}}}}},
     responses=_WRITTEN,
 )
 def import_document(
