@@ -136,7 +136,6 @@ class Turntable(DeviceSpec[TableState, TableTarget]):
     signals: ClassVar[Any] = (DeviceSignal("angle", lambda s: s.angle, "rad", "how far it is turned"),)
     joint_names = ("turn",)
     platform_link = "plate"
-    platform_start = Pose((0.0, 0.0, 0.5))
 
     def joint_positions(self, state):
         return (state.angle,)

@@ -143,7 +143,8 @@ class DeviceSpec(ABC, Generic[StateT, TargetT]):
         state_type: Type of its states, a frozen dataclass; None for a device that is only asked (a camera).
         target_type: Type of its targets, a frozen dataclass; None for a sensor.
         signals: The values that it offers in each cycle.
-        carries: True where bodies may stand on it: their ``sk:pose`` is given in its frame, and they move with it.
+        carries: True where bodies may stand on it. Those that name it as their ``sk:poseFrame`` have their ``sk:pose``
+            in its frame and move with it; in a simulation they are bolted to :attr:`platform_link`.
         jog: Modules with which a person moves it by a small step, or home; the first is the usual one.
         teach: Modules that learn something from its present state; the first is the usual one.
 
@@ -257,13 +258,8 @@ class DeviceSpec(ABC, Generic[StateT, TargetT]):
 
     @property
     def platform_link(self) -> str:
-        """Link of the robot's model on which bodies stand, where it :attr:`carries` any."""
+        """Link of the robot's model on which bodies stand, where it :attr:`carries` any; a simulation needs it."""
         return ""
-
-    @property
-    def platform_start(self) -> Pose:
-        """Pose of that link in the frame of the robot, at the start."""
-        return Pose()
 
     def platform(self, state: StateT) -> Pose | None:  # noqa: ARG002 - for kinds that know it themselves
         """Returns the pose of that link in the frame of the robot; None to have it from the robot's kinematics."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -81,6 +81,15 @@ class CellRobot:
                 controllers[device.id] = controller
         return cls(spec, model, controllers)
 
+    def platforms(self) -> Iterator[tuple[str, Pose]]:
+        """Yields each device that carries bodies, except what moves the robot, with its platform's pose in the map."""
+        for device in self.spec.devices:
+            if device.carries and device.platform_link and device is not self.spec.carrier:
+                try:
+                    yield device.id, self.model.link(device.platform_link).pose()
+                except UnknownName as error:
+                    raise DescriptionError(f"{device.id}, in the model '{self.spec.model}': {error}") from error
+
 
 class Scene:
     """The simulated world behind a cell.
@@ -102,12 +111,12 @@ class Scene:
         self.engine = engine
         self._palette = Palette()
         self.bodies: dict[str, BodySpec] = {}
-        poses = start_poses(spec, seed)
         self.robots = [
             CellRobot.bring_up(robot, _added(engine, robot, urdfs[robot.id]), (seed, _DEVICE_STREAM, number))
             for number, robot in enumerate(spec.groups)
             if robot.model
         ]
+        poses = start_poses(spec, seed, {id_: pose for robot in self.robots for id_, pose in robot.platforms()})
         self.compartments = {
             body.id: (body, poses[body.place].inverse() @ poses[body.id])
             for body in spec.bodies
@@ -122,6 +131,7 @@ class Scene:
 
         Raises:
             UsageError: There is a body of that id, or it is a compartment.
+            DescriptionError: The device that carries it has no model.
         """
         if spec.id in self.bodies or spec.compartment:
             raise UsageError(f"'{spec.id}' is a compartment or is in the cell already")
@@ -130,7 +140,9 @@ class Scene:
         self.engine.add_body(spec.id, spec.solid, pose, mass=mass, colour=colour, surface=_BODIES)
         self.bodies[spec.id] = spec
         if spec.carrier is not None:
-            robot = next(robot for robot in self.robots if robot.spec.has(spec.carrier))
+            robot = next((robot for robot in self.robots if robot.spec.has(spec.carrier)), None)
+            if robot is None:
+                raise DescriptionError(f"{spec.carrier} carries {spec.id}, but has no model: give it an sk:model")
             link = robot.spec.device(spec.carrier).platform_link
             self.engine.attach(spec.id, robot.model.name, link)
 

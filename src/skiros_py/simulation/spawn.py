@@ -20,7 +20,7 @@ _NAMED = 8
 """So many bodies are named in a message."""
 
 
-def start_poses(spec: CellSpec, seed: int) -> dict[str, Pose]:
+def start_poses(spec: CellSpec, seed: int, platforms: Mapping[str, Pose] | None = None) -> dict[str, Pose]:
     """Returns the pose in the map of every body and compartment at the start.
 
     A compartment without a carrier of its own is described in the same frame as the body it belongs to.
@@ -28,11 +28,14 @@ def start_poses(spec: CellSpec, seed: int) -> dict[str, Pose]:
     Args:
         spec: The cell.
         seed: The run's seed.
+        platforms: Pose in the map, at the start, of each platform on which bodies stand, by device; where one is left
+            out, that of its robot or device counts.
 
     Raises:
         DescriptionError: A body has neither pose nor place, or its place has no room for it.
     """
-    poses = {body.id: _carrier_pose(spec, body) @ body.pose for body in spec.bodies if body.pose is not None}
+    known = platforms or {}
+    poses = {body.id: _carrier_pose(spec, body, known) @ body.pose for body in spec.bodies if body.pose is not None}
     waiting = [body for body in spec.bodies if body.pose is None]
     for place_id in dict.fromkeys(body.place for body in waiting):
         bodies = [body for body in waiting if body.place == place_id]
@@ -66,7 +69,7 @@ def free_pose(body: BodySpec, standing: Sequence[tuple[BodySpec, Pose]], seed: i
     return start_poses(CellSpec((*there, body), ()), seed)[body.id]
 
 
-def _carrier_pose(spec: CellSpec, body: BodySpec) -> Pose:
+def _carrier_pose(spec: CellSpec, body: BodySpec, platforms: Mapping[str, Pose]) -> Pose:
     carrier = body.carrier
     if carrier is None and body.compartment and body.place is not None:
         carrier = spec.body(body.place).carrier
@@ -75,7 +78,7 @@ def _carrier_pose(spec: CellSpec, body: BodySpec) -> Pose:
     for group in spec.groups:
         for device in group.devices:
             if device.id == carrier:
-                return group.start if device is group.carrier else group.start @ device.platform_start
+                return platforms.get(carrier, group.start)
     raise DescriptionError(f"'{body.id}' is carried by '{carrier}', which is no device of this cell")
 
 

@@ -152,7 +152,6 @@ AT_THE_START = {
     "frame_names",
     "mounted_on",
     "platform_link",
-    "platform_start",
 }
 """What a cell is brought up with: it is refused by name."""
 ELSEWHERE = {"encode", "decode_state", "decode_target", "noisy"}

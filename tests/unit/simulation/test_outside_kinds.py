@@ -12,6 +12,7 @@ import pytest
 from unit.simulation.kinematic_engine import KinematicEngine
 
 from skiros_py.devices.camera import CameraSpec
+from skiros_py.errors import DescriptionError
 from skiros_py.geometry import Pose, Solid
 from skiros_py.ports.cell import BodySpec, CellSpec, RobotSpec
 from skiros_py.ports.device import DeviceSpec, FakeRobot, Individual
@@ -67,10 +68,6 @@ class Turntable(DeviceSpec[Turned, TurnTo]):
     def platform_link(self) -> str:
         return "plate"
 
-    @property
-    def platform_start(self) -> Pose:
-        return Pose((0.0, 0.0, 0.5))
-
 
 class SimulatedTurntable:
     braking_time = 0.1
@@ -117,6 +114,13 @@ def test_a_turntable_without_a_robot_carries_what_is_fixed_to_it(make: Any, engi
     assert before.position == pytest.approx((1.0, 2.3, 0.52), abs=0.01)
     assert snapshot.devices["table_1"].angle == pytest.approx(math.pi / 2, abs=0.01)
     assert after.position == pytest.approx((0.7, 2.0, 0.52), abs=0.02)
+
+
+def test_a_device_that_carries_something_needs_a_model(make: Any) -> None:
+    part = BodySpec("part", "Part", Solid.box(0.1, 0.1, 0.1), 0.5, Pose((0.3, 0.0, 0.02)), carrier="table_1")
+
+    with pytest.raises(DescriptionError, match="table_1 carries part, but has no model: give it an sk:model"):
+        make([part], RobotSpec("table_1", "", (Turntable("table_1"),), PLACE), KinematicEngine)
 
 
 @pytest.mark.parametrize("engine", ENGINES)
