@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import traceback
 from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from skiros_py.behaviours.document import DocumentKind
 from skiros_py.errors import DescriptionError, DeviceError, PlanningError, SkirosError, UnknownName, UsageError
+from skiros_py.interruptions import limited
 from skiros_py.planning.planners.planner import Planners
 from skiros_py.planning.planners.program_planner import EVERYTHING, CommandPlanner
 from skiros_py.plugins.loading import LazyPlugins
@@ -25,6 +28,8 @@ if TYPE_CHECKING:
     from skiros_py.ports.driver import CellDriver
 
 
+_LONGEST = 30.0
+"""Wall time in which a plug-in has to make its signal providers [s]."""
 _OF_PLANNERS = ("name", "supports", "solve", "close")
 
 
@@ -150,27 +155,26 @@ class Catalogue:
         lacks = "no implementation for driver fake" if self.fake else "implementations for driver fake only"
         return f"{', '.join(skills)} {are} there, but {have} {lacks}"
 
-    def signal_providers(self, cell: CellSpec) -> list[tuple[SignalProvider, str]]:
+    def signal_providers(self, cell: CellSpec) -> tuple[list[tuple[SignalProvider, str]], tuple[PluginFault, ...]]:
         """Makes the signal providers of a cell.
 
         Returns:
-            Each with its distribution.
-
-        Raises:
-            DescriptionError: A plug-in raises, or returns something else; the text names it.
+            Each with its distribution; and the faults of plug-ins that raise, hang or make something else.
         """
         made: list[tuple[SignalProvider, str]] = []
+        faults: list[PluginFault] = []
         for name, factory in self.signals.items():
             source = self._source("signal", name)
+            what = f"signals '{name}' of {source}"
             try:
-                providers = list(factory(cell))
-                wrong = next((problem for one in providers if (problem := provider_problem(one))), None)
-            except Exception as error:
-                raise DescriptionError(f"signals '{name}' of {source}: {type(error).__name__}: {error}") from error
-            if wrong is not None:
-                raise DescriptionError(f"signals '{name}' of {source}: {wrong}")
-            made += [(provider, source) for provider in providers]
-        return made
+                providers = limited(partial(str, what), _LONGEST, partial(_providers, factory, cell))
+            except Exception as error:  # noqa: BLE001 - a plug-in's code: the cell does without its signals
+                reason = str(error) if isinstance(error, SkirosError) else f"{type(error).__name__}: {error}"
+                trace = "".join(traceback.format_exception(error))
+                faults.append(PluginFault("skiros.signals", name, source, f"{what}: {reason}", trace))
+            else:
+                made += [(provider, source) for provider in providers]
+        return made, tuple(faults)
 
     def _made(
         self, kind: str, name: str, found: Mapping[str, Any], fault: type[SkirosError], *arguments: Any, **options: Any
@@ -199,6 +203,18 @@ class Catalogue:
         if isinstance(found, LazyPlugins) and (reason := found.why_not(name)):
             return reason
         return next((str(fault) for fault in self.early if (fault.group, fault.name) == (group, name)), None)
+
+
+def _providers(factory: Callable[[CellSpec], Iterable[SignalProvider]], cell: CellSpec) -> list[SignalProvider]:
+    """Makes providers.
+
+    Raises:
+        DescriptionError: One of them is none.
+    """
+    providers = list(factory(cell))
+    if wrong := next((problem for one in providers if (problem := provider_problem(one))), None):
+        raise DescriptionError(wrong)
+    return providers
 
 
 def choose_planners(catalogue: Catalogue, wanted: str | None = None, command: str | None = None) -> Planners:

@@ -300,6 +300,7 @@ class RuntimeOptions:
         config: Values of configuration parameters by "module.key".
         signals: What computes signals from those of the devices.
         sources: Distribution of each of them, in the same order; none where they are not from plug-ins.
+        signals_missing: Why plug-ins bring no signals that others may read; empty where all do.
         overrun: Wall time for which one module may hold the control cycle [s]; None for the watchdog's own limit.
     """
 
@@ -310,6 +311,7 @@ class RuntimeOptions:
     config: Mapping[str, Any] = field(default_factory=dict)
     signals: Sequence[SignalProvider] = ()
     sources: Sequence[str] = ()
+    signals_missing: str = ""
     overrun: float | None = None
 
 
@@ -356,7 +358,7 @@ class Runtime:
         self.asked = LibraryMonitor(options.ports)
         self.questions = Questions()
         self.cycle = ControlCycle(board, options.pace)
-        self.signals = self.cycle.signals = Signals(board, options.signals, options.sources)
+        self.signals = self.cycle.signals = Signals(board, options.signals, options.sources, options.signals_missing)
         world.sensors = self.signals
         self.context = RunContext(
             world=world,

@@ -103,6 +103,7 @@ class Signals:
         board: The devices.
         providers: What computes further signals, from those of the devices and from each other's.
         sources: Distribution of each provider, in the same order; none where they are not from plug-ins.
+        missing: Why plug-ins bring no signals; then a provider that reads a signal which none provides is left out.
 
     Raises:
         DescriptionError: Two provide the same signal, a requested signal is provided by none, or providers need each
@@ -115,8 +116,10 @@ class Signals:
         board: DeviceBoard,
         providers: Sequence[SignalProvider] = (),
         sources: Sequence[str] = (),
+        missing: str = "",
     ) -> None:
         self._board = board
+        self._missing = missing
         self._activity = board.guard.activity
         self._offers: dict[str, _Node] = {}
         nodes = map(_Node, providers, sources or [""] * len(providers))
@@ -328,6 +331,9 @@ class Signals:
                     return
             elif device and device not in self._board.devices and own in load_device_kinds()[0].signal_names():
                 node.leave_out(f"it reads '{name}', and this cell has no {device}")
+                return
+            elif self._missing:
+                node.leave_out(f"it reads '{name}', which none provides ({self._missing})")
                 return
             else:
                 raise DescriptionError(f"{node.title}: {UnknownName('signal', name, sorted(self.names))}")

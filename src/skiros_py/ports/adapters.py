@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, Protocol, TypeVar
 
 from skiros_py.errors import DeviceError, UnknownName, UsageError
+from skiros_py.interruptions import limited
 from skiros_py.plugins.installation import OWN_NAME
 from skiros_py.plugins.loading import load_plugins
 from skiros_py.plugins.plugin import Plugin, PluginFault
@@ -21,6 +22,9 @@ from skiros_py.ports.device import DeviceSpec
 
 GROUP = "skiros.adapters"
 """Entry points of this group name objects of class :class:`Adapter`."""
+
+_LONGEST = 60.0
+"""Wall time in which an adapter has to be made [s]."""
 
 T = TypeVar("T")
 _log = logging.getLogger(__name__)
@@ -200,7 +204,8 @@ class InstalledPorts:
         if key not in self._made:
             spec = group.device(device) if group is not None and device and adapter.one_for == "device" else None
             try:
-                self._made[key] = adapter.make(Request((group,) if group is not None else self._all, spec, self))
+                request = Request((group,) if group is not None else self._all, spec, self)
+                self._made[key] = limited(lambda: "make", _LONGEST, lambda: adapter.make(request))
             except (DeviceError, UnknownName, UsageError):
                 raise
             except Exception as error:

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import json
 import logging
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass, field, replace
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from skiros_py.api.alarms import AlarmKind
 from skiros_py.api.documents import (
@@ -29,6 +28,7 @@ from skiros_py.errors import (
     WrongState,
 )
 from skiros_py.execution.running import RunnableDocument
+from skiros_py.interruptions import limited
 from skiros_py.skills.behaviour import nodes_of
 from skiros_py.skills.lint.checking import faults_of_document
 from skiros_py.skills.lint.rule import Known
@@ -37,11 +37,14 @@ from skiros_py.station.document_store import Document, DocumentStore
 from skiros_py.station.requests import ANY_VERSION, Seen, Service, addressed, require_seen
 from skiros_py.station.session import Session
 
+_PATIENCE = 10.0
+"""Wall time that the code of a kind of document may take [s]."""
 _MOST = 1000
 """Maximum number of documents of a kind."""
 _LONGEST = 200_000
 """Maximum length of a document as JSON."""
 
+T = TypeVar("T")
 _log = logging.getLogger(__name__)
 
 
@@ -114,7 +117,8 @@ class DocumentService(Service):
 
     def _palette(self, kind: str) -> tuple[PaletteNode, ...]:
         try:
-            return tuple(PaletteNode(**asdict(entry)) for entry in self._kind(kind).palette(self._reader))
+            entries = _asked(f"documents of kind {kind}", lambda: self._kind(kind).palette(self._reader))
+            return tuple(PaletteNode(**asdict(entry)) for entry in entries)
         except Exception as error:  # noqa: BLE001 - a plug-in's palette
             _log.warning("the palette of kind %s: %s: %s", kind, type(error).__name__, error)
             return ()
@@ -172,8 +176,7 @@ class DocumentService(Service):
         document, known = self._find(kind, id_), self._known(kind)
         format_ = next(iter(known.formats)) if format_ is None else format_
         known.require_format(format_)
-        with _blamed(_module(kind, id_)):
-            text = known().export(document.data, format_)
+        text = _asked(_module(kind, id_), lambda: known().export(document.data, format_))
         return DocumentText(text, known.formats[format_], document.version)
 
     # ------------------------------------------------------------------ writing
@@ -228,8 +231,7 @@ class DocumentService(Service):
             raise Refused(
                 "UnsupportedMediaType", f"{kind} documents are imported as {types}, not as {media_type!r:.100}"
             )
-        with _blamed(_module(kind, id_)):
-            data = self._kind(kind).parse(text, formats[0])
+        data = _asked(_module(kind, id_), lambda: self._kind(kind).parse(text, formats[0]))
         return self.put(kind, id_, data, seen)
 
     def remove(self, kind: str, id_: str, seen: Seen | None = ANY_VERSION) -> None:
@@ -258,8 +260,7 @@ class DocumentService(Service):
         return self._kinds[kind]
 
     def _kind(self, kind: str) -> DocumentKind:
-        with _blamed(f"documents of kind {kind}"):
-            return self._known(kind)()
+        return _asked(f"documents of kind {kind}", self._known(kind))
 
     def _make(self, maker: DocumentKind, data: Any, module: str) -> _Made:
         """Returns what a document is as a module.
@@ -267,11 +268,14 @@ class DocumentService(Service):
         Raises:
             DocumentError: Something is wrong with it, or its kind raises an exception.
         """
-        with _blamed(module):
+
+        def make() -> _Made:
             if faults := maker.check(data, self._reader):
                 raise DocumentError(faults, module)
             behaviour = maker.behaviour(data, self._reader)
             return _Made(None) if behaviour is None else _Made(behaviour, behaviour.title, maker.interface(data))
+
+        return _asked(module, make)
 
     def _offer(self, session: Session, document: Document, made: _Made) -> None:
         module = _module(document.kind, document.name)
@@ -299,7 +303,8 @@ class DocumentService(Service):
         session = self._station.session
         skills = {one.skill.name: one.skill for one in session.tasks.capabilities}
         try:
-            found = maker.review(data, session.world.snapshot(), skills)
+            world = session.world.snapshot()
+            found = limited(lambda: "its review", _PATIENCE, lambda: maker.review(data, world, skills))
         except Exception as error:  # noqa: BLE001 - a plug-in's check
             return Review(faults=(DocumentFault("", f"{maker.kind} cannot check it: {type(error).__name__}: {error}"),))
         if made.behaviour is None or found.faults:
@@ -328,11 +333,10 @@ class DocumentService(Service):
                     yield node.path.lstrip("/"), call.module
 
 
-@contextmanager
-def _blamed(module: str) -> Iterator[None]:
-    """Converts exceptions of a plug-in into faults of a document."""
+def _asked(module: str, work: Callable[[], T]) -> T:
+    """Returns what code of a plug-in returns; its exceptions, and code that hangs, are faults of the document."""
     try:
-        yield
+        return limited(lambda: "its code", _PATIENCE, work)
     except SkirosError:
         raise
     except Exception as error:

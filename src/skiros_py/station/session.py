@@ -236,7 +236,9 @@ class Session:
 
     def _set_up(self, ports: Ports) -> None:
         """Brings control cycle, skill managers and watchdog up."""
-        providers = self.catalogue.signal_providers(self.spec)
+        providers, faults = self.catalogue.signal_providers(self.spec)
+        warn(faults)
+        self.catalogue = replace(self.catalogue, early=(*self.catalogue.early, *faults))
         options = RuntimeOptions(
             seed=(self.options.seed, _STREAM),
             pace=self.options.pace,
@@ -244,6 +246,7 @@ class Session:
             config=self.options.config,
             signals=[provider for provider, _ in providers],
             sources=[source for _, source in providers],
+            signals_missing="; ".join(fault.reason for fault in faults),
             overrun=self.options.overrun,
         )
         skills = self.catalogue.chosen_skills(self.options.skills)

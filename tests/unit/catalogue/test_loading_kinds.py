@@ -10,7 +10,6 @@ import pytest
 
 from skiros_py.catalogue import KINDS
 from skiros_py.catalogue.catalogue import Catalogue
-from skiros_py.errors import DescriptionError
 from skiros_py.plugins.installation import GROUPS
 from skiros_py.plugins.plugin import Plugin
 from skiros_py.ports.cell import CellSpec
@@ -112,6 +111,18 @@ def test_what_is_wrong_is_told_with_what_would_be_right(kind: str, value: Any, s
     assert (problem(kind, value) or "nothing").startswith(says)
 
 
+class Fine:
+    """A signal provider."""
+
+    name = "fine"
+    provides = (Signal("fine"),)
+    requests = ()
+    every_cycle = False
+
+    def compute(self, inputs: Any, time: float) -> Any:
+        return {"fine": 1.0}
+
+
 class Half:
     """A signal provider that lacks its computation."""
 
@@ -128,10 +139,26 @@ class Half:
         ([Half()], "its compute is missing or wrong"),
     ],
 )
-def test_signals_that_are_no_providers_are_refused_with_the_plug_in(made: Any, why: str) -> None:
+def test_signals_that_are_no_providers_are_left_out_and_named(made: Any, why: str) -> None:
     catalogue = Catalogue({}, {}, {}, {}, {"signals/odd": "lab 1.0"}, signals={"odd": lambda _cell: made})
 
-    with pytest.raises(DescriptionError, match=r"signals 'odd' of lab 1\.0: ") as caught:
-        catalogue.signal_providers(CellSpec((), ()))
+    made, (fault,) = catalogue.signal_providers(CellSpec((), ()))
 
-    assert why in str(caught.value)
+    assert made == []
+    assert fault.reason.startswith("signals 'odd' of lab 1.0: ")
+    assert why in fault.reason
+
+
+def test_signals_that_hang_when_they_are_made_are_interrupted_and_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    def hangs(_cell: CellSpec) -> list[Any]:
+        while True:
+            pass
+
+    monkeypatch.setattr("skiros_py.catalogue.catalogue._LONGEST", 0.2)
+    sources = {"signals/odd": "lab 1.0", "signals/fine": "hut 2.0"}
+    catalogue = Catalogue({}, {}, {}, {}, sources, signals={"odd": hangs, "fine": lambda _cell: [Fine()]})
+
+    ((provider, source),), (fault,) = catalogue.signal_providers(CellSpec((), ()))
+
+    assert (provider.name, source) == ("fine", "hut 2.0")
+    assert "signals 'odd' of lab 1.0 did not end within 0.2 s" in fault.reason

@@ -306,3 +306,11 @@ def test_one_that_hangs_is_interrupted_and_named_and_after_a_reset_the_rest_goes
         cycle.step()
 
     assert signals.read("fine").value == 1.0
+
+
+def test_what_reads_a_signal_of_a_plug_in_that_brings_none_is_left_out_and_named(board: DeviceBoard) -> None:
+    providers = [Provider("softer", lambda _: 1.0, "soft"), Provider("fine", lambda _: 5.0)]
+    signals = Signals(board, providers, missing="signals 'soft' of lab 1.0: KeyError: 'no'")
+
+    assert signals.value("fine") == 5.0
+    assert "reads 'soft', which none provides (signals 'soft' of lab 1.0: KeyError: 'no')" in signals.why_not("softer")

@@ -37,6 +37,14 @@ ROBOT = Adapter((Tracker,), Made, one_for="robot")
 DEVICE = Adapter((Tracker,), Made, one_for="device")
 LEFT = Adapter((ArmPlanner,), Made, serves=lambda device: device.id == "left", one_for="device", eager=False)
 BROKEN = Adapter((Tracker,), broken)
+
+
+def hangs(request):
+    while True:
+        pass
+
+
+STUCK = Adapter((Tracker,), hangs)
 RUDE = Adapter((ArmPlanner,), Made, serves=lambda device: device.nothing, one_for="device")
 FAKE = Adapter((Tracker,), Made, without_physics=True)
 """
@@ -168,3 +176,13 @@ def test_an_adapter_that_raises_when_asked_what_it_serves_is_not_used_and_named(
     finally:
         ports.close()
     assert "adapter 'rude' of sk-rude 0.3 is not used for right: its serves raised AttributeError" in caplog.text
+
+
+def test_an_adapter_that_hangs_when_it_is_made_is_interrupted_and_named(
+    install: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("skiros_py.ports.adapters._LONGEST", 0.2)
+    module = install("sk-stuck", stuck="STUCK")
+
+    with pytest.raises(DeviceError, match=r"'stuck' of sk-stuck 0.3 breaks: .* make did not end within 0.2 s"):
+        InstalledPorts(ROBOTS).port(module.Tracker)
