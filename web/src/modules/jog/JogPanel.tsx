@@ -47,7 +47,8 @@ function ByHand({ robot, alone }: { robot: Robot; alone: boolean }) {
   if (devices === undefined) return null;
   const own = devices.filter((device) => device.robot === robot.id);
   const panels = own.flatMap((device) => panelsOf({ device, disabled, t }));
-  const first = [...own].sort((one, other) => other.jog.length - one.jog.length)[0]?.id;
+  const handiest = [...own].sort((one, other) => other.jog.length - one.jog.length);
+  const first = handiest[0]?.id;
   return (
     <Stack gap="xs">
       <HandBar devices={own} disabled={disabled} />
@@ -67,7 +68,7 @@ function ByHand({ robot, alone }: { robot: Robot; alone: boolean }) {
           </Section>
         ))}
         <Section value="teach" title={t("teach.title")}>
-          <Teach devices={own} disabled={disabled} />
+          <Teach devices={handiest} disabled={disabled} />
         </Section>
         <Section value="learned" title={t("learned.title")}>
           <Learned />
