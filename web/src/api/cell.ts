@@ -1,11 +1,14 @@
-/** Queries for the robots and devices of the station. */
+/** Queries for the robots, devices and skills of the station. */
 
 import { useQuery } from "@tanstack/react-query";
+import { useMemo } from "react";
 import { answer, api, type Schema } from "./client";
 import { keys } from "./keys";
 
 export type Device = Schema<"DeviceInfo">;
 export type RobotInfo = Schema<"RobotInfo">;
+/** Skills by name. */
+export type Skills = ReadonlyMap<string, Schema<"SkillInfo">>;
 
 export function useRobots() {
   return useQuery({
@@ -21,4 +24,9 @@ export function useDevices(interval: number | false = false) {
     queryFn: async () => (await answer(api.GET("/api/v1/devices"))) as Device[],
     refetchInterval: interval,
   });
+}
+
+export function useSkills(): Skills {
+  const { data } = useQuery({ queryKey: keys.modules("skills"), queryFn: () => answer(api.GET("/api/v1/skills")) });
+  return useMemo(() => new Map(data?.map((skill) => [skill.name, skill])), [data]);
 }

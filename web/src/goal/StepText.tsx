@@ -1,4 +1,5 @@
 import { useTranslation } from "react-i18next";
+import { useSkills } from "../api/cell";
 import type { Schema } from "../api/client";
 import { ElementName } from "../widgets/ElementName";
 import { stepPieces } from "./steps";
@@ -6,7 +7,8 @@ import { stepPieces } from "./steps";
 /** A step of a plan as a sentence; its elements can be clicked. */
 export function StepText({ step }: { step: Pick<Schema<"PlannedStep">, "skill" | "arguments"> }) {
   const { t } = useTranslation("goal");
-  const pieces = stepPieces(step, t("steps", { returnObjects: true }));
+  const skill = useSkills().get(step.skill);
+  const pieces = stepPieces(step, t("steps", { returnObjects: true }), skill?.parameters);
   return (
     <span>
       {pieces.map((piece, index) => ("id" in piece ? <ElementName key={index} id={piece.id} /> : piece.text))}

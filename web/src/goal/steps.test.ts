@@ -20,8 +20,22 @@ test("a step without a sentence that fits is said by its arguments, without the 
     { text: " Location: " },
     { id: "pallet_a" },
   ];
-  expect(stepPieces(DRIVE, {})).toEqual(plain);
-  expect(stepPieces(DRIVE, { drive: "{Robot} drives to {Elsewhere}" })).toEqual(plain);
+  const parameters = [
+    { key: "Base", kind: "hardware" },
+    { key: "Robot", kind: "planning" },
+    { key: "Location", kind: "online" },
+  ];
+  expect(stepPieces(DRIVE, {}, parameters)).toEqual(plain);
+  expect(stepPieces(DRIVE, { drive: "{Robot} drives to {Elsewhere}" }, parameters)).toEqual(plain);
+});
+
+test("the skill's description says which parameters are devices, not their names", () => {
+  const dock = { skill: "dock", arguments: { Wheels: "omni_1", Base: "plinth_1" } };
+  const parameters = [
+    { key: "Wheels", kind: "hardware" },
+    { key: "Base", kind: "online" },
+  ];
+  expect(stepPieces(dock, {}, parameters)).toEqual([{ text: "dock" }, { text: " Base: " }, { id: "plinth_1" }]);
 });
 
 test("a step that was run counts once, a failed or a running one not", () => {

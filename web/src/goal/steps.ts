@@ -7,13 +7,20 @@ type Step = Pick<Schema<"PlannedStep">, "skill" | "arguments">;
 /** A piece of what is said about a step: words, or the id of an element. */
 export type StepPiece = { text: string } | { id: string };
 
-/** Parameters that say nothing to people: with which of the robot's devices. */
-const DEVICES = new Set(["Arm", "Base", "Camera", "Gripper"]);
+type Parameter = Pick<Schema<"ModuleParameter">, "key" | "kind">;
 
-/** Says a step by a sentence such as "{Robot} drives to {Location}"; without one, by the skill's name and arguments. */
-export function stepPieces(step: Step, sentences: Readonly<Record<string, string>>): StepPiece[] {
+/**
+ * Describes a step by a sentence such as "{Robot} drives to {Location}".
+ *
+ * Without a sentence, by the skill's name and arguments, apart from the devices of the robot.
+ */
+export function stepPieces(
+  step: Step,
+  sentences: Readonly<Record<string, string>>,
+  parameters: readonly Parameter[] = [],
+): StepPiece[] {
   const sentence = sentences[step.skill];
-  if (sentence === undefined || !isFilled(sentence, step)) return plainly(step);
+  if (sentence === undefined || !isFilled(sentence, step)) return plainPieces(step, parameters);
   return sentence
     .split(/(\{\w+\})/)
     .filter((part) => part !== "")
@@ -24,9 +31,10 @@ function isFilled(sentence: string, step: Step): boolean {
   return [...sentence.matchAll(/\{(\w+)\}/g)].every(([, name]) => (name ?? "") in step.arguments);
 }
 
-function plainly({ skill, arguments: given }: Step): StepPiece[] {
-  const told = Object.entries(given).filter(([name]) => !DEVICES.has(name));
-  return [{ text: skill }, ...told.flatMap(([name, id]): StepPiece[] => [{ text: ` ${name}: ` }, { id }])];
+function plainPieces({ skill, arguments: given }: Step, parameters: readonly Parameter[]): StepPiece[] {
+  const devices = new Set(parameters.filter(({ kind }) => kind === "hardware").map(({ key }) => key));
+  const shown = Object.entries(given).filter(([name]) => !devices.has(name));
+  return [{ text: skill }, ...shown.flatMap(([name, id]): StepPiece[] => [{ text: ` ${name}: ` }, { id }])];
 }
 
 /** Counts how many steps of a plan have been done; each step that was run counts for one of the plan. */

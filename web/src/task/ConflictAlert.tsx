@@ -1,7 +1,7 @@
 import { Alert, Button, Group, Text } from "@mantine/core";
 import type { TFunction } from "i18next";
 import { useTranslation } from "react-i18next";
-import type { Skills } from "./schedule";
+import type { Skills } from "../api/cell";
 import { type Conflict, type Edit, onto, type Sequence } from "./sequences";
 import { stepTitle } from "./words";
 

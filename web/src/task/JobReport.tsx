@@ -14,7 +14,7 @@ import { JobTimes } from "./JobTimes";
 import { jobState, nothingDone } from "./jobWords";
 import { usePrintedAlone } from "./printing";
 import { asMarkdown } from "./report";
-import type { Skills } from "./schedule";
+import type { Skills } from "../api/cell";
 import { Section } from "./Section";
 import type { Run } from "./trace";
 import { jobMood, span, STEP_MOODS, stepState, stepTitle } from "./words";

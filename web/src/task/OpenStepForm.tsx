@@ -1,7 +1,7 @@
 import { Alert, Text } from "@mantine/core";
 import { useTranslation } from "react-i18next";
 import { Versions } from "./ConflictAlert";
-import type { Skills } from "./schedule";
+import type { Skills } from "../api/cell";
 import { type Edit, type Fate, isConflict, type Sequence, type WantedStep } from "./sequences";
 import { StepForm } from "./StepForm";
 import type { OpenForm } from "./stepForms";

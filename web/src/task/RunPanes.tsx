@@ -6,7 +6,7 @@ import { Part } from "../app/Part";
 import type { GraphNode } from "../widgets/Graph";
 import { followOutput } from "./output";
 import { OutputPane } from "./OutputPane";
-import type { Skills } from "./schedule";
+import type { Skills } from "../api/cell";
 import { StepDetails } from "./StepDetails";
 import { Timeline } from "./Timeline";
 import type { Run } from "./trace";

@@ -21,7 +21,7 @@ import { type ReactNode, type RefObject, useEffect, useRef } from "react";
 import { useTranslation } from "react-i18next";
 import { useMay } from "../api/session";
 import { Status } from "../widgets/Status";
-import type { Skills } from "./schedule";
+import type { Skills } from "../api/cell";
 import { OpenStepForm } from "./OpenStepForm";
 import { fateOf, type Sequence, type Step, type useEdits } from "./sequences";
 import type { StepForms } from "./stepForms";

@@ -12,12 +12,11 @@ import { Status } from "../widgets/Status";
 import { ConflictAlert } from "./ConflictAlert";
 import { Problem } from "./Problem";
 import { RunSequence } from "./RunSequence";
-import type { Skills } from "./schedule";
 import { isConflict, remove, type Sequence, useEdits, useSequence, type WantedStep } from "./sequences";
 import { SequenceSteps } from "./SequenceSteps";
 import { StepForm } from "./StepForm";
 import { useStepForms } from "./stepForms";
-import { useSkills } from "./useRun";
+import { type Skills, useSkills } from "../api/cell";
 
 /** A sequence of steps that a person puts together, changes and runs. */
 export default function SequenceView({ id }: { id: string }) {

@@ -9,7 +9,7 @@ import { Status } from "../widgets/Status";
 import { editText } from "./edits";
 import { useOutput } from "./output";
 import { OutputTable } from "./OutputTable";
-import type { Skills } from "./schedule";
+import type { Skills } from "../api/cell";
 import { Section } from "./Section";
 import type { ConditionRow, Run, Step } from "./trace";
 import { messagesOf } from "./tree";

@@ -3,7 +3,7 @@ import { useState } from "react";
 import { useTranslation } from "react-i18next";
 import { argumentFaults, type Arguments, ArgumentsForm } from "../widgets/ArgumentsForm";
 import type { Schema } from "../api/client";
-import type { Skills } from "./schedule";
+import type { Skills } from "../api/cell";
 import type { WantedStep } from "./sequences";
 
 interface Props {

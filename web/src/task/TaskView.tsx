@@ -12,7 +12,8 @@ import { Section } from "./Section";
 import { TaskCommands } from "./TaskCommands";
 import { taskState } from "./taskWords";
 import type { Run } from "./trace";
-import { useSkills, useTask, useTaskRun } from "./useRun";
+import { useTask, useTaskRun } from "./useRun";
+import { useSkills } from "../api/cell";
 import { taskMood } from "./words";
 
 /** A task without a job: a sequence that runs, or a goal that was started directly. */

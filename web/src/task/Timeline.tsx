@@ -5,7 +5,7 @@ import { scaleLinear, type ScaleLinear } from "d3-scale";
 import { useState } from "react";
 import { useTranslation } from "react-i18next";
 import { useReplay } from "../scene3d/replay";
-import type { Skills } from "./schedule";
+import type { Skills } from "../api/cell";
 import classes from "./Timeline.module.css";
 import { Hatches, ROW, TimelineBar } from "./TimelineBar";
 import { type Bar, type Lane, layOut, type TimelineLayout } from "./timelineLayout";

@@ -1,7 +1,7 @@
 /** The report of a job as text that people can put elsewhere. */
 
 import type { Schema } from "../api/client";
-import type { Skills } from "./schedule";
+import type { Skills } from "../api/cell";
 import type { Run } from "./trace";
 import { span, stepTitle } from "./words";
 

@@ -1,9 +1,7 @@
 /** Which steps of a plan have been done by which steps that ran, and when the rest will be. */
 
-import type { Schema } from "../api/client";
+import type { Skills } from "../api/cell";
 import type { Plan, PlannedStep, Step } from "./trace";
-
-export type Skills = ReadonlyMap<string, Schema<"SkillInfo">>;
 
 export interface Span {
   /** Run time [s]. */

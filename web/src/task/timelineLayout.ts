@@ -1,7 +1,8 @@
 /** Where the bars of a timeline are: a lane for each subsystem, in it rows for the plan, the attempts, and old plans. */
 
 import type { Mood } from "../widgets/Status";
-import { finish, schedule, type Skills, type Slot, type Span } from "./schedule";
+import type { Skills } from "../api/cell";
+import { finish, schedule, type Slot, type Span } from "./schedule";
 import type { Run, Step } from "./trace";
 import { STEP_MOODS, stepState, stepTitle, type StepState } from "./words";
 

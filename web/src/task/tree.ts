@@ -4,7 +4,8 @@ import type { Schema } from "../api/client";
 import type { GraphEdge, GraphNode } from "../widgets/Graph";
 import type { Mood } from "../widgets/Status";
 import type { OutputRow } from "./output";
-import type { Skills, Slot } from "./schedule";
+import type { Skills } from "../api/cell";
+import type { Slot } from "./schedule";
 import type { Step } from "./trace";
 import { STEP_MOODS, stepState, stepTitle, type StepState } from "./words";
 

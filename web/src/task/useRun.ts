@@ -6,7 +6,6 @@ import { answer, api, ApiProblem, type Schema } from "../api/client";
 import { keys } from "../api/keys";
 import { useStation } from "../live/station";
 import { useReplay } from "../scene3d/replay";
-import type { Skills } from "./schedule";
 import { cutOff, joined, NO_RUN, readEntry, readRun, type Run, type TraceEntry } from "./trace";
 
 const PAGE = 1000;
@@ -94,14 +93,6 @@ async function entriesOfTask(name: string): Promise<TraceEntry[]> {
     if (error instanceof ApiProblem && error.status === 404) return [];
     throw error;
   }
-}
-
-export function useSkills(): Skills {
-  const { data } = useQuery({
-    queryKey: keys.modules("skills"),
-    queryFn: () => answer(api.GET("/api/v1/skills")),
-  });
-  return useMemo(() => new Map(data?.map((skill) => [skill.name, skill])), [data]);
 }
 
 /** Run time [s], some times a second; what uses it draws itself so often. */

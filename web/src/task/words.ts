@@ -3,7 +3,7 @@
 import type { Mood } from "../widgets/Status";
 import type { Schema } from "../api/client";
 import type { Step } from "./trace";
-import type { Skills } from "./schedule";
+import type { Skills } from "../api/cell";
 
 export type StepState = "planned" | "running" | "paused" | "ended" | "failed" | "cancelled";
 

@@ -7,8 +7,8 @@ function problem(status: number, code: string, detail: string): ApiProblem {
 }
 
 test("what nobody answered is not called refused", () => {
-  expect(problemTitle(new TypeError("Failed to fetch"))).toMatch(/Nobody knows whether it was done/);
-  expect(problemTitle(problem(502, "", "bad gateway"), "It was not loaded")).toMatch(/Nobody knows/);
+  expect(problemTitle(new TypeError("Failed to fetch"))).toMatch(/it is not known whether it was done/);
+  expect(problemTitle(problem(502, "", "bad gateway"), "It was not loaded")).toMatch(/it is not known/);
   expect(problemTitle(problem(412, "StaleVersion", "changed"), "It was not loaded")).toBe("It was not loaded");
   expect(isUnanswered(problem(503, "Busy", "ask again later"))).toBe(false);
 });
