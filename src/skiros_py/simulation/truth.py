@@ -19,6 +19,7 @@ from skiros_py.simulation.cell import SimulatedCell
 _WALL_TOLERANCE = 0.002  # how much nearer than its wall a part's origin must be to be inside a compartment [m]
 _LOW = 0.015  # greatest height of a part's origin above the floor of its compartment [m]
 _UPRIGHT = math.cos(math.radians(15.0))
+_ON_TOP = 0.5  # least vertical part of the contact normal of a body that lies on a device
 _SUNK = 0.01  # how far below a surface an origin may be that lies on it, a fallen part's for instance [m]
 
 
@@ -50,12 +51,14 @@ class Glance:
         body_poses: Their poses in the map, by body id.
         compartments: The compartments, and where they are in the bodies that they belong to.
         holders: Which gripper holds what, by body id.
+        resting: On which device without a robot a body lies, by body id.
     """
 
     bodies: tuple[BodySpec, ...]
     body_poses: Mapping[str, Pose]
     compartments: tuple[tuple[BodySpec, Pose], ...]
     holders: Mapping[str, str]
+    resting: Mapping[str, str]
 
     @cached_property
     def poses(self) -> Mapping[str, Pose]:
@@ -75,7 +78,7 @@ class Glance:
         for compartment, _ in self.compartments:
             if compartment.id in self.poses and _stands_in(compartment, self._into[compartment.id] @ pose):
                 return compartment.id
-        return self._support_below(body, pose)
+        return self.resting.get(body.id) or self._support_below(body, pose)
 
     def _support_below(self, body: BodySpec, pose: Pose) -> str:
         best, best_height = FLOOR, -_SUNK
@@ -144,8 +147,9 @@ class Truth:
 
         A body is *held by a gripper* when it touches both its fingers and nothing else than that robot. It is *in a
         compartment* when its origin is inside the compartment's inner rectangle by at least 2 mm, at most 15 mm above
-        its floor, and the body stands within 15 degrees of upright. Otherwise it is *on* the highest body with a
-        support surface, or kit, that is below its origin, or else on the floor.
+        its floor, and the body stands within 15 degrees of upright. Otherwise it is *on* the device without a robot
+        that it touches from above, or on the highest body with a support surface, or kit, that is below its origin, or
+        else on the floor.
         """
         return self.glance().placements()
 
@@ -153,7 +157,11 @@ class Truth:
         """Takes what the simulation has to be asked for; quick, so that a cycle does not wait for the rest."""
         scene = self._scene
         return Glance(
-            tuple(scene.bodies.values()), scene.engine.poses(), tuple(scene.compartments.values()), self._holders()
+            tuple(scene.bodies.values()),
+            scene.engine.poses(),
+            tuple(scene.compartments.values()),
+            self._holders(),
+            self._resting(),
         )
 
     def contacts(self) -> tuple[RobotContact, ...]:
@@ -187,6 +195,15 @@ class Truth:
                     if others == {name} and _is_movable(scene.bodies[held]):
                         holders[held] = id_
         return holders
+
+    def _resting(self) -> dict[str, str]:
+        scene, resting = self._scene, {}
+        for robot in scene.robots:
+            for contact in scene.engine.contacts(robot.spec.id) if robot.spec.has(robot.spec.id) else ():
+                body = scene.bodies.get(contact.other)
+                if body is not None and _is_movable(body) and contact.force > 0.0 and contact.normal[2] < -_ON_TOP:
+                    resting[contact.other] = robot.spec.id
+        return resting
 
 
 def _is_movable(body: BodySpec) -> bool:

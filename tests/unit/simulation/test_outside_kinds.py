@@ -18,10 +18,12 @@ from skiros_py.ports.cell import BodySpec, CellSpec, RobotSpec
 from skiros_py.ports.device import DeviceSpec, FakeRobot, Individual
 from skiros_py.ports.simulation import SimulatedRobot
 from skiros_py.simulation.cell import SimulatedCell
+from skiros_py.simulation.truth import Truth
 
 URDF = """<robot name="turntable">
   <link name="foot"><inertial><mass value="9"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
-  <link name="plate"><inertial><mass value="3"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
+  <link name="plate"><inertial><mass value="3"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
+    <collision><origin xyz="0 0 -0.02"/><geometry><box size="0.8 0.8 0.04"/></geometry></collision></link>
   <joint name="turn" type="continuous"><parent link="foot"/><child link="plate"/><origin xyz="0 0 0.5"/><axis xyz="0 0 1"/>
     <limit effort="100" velocity="2"/></joint>
 </robot>"""  # noqa: E501 - a file
@@ -114,6 +116,17 @@ def test_a_turntable_without_a_robot_carries_what_is_fixed_to_it(make: Any, engi
     assert before.position == pytest.approx((1.0, 2.3, 0.52), abs=0.01)
     assert snapshot.devices["table_1"].angle == pytest.approx(math.pi / 2, abs=0.01)
     assert after.position == pytest.approx((0.7, 2.0, 0.52), abs=0.02)
+
+
+@pytest.mark.physics
+def test_a_body_that_lies_on_a_device_without_a_robot_is_truly_on_it(make: Any) -> None:
+    part = BodySpec("part", "Part", Solid.box(0.1, 0.1, 0.1), 0.5, PLACE @ Pose((0.2, 0.0, 0.55)))
+    other = BodySpec("other", "Part", Solid.box(0.1, 0.1, 0.1), 0.5, PLACE @ Pose((1.2, 0.0, 0.05)))
+    cell = make([part, other], RobotSpec("table_1", "turntable", (Turntable("table_1"),), PLACE), "pybullet")
+    for _ in range(100):
+        cell.exchange({})
+
+    assert Truth(cell).placements() == {"part": "table_1", "other": "floor"}
 
 
 def test_a_device_that_carries_something_needs_a_model(make: Any) -> None:
