@@ -40,26 +40,24 @@ def test_an_arm_is_jogged_until_it_would_touch_something_and_where_the_robot_sta
             found: dict[str, Any] = run
             return found
 
-        def jog(**what: Any) -> dict[str, Any]:
-            return follow(api.post("/robots/robot_1/jog", json=what))
+        def jog(device: str, module: str, **arguments: Any) -> dict[str, Any]:
+            return follow(api.post(f"/devices/{device}/jog", json={"module": module, "arguments": arguments}))
 
         joints = state()["devices"]["arm_1"]["state"]["positions"]
-        turned = jog(joints={"deltas": [0.1, 0, 0, 0, 0, 0, -0.2]})
+        turned = jog("arm_1", "jog_joints", deltas=[0.1, 0, 0, 0, 0, 0, -0.2])
         after_turn = state()["devices"]["arm_1"]["state"]["positions"]
         tool = state()["frames"]["arm_1"]["position"]
-        lowered = jog(tool={"frame": "map", "translation": [0.0, 0.0, -0.05]})
+        lowered = jog("arm_1", "jog_tool", frame="map", translation=[0.0, 0.0, -0.05])
         after = state()["frames"]["arm_1"]["position"]
-        held_back = jog(base={"dx": 0.1})
-        home = follow(api.post("/robots/robot_1/home"))
-        down = [jog(tool={"frame": "map", "translation": [0.0, 0.0, -0.1]}) for _ in range(5)]
-        follow(api.post("/robots/robot_1/home"))
-        before = state()["base"]["pose"]["position"]
-        into_it = jog(base={"dx": 0.2})
-        driven = jog(base={"dx": -0.1})
-        base = state()["base"]["pose"]["position"]
-        taught = follow(
-            api.post("/robots/robot_1/teach", json={"what": "driving-pose", "arguments": {"location": "pallet_a"}})
-        )
+        held_back = jog("base_1", "jog_base", dx=0.1)
+        home = jog("arm_1", "home")
+        down = [jog("arm_1", "jog_tool", frame="map", translation=[0.0, 0.0, -0.1]) for _ in range(5)]
+        jog("arm_1", "home")
+        before = state()["pose"]["position"]
+        into_it = jog("base_1", "jog_base", dx=0.2)
+        driven = jog("base_1", "jog_base", dx=-0.1)
+        base = state()["pose"]["position"]
+        taught = follow(api.post("/devices/base_1/teach", json={"arguments": {"location": "pallet_a"}}))
         learned = api.get("/learned").text
 
     assert [run["status"] for run in (turned, lowered, home, driven, taught)] == ["succeeded"] * 5
