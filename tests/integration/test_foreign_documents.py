@@ -350,8 +350,19 @@ DRIVE = {"type": "do", "module": "drive_base"}
             {"type": "wait_until", "conditions": [{"expression": "Mover.stil"}]},
             "no device has a signal 'stil'",
         ),
+        (
+            {"type": "wait_until", "conditions": [{"expression": "belt_9.still"}]},
+            "unknown signal 'belt_9.still'",
+        ),
     ],
-    ids=["unknown module", "unknown parameter", "one device twice", "impossible expression", "unknown signal"],
+    ids=[
+        "unknown module",
+        "unknown parameter",
+        "one device twice",
+        "impossible expression",
+        "unknown signal",
+        "unknown device",
+    ],
 )
 def test_what_the_station_does_not_offer_is_refused_with_its_place(cell: Cell, wrong: Any, said: str) -> None:
     tree = {"parameters": [MOVER], "body": {"type": "sequence", "children": [note("a"), wrong]}}

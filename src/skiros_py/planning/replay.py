@@ -94,7 +94,7 @@ class _Bound:
         """
         if self._pattern is None and self._is_pattern and all(_is_there(view, name) for name in self._binding):
             self._pattern = self.condition.closed_pattern(view.ontology)
-        with contextlib.suppress(Exception):  # the whole condition reports it
+        with contextlib.suppress(Exception, SystemExit):  # the whole condition reports it
             if self._pattern is not None:
                 matched = self._pattern.evaluate(view, self._binding)
                 if matched:

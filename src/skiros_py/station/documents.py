@@ -312,7 +312,11 @@ class DocumentService(Service):
         missing = tuple(self._missing_documents(made.behaviour, module))
         catalogue = session.catalogue
         known = Known(
-            session.world.ontology, catalogue.primitives, tuple(catalogue.skills.values()), catalogue.reasoners
+            session.world.ontology,
+            catalogue.primitives,
+            tuple(catalogue.skills.values()),
+            catalogue.reasoners,
+            session.runtime.signals.names,
         )
         modules = {module, *session.managers.documents, *(name for _, name in missing)}
         faults = faults_of_document(made.behaviour, made.interface.params, known, modules)

@@ -172,7 +172,7 @@ def faults_of_document(
         patterns = (leaf for use in uses for leaf in leaves(use.pattern, use.classes))
         found = chain(
             (text for call in calls for text in wrong_call(call, known)),
-            (text for leaf in patterns for text in undeclared_in(*leaf, known.ontology)),
+            (text for leaf in patterns for text in undeclared_in(*leaf, known)),
             (text for use in uses for text in wrong_ends(use, known.ontology)),
             taken_twice(node, scope, known),
         )

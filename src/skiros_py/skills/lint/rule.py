@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
@@ -95,12 +95,14 @@ class Known:
         primitives: All primitives, by name.
         skills: All skills.
         reasoners: What computes relations.
+        signals: The signals of the cell; None where there is no cell, only descriptions.
     """
 
     ontology: Ontology
     primitives: Mapping[str, PrimitiveClass]
     skills: Sequence[Skill] = ()
     reasoners: Reasoners = NO_REASONERS
+    signals: Collection[str] | None = None
 
     def implementations(self, skill: str) -> tuple[Skill, ...]:
         """Returns the implementations of a skill."""

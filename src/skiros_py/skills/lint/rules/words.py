@@ -6,7 +6,7 @@ import difflib
 import inspect
 from collections.abc import Collection, Iterator
 
-from skiros_py.errors import SkirosError
+from skiros_py.errors import SkirosError, UnknownName
 from skiros_py.ports.kinds import load_device_kinds
 from skiros_py.skills.behaviour import walk
 from skiros_py.skills.conditions import (
@@ -25,7 +25,6 @@ from skiros_py.skills.conditions import (
 from skiros_py.skills.lint.rule import Classes, Known, Problem, Rule, Severity, Source, Subject, leaves, uses_of
 from skiros_py.skills.parameters import Param, params_of
 from skiros_py.skills.skill import Skill, SkillDescription
-from skiros_py.world.ontology import Ontology
 
 _ALIKE = 0.8
 """How much a word must be like another one that this is what was meant."""
@@ -37,7 +36,7 @@ def _undeclared(subject: Subject, known: Known) -> Iterator[Problem]:
         yield from (Problem(f"{where}: {text}") for text in _missing("class", class_, ontology.classes))
     for use in uses_of(subject):
         for leaf, classes in leaves(use.pattern, use.classes):
-            yield from (Problem(f"{use.where}: {text}") for text in undeclared_in(leaf, classes, ontology))
+            yield from (Problem(f"{use.where}: {text}") for text in undeclared_in(leaf, classes, known))
 
 
 def _named_classes(subject: Subject) -> Iterator[tuple[str, str]]:
@@ -68,8 +67,9 @@ def own_params(subject: Subject) -> tuple[Param, ...]:
                 return ()  # another rule says so
 
 
-def undeclared_in(leaf: Pattern, classes: Classes, ontology: Ontology) -> Iterator[str]:
+def undeclared_in(leaf: Pattern, classes: Classes, known: Known) -> Iterator[str]:
     """Yields the words of a pattern that are not declared."""
+    ontology = known.ontology
     match leaf:
         case Related(relation) | Nothing(relation) | Computed(relation) | ClassRelated(relation):
             yield from _missing("relation", relation, ontology.relations)
@@ -78,10 +78,13 @@ def undeclared_in(leaf: Pattern, classes: Classes, ontology: Ontology) -> Iterat
         case Exists(_, class_) | IsA(_, class_):
             yield from _missing("class", class_, ontology.classes)
         case Expression():
-            known = load_device_kinds()[0].signal_names()
-            for quantity in (quantity for device, quantity in leaf.quantities if device in classes):
-                if quantity not in known:
-                    yield f"no device has a signal '{quantity}'; there is {', '.join(sorted(known))}"
+            offered = load_device_kinds()[0].signal_names()
+            for device, quantity in leaf.quantities:
+                if device in classes and quantity not in offered:
+                    yield f"no device has a signal '{quantity}'; there is {', '.join(sorted(offered))}"
+                name = f"{device}.{quantity}"
+                if device not in classes and known.signals is not None and name not in known.signals:
+                    yield str(UnknownName("signal", name, known.signals))
         case _:
             yield f"its pattern {type(leaf).__name__} is not known"
 
