@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import inspect
 import json
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
@@ -147,7 +149,7 @@ class DocumentKind:
         for name in sorted(reader.kinds):
             cls = reader.kinds[name]
             fields = getattr(cls, "__dataclass_fields__", {})
-            shown = {key: str(one.type) for key, one in fields.items() if one.init and key != "kind"}
+            shown = {key: _written(one.type) for key, one in fields.items() if one.init and key != "kind"}
             entries.append(PaletteEntry(name, (cls.__doc__ or "").strip().partition("\n")[0], shown))
         return tuple(entries)
 
@@ -179,6 +181,11 @@ class DocumentKind:
         """
         if format_ not in cls.formats:
             raise UnknownName("format", format_, cls.formats, where=f"of {cls.kind} documents")
+
+
+def _written(type_: Any) -> str:
+    """Returns the type of a field as its author writes it."""
+    return type_ if isinstance(type_, str) else re.sub(r"(\w+\.)+(?=\w)", "", inspect.formatannotation(type_))
 
 
 _OPTIONS = ("key", "type", "help", "default", "unit", "length")
