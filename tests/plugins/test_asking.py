@@ -37,7 +37,7 @@ def test_where_nobody_listens_a_question_fails_at_once(bench: Bench, module: str
     outcome = bench.run(module, **arguments)
 
     assert isinstance(outcome, Failure)
-    assert "nobody listens" in outcome.reason
+    assert "there is no one to answer" in outcome.reason
     assert bench.time < 0.1
 
 
@@ -60,7 +60,7 @@ def test_a_question_that_nobody_answers_fails_after_its_patience_and_is_withdraw
 
     outcome = bench.run("confirm", question="Go on?", patience=2.0)
 
-    assert outcome == Failure("nobody answered within 2 s: Go on?")
+    assert outcome == Failure("no answer within 2 s: Go on?")
     assert 2.0 <= bench.time < 2.2
     assert bench.questions.open == ()
 

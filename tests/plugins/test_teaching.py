@@ -58,7 +58,7 @@ def test_a_person_may_choose_a_wider_class_and_no_other(bench: Bench) -> None:
 def test_nothing_can_be_taught_about_a_place_that_nobody_knows(bench: Bench) -> None:
     outcome = bench.run("teach_driving_pose", location="slot_2")
 
-    assert outcome == Failure("nobody knows where slot_2 is")
+    assert outcome == Failure("the position of slot_2 is unknown")
 
 
 def test_a_place_that_cannot_be_planned_with_can_be_once_it_is_taught(bench: Bench) -> None:

@@ -23,7 +23,7 @@ class AskingPrimitive(Primitive[Any]):
     def start(self) -> Failure | None:
         """Fails at once if no user interface could show the question."""
         if not self.context.questions.heard:
-            return Failure(f"{self.name}: nobody listens who could answer; run it where a person watches")
+            return Failure(f"{self.name}: there is no one to answer; run it where a person watches")
         return None
 
     def ask(self, kind: QuestionKind, text: str, options: tuple[str, ...]) -> Execution[str | Failure]:
@@ -38,7 +38,7 @@ class AskingPrimitive(Primitive[Any]):
         finally:
             questions.withdraw(asked)
         if asked.answer is None:
-            return Failure(f"nobody answered within {patience:g} s: {text}")
+            return Failure(f"no answer within {patience:g} s: {text}")
         self.progress(2, f"{asked.by} answered: {asked.answer}")
         return asked.answer
 
@@ -144,7 +144,7 @@ class Refill(AskingPrimitive):
     def start(self) -> Failure | None:
         """Checks that the thing can be requested."""
         if not self.world.ontology.is_a(self.params.what, MANIPULATABLE):
-            return Failure(f"what: {self.params.what} is no {MANIPULATABLE}, so nobody can bring it")
+            return Failure(f"what: {self.params.what} is no {MANIPULATABLE}, so a person cannot bring it")
         if self.params.count < 1:
             return Failure(f"count: one or more, not {self.params.count}")
         return super().start()

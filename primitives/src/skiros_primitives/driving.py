@@ -159,7 +159,7 @@ class DriveBase(DrivingPrimitive):
         location = self.params.location
         place, driving = map_pose(self.context, location), self.world.value(location, DRIVING_POSE)
         if place is None or not isinstance(driving, Pose):
-            return Failure(f"{location} has no driving pose: nobody taught how to stand there")
+            return Failure(f"{location} has no driving pose: teach one")
         return place @ driving
 
     def _plan(self, goal: Pose, outline: Outline) -> Execution[Path | NoMotion | None]:

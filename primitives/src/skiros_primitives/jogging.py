@@ -207,7 +207,7 @@ class JogTool(ArmPrimitive):
         if not self.world.has(element):
             return Failure(f"frame: there is no element '{element}'; else it is tool, base or map")
         if map_pose(self.context, element) is None:
-            return Failure(f"frame: nobody knows where {element} is")
+            return Failure(f"frame: the position of {element} is unknown")
         return None
 
     def _touching(self) -> frozenset[str]:

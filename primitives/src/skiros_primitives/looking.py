@@ -145,7 +145,7 @@ class RegisterKit(LookingPrimitive):
         """Looks, and corrects the believed pose."""
         believed = map_pose(self.context, self.params.kit)
         if believed is None:
-            return Failure(f"nobody said where {self.params.kit} is")
+            return Failure(f"the position of {self.params.kit} is unknown")
         why = ""
         for attempt, aside in enumerate(_ASIDE, start=1):
             self.progress(attempt, f"look {attempt} at {self.params.kit}")

@@ -91,7 +91,7 @@ class TeachDrivingPose(Primitive["TeachDrivingPose.Params"]):
         yield from ()
         place, base = map_pose(self.context, self.params.location), Mobile(self.context.board, self.params.base)
         if place is None:
-            return Failure(f"nobody knows where {self.params.location} is")
+            return Failure(f"the position of {self.params.location} is unknown")
         if not base.still:
             return Failure(f"{self.params.base} still moves: let it stand where it should")
         pose = self.context.cell.group_of(base.id).pose(self.context.board.snapshot, self.context.board.guard)
@@ -128,7 +128,7 @@ class TeachGrasp(ArmPrimitive):
         yield from ()  # it takes no time
         tool = self._tool_on_part()
         if tool is None:
-            return Failure(f"nobody knows exactly where {self.params.part} is: register it first")
+            return Failure(f"the exact position of {self.params.part} is unknown: register it first")
         gap = Gripper(self.context.board, self.params.gripper).state.gap
         if gap > self.gripper_spec.max_gap - _OPEN:
             return Failure(f"{self.params.gripper} is wide open: close it on {self.params.part}")
@@ -172,6 +172,6 @@ class TeachPlacingPose(ArmPrimitive):
         container, part = (map_pose(self.context, one) for one in (self.params.container, self.params.part))
         if container is None or part is None:
             unknown = self.params.container if container is None else self.params.part
-            return Failure(f"nobody knows exactly where {unknown} is")
+            return Failure(f"the exact position of {unknown} is unknown")
         lesson = TAUGHT_PLACING_POSE, self.params.container, self.params.type
         return keep(self.world, *lesson, {PLACING_POSE: container.inverse() @ part}, author=self.name)

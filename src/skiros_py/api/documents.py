@@ -52,7 +52,7 @@ class DocumentProblem(Answer):
 
     place: str = Field(examples=["steps[2]"])
     """Where in the document; empty for the whole."""
-    text: str = Field(examples=["nobody has the skill drive any more"])
+    text: str = Field(examples=["no subsystem has the skill drive any more"])
     """A sentence."""
 
 

@@ -105,7 +105,7 @@ class ViewElement(Answer):
     label: str = Field(examples=["starter"])
     """Its label."""
     pose: PoseInfo | None
-    """Where its frame is in the map, or in that of its carrier; null where nobody knows where exactly. Of a robot and
+    """Where its frame is in the map, or in that of its carrier; null where that is not known exactly. Of a robot and
     its base: where it localised itself when this was answered.
     """
     carrier: str | None = Field(default=None, examples=["base_1"])

@@ -1,4 +1,4 @@
-"""Webhooks on the wire: who wants to be told of jobs, and what became of what they were told."""
+"""Webhooks on the wire: who is notified of jobs, and what became of the notifications."""
 
 from __future__ import annotations
 

@@ -162,7 +162,7 @@ class ControlCycle:
         self.board.halt()
 
     def forbid(self, reason: str) -> None:
-        """Ends all tasks in the next cycle, as :meth:`halt` does; the devices are not told to brake."""
+        """Ends all tasks in the next cycle, as :meth:`halt` does; the devices get no command to brake."""
         self.halted = self.halted or reason or "halted"
 
     def stop_all(self, reason: str = "a stop was asked for", *, patience: float | None = None) -> bool:

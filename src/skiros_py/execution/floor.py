@@ -1,12 +1,12 @@
 """The floor of a cell: areas that robots stand on and drive over, so that no two are ever in one place.
 
-A base asks for its whole way at once and gets all of it or nothing, so nobody stands half way waiting for another.
-Paths are planned around whoever stands; so a way that was promised waits for robots that drive only, and those arrive:
-somebody always goes. Where that is no longer so, because a robot has come to stand on it meanwhile, or stretches an arm
-over it, the way is blocked and its robot has to plan another one.
+A base asks for its whole way at once and gets all of it or nothing, so no base stops half way to wait for another.
+Paths are planned around robots that stand; so a claimed way waits only for robots that drive, and those arrive: one
+robot always moves. If that is no longer so, because a robot has stopped on it meanwhile, or stretches an arm over it,
+the way is blocked and its robot must plan another one.
 
 An arm takes the floor below its whole motion before it moves. It waits for robots that are on their way there, and for
-nobody else: for wishes neither, so that no arm and no base ever wait for each other.
+no one else, not even for wishes, so that no arm and no base ever wait for each other.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class FloorAreas:
         return any(way.granted for way in self._ways if way.robot == robot)
 
     def ask(self, robot: str, outline: Outline, start: Pose, path: Path) -> FloorWay:
-        """Asks for the way along a path: all of it or nothing; whoever asked first goes first."""
+        """Asks for the way along a path: all of it or nothing; first come, first served."""
         self._outlines[robot] = outline
         way = FloorWay(self, robot, _stretches(outline, start, path))
         self._ways.append(way)

@@ -143,7 +143,7 @@ class BasePathRequest:
         footprint: Corners of the base's outline in its frame [m].
         obstacles: What stands on the floor.
         clearance: Distance kept from obstacles on the way [m] (less where it docks).
-        base: Device id, for those who look on; empty where nobody says.
+        base: Device id, for displays; empty if unknown.
     """
 
     start: Pose

@@ -35,7 +35,7 @@ class LookRequest:
         region: Where to search; nothing outside is reported. Its height is a guess (± 0.08 m): the plane is found.
         models: The types that may lie there.
         seed: Seed of every random choice.
-        camera: Id of the camera, for those who look on; empty where nobody says.
+        camera: Id of the camera, for displays; empty if unknown.
     """
 
     image: DepthImage
@@ -99,8 +99,8 @@ class RegistrationRequest:
         solid: The body's shape.
         guess: Its believed pose in the map; it stands upright, at most about 3 cm and 5 degrees from there.
         seed: Seed of every random choice.
-        camera: Id of the camera, for those who look on; empty where nobody says.
-        body: Id of the body, for those who look on; empty where nobody says.
+        camera: Id of the camera, for displays; empty if unknown.
+        body: Id of the body, for displays; empty if unknown.
     """
 
     image: DepthImage

@@ -143,7 +143,7 @@ def open_sender(station: Station, hosts: Sequence[str], stack: ExitStack) -> tup
     store = stack.enter_context(closing(WebhookStore(station.data / "webhooks.db", origin)))
 
     def on_dead(post: Post, why: str) -> None:
-        text = f"{post.webhook} was not told of {post.job or 'a ping'} ({why}): see the dead letters of the webhooks"
+        text = f"{post.webhook} did not get {post.job or 'a ping'} ({why}): see the dead letters of the webhooks"
         station.alarm_book.raise_(
             AlarmKind.WEBHOOK, text, post.webhook, severity=Severity.LOW, lasts=False, job=post.job
         )

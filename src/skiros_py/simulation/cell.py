@@ -235,7 +235,7 @@ class SimulatedCell:
         return (float(x), float(y), float(z)), min(max(distance, _LEAST_DISTANCE), _MOST_DISTANCE)
 
     def move_body(self, body_id: str, pose: Pose) -> None:
-        """Puts a body somewhere else in the map, at rest; the robot is not told.
+        """Puts a body somewhere else in the map, at rest; the robot does not know.
 
         Raises:
             UnknownName: There is no such body.
@@ -244,7 +244,7 @@ class SimulatedCell:
         self.scene.move(body_id, pose)
 
     def remove_body(self, body_id: str) -> None:
-        """Takes a body out of the cell; the robot is not told.
+        """Takes a body out of the cell; the robot does not know.
 
         Raises:
             UnknownName: There is no such body.
@@ -252,7 +252,7 @@ class SimulatedCell:
         self.scene.remove(body_id)
 
     def add_body(self, spec: BodySpec) -> None:
-        """Brings a body into the cell; the robot is not told.
+        """Brings a body into the cell; the robot does not know.
 
         Raises:
             UsageError: It has no pose, is bolted to a robot, or there is a body of that id.

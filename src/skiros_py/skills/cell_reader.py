@@ -42,7 +42,7 @@ def read_cell(
     Args:
         view: The world.
         robots: Ids of the robots.
-        simulated: False where nobody has to put the bodies anywhere: then a robot may hold something from the start,
+        simulated: False where the bodies are not simulated: then a robot may hold something from the start,
             and what is in stock has no bodies, however much it is.
         left_out: Gets each body that cannot be read, with the reason, and what lies in one: the cell does without them.
             None to have that raised.
@@ -161,7 +161,7 @@ def _stocked(view: WorldView, element: str, *, simulated: bool) -> list[BodySpec
         raise DescriptionError(f"{element} is a stock of no place: let a container have it by sk:hasA")
     own = next((stock for stock in stocks(view) if stock.id == element), None)
     if own is None or not simulated:
-        return []  # used up, or nobody needs them
+        return []  # used up, or not needed
     shown = Stocked(view, {own: [own.token(1)]})
     solid = solid_of(shown, own.token(1))
     if solid is None:

@@ -37,7 +37,7 @@ class Way(Protocol):
 
     @property
     def free(self) -> bool:
-        """True when nobody else is on it or was promised it before: the base may go."""
+        """True when no other robot is on it or has claimed it before: the base may go."""
         ...
 
     @property
@@ -70,7 +70,7 @@ class Floor(Protocol):
         ...
 
     def ask(self, robot: str, outline: Outline, start: Pose, path: Path) -> Way:
-        """Asks for the way along a path; whoever asked first goes first.
+        """Asks for the way along a path; first come, first served.
 
         Args:
             robot: Id of the robot.
@@ -81,7 +81,7 @@ class Floor(Protocol):
         ...
 
     def stretch(self, arm: str, outline: Outline) -> tuple[str, ...]:
-        """Takes the floor below a motion of an arm, until its next one; whoever asks for a way has to go around it.
+        """Takes the floor below a motion of an arm, until its next one; bases that ask for a way must go around it.
 
         Args:
             arm: Id of the arm.
@@ -98,10 +98,10 @@ class Floor(Protocol):
 
 
 class OpenFloor:
-    """A floor with nobody else on it; a :class:`Floor`."""
+    """A floor with no other robot on it; a :class:`Floor`."""
 
     def is_driving(self, robot: str) -> bool:  # noqa: ARG002 - the port's signature
-        """Returns False: there is nobody else."""
+        """Returns False: there is no other robot."""
         return False
 
     def ask(self, robot: str, outline: Outline, start: Pose, path: Path) -> Way:  # noqa: ARG002
@@ -109,11 +109,11 @@ class OpenFloor:
         return _OpenWay()
 
     def stretch(self, arm: str, outline: Outline) -> tuple[str, ...]:  # noqa: ARG002
-        """Returns nobody: there is nobody else."""
+        """Returns no robots: there is no other one."""
         return ()
 
     def stretched(self, arm: str) -> Outline:  # noqa: ARG002
-        """Returns nothing: nobody wants to know."""
+        """Does nothing: there is no other robot."""
         return ()
 
 

@@ -226,7 +226,7 @@ def _check(
 ) -> StepCheck:
     """Returns a step's problems, then applies its effects as if it had worked."""
     if step.skill not in skills:
-        return StepCheck(step, (f"nobody has the skill {step.skill} any more",))
+        return StepCheck(step, (f"no subsystem has the skill {step.skill} any more",))
     skill = skills[step.skill]
     found = cast(step, skill, overlay, None if able is None else able.get(step.skill, ()))
     return StepCheck(step, tuple(_problems(overlay, skill, found)), found.values.get(skill.agent, ""))
@@ -286,4 +286,4 @@ def _inferred(skill: SkillDescription, given: Mapping[str, str], view: WorldView
 
 
 def _nobody(skill: SkillDescription, given: Mapping[str, str]) -> Cast:
-    return Cast(given, (f"nobody has the skill {skill.name} any more",))
+    return Cast(given, (f"no subsystem has the skill {skill.name} any more",))

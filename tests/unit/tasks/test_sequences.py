@@ -348,7 +348,7 @@ def test_a_step_that_nobody_who_is_there_can_do_ends_the_sequence_before_it_begi
         bench.until(lambda: task.done)
 
     assert task.report is not None
-    assert task.report.fault == "round 1 cannot work: drive: nobody has the skill drive any more"
+    assert task.report.fault == "round 1 cannot work: drive: no subsystem has the skill drive any more"
     assert task.report.steps == ()
 
 

@@ -36,7 +36,7 @@ def check_access(settings: ServerSettings, keys: KeyStore) -> None:
     """
     if not is_loopback(settings.host) and not any(key.valid for key in keys.all()):
         raise UsageError(
-            f"other machines reach {settings.host}, and nobody has a key: make one with"
+            f"other machines can reach {settings.host}, and there is no key yet: make one with"
             " 'skiros key create NAME --role admin --data DIR' (and --new where that is not there yet), or listen at"
             " 127.0.0.1"
         )

@@ -198,7 +198,7 @@ class KeyStore:
                 raise UnknownName("key", key_id, list(keys))
             if open_to_others and keys[key_id].role is Role.ADMIN and not _another_admin(keys, key_id):
                 raise WrongState(
-                    "that is the last key of an administrator, nobody could make another one from outside:"
+                    "that is the last key of an administrator; without it no key can be made from outside:"
                     " make one first, or use 'skiros key revoke' on the server"
                 )
             connection.execute("UPDATE keys SET revoked = coalesce(revoked, ?) WHERE id = ?", (time.time(), key_id))

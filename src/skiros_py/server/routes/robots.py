@@ -61,7 +61,7 @@ def get_robot_state(id: Id, station: StationDep) -> RobotReading:  # noqa: A002
 def get_robot_motion(id: Id, station: StationDep) -> RobotMotion:  # noqa: A002
     """See where a robot is about to go.
 
-    The ways that were planned for its base and arms, until they stand at the end or whoever planned has ended.
+    The ways that were planned for its base and arms, until they stand at the end, or the module that planned has ended.
 
     The `motions` of the station's state say when there is something new.
     """

@@ -1,4 +1,4 @@
-"""Webhooks: other systems are told of jobs, signed, in order for each job, at least once."""
+"""Webhooks: signed notifications about jobs for other systems, in order for each job, at least once."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A robot cell without physics: every device does at once what it is told."""
+"""A robot cell without physics: every device does at once what it is commanded to."""
 
 from __future__ import annotations
 

@@ -118,7 +118,7 @@ def _journal(world: World) -> Journal:
 
 
 def _forgotten(journal: Journal, what: str) -> Refused:
-    text = f"{what} cannot be told: changes are remembered from number {journal.first} on"
+    text = f"{what} is not known: changes are remembered from number {journal.first} on"
     return Refused("Forgotten", text, remembered_from=journal.first)
 
 
@@ -233,7 +233,7 @@ def _target(name: str, ids: Mapping[str, str]) -> str:
 
 @singledispatch
 def _do(operation: object, _tx: Transaction, _ids: dict[str, str]) -> None:
-    raise AssertionError(f"nobody wrote how {operation!r} is done")
+    raise AssertionError(f"there is no code for {operation!r}")
 
 
 @_do.register

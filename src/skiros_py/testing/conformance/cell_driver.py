@@ -34,8 +34,8 @@ class CellDriverContract(ABC):
     The robot needs 0.5 m of free floor ahead and behind. Devices that a robot does not have are not tested.
 
     Class attributes:
-        inertia: False for an adapter that does at once what it is told: limits of speed and acceleration do not concern
-            it.
+        inertia: False for an adapter whose devices do at once what they are commanded to, without limits of speed and
+            acceleration.
         pictures: False for an adapter whose cameras cannot be asked: it must refuse.
         arm_tolerance: How well an arm keeps its set-points at rest [rad].
         gap_tolerance: How well a gripper keeps a gap [m].
@@ -108,13 +108,13 @@ class CellDriverContract(ABC):
     def test_a_command_for_an_unknown_device_is_refused(self, cell: CellDriver, kind: str) -> None:
         wanted = {"arms": ArmTarget((0.0,), (0.0,)), "grippers": GripperTarget(0.0, 1.0), "bases": BaseTwist(0.0, 0.0)}
 
-        with pytest.raises(DeviceError, match="nobodys_device"):
-            cell.exchange({"nobodys_device": wanted[kind]})
+        with pytest.raises(DeviceError, match="unknown_device"):
+            cell.exchange({"unknown_device": wanted[kind]})
 
     def test_a_refused_command_takes_no_time_and_it_goes_on(self, cell: CellDriver) -> None:
         before = cell.exchange(_NOTHING).cycle
         with pytest.raises(DeviceError):
-            cell.exchange({"nobodys_device": BaseTwist(0.0, 0.0)})
+            cell.exchange({"unknown_device": BaseTwist(0.0, 0.0)})
 
         assert cell.exchange(_NOTHING).cycle == before + 1
 
@@ -274,8 +274,8 @@ class CellDriverContract(ABC):
                 assert picture.colour.shape == (camera.height, camera.width, 3)
 
     def test_a_camera_that_is_not_there_is_refused(self, cell: CellDriver) -> None:
-        with pytest.raises(DeviceError, match="nobodys_camera"):
-            cell.capture("nobodys_camera")
+        with pytest.raises(DeviceError, match="unknown_camera"):
+            cell.capture("unknown_camera")
 
     def test_it_may_be_closed_twice(self, cell: CellDriver) -> None:
         cell.close()

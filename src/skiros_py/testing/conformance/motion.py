@@ -73,8 +73,8 @@ class ArmPlannerContract(ABC):
         getattr(planner, "close", lambda: None)()
 
     def test_an_arm_that_is_not_there_is_refused(self, planner: ArmPlanner) -> None:
-        with pytest.raises(SkirosError, match="nobodys_arm"):
-            planner.plan(replace(self._request((JointMove(self._near),)), arm="nobodys_arm")).result()
+        with pytest.raises(SkirosError, match="unknown_arm"):
+            planner.plan(replace(self._request((JointMove(self._near),)), arm="unknown_arm")).result()
 
     # ------------------------------------------------------------------ motions
 
@@ -375,10 +375,10 @@ class KinematicsContract(ABC):
             assert np.array([*step.position, *turn]) / _STEP == pytest.approx(column, abs=1e-4)
 
     def test_a_link_or_joint_that_is_not_there_is_refused(self, kinematics: Kinematics) -> None:
-        with pytest.raises(UnknownName, match="nobodys_link"):
-            kinematics.pose("nobodys_link", self._home)
-        with pytest.raises(UnknownName, match="nobodys_joint"):
-            kinematics.jacobian(self._arm.tip, self._home, ("nobodys_joint",))
+        with pytest.raises(UnknownName, match="unknown_link"):
+            kinematics.pose("unknown_link", self._home)
+        with pytest.raises(UnknownName, match="unknown_joint"):
+            kinematics.jacobian(self._arm.tip, self._home, ("unknown_joint",))
 
     @property
     def _arm(self) -> ArmSpec:
