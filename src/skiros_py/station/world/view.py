@@ -175,6 +175,7 @@ class _Observer:
         self._view = view
         self._platforms = platforms
         self._sorts: dict[str, _Sort] = {}
+        self._found: dict[str, tuple[str | None, Pose | None]] = {}
 
     def told(self, name: str) -> ViewElement | None:
         """Describes an element; None if it is not visible: abstract, or without shape, pose and placement."""
@@ -211,7 +212,13 @@ class _Observer:
             moved = next((self._platforms[piece] for piece in pieces if piece in self._platforms), None)
             if moved is not None:
                 return None, moved
-        return pose_on(self._view, name, lambda frame: _AT if self._carries(frame) else None) or (None, None)
+        frame, pose = pose_on(self._view, name, self._known) or (None, None)
+        carrier = self._found[frame][0] if frame in self._found else frame
+        self._found[name] = carrier, pose
+        return carrier, pose
+
+    def _known(self, frame: str) -> Pose | None:
+        return _AT if self._carries(frame) else self._found.get(frame, (None, None))[1]
 
     def _in_hand(self, name: str, gripper: str) -> PoseInfo | None:
         pose = self._view.value(name, POSE)

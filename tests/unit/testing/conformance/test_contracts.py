@@ -88,7 +88,7 @@ WRONG = {
             return now
         arm = now.state("arm", ArmState)
         sagging = replace(arm, positions=tuple(p - 0.001 for p in arm.positions))
-        self._models["arm"]._state = sagging
+        self._models.models["arm"]._state = sagging
         self._snapshot = replace(now, devices={**now.devices, "arm": sagging})
         return self._snapshot
 """,
