@@ -24,7 +24,7 @@ KIT: Final = ClassName("kitting:Kit")
 PALLET: Final = ClassName("kitting:Pallet")
 """A raised pallet; parts lie on its top at 0.45 m."""
 PARKING_PLACE: Final = ClassName("kitting:ParkingPlace")
-"""A place where a robot is out of the way."""
+"""Where a robot stands in nobody's way."""
 PART: Final = ClassName("kitting:Part")
 """Something that belongs into a kit."""
 RACK: Final = ClassName("kitting:Rack")
