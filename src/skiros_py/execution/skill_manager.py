@@ -5,11 +5,9 @@ It is reached through a small interface of plain data, so that it may one day li
 
 from __future__ import annotations
 
-import json
 import threading
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import chain
 from typing import Any, Protocol
 
 from skiros_py.errors import UnknownName, UsageError
@@ -19,6 +17,7 @@ from skiros_py.execution.loader import Loader
 from skiros_py.execution.modules import Directory, ModuleInfo, Modules
 from skiros_py.execution.monitor import ModuleEvent, Monitor, Status
 from skiros_py.execution.panel import Panel, primitive_panel, skill_panel
+from skiros_py.execution.registration import Registration
 from skiros_py.execution.running import RunnableDocument, Running, RunningModule
 from skiros_py.execution.scope import Scope
 from skiros_py.execution.task import RunClock, Task
@@ -33,73 +32,7 @@ from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.skills.surroundings import owner
 from skiros_py.world.change import Change
 from skiros_py.world.view import WorldView
-from skiros_py.world.vocabulary import HAS_A, HAS_PRIMITIVE, HAS_SKILL, MODULE_DESCRIPTION, PRIMITIVE, SKILL, VERSION
-from skiros_py.world.world import World
-
-_WORDS = {"skill": (SKILL, HAS_SKILL), "primitive": (PRIMITIVE, HAS_PRIMITIVE)}
-
-
-class Registration:
-    """The individuals of one subsystem's modules.
-
-    Args:
-        world: Where they are written.
-        agent: Id of the subsystem.
-    """
-
-    def __init__(self, world: World, agent: str) -> None:
-        self._world = world
-        self._agent = agent
-        self._written: list[str] = []
-
-    def write(self, modules: Iterable[ModuleInfo], *, adopt: bool = False) -> None:
-        """Writes what the subsystem can do.
-
-        Args:
-            modules: What that is.
-            adopt: True where what is written of it already was left by a program that has ended: what is still so
-                stays, the rest goes, and where nothing is different nothing is changed.
-        """
-        offered = tuple(modules)
-        left = self._left_behind() if adopt else {}
-        if not (offered or left):
-            return
-        with self._world.transaction(author=self._author, reason="registers what it can do") as tx:
-            for info in offered:
-                class_, relation = _WORDS[info.kind]
-                same = left.get((class_, info.name))
-                module = same.pop() if same else tx.add(class_, label=info.name)
-                tx.set(module, VERSION, info.version)
-                tx.set(module, MODULE_DESCRIPTION, json.dumps(info.as_json()))
-                tx.relate(self._agent, relation, module)
-                self._written.append(module)
-            for module in chain.from_iterable(left.values()):
-                tx.remove(module)
-
-    def withdraw(self, reason: str) -> None:
-        """Takes all of that back; may be called twice, and in any thread.
-
-        Args:
-            reason: Why, for a person.
-        """
-        there = [module for module in self._written if self._world.has(module)]
-        self._written.clear()
-        if there:
-            with self._world.transaction(author=self._author, reason=reason) as tx:
-                for module in there:
-                    tx.remove(module)
-
-    def _left_behind(self) -> dict[tuple[str, str], list[str]]:
-        """Returns what is written already, by class and name; those of one name by id, the first one last."""
-        found: dict[tuple[str, str], list[str]] = {}
-        for class_, relation in _WORDS.values():
-            for module in reversed(self._world.objects(self._agent, relation)):
-                found.setdefault((class_, self._world.element(module).label), []).append(module)
-        return found
-
-    @property
-    def _author(self) -> str:
-        return f"skill manager {self._agent}"
+from skiros_py.world.vocabulary import HAS_A
 
 
 class Watchers:

@@ -11,7 +11,7 @@ export type WantedStep = Schema<"WantedStep">;
 
 export interface Step extends WantedStep {
   arguments: Record<string, string>;
-  /** Who would do it now; empty where nobody is found. */
+  /** The subsystem that would do it now; empty if there is none. */
   agent: string;
   works: boolean;
   problems: string[];
