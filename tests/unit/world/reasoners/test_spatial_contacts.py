@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from skiros_py.geometry import Array
 from skiros_py.world.reasoners.boxes import MAP, Boxes
-from skiros_py.world.reasoners.spatial import (
+from skiros_py.world.reasoners.distances import (
     depth,
     distance,
     gap_seen_from_above,
