@@ -1,7 +1,7 @@
 """Checks the text of a query, and expands its prefixes.
 
-Names with prefixes become full IRIs, so that the engine reads exactly what was checked here: it needs no blank between a
-keyword and a name, and would read ``SERVICE:x`` as both.
+Names with prefixes become full IRIs, so that the engine reads exactly what was checked here: it needs no blank between
+a keyword and a name, and would read ``SERVICE:x`` as both.
 """
 
 from __future__ import annotations
