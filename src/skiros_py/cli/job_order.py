@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import click
 from pydantic import ValidationError
 
-from skiros_py.api.jobs import JobOrder, Preview, PreviewState, order_from
+from skiros_py.api.jobs import JobOrder, order_from
+from skiros_py.api.previews import Preview, PreviewState
 from skiros_py.cli.job_text import follow_job, state_line
 from skiros_py.cli.options import JSON, key_values
 from skiros_py.cli.output import NO_PLAN, NOT_REACHED, REACHED, tell

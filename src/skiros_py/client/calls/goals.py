@@ -12,7 +12,7 @@ from skiros_py.api.goals import (
     GoalTexts,
     SceneGoals,
 )
-from skiros_py.api.jobs import AppliedRepair, Preview, PreviewPage
+from skiros_py.api.previews import AppliedRepair, Preview, PreviewPage
 from skiros_py.client.request import Call, path_of
 
 

@@ -14,7 +14,7 @@ from skiros_py.api.goals import (
     GoalTexts,
     SceneGoals,
 )
-from skiros_py.api.jobs import AppliedRepair, Preview, PreviewPage
+from skiros_py.api.previews import AppliedRepair, Preview, PreviewPage
 from skiros_py.server.access.roles import CallerDep, Role, needs
 from skiros_py.server.problems import NEEDS_VERSION, SeenDep, etag, tagged
 from skiros_py.server.services import StationDep

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from skiros_py.api.goals import GoalOrder
-from skiros_py.api.jobs import AppliedRepair, Preview, PreviewPage, PreviewState, Repair
+from skiros_py.api.previews import AppliedRepair, Preview, PreviewPage, PreviewState, Repair
 from skiros_py.api.wire import moment
 from skiros_py.errors import Refused
 from skiros_py.station.jobs.accounts import planned_steps
