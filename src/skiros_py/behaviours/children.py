@@ -1,23 +1,84 @@
-"""What nodes share: checks of their fields, children by number, and children that run in turn or until ended."""
+"""What nodes share: bases by their fields, checks of fields, and children that run in turn or until ended."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import closing
+from dataclasses import dataclass
+from typing import Self
 
-from skiros_py.skills.behaviour import Behaviour, Scope, check_behaviour, require
+from skiros_py.skills.behaviour import Behaviour, Scope, Uses, check_behaviour, require
 from skiros_py.skills.conditions import Condition, holds
 from skiros_py.skills.conditions.watch import Watch
 from skiros_py.skills.outcome import Execution, Failure, Outcome, Success
 
 
-def check_children(what: str, children: tuple[Behaviour, ...]) -> None:
-    """Refuses what is not a tuple of one or more behaviours."""
-    require(isinstance(children, tuple), what, "its parts are a tuple", children)
-    require(bool(children), what, "at least one part: without one there is no outcome", children)
-    for child in children:
-        check_behaviour(what, child)
+@dataclass(frozen=True, slots=True)
+class Composite(Behaviour):
+    """A node with one or more children, in order."""
+
+    children: tuple[Behaviour, ...]
+
+    def __post_init__(self) -> None:
+        require(isinstance(self.children, tuple), self.kind, "its parts are a tuple", self.children)
+        require(bool(self.children), self.kind, "at least one part: without one there is no outcome", self.children)
+        for child in self.children:
+            check_behaviour(self.kind, child)
+
+    @classmethod
+    def of(cls, *children: Behaviour) -> Self:
+        """Makes one."""
+        return cls(children)
+
+    @property
+    def title(self) -> str:
+        """Its kind."""
+        return self.kind
+
+    def named_children(self) -> Mapping[str, Behaviour]:
+        """Its children by number, counted from 0."""
+        return {str(number): child for number, child in enumerate(self.children)}
+
+
+class Decorator(Behaviour):
+    """A node around one child."""
+
+    __slots__ = ()
+
+    child: Behaviour
+
+    def named_children(self) -> Mapping[str, Behaviour]:
+        """Its child."""
+        return {"0": self.child}
+
+
+@dataclass(frozen=True, slots=True)
+class ConditionNode(Behaviour):
+    """A leaf that evaluates conditions.
+
+    Attributes:
+        conditions: Over the skill's parameters; expressions over signals may be texts.
+    """
+
+    conditions: tuple[Condition, ...]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "conditions", read_conditions(self.kind.replace("_", " "), self.conditions))
+
+    @classmethod
+    def of(cls, *conditions: Condition | str) -> Self:
+        """Makes one: ``Check.of("Gripper.gap > 0.01")``, ``WaitUntil.of("Arm.still and Gripper.force > 2")``."""
+        return cls(conditions)  # type: ignore[arg-type]  # texts are read
+
+    @property
+    def title(self) -> str:
+        """Its kind and conditions."""
+        return f"{self.kind.replace('_', ' ')} {' and '.join(map(str, self.conditions))}"
+
+    def uses(self) -> Uses:
+        """Its conditions."""
+        return Uses(conditions=self.conditions)
 
 
 def check_times(what: str, times: object) -> None:
@@ -44,11 +105,6 @@ def read_conditions(what: str, conditions: object) -> tuple[Condition, ...]:
     for one in read:
         require(isinstance(one, Condition), what, right, one)
     return tuple(read)
-
-
-def numbered(children: Iterable[Behaviour]) -> Mapping[str, Behaviour]:
-    """Returns children by their number, counted from 0."""
-    return {str(number): child for number, child in enumerate(children)}
 
 
 def in_turn(

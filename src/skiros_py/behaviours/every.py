@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from contextlib import closing
 from dataclasses import dataclass
 from typing import ClassVar
 
-from skiros_py.behaviours.children import check_seconds, numbered
+from skiros_py.behaviours.children import Decorator, check_seconds
 from skiros_py.skills.behaviour import Behaviour, Scope, check_behaviour, require
 from skiros_py.skills.outcome import Execution, Outcome, tick
 
 
 @dataclass(frozen=True, slots=True)
-class Every(Behaviour):
+class Every(Decorator):
     """The child, ticked once in so many seconds of run time instead of in each cycle.
 
     For what watches or computes: a device that is not commanded in a cycle brakes, so motion needs every cycle.
@@ -33,10 +32,6 @@ class Every(Behaviour):
     def title(self) -> str:
         """The period."""
         return f"every {self.seconds:g} s"
-
-    def named_children(self) -> Mapping[str, Behaviour]:
-        """Its child."""
-        return numbered((self.child,))
 
     def run(self, scope: Scope) -> Execution[Outcome]:
         """Ticks the child whenever its time has come; missed ticks are skipped."""

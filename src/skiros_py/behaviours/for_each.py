@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from skiros_py.behaviours.children import numbered
+from skiros_py.behaviours.children import Decorator
 from skiros_py.skills.behaviour import Behaviour, Scope, Uses, check_behaviour, check_texts, require
 from skiros_py.skills.conditions import Pattern
 from skiros_py.skills.outcome import Execution, Failure, Outcome, Success
@@ -15,7 +14,7 @@ from skiros_py.skills.references import variables
 
 
 @dataclass(frozen=True, slots=True)
-class ForEach(Behaviour):
+class ForEach(Decorator):
     """The child once for each element that a query finds when its turn comes, in the order of their ids.
 
     Attributes:
@@ -59,10 +58,6 @@ class ForEach(Behaviour):
             binds={self.key: self.class_},
             needs="none",
         )
-
-    def named_children(self) -> Mapping[str, Behaviour]:
-        """Its child."""
-        return numbered((self.child,))
 
     def run(self, scope: Scope) -> Execution[Outcome]:
         """Runs the child for one element after the other."""

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from contextlib import closing
 from dataclasses import dataclass
 from typing import ClassVar
 
-from skiros_py.behaviours.children import lost, numbered, read_conditions, run_until
+from skiros_py.behaviours.children import Decorator, lost, read_conditions, run_until
 from skiros_py.skills.behaviour import Behaviour, Scope, Uses, check_behaviour
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.outcome import Execution, Outcome, tick
 
 
 @dataclass(frozen=True, slots=True)
-class Guard(Behaviour):
+class Guard(Decorator):
     """The child, as long as the conditions hold; cancelled with a failure as soon as one does not.
 
     Attributes:
@@ -45,10 +44,6 @@ class Guard(Behaviour):
     def uses(self) -> Uses:
         """Its conditions."""
         return Uses(conditions=self.conditions)
-
-    def named_children(self) -> Mapping[str, Behaviour]:
-        """Its child."""
-        return numbered((self.child,))
 
     def run(self, scope: Scope) -> Execution[Outcome]:
         """Runs the child while the conditions hold."""

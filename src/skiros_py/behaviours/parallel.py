@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from skiros_py.behaviours.children import check_children, numbered
+from skiros_py.behaviours.children import Composite
 from skiros_py.errors import DescriptionError
 from skiros_py.skills.behaviour import Behaviour, Scope, Uses, require
 from skiros_py.skills.outcome import Execution, Failure, Outcome, Success
@@ -33,16 +33,15 @@ _UNTIL = {
 
 
 @dataclass(frozen=True, slots=True)
-class Parallel(Behaviour):
+class Parallel(Composite):
     """All at the same time, in this order within each cycle."""
 
     kind: ClassVar[str] = "parallel"
 
-    children: tuple[Behaviour, ...]
     policy: Policy = Policy.FIRST_FAILURE
 
     def __post_init__(self) -> None:
-        check_children("parallel", self.children)
+        Composite.__post_init__(self)
         require(isinstance(self.policy, Policy), "parallel", "a policy such as Policy.ALL", self.policy)
 
     @classmethod
@@ -67,10 +66,6 @@ class Parallel(Behaviour):
     def uses(self) -> Uses:
         """Its children share devices in time."""
         return Uses(concurrent=True, needs="any" if self.policy is Policy.FIRST_SUCCESS else "all")
-
-    def named_children(self) -> Mapping[str, Behaviour]:
-        """Its children by number."""
-        return numbered(self.children)
 
     def run(self, scope: Scope) -> Execution[Outcome]:
         """Runs the children until the policy says that it is over."""

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from skiros_py.behaviours.children import check_times, numbered
+from skiros_py.behaviours.children import Decorator, check_times
 from skiros_py.skills.behaviour import Behaviour, Scope, check_behaviour
 from skiros_py.skills.outcome import Execution, Failure, Outcome
 
 
 @dataclass(frozen=True, slots=True)
-class Repeat(Behaviour):
+class Repeat(Decorator):
     """The child again and again, so many times, until it fails.
 
     Attributes:
@@ -34,10 +33,6 @@ class Repeat(Behaviour):
     def title(self) -> str:
         """Its kind, and how often."""
         return "repeat until it fails" if self.times is None else f"repeat {self.times} times"
-
-    def named_children(self) -> Mapping[str, Behaviour]:
-        """Its child."""
-        return numbered((self.child,))
 
     def run(self, scope: Scope) -> Execution[Outcome]:
         """Runs the child until it fails, or so many times."""

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from skiros_py.behaviours.children import check_times, in_turn, numbered
+from skiros_py.behaviours.children import Decorator, check_times, in_turn
 from skiros_py.skills.behaviour import Behaviour, Scope, check_behaviour
 from skiros_py.skills.outcome import Execution, Outcome, Success
 
 
 @dataclass(frozen=True, slots=True)
-class Retry(Behaviour):
+class Retry(Decorator):
     """The child again, until it succeeds or was tried so many times."""
 
     kind: ClassVar[str] = "retry"
@@ -28,10 +27,6 @@ class Retry(Behaviour):
     def title(self) -> str:
         """Its kind, and how often."""
         return f"retry, at most {self.times} times"
-
-    def named_children(self) -> Mapping[str, Behaviour]:
-        """Its child."""
-        return numbered((self.child,))
 
     def run(self, scope: Scope) -> Execution[Outcome]:
         """Runs the child until it succeeds."""

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from skiros_py.behaviours.children import check_seconds, numbered, run_until
+from skiros_py.behaviours.children import Decorator, check_seconds, run_until
 from skiros_py.skills.behaviour import Behaviour, Scope, check_behaviour, require
 from skiros_py.skills.outcome import Execution, Failure, Outcome, tick
 
 
 @dataclass(frozen=True, slots=True)
-class Timeout(Behaviour):
+class Timeout(Decorator):
     """The child, cancelled with a failure when it takes longer than so many seconds of run time."""
 
     kind: ClassVar[str] = "timeout"
@@ -29,10 +28,6 @@ class Timeout(Behaviour):
     def title(self) -> str:
         """The limit."""
         return f"within {self.seconds:g} s"
-
-    def named_children(self) -> Mapping[str, Behaviour]:
-        """Its child."""
-        return numbered((self.child,))
 
     def run(self, scope: Scope) -> Execution[Outcome]:
         """Runs the child until the time is over."""
