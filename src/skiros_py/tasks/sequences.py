@@ -1,16 +1,15 @@
-"""A sequence of steps edited by the user; after each edit its effects are checked (paper §4.1)."""
+"""Steps that the user puts in order (paper §4.1): read, and checked in the worlds that the steps before them leave."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any
 
-from skiros_py.errors import SkirosError, UnknownName, UsageError
+from skiros_py.errors import SkirosError, UnknownName
 from skiros_py.execution.containment import contained
 from skiros_py.planning.domain.actions import needs_of, with_defaults
-from skiros_py.planning.plan import Plan, Step
+from skiros_py.planning.plan import Step
 from skiros_py.planning.planners.planner import Planners
 from skiros_py.planning.problem.stock import tokens_of, with_stock
 from skiros_py.planning.replay import apply_effects
@@ -19,7 +18,6 @@ from skiros_py.skills.inference import Inferred, Missing, applying, infer
 from skiros_py.skills.outcome import Failure
 from skiros_py.skills.parameters import read_arguments
 from skiros_py.skills.skill import SkillDescription
-from skiros_py.tasks.trace_writer import short_step
 from skiros_py.world.index import Index
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.view import WorldView
@@ -33,161 +31,30 @@ class StepCheck:
         step: The step.
         problems: What will not hold when its turn comes, one sentence each; empty if it can work.
         agent: The agent that runs it, given or inferred; empty if none is found.
+        is_known: False if it names a skill, a parameter or an element that does not exist: its only problem.
     """
 
     step: Step
     problems: tuple[str, ...] = ()
     agent: str = ""
-
-    @property
-    def works(self) -> bool:
-        """True if it has no problems."""
-        return not self.problems
-
-    def as_json(self) -> dict[str, Any]:
-        """Returns it as plain data."""
-        step = {"skill": self.step.skill, "arguments": dict(self.step.arguments)}
-        return {**step, "agent": self.agent, "works": self.works, "problems": list(self.problems)}
+    is_known: bool = True
 
 
-class StepSequence:
-    """Steps to be run one after the other, in the order and with the arguments the user chose.
+def read_step(step: Step, view: WorldView, skills: Mapping[str, SkillDescription]) -> Step:
+    """Returns a step with its arguments read.
 
     Args:
-        view: The world that it starts from: the live one, so that checks are always current.
+        step: Its arguments are element ids by parameter key; omitted ones are inferred when it starts.
+        view: The world.
         skills: The available skills by name.
-        steps: The initial steps, such as those of a plan; none to start from scratch.
 
     Raises:
-        UsageError: A step names a skill, a parameter or an element that does not exist.
+        UsageError: It names a skill, a parameter or an element that does not exist.
     """
-
-    def __init__(
-        self, view: WorldView, skills: Mapping[str, SkillDescription], steps: Sequence[Step] | Plan = ()
-    ) -> None:
-        self._view = view
-        self._skills = skills
-        given = steps.steps if isinstance(steps, Plan) else steps
-        self._steps = [self._read(step.skill, step.arguments) for step in given]
-
-    @property
-    def steps(self) -> tuple[Step, ...]:
-        """The steps, in order."""
-        return tuple(self._steps)
-
-    # ------------------------------------------------------------------ editing
-
-    def add(self, skill: str, **arguments: str) -> tuple[StepCheck, ...]:
-        """Adds a step at the end; see :meth:`insert`."""
-        return self.insert(len(self._steps), skill, **arguments)
-
-    def insert(self, at: int, skill: str, **arguments: str) -> tuple[StepCheck, ...]:
-        """Adds a step before another one.
-
-        Args:
-            at: Index of that step; the number of steps to append.
-            skill: Name of the skill.
-            **arguments: Element ids by parameter key; omitted ones are inferred when it starts.
-
-        Returns:
-            All steps afterwards, checked.
-
-        Raises:
-            UsageError: There is no such skill, parameter, element or place.
-        """
-        self._steps.insert(self._index(at, len(self._steps)), self._read(skill, arguments))
-        return self.checks
-
-    def remove(self, at: int) -> tuple[StepCheck, ...]:
-        """Removes a step.
-
-        Raises:
-            UsageError: There is no such step.
-        """
-        del self._steps[self._index(at, len(self._steps) - 1)]
-        return self.checks
-
-    def move(self, at: int, to: int) -> tuple[StepCheck, ...]:
-        """Moves a step to another place.
-
-        Args:
-            at: Its index.
-            to: Its index afterwards.
-
-        Raises:
-            UsageError: There is no such step or place.
-        """
-        last = len(self._steps) - 1
-        at, to = self._index(at, last), self._index(to, last)
-        self._steps.insert(to, self._steps.pop(at))
-        return self.checks
-
-    def change(self, at: int, **arguments: str | None) -> tuple[StepCheck, ...]:
-        """Changes some arguments of a step; None leaves one to be inferred.
-
-        Raises:
-            UsageError: There is no such step, parameter or element.
-        """
-        step = self._steps[self._index(at, len(self._steps) - 1)]
-        self._steps[at] = self._read(step.skill, {**step.arguments, **arguments})
-        return self.checks
-
-    # ------------------------------------------------------------------ checking
-
-    @property
-    def checks(self) -> tuple[StepCheck, ...]:
-        """Every step with the problems that can be foreseen."""
-        return check_steps(self._view, self._steps, self._skills)
-
-    @property
-    def works(self) -> bool:
-        """True if no step has problems."""
-        return all(check.works for check in self.checks)
-
-    def require_steps(self) -> None:
-        """Checks that the sequence is not empty.
-
-        Raises:
-            UsageError: It is empty.
-        """
-        if not self._steps:
-            raise UsageError("the sequence has no steps: add one")
-
-    def require_works(self) -> None:
-        """Checks that the sequence can be run.
-
-        Raises:
-            UsageError: It is empty, or cannot work; the text says which step and why.
-        """
-        self.require_steps()
-        broken = [(n, check) for n, check in enumerate(self.checks, start=1) if not check.works]
-        if broken:
-            said = [f"step {n} ({self._said(check.step)}): {'; '.join(check.problems)}" for n, check in broken]
-            raise UsageError(f"the sequence cannot work: {' / '.join(said)}; mend it, or run it anyway")
-
-    def __str__(self) -> str:
-        marks = (f"{n:2}. {self._said(c.step)}{''.join(f' - {p}' for p in c.problems)}" for n, c in self._numbered())
-        return "\n".join(marks)
-
-    def _numbered(self) -> list[tuple[int, StepCheck]]:
-        return list(enumerate(self.checks, start=1))
-
-    def _said(self, step: Step) -> str:
-        return short_step(step, self._skills[step.skill])
-
-    def _read(self, skill: str, arguments: Mapping[str, Any]) -> Step:
-        if skill not in self._skills:
-            raise UnknownName("skill", skill, self._skills)
-        given = {key: value for key, value in arguments.items() if value is not None}
-        view = with_stock(self._view, named=tokens_of((Step(skill, given),)))
-        values = read_arguments(self._skills[skill].params, given, view)
-        return Step(skill, MappingProxyType({key: values[key] for key in given}))
-
-    def _index(self, at: int, last: int) -> int:
-        if isinstance(at, bool) or not isinstance(at, int) or not 0 <= at <= last:
-            there = f"from 0 to {last}" if last >= 0 else "of a step, and there is none"
-            raise UsageError(f"a place in the sequence is a number {there}, not {at!r}")
-        return at
+    if step.skill not in skills:
+        raise UnknownName("skill", step.skill, skills)
+    values = read_arguments(skills[step.skill].params, step.arguments, with_stock(view, named=tokens_of((step,))))
+    return Step(step.skill, MappingProxyType({key: values[key] for key in step.arguments}))
 
 
 def check_steps(
@@ -225,8 +92,10 @@ def _check(
     overlay: Overlay, step: Step, skills: Mapping[str, SkillDescription], able: Mapping[str, Collection[str]] | None
 ) -> StepCheck:
     """Returns a step's problems, then applies its effects as if it had worked."""
-    if step.skill not in skills:
-        return StepCheck(step, (f"no subsystem has the skill {step.skill} any more",))
+    try:
+        read_step(step, overlay, skills)
+    except SkirosError as error:
+        return StepCheck(step, (str(error),), is_known=False)
     skill = skills[step.skill]
     found = cast(step, skill, overlay, None if able is None else able.get(step.skill, ()))
     return StepCheck(step, tuple(_problems(overlay, skill, found)), found.values.get(skill.agent, ""))
@@ -272,7 +141,8 @@ def cast(step: Step, skill: SkillDescription, view: WorldView, able: Collection[
     if able is None or skill.agent in given or found.values.get(skill.agent) in able:
         return found
     each = [_inferred(skill, given, view, agent) for agent in sorted(able)]
-    return next((one for one in each if not one.open), each[0] if each else _nobody(skill, given))
+    missing = Cast(given, (f"no subsystem has the skill {skill.name} any more",))
+    return next((one for one in each if not one.open), each[0] if each else missing)
 
 
 def _inferred(skill: SkillDescription, given: Mapping[str, str], view: WorldView, agent: str | None) -> Cast:
@@ -283,7 +153,3 @@ def _inferred(skill: SkillDescription, given: Mapping[str, str], view: WorldView
     elements = {p.key for p in skill.params if p.is_element}
     values = {key: value for key, value in found.values.items() if key in elements and value is not None}
     return Cast(values, tuple(v.text for v in found.verdicts.values()) if isinstance(found, Missing) else ())
-
-
-def _nobody(skill: SkillDescription, given: Mapping[str, str]) -> Cast:
-    return Cast(given, (f"no subsystem has the skill {skill.name} any more",))

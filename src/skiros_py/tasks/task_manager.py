@@ -9,12 +9,14 @@ from typing import Self
 from skiros_py.errors import SkirosError, UsageError
 from skiros_py.execution.runtime import Runtime
 from skiros_py.planning.durations import observe
+from skiros_py.planning.plan import Step
 from skiros_py.planning.problem.task import Capability
 from skiros_py.planning.requests import PlanningHost, PlanRequest
 from skiros_py.planning.service import Planned, PlanningOptions
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.outcome import Failure, Outcome
 from skiros_py.skills.primitive import Execution
+from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.context import TaskContext
 from skiros_py.tasks.executor import TaskExecutor
 from skiros_py.tasks.goal_executor import GoalExecutor
@@ -22,7 +24,7 @@ from skiros_py.tasks.handle import Policy, StepRun, TaskHandle
 from skiros_py.tasks.record import TaskRecord
 from skiros_py.tasks.report import GoalReport, StepReport
 from skiros_py.tasks.sequence_executor import SequenceExecutor
-from skiros_py.tasks.sequences import StepSequence
+from skiros_py.tasks.sequences import StepCheck, check_steps, read_step
 from skiros_py.tasks.trace import TraceEventKind
 from skiros_py.tasks.trace_writer import TraceWriter
 
@@ -135,38 +137,45 @@ class TaskManager:
 
     def execute(
         self,
-        sequence: StepSequence,
+        steps: Sequence[Step],
         *,
         iterate: int | None = 1,
         name: str = "",
         policy: Policy | None = None,
         anyway: bool = False,
     ) -> TaskHandle:
-        """Starts running a sequence of steps as given and returns at once.
+        """Starts running steps as given, without planning, and returns at once.
+
+        Each round is checked before its first step; if it cannot work, the task ends with the reason in its report.
 
         Args:
-            sequence: The steps.
+            steps: The steps, in order; omitted arguments are inferred when a step starts.
             iterate: Number of rounds; None to repeat until stopped.
             name: Display name.
             policy: How often a step is tried.
-            anyway: True to run a sequence that is known not to work, on the user's explicit request.
+            anyway: True to run steps that are known not to work, on the user's explicit request.
 
         Raises:
-            UsageError: The sequence is empty or cannot work, or the system was halted and not reset.
+            UsageError: There are no steps, a step names something that does not exist, or the system was halted and
+                not reset.
         """
         if iterate is not None and (isinstance(iterate, bool) or not isinstance(iterate, int) or iterate < 1):
             raise UsageError(f"iterate: a whole number from 1, or None for until it is stopped, not {iterate!r}")
-        sequence.require_steps()  # an empty round takes no time: repeated forever, it would block the cycle
-        if not anyway:
-            sequence.require_works()
+        if not steps:  # an empty round takes no time: repeated forever, it would block the cycle
+            raise UsageError("the sequence has no steps: add one")
+        read = tuple(read_step(step, self._context.world, self._skills) for step in steps)
         task = TaskHandle(self._free(name), (), policy or self._policy)
-        executor = SequenceExecutor(task, self._context, sequence.steps, iterate, anyway=anyway)
+        executor = SequenceExecutor(task, self._context, read, iterate, anyway=anyway)
         self._start(task, lambda: executor)
         return task
 
-    def sequence(self) -> StepSequence:
-        """Returns an empty sequence to add steps to; they are checked against the current world model."""
-        return StepSequence(self._context.world, {c.skill.name: c.skill for c in self.capabilities})
+    def check(self, steps: Sequence[Step]) -> tuple[StepCheck, ...]:
+        """Checks steps in turn from the current world; steps after a failing one are checked as if it had worked."""
+        return check_steps(self._context.world, steps, self._skills)
+
+    @property
+    def _skills(self) -> dict[str, SkillDescription]:
+        return {capability.skill.name: capability.skill for capability in self.capabilities}
 
     def _start(self, task: TaskHandle, make: Callable[[], TaskExecutor]) -> None:
         """Adds a task to the control cycle; its executor is made in its first cycle."""

@@ -8,12 +8,12 @@ import pytest
 
 from skiros_py.behaviours import AssertEffects, Sequence, Wait
 from skiros_py.errors import PlanningError, UsageError
+from skiros_py.planning.plan import Step
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.planner import Answer
 from skiros_py.ports.values import Pending
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.report import Outcome
-from skiros_py.tasks.sequences import StepSequence
 from skiros_py.tasks.trace import TraceEventKind
 from skiros_py.testing import Bench, tiny_world
 from skiros_py.testing.tiny import DRIVE, PICK, PLACE, pretend
@@ -45,9 +45,7 @@ def test_a_task_that_is_halted_before_its_first_cycle_is_over_with_a_report() ->
 
 def test_a_sequence_that_is_halted_before_its_first_cycle_is_over_with_a_report() -> None:
     with Bench(tiny_world()) as bench:
-        steps = bench.tasks.sequence()
-        steps.add("drive", Location="box_a")
-        task = bench.tasks.execute(steps)
+        task = bench.tasks.execute([Step("drive", {"Location": "box_a"})])
         bench.cycle.stop_all("somebody hit the button")
 
     assert task.done
@@ -126,9 +124,7 @@ def test_what_breaks_in_a_task_itself_is_in_its_report_and_is_no_stop() -> None:
         raise ValueError("no such thing")
 
     with Bench(tiny_world()) as bench:
-        steps = StepSequence(bench.world, {DRIVE.name: DRIVE})
-        steps.add("drive", Location="box_a")
-        run, task = bench.tasks.execute(steps), begin(bench)
+        run, task = bench.tasks.execute([Step("drive", {"Location": "box_a"})]), begin(bench)
         task.before_step(breaks)
         run.before_step(breaks)
         bench.cycle.on_fault(lambda _task: None)

@@ -8,11 +8,11 @@ from typing import Any, ClassVar
 import pytest
 
 from skiros_py.behaviours import AssertEffects, Do, P, Sequence, Wait
+from skiros_py.planning.plan import Plan
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import param
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.tasks.handle import StepRun
-from skiros_py.tasks.sequences import StepSequence
 from skiros_py.testing import Bench, tiny_world
 from skiros_py.testing.tiny import DRIVE, PICK, PLACE, pretend
 from skiros_py.world.world import World
@@ -165,14 +165,14 @@ def test_of_the_last_thing_in_stock_one_of_two_tasks_gets_nothing_and_says_so() 
 def test_a_sequence_made_of_a_plan_takes_from_stock_and_can_be_run_again() -> None:
     with Bench(tiny_world(GIANTS)) as bench:
         plan = bench.plan(GOAL).outcome
-        sequence = StepSequence(bench.world, {s.name: s for s in (DRIVE, PICK, PLACE)}, plan)
-        assert sequence.works
-        begun = bench.tasks.execute(sequence)
+        assert isinstance(plan, Plan)
+        assert not any(check.problems for check in bench.tasks.check(plan.steps))
+        begun = bench.tasks.execute(plan.steps)
         bench.until(lambda: begun.done)
 
         assert bench.world.related("giant_1", "sk:heldBy", "gripper_1")
         assert left(bench.world) == 2
-        assert tuple(step.arguments.get("Ball") for step in sequence.steps) == (None, "giants#1")
+        assert tuple(step.arguments.get("Ball") for step in plan.steps) == (None, "giants#1")
 
 
 def test_a_goal_that_holds_by_stock_is_done_at_once_and_leaves_the_stock_alone() -> None:

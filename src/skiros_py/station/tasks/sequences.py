@@ -8,11 +8,11 @@ from typing import Any, ClassVar
 
 from skiros_py.behaviours import Behaviour, Do, DocumentKind, PaletteEntry, Review
 from skiros_py.behaviours import Sequence as Body
-from skiros_py.errors import DescriptionError, DocumentFault, Refused, SkirosError
+from skiros_py.errors import DescriptionError, DocumentFault, Refused
 from skiros_py.planning.plan import Step
 from skiros_py.skills.plain import Reader
 from skiros_py.skills.skill import SkillDescription
-from skiros_py.tasks.sequences import StepCheck, StepSequence, check_steps
+from skiros_py.tasks.sequences import check_steps
 from skiros_py.world.view import WorldView
 
 _MOST_STEPS = 100
@@ -33,18 +33,12 @@ class SequenceDocument(DocumentKind):
 
     def review(self, document: Any, world: WorldView, skills: Skills) -> Review:
         """Checks each step in the world that the steps before it leave; unknown names are faults."""
-        steps = steps_of(document)
-        faults = _unknown_names(steps, world, skills)
-        checks = check_all(steps, world, skills)
+        checks = list(enumerate(check_steps(world, steps_of(document), skills)))
+        found = [(check, DocumentFault(_place(number), text)) for number, check in checks for text in check.problems]
         return Review(
-            tuple(DocumentFault(_place(number), text) for number, text in faults.items()),
-            tuple(
-                DocumentFault(_place(number), problem)
-                for number, check in enumerate(checks)
-                if number not in faults
-                for problem in check.problems
-            ),
-            {_place(number): check.agent for number, check in enumerate(checks)},
+            tuple(fault for check, fault in found if not check.is_known),
+            tuple(fault for check, fault in found if check.is_known),
+            {_place(number): check.agent for number, check in checks},
         )
 
     def palette(self, reader: Reader) -> Sequence[PaletteEntry]:  # noqa: ARG002
@@ -81,33 +75,14 @@ def _place(number: int) -> str:
     return f"steps[{number}]"
 
 
-def check_all(steps: Sequence[Step], world: WorldView, skills: Skills) -> tuple[StepCheck, ...]:
-    """Checks steps in turn; a step with names that do not exist is reported and skipped."""
-    faults = _unknown_names(steps, world, skills)
-    checks = iter(check_steps(world, [step for number, step in enumerate(steps) if number not in faults], skills))
-    return tuple(
-        StepCheck(step, (faults[number],)) if number in faults else next(checks) for number, step in enumerate(steps)
-    )
-
-
-def _unknown_names(steps: Sequence[Step], world: WorldView, skills: Skills) -> dict[int, str]:
-    faults = {}
-    for number, step in enumerate(steps):
-        try:
-            StepSequence(world, skills, (step,))
-        except SkirosError as error:
-            faults[number] = str(error)
-    return faults
-
-
 def require_works(steps: Sequence[Step], world: WorldView, skills: Skills) -> None:
     """Requires that steps can be run in the present world.
 
     Raises:
         Refused: A step cannot work.
     """
-    checks = check_all(steps, world, skills)
-    broken = [f"step {n} ({c.step.skill}): {'; '.join(c.problems)}" for n, c in enumerate(checks) if not c.works]
+    checks = check_steps(world, steps, skills)
+    broken = [f"step {n} ({c.step.skill}): {'; '.join(c.problems)}" for n, c in enumerate(checks) if c.problems]
     if broken:
         why = " / ".join(broken)
         raise Refused("CannotWork", f"it cannot work: {why}; change it, or run it anyway", broken=broken)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from datetime import UTC, datetime
-from types import MappingProxyType
 from typing import Literal
 
 from skiros_py.api.tasks import NewTask, TaskInfo, TaskQuestion, TaskReport, Tasks, TaskStep, TaskTrace
@@ -20,7 +19,7 @@ from skiros_py.station.tasks.book import KeptTask
 from skiros_py.station.tasks.sequences import require_works, steps_of
 from skiros_py.tasks.handle import Policy, TaskHandle
 from skiros_py.tasks.report import GoalReport
-from skiros_py.tasks.sequences import StepSequence
+from skiros_py.tasks.sequences import read_step
 from skiros_py.tasks.trace import TraceEntry, TraceEventKind
 
 _ENDS = (TraceEventKind.ENDED, TraceEventKind.FAILED, TraceEventKind.CANCELLED)
@@ -109,10 +108,9 @@ class TaskService(Service):
             require_works(steps, session.world.snapshot(), _skills(session))
 
         def begin(session: Session) -> TaskHandle:
-            sequence = StepSequence(session.world, _skills(session), steps)
             # Checked above: the control thread has no time to check again.
             session.runtime.require_ready()
-            return session.tasks.execute(sequence, iterate=request.iterate, policy=policy, anyway=True)
+            return session.tasks.execute(steps, iterate=request.iterate, policy=policy, anyway=True)
 
         return self._note(begin, author)
 
@@ -120,8 +118,8 @@ class TaskService(Service):
         if request.sequence is not None:
             return steps_of(self._station.document_store.find(SEQUENCE, request.sequence).data)
         session = self._station.session
-        steps = [Step(one.skill, MappingProxyType(dict(one.arguments))) for one in request.steps or []]
-        return StepSequence(session.world.snapshot(), _skills(session), steps).steps
+        view, skills = session.world.snapshot(), _skills(session)
+        return [read_step(Step(one.skill, one.arguments), view, skills) for one in request.steps or []]
 
     def _note(self, begin: Callable[[Session], TaskHandle], author: Author) -> TaskInfo:
         def do(session: Session) -> KeptTask:
