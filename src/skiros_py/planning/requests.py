@@ -22,7 +22,7 @@ from skiros_py.skills.conditions.watch import Key, ReadingView
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.skills.surroundings import owner
 from skiros_py.world.index import Index
-from skiros_py.world.overlay import FilteredView, Overlay
+from skiros_py.world.overlay import Overlay
 from skiros_py.world.view import NO_SENSORS, WorldView
 
 T = TypeVar("T")
@@ -165,7 +165,7 @@ class PlanRequest:
         planners: Planners,
         stopped: Callable[[], bool],
     ) -> Planned:
-        view: WorldView = FilteredView(state, without) if without else state
+        view: WorldView = Overlay(state, without) if without else state
         reached = self.reached
         if self.running:
             skills = {c.skill.name: c.skill for c in self.capabilities}

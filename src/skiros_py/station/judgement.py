@@ -10,7 +10,7 @@ from skiros_py.simulation.cell import SimulatedCell
 from skiros_py.simulation.truth import Truth
 from skiros_py.skills.conditions import AllOf, AnyOf, Condition, Exists, Not, Nothing, Pattern, Related
 from skiros_py.world.element import Element
-from skiros_py.world.overlay import ExtendedView
+from skiros_py.world.overlay import Overlay
 from skiros_py.world.terms import Family
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import (
@@ -46,7 +46,7 @@ def judge(cell: SimulatedCell, spec: CellSpec, view: WorldView, goal: Sequence[C
         goal: Conditions over elements and classes.
     """
     truth = Truth(cell)
-    real = ExtendedView(view)
+    real = Overlay(view)
     placements = truth.placements()
     types = {body.id: body.type for body in spec.bodies}
     for body in placements.keys() & types.keys():

@@ -95,6 +95,11 @@ class Index(WorldView):
         other.__dict__.update(self.__dict__)
         return other
 
+    def forked(self) -> tuple[WorldView, Index]:
+        """Returns a copy, twice: as the view and as its state."""
+        other = self.copy()
+        return other, other
+
     def has_elements_of(self, other: Index) -> bool:
         """Returns True when no element, or its label or properties, was written since one was copied from the other."""
         return self._elements is other._elements
@@ -321,6 +326,12 @@ class Index(WorldView):
             self._abstract = _discard(self._abstract, type_, element_id)
         else:
             self._of_class = _discard(self._of_class, type_, element_id)
+
+    def hide(self, ids: Iterable[str]) -> None:
+        """Removes elements from searches by class; nothing else about them changes."""
+        for name in ids:
+            if name in self._elements:
+                self._of_class = _discard(self._of_class, self._elements[name].type, name)
 
     def put_placement(self, element_id: str, placement: Placement | None) -> None:
         """Moves an element across the whole placement family."""

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from skiros_py.errors import WorldError
 from skiros_py.world.element import Element, Placement
 from skiros_py.world.names import local_name
-from skiros_py.world.overlay import ExtendedView
+from skiros_py.world.overlay import Overlay
 from skiros_py.world.transaction import Transaction
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import CONTAINER, HAS_A, IN, ON, STOCK, STOCK_COUNT, STOCK_OF
@@ -43,7 +43,7 @@ class Stock:
         return f"{self.id}{_MARK}{number}"
 
 
-class Stocked(ExtendedView):
+class Stocked(Overlay):
     """A world in which some things of its stocks are elements, under the names of their tokens.
 
     Attributes:

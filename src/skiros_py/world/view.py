@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from copy import copy
 from functools import cached_property
 from typing import TYPE_CHECKING, Protocol
 
 from skiros_py.world.element import Element, Placement, Value
 
 if TYPE_CHECKING:
+    from skiros_py.world.index import Index
     from skiros_py.world.ontology import Ontology
     from skiros_py.world.reasoners.registry import Reasoners
 
@@ -160,3 +162,10 @@ class WorldView:
             UnknownName: There is none of that id.
         """
         return self._base.placement(element_id)
+
+    def forked(self) -> tuple[WorldView, Index]:
+        """Returns a view of the same kind on a copy of its state, and that copy, which may be changed; cheap."""
+        other = copy(self)
+        base, state = self._base.forked()
+        vars(other).update(_base=base)
+        return other, state

@@ -210,6 +210,10 @@ class World(WorldView):
         """
         return self._base.stamp(element_id)
 
+    def forked(self) -> tuple[WorldView, Index]:
+        """Returns a copy of the current state."""
+        return self._base.forked()
+
     # ------------------------------------------------------------ the life of a transaction
 
     def _author_here(self) -> str | None:

@@ -26,7 +26,7 @@ from skiros_py.testing.tiny import (
     PICK,
     PLACE,
 )
-from skiros_py.world.overlay import FilteredView, Overlay
+from skiros_py.world.overlay import Overlay
 from skiros_py.world.view import WorldView
 from skiros_py.world.world import World
 
@@ -163,7 +163,7 @@ def test_views_of_one_world_give_one_problem() -> None:
 
 def test_what_does_not_take_part_is_no_candidate() -> None:
     found = task(
-        FilteredView(tiny_world(balls(80)), frozenset({"ball_1", "ball_100"})),
+        Overlay(tiny_world(balls(80)), frozenset({"ball_1", "ball_100"})),
         IN_CONTAINER("tiny:Ball", "slot_1"),
         width=2,
     )

@@ -28,7 +28,7 @@ from skiros_py.skills.conditions import (
     is_sensed,
 )
 from skiros_py.testing import Bench, tiny_world
-from skiros_py.world.overlay import FilteredView, Overlay
+from skiros_py.world.overlay import Overlay
 from skiros_py.world.view import NoSensors
 from skiros_py.world.world import World
 
@@ -211,7 +211,7 @@ def test_patterns_of_expressions_are_combined_by_all_any_and_not() -> None:
 
 def test_suppositions_and_states_know_no_sensors() -> None:
     world = sensing_world()
-    for view in (Overlay(world), FilteredView(world, frozenset()), world.snapshot(), tiny_world()):
+    for view in (Overlay(world), Overlay(Overlay(world)), world.snapshot(), tiny_world()):
         verdict = STILL.evaluate(view, {"device": "gripper_1"})
         assert (verdict.holds, verdict.text) == (False, "no sensors here")
 

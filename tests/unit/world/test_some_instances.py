@@ -10,7 +10,7 @@ from skiros_py.errors import UnknownName
 from skiros_py.skills.conditions import Exists, Related
 from skiros_py.skills.conditions.watch import ReadingView
 from skiros_py.testing import tiny_world
-from skiros_py.world.overlay import FilteredView, Overlay
+from skiros_py.world.overlay import Overlay
 from skiros_py.world.view import NO_SENSORS, WorldView
 
 WORLD = tiny_world(
@@ -21,7 +21,7 @@ VIEWS: tuple[WorldView, ...] = (
     WORLD,
     WORLD.snapshot(),
     Overlay(WORLD),
-    FilteredView(WORLD, LEFT_OUT),
+    Overlay(WORLD, LEFT_OUT),
     ReadingView(WORLD.snapshot(), NO_SENSORS),
 )
 classes = st.sampled_from(["tiny:Ball", "tiny:RedBall", "tiny:Box", "tiny:Key", "sk:SpatialThing"])
@@ -52,7 +52,7 @@ def test_what_does_not_take_part_is_not_found_by_what_it_is_related_to(ball: str
     overlay = Overlay(WORLD)
     overlay.place(ball, "sk:in", "slot_1")
     found = Exists("b", "tiny:Ball", Related("sk:in", "b", "slot")).evaluate(
-        FilteredView(overlay, LEFT_OUT), {"slot": "slot_1"}
+        Overlay(overlay, LEFT_OUT), {"slot": "slot_1"}
     )
 
     assert found.holds is there

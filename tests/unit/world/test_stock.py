@@ -13,7 +13,7 @@ from skiros_py.testing import tiny_ontology, tiny_scene, tiny_world
 from skiros_py.world.change import Writer
 from skiros_py.world.element import Element, Placement
 from skiros_py.world.journal import DataDirectory
-from skiros_py.world.overlay import ExtendedView
+from skiros_py.world.overlay import Overlay
 from skiros_py.world.stock import Stocked, by_stock, is_token, stocks, take
 from skiros_py.world.undo import undo
 from skiros_py.world.world import World
@@ -145,7 +145,7 @@ def test_names_for_people_count_tokens_by_stock() -> None:
 
 @given(st.integers(1, 12), st.integers(0, 8))
 def test_pages_of_an_enlarged_world_give_every_instance_once_in_order(page: int, more: int) -> None:
-    view = ExtendedView(tiny_world(*(f"scene:ball_{n} a tiny:Ball ; sk:in scene:box_b ." for n in range(2, 7))))
+    view = Overlay(tiny_world(*(f"scene:ball_{n} a tiny:Ball ; sk:in scene:box_b ." for n in range(2, 7))))
     for number in range(more):
         view.extend(Element(f"ball_{number}#", "tiny:RedBall", "-"), Placement("sk:in", "box_a"))
 

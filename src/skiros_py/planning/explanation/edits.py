@@ -9,18 +9,13 @@ from skiros_py.errors import UnknownName
 from skiros_py.world.element import Element, Placement, Value
 from skiros_py.world.literals import shown
 from skiros_py.world.names import local_name
-from skiros_py.world.overlay import ExtendedView, FilteredView
+from skiros_py.world.overlay import Overlay
 from skiros_py.world.stock import is_token, take
 from skiros_py.world.transaction import Transaction
-from skiros_py.world.view import WorldView
 
 
-class HypotheticalView(FilteredView, ExtendedView):
-    """An overlay that adds elements to the world and hides others."""
-
-    def __init__(self, base: WorldView) -> None:
-        ExtendedView.__init__(self, base)
-        self._ids = frozenset()
+class HypotheticalView(Overlay):
+    """An overlay that adds elements to the world and removes others."""
 
     def add(self, class_: str) -> str:
         """Adds a hypothetical element of a class and returns its id."""
@@ -31,9 +26,10 @@ class HypotheticalView(FilteredView, ExtendedView):
         return name
 
     def remove(self, element: str) -> None:
-        """Hides an element."""
+        """Removes an element; what others are related to stays as it is."""
         self.unplace(element)
-        self._ids |= {element}
+        self._state.hide([element])
+        self.hidden |= {element}
 
     def element(self, element_id: str) -> Element:
         """Returns one element.
@@ -41,13 +37,13 @@ class HypotheticalView(FilteredView, ExtendedView):
         Raises:
             UnknownName: There is no element with that id.
         """
-        if element_id in self._ids:
+        if element_id in self.hidden:
             raise UnknownName("element", element_id, self.further)
         return super().element(element_id)
 
     def has(self, element_id: str) -> bool:
         """Returns True when there is an element of that id."""
-        return element_id not in self._ids and super().has(element_id)
+        return element_id not in self.hidden and super().has(element_id)
 
 
 @dataclass(frozen=True, slots=True)
