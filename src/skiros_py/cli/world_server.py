@@ -62,7 +62,8 @@ class ServedWorld:
         entries: list[Entry] = []
         for one in reversed(found):
             assert one.written is not None
-            entries.append(Entry(self._whole(one), one.written.timestamp()))
+            change = self._whole(one)
+            entries.append(Entry(change, one.written.timestamp(), len(change.edits)))
         return History(page.remembered_from, entries)
 
     def _changes(self, element: str | None, limit: int, cursor: str | None) -> ChangePage:

@@ -39,7 +39,7 @@ from skiros_py.recording.foxglove import Json
 from skiros_py.world.change import Change
 from skiros_py.world.index import Index
 from skiros_py.world.journal.records import decode_change
-from skiros_py.world.journal.snapshot import Content, read_piece
+from skiros_py.world.journal.snapshot import read_piece
 
 RUNS = "runs"
 """Folder in a data directory that holds the recordings of its runs."""
@@ -257,17 +257,17 @@ class Recording:
         Raises:
             UsageError: The recording does not go back to the start of the run, because it had to be thinned out.
         """
-        content = Content()
+        index = beginning.copy()
         with self._faults():
             pieces = [message for _, _, message in self.messages("/world/snapshot")]
             for piece in pieces:
-                read_piece(content, json.dumps(piece["edits"]), json.dumps(piece["stamps"]))
+                read_piece(index, json.dumps(piece["edits"]), json.dumps(piece["stamps"]))
             if not pieces or "/world/changes" in self.left_out:
                 raise UsageError(f"{self.path}: what was believed at the start is no longer in it")
             for change in self.changes():
                 if change.time <= time:
-                    content.take(change)
-            return content.index(beginning)
+                    index.take(change)
+            return index
 
     def as_json(self) -> dict[str, Any]:
         """Returns everything but device states and pictures as plain data; of those the number."""

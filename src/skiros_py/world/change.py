@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import Any, NamedTuple, Self
+from typing import Any, ClassVar, NamedTuple, Self
 
 from skiros_py.geometry import Pose
 from skiros_py.world.element import Element, Placement, Value
@@ -27,13 +27,18 @@ class Writer(StrEnum):
 
 
 class _Edit:
-    """Common base of edits: each has an ``old`` and a ``new`` side."""
+    """Common base of edits: each has an ``old`` and a ``new`` side.
 
-    __slots__ = ()
+    Attributes:
+        kind: Its name in plain data.
+    """
+
+    __slots__: tuple[str, ...] = ()
+    kind: ClassVar[str]
 
     def marks(self) -> tuple[str, ...]:
         """Returns the elements that it changes."""
-        return (self.element,)  # type: ignore[attr-defined]  # edits of other things override this
+        return (self.element,) if hasattr(self, "element") else ()
 
     def concerns(self) -> tuple[str, ...]:
         """Returns the elements that it changes, and their places."""
@@ -43,24 +48,26 @@ class _Edit:
         """Returns the edit that reverts it."""
         return replace(self, old=self.new, new=self.old)  # type: ignore[type-var,attr-defined]
 
+    def as_json(self) -> _Json:
+        """Returns plain data: the kind, then the fields in order."""
+        return {"edit": self.kind, **{name: _plain(getattr(self, name)) for name in self.__slots__}}
+
 
 @dataclass(frozen=True, slots=True)
 class ElementEdit(_Edit):
     """An element was added (``old`` is None, ``new`` has its first properties) or removed (``new`` is None)."""
 
+    kind: ClassVar[str] = "element"
     element: str
     old: Element | None
     new: Element | None
-
-    def as_json(self) -> _Json:
-        """Returns plain data."""
-        return {"edit": "element", "element": self.element, "old": _plain(self.old), "new": _plain(self.new)}
 
 
 @dataclass(frozen=True, slots=True)
 class PlacementEdit(_Edit):
     """An element moved; ``old`` is None for one just added, ``new`` for one being removed."""
 
+    kind: ClassVar[str] = "placement"
     element: str
     old: Placement | None
     new: Placement | None
@@ -69,15 +76,12 @@ class PlacementEdit(_Edit):
         """Returns the elements that it changes, and their places."""
         return (self.element, *(placement.place for placement in (self.old, self.new) if placement))
 
-    def as_json(self) -> _Json:
-        """Returns plain data."""
-        return {"edit": "placement", "element": self.element, "old": _plain(self.old), "new": _plain(self.new)}
-
 
 @dataclass(frozen=True, slots=True)
 class RelationEdit(_Edit):
     """A relation (of any family except placement) was added or removed."""
 
+    kind: ClassVar[str] = "relation"
     subject: str
     relation: str
     object: str
@@ -88,41 +92,25 @@ class RelationEdit(_Edit):
         """Returns the elements that it changes."""
         return (self.subject, self.object)
 
-    def as_json(self) -> _Json:
-        """Returns plain data."""
-        ends = {"subject": self.subject, "relation": self.relation, "object": self.object}
-        return {"edit": "relation", **ends, "old": self.old, "new": self.new}
-
 
 @dataclass(frozen=True, slots=True)
 class PropertyEdit(_Edit):
     """An element's own value of a property changed; None is "no own value". ``rdfs:label`` counts as a property."""
 
+    kind: ClassVar[str] = "property"
     element: str
     property: str
     old: Value | None
     new: Value | None
-
-    def as_json(self) -> _Json:
-        """Returns plain data."""
-        what = {"element": self.element, "property": self.property}
-        return {"edit": "property", **what, "old": _plain(self.old), "new": _plain(self.new)}
 
 
 @dataclass(frozen=True, slots=True)
 class GoalsEdit(_Edit):
     """The goals stored with the scene changed (texts, sorted)."""
 
+    kind: ClassVar[str] = "goals"
     old: tuple[str, ...]
     new: tuple[str, ...]
-
-    def marks(self) -> tuple[str, ...]:
-        """Returns the elements that it changes: none."""
-        return ()
-
-    def as_json(self) -> _Json:
-        """Returns plain data."""
-        return {"edit": "goals", "old": list(self.old), "new": list(self.new)}
 
 
 class SceneSource(NamedTuple):
@@ -141,16 +129,9 @@ class SceneSource(NamedTuple):
 class SourceEdit(_Edit):
     """The scene was loaded from another file, or saved to it."""
 
+    kind: ClassVar[str] = "source"
     old: SceneSource
     new: SceneSource
-
-    def marks(self) -> tuple[str, ...]:
-        """Returns the elements that it changes: none."""
-        return ()
-
-    def as_json(self) -> _Json:
-        """Returns plain data."""
-        return {"edit": "source", "old": list(self.old), "new": list(self.new)}
 
 
 Edit = ElementEdit | PlacementEdit | RelationEdit | PropertyEdit | GoalsEdit | SourceEdit
@@ -195,20 +176,21 @@ class Change:
         }
 
 
-def _plain(value: Element | Placement | Value | None) -> object:
+def _plain(value: Any) -> object:
     plain = _PLAIN.get(type(value))
     return value if plain is None else plain(value)
 
 
-def _plain_element(element: Element) -> _Json:
-    properties = {name: _plain(element.properties[name]) for name in sorted(element.properties)}
-    return {"id": element.id, "type": element.type, "label": element.label, "properties": properties}
-
-
 _PLAIN: Mapping[type, Callable[[Any], object]] = {
     tuple: list,
+    SceneSource: list,
     Pose: lambda pose: {"position": list(pose.position), "orientation": list(pose.orientation)},
     Placement: lambda placement: {"relation": placement.relation, "place": placement.place},
-    Element: _plain_element,
+    Element: lambda element: {
+        "id": element.id,
+        "type": element.type,
+        "label": element.label,
+        "properties": {name: _plain(element.properties[name]) for name in sorted(element.properties)},
+    },
 }
 """Converters to plain data for types that JSON lacks: one look-up per value."""

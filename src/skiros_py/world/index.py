@@ -14,6 +14,7 @@ from immutables import Map
 
 from skiros_py.errors import UnknownName
 from skiros_py.world.change import (
+    Change,
     Edit,
     ElementEdit,
     GoalsEdit,
@@ -270,6 +271,10 @@ class Index(WorldView):
         related = ((s, r, o) for (s, r), objects in self._objects.items() for o in objects.ids())
         yield from sorted((*placed, *related))
 
+    def used_relations(self) -> tuple[set[str], set[str]]:
+        """Returns the relations of placements, and all others, that are stated."""
+        return {relation for relation, _ in self._guests}, {relation for _, relation in self._objects}
+
     def statements_about(self, element_id: str) -> list[tuple[str, str, str]]:
         """Returns every stated (subject, relation, object) with the element at either end, sorted."""
         found = set()
@@ -284,8 +289,23 @@ class Index(WorldView):
 
     # ------------------------------------------------------------ writing: only before publication
 
+    def take(self, change: Change) -> None:
+        """Applies the next change.
+
+        Raises:
+            KeyError: It is about an element that does not exist.
+        """
+        for edit in change.edits:
+            self.apply(edit)
+        self.mark(change.marks(), Stamp(change.number, change.time))
+        self.version = change.number
+
     def apply(self, edit: Edit) -> None:
-        """Applies one edit of a change that was already validated."""
+        """Applies one edit of a change that was already validated.
+
+        Raises:
+            KeyError: It is about an element that does not exist.
+        """
         if isinstance(edit, ElementEdit):
             self.remove_element(edit.element) if edit.new is None else self.put_element(edit.new)
         elif isinstance(edit, PlacementEdit):
@@ -297,7 +317,7 @@ class Index(WorldView):
         elif isinstance(edit, SourceEdit):
             self.source = edit.new
         else:
-            self.put_element(with_value(self.element(edit.element), edit.property, edit.new))
+            self.put_element(with_value(self._elements[edit.element], edit.property, edit.new))
 
     def mark(self, ids: Iterable[str], stamp: Stamp) -> None:
         """Records that a change affected elements, some of which may have been removed."""

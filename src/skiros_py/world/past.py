@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -49,8 +49,8 @@ class ChangeLog(Protocol):
         """
         ...
 
-    def by_people(self) -> Iterator[Change]:
-        """Yields the stored changes made by users or undoing others, newest first."""
+    def undoable(self) -> Change | None:
+        """Returns the last stored change by a user that has not been undone yet, or None."""
         ...
 
     def about(self, subjects: Iterable[str], after: int) -> Sequence[Change]:
@@ -87,10 +87,11 @@ class MemoryLog:
         """Returns the changes after a version, in order."""
         return tuple(self._changes[version:])
 
-    def by_people(self) -> Iterator[Change]:
-        """Yields the changes made by users or undoing others, newest first."""
-        changes = reversed(tuple(self._changes))
-        return (c for c in changes if c.writer is Writer.PERSON or c.undoes is not None)
+    def undoable(self) -> Change | None:
+        """Returns the last change by a user that has not been undone yet, or None."""
+        undone = {change.undoes for change in self._changes}
+        people = (c for c in reversed(self._changes) if c.writer is Writer.PERSON and c.undoes is None)
+        return next((change for change in people if change.number not in undone), None)
 
     def about(self, subjects: Iterable[str], after: int) -> Sequence[Change]:
         """Returns the changes after a version that are about any of the subjects, in order."""

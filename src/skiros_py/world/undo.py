@@ -6,19 +6,8 @@ from collections.abc import Sequence
 
 from skiros_py.errors import StaleVersion, WorldError
 from skiros_py.world.change import Change, Writer
-from skiros_py.world.past import ChangeLog, subjects_of
+from skiros_py.world.past import subjects_of
 from skiros_py.world.world import World
-
-
-def last_undoable(log: ChangeLog) -> Change | None:
-    """Returns the last stored change by a user that has not been undone yet, or None."""
-    undone = set()
-    for change in log.by_people():
-        if change.undoes is not None:
-            undone.add(change.undoes)
-        elif change.number not in undone:
-            return change
-    return None
 
 
 def undo(world: World, author: str, *, expects: int | None = None, holder: str = "") -> Change:
@@ -34,7 +23,7 @@ def undo(world: World, author: str, *, expects: int | None = None, holder: str =
         StaleVersion: It is no longer the last.
         WorldError: There is nothing to undo, or later changes depend on it; the text names them.
     """
-    last = last_undoable(world.log)
+    last = world.log.undoable()
     if expects is not None and (last is None or last.number != expects):
         now = "none" if last is None else f"change {last.number} ({last.author}: {last.reason})"
         raise StaleVersion(f"change {expects} is not the one that can be undone now, which is {now}: look again")

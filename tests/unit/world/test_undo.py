@@ -14,7 +14,7 @@ from skiros_py.world.element import Placement
 from skiros_py.world.journal import DataDirectory
 from skiros_py.world.scene import load_scene
 from skiros_py.world.transaction import Transaction
-from skiros_py.world.undo import last_undoable, undo
+from skiros_py.world.undo import undo
 from skiros_py.world.world import World
 
 Edit = Callable[[Transaction], object]
@@ -163,14 +163,14 @@ def test_taking_back_what_was_learned_forgets_it_and_its_id_is_not_given_again(c
 
 
 def test_the_last_edit_that_can_be_undone_is_known_before_it_is(case: Case) -> None:
-    assert last_undoable(case.again().log) is None
+    assert case.again().log.undoable() is None
     first = case.write(heavier(1.0))
     second = case.write(lambda tx: tx.set_goals(["In(ball_1, slot_1)"]))
 
-    assert last_undoable(case.again().log) == second
+    assert case.again().log.undoable() == second
     assert isinstance(second.edits[0], GoalsEdit)
     case.undo()
-    assert last_undoable(case.again().log) == first
+    assert case.again().log.undoable() == first
 
 
 def facts(world: World) -> object:

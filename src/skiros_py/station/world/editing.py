@@ -17,7 +17,7 @@ from skiros_py.world import change as world_change
 from skiros_py.world.branches import add_draft, draft_of, instantiate
 from skiros_py.world.change import Edit, Writer
 from skiros_py.world.element import is_abstract
-from skiros_py.world.journal import Head, Journal
+from skiros_py.world.journal import Entry, Journal
 from skiros_py.world.locks import Lock
 from skiros_py.world.transaction import Transaction
 from skiros_py.world.vocabulary import LABEL, STRUCTURE
@@ -89,7 +89,7 @@ def one_change(world: World, number: int, start: int, most: int) -> Change:
 
 def undoable(world: World) -> Undoable | None:
     """Returns the edit that an undo would revert."""
-    head = _journal(world).undoable()
+    head = _journal(world).undoable_entry()
     if head is None:
         return None
     return Undoable.view_of(head.change)
@@ -101,7 +101,7 @@ def written(world: World, tx: Transaction, ids: dict[str, str] | None = None) ->
     return Written(version=world.version, change=change, ids=ids or {})
 
 
-def _page(journal: Journal, heads: Sequence[Head], limit: int) -> ChangePage:
+def _page(journal: Journal, heads: Sequence[Entry], limit: int) -> ChangePage:
     shown = heads[:limit]
     return ChangePage(
         items=[_view_of(h.change, h.change.edits[:_MOST_EDITS], 0, h.edits, h.wall) for h in shown],

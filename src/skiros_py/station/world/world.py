@@ -42,7 +42,7 @@ from skiros_py.world.element import is_learned
 from skiros_py.world.index import Index
 from skiros_py.world.locks import Lock as WorldLock
 from skiros_py.world.scene.learned import learned_turtle
-from skiros_py.world.undo import last_undoable, undo
+from skiros_py.world.undo import undo
 from skiros_py.world.vocabulary import APPLIES_TO, ELEMENT, MODULE, ROOT, SPATIAL_THING, STRUCTURE
 from skiros_py.world.world import World
 
@@ -238,7 +238,7 @@ class WorldService(Service):
         except (StaleVersion, Locked):
             raise
         except WorldError as error:
-            last = last_undoable(world.log)
+            last = world.log.undoable()
             was_loaded = last is not None and any(isinstance(edit, SourceEdit) for edit in last.edits)
             hint = "; load the former scene instead: PUT /scene" if was_loaded else ""
             raise Refused("CannotUndo", f"{error}{hint}") from None

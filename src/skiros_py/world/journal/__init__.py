@@ -2,6 +2,6 @@
 
 from skiros_py.world.journal.data_directory import DataDirectory
 from skiros_py.world.journal.journal import Journal
-from skiros_py.world.journal.records import Entry, Head
+from skiros_py.world.journal.records import Entry
 
-__all__ = ["DataDirectory", "Entry", "Head", "Journal"]
+__all__ = ["DataDirectory", "Entry", "Journal"]

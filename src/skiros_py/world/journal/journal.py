@@ -5,10 +5,9 @@ from __future__ import annotations
 import json
 import logging
 import os
-import threading
 import time
 from collections import deque
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from skiros_py.database import Database
@@ -19,66 +18,25 @@ from skiros_py.world.index import Index, collection_paused
 from skiros_py.world.journal.records import (
     SCHEMA,
     Entry,
-    Head,
     delete,
     insert,
     select,
     select_after,
     select_edits,
-    select_heads,
 )
-from skiros_py.world.journal.snapshot import Content, read_piece, snapshot_pieces
+from skiros_py.world.journal.snapshot import read_piece, snapshot_pieces, unfit
 from skiros_py.world.past import Past
 
-_MOST_CHANGES = 10_000
-_MOST_EDITS = 100_000
-
-
-class Recent:
-    """The latest changes, up to a maximum number; thread-safe.
-
-    Args:
-        version: Number of the last change.
-    """
-
-    def __init__(self, version: int) -> None:
-        self._guard = threading.Lock()
-        self._version = version
-        self._changes: deque[Change] = deque()
-        self._edits = 0
-
-    @property
-    def version(self) -> int:
-        """Number of the last change."""
-        return self._version
-
-    def add(self, change: Change) -> None:
-        """Appends the next change, and deletes the oldest if there are too many; the last one is always kept."""
-        with self._guard:
-            self._changes.append(change)
-            self._edits += len(change.edits)
-            while len(self._changes) > 1 and (len(self._changes) > _MOST_CHANGES or self._edits > _MOST_EDITS):
-                self._edits -= len(self._changes.popleft().edits)
-            self._version = change.number
-
-    def since(self, version: int) -> tuple[Change, ...] | None:
-        """Returns the changes after a version, in order; None if some of them are no longer kept."""
-        with self._guard:
-            wanted = self._version - version
-            if wanted > len(self._changes):
-                return None
-            return tuple(self._changes[at] for at in range(-wanted, 0))
-
-
-# ---------------------------------------------------------------- the journal
-
-
 _log = logging.getLogger(__name__)
+
+_MOST_CHANGES = 10_000
+"""Number of the latest changes that are kept in memory, if they do not have too many edits."""
+_MOST_EDITS = 100_000
+"""Number of edits of the latest changes that are kept in memory; the last change is always kept."""
 
 _PEOPLE = "writer = 'person' OR undoes IS NOT NULL"
 _TAKEN_BACK = f"SELECT undoes FROM changes WHERE ({_PEOPLE}) AND undoes IS NOT NULL"  # noqa: S608  all ours
 _UNDOABLE = f"({_PEOPLE}) AND undoes IS NULL AND number NOT IN ({_TAKEN_BACK}) ORDER BY number DESC LIMIT 1"
-_PAGE = 50
 _MOST_PROBLEMS = 20
 
 
@@ -105,7 +63,9 @@ class Journal:
             raise
         version = max(last or 0, self._snapshot_version)
         self._first = first or version + 1
-        self._recent = Recent(version)
+        self._version = version
+        self._recent: deque[Change] = deque()
+        self._recent_edits = 0
         self._unsure = False
 
     # ------------------------------------------------------------ the change log
@@ -113,7 +73,7 @@ class Journal:
     @property
     def version(self) -> int:
         """Number of the last change, 0 before the first."""
-        return self._recent.version
+        return self._version
 
     @property
     def first(self) -> int:
@@ -138,15 +98,23 @@ class Journal:
             raise FileError(
                 self._path, f"this data directory is open in process {self._process}; a copy of that cannot write to it"
             )
-        unsure, self._unsure = self._unsure, True
-        with self._database.transaction() as connection:
-            if unsure:  # the last write was cut off, perhaps once it was in the file, and never acknowledged
-                delete(connection, "number > ?", self.version)
+        with self._database.reading():
+            unsure, self._unsure = self._unsure, True
+            with self._database.transaction() as connection:
+                if unsure:  # the last write was cut off, perhaps once it was in the file, and never acknowledged
+                    delete(connection, "number > ?", self.version)
+                for change in changes:
+                    insert(connection, change, time.time())
             for change in changes:
-                insert(connection, change, time.time())
-        for change in changes:
-            self._recent.add(change)
-        self._unsure = False
+                self._remember(change)
+            self._unsure = False
+
+    def _remember(self, change: Change) -> None:
+        self._version = change.number
+        self._recent.append(change)
+        self._recent_edits += len(change.edits)
+        while len(self._recent) > 1 and (len(self._recent) > _MOST_CHANGES or self._recent_edits > _MOST_EDITS):
+            self._recent_edits -= len(self._recent.popleft().edits)
 
     def since(self, version: int) -> Sequence[Change]:
         """Returns the changes after a version, in order.
@@ -160,22 +128,15 @@ class Journal:
                     f"the changes after version {version} are not remembered: the journal was compacted and begins"
                     f" with change {self._first}"
                 )
-            recent = self._recent.since(version)
-            if recent is not None:
-                return recent
+            wanted = self.version - version
+            if wanted <= len(self._recent):
+                return tuple(self._recent[at] for at in range(-wanted, 0))
             return tuple(entry.change for entry in select_after(self._database, version))
 
-    def by_people(self) -> Iterator[Change]:
-        """Yields the stored changes made by users or undoing others, newest first."""
-        before = self.version + 1
-        while True:
-            condition = f"({_PEOPLE}) AND number < ? ORDER BY number DESC LIMIT ?"
-            entries = self._select(condition, (before, _PAGE))
-            for entry in entries:
-                yield entry.change
-            if len(entries) < _PAGE:
-                return
-            before = entries[-1].change.number
+    def undoable(self) -> Change | None:
+        """Returns the last stored change by a user that has not been undone yet, or None."""
+        entries = self._select(_UNDOABLE)
+        return entries[0].change if entries else None
 
     def about(self, subjects: Iterable[str], after: int) -> Sequence[Change]:
         """Returns the remembered changes after a version that are about any of the subjects, in order."""
@@ -203,7 +164,7 @@ class Journal:
 
     def page(
         self, beyond: int, limit: int, *, element: str | None = None, newest_first: bool = False
-    ) -> tuple[Head, ...]:
+    ) -> tuple[Entry, ...]:
         """Returns the beginnings of some of the remembered changes of an element, which may be gone, or of all.
 
         Args:
@@ -215,9 +176,9 @@ class Journal:
         about = "number IN (SELECT number FROM marks WHERE element = ?) AND " if element is not None else ""
         order = "number < ? ORDER BY number DESC LIMIT ?" if newest_first else "number > ? ORDER BY number LIMIT ?"
         values = [] if element is None else [element]
-        return tuple(select_heads(self._database, about + order, (*values, beyond, limit)))
+        return tuple(select(self._database, about + order, (*values, beyond, limit), whole=False))
 
-    def edits(self, head: Head, start: int, most: int) -> Sequence[Edit]:
+    def edits(self, head: Entry, start: int, most: int) -> Sequence[Edit]:
         """Returns some edits of a remembered change.
 
         Args:
@@ -231,10 +192,10 @@ class Journal:
             return here
         return (*here, *select_edits(self._database, head.change.number, start + len(here), missing))
 
-    def undoable(self) -> Head | None:
-        """Returns the beginning of the last remembered change by a person that was not taken back yet, or None."""
-        heads = select_heads(self._database, _UNDOABLE)
-        return heads[0] if heads else None
+    def undoable_entry(self) -> Entry | None:
+        """Returns the beginning of the last remembered change by a person that was not undone yet, or None."""
+        entries = select(self._database, _UNDOABLE, whole=False)
+        return entries[0] if entries else None
 
     def was_given(self, element: str) -> bool:
         """Returns True when there was an element of that id at any time."""
@@ -252,15 +213,15 @@ class Journal:
             FileError: The file is damaged, or its content does not fit the ontology.
         """
         with collection_paused():
-            content = Content()
-            self._read_snapshot(content)
+            index = beginning.copy()
+            self._read_snapshot(index)
             for entry in select_after(self._database, self._snapshot_version):
-                self._take(content, entry.change)
-            problems = content.problems(beginning.ontology)
+                self._take(index, entry.change)
+            problems = list(unfit(index))
             if problems:
                 says = "does not fit the ontology, which was another when it was written:"
                 raise FileError(self._database.path, "\n  - ".join([says, *problems[:_MOST_PROBLEMS]]))
-            return Past(content.index(beginning), self.ids(), self)
+            return Past(index, self.ids(), self)
 
     def ids(self) -> Ids:
         """Returns every id that was ever given."""
@@ -308,7 +269,7 @@ class Journal:
         """Closes the file; may be called twice."""
         self._database.close()
 
-    def _select(self, condition: str, values: Sequence[object]) -> list[Entry]:
+    def _select(self, condition: str, values: Sequence[object] = ()) -> list[Entry]:
         with self._database.reading():  # a change may lie in several tables
             return select(self._database, condition, values)
 
@@ -322,19 +283,19 @@ class Journal:
         rows = self._database.rows("SELECT version FROM snapshot WHERE part = 0")
         return int(rows[0][0]) if rows else 0
 
-    def _read_snapshot(self, content: Content) -> None:
+    def _read_snapshot(self, index: Index) -> None:
         ((pieces,),) = self._database.rows("SELECT count(*) FROM snapshot")
         for part in range(pieces):
             rows = self._database.rows("SELECT edits, stamps FROM snapshot WHERE part = ?", (part,))
             try:
-                read_piece(content, *rows[0])
+                read_piece(index, *rows[0])
             except (ValueError, IndexError) as error:
                 reason = f"the file is damaged: piece {part} of the snapshot cannot be understood: {error}"
                 raise FileError(self._database.path, reason) from None
 
-    def _take(self, content: Content, change: Change) -> None:
+    def _take(self, index: Index, change: Change) -> None:
         try:
-            content.take(change)
+            index.take(change)
         except KeyError as error:
             reason = f"the file is damaged: change {change.number} is about {error}, which was not there then"
             raise FileError(self._database.path, reason) from None

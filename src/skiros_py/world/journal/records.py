@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import json
 import sqlite3
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from types import MappingProxyType
-from typing import Any
+from types import MappingProxyType, NoneType
+from typing import Any, get_args
 
 from skiros_py.database import Database, Schema
 from skiros_py.errors import FileError
@@ -18,8 +18,6 @@ from skiros_py.world.change import (
     ElementEdit,
     GoalsEdit,
     PlacementEdit,
-    PropertyEdit,
-    RelationEdit,
     SceneSource,
     SourceEdit,
     Writer,
@@ -138,7 +136,7 @@ def decode_edits(text: str) -> list[Edit]:
 
 def _edits(data: _Json) -> list[Edit]:
     try:
-        return [_EDITS[edit["edit"]](edit) for edit in data["edits"]]
+        return [_edit(edit) for edit in data["edits"]]
     except (KeyError, TypeError, AttributeError) as error:
         raise ValueError(f"no edits: {error}") from None
 
@@ -156,45 +154,43 @@ def _load(text: object) -> Any:
         raise ValueError("it is nested too deep") from None
 
 
-def _element(data: _Json | None) -> Element | None:
-    if data is None:
-        return None
-    properties = {name: _value(value) for name, value in data["properties"].items()}
-    return Element(data["id"], data["type"], data["label"], MappingProxyType(properties))
-
-
-def _placement(data: _Json | None) -> Placement | None:
-    return None if data is None else Placement(data["relation"], data["place"])
+def _edit(data: _Json) -> Edit:
+    kind = _KINDS[data["edit"]]
+    if kind is SourceEdit:
+        return SourceEdit(SceneSource(*data["old"]), SceneSource(*data["new"]))
+    fields = {name: _value(value) for name, value in data.items() if name != "edit"}
+    if kind in _SIDES and not {type(fields["old"]), type(fields["new"])} <= _SIDES[kind]:
+        raise TypeError(f"no {kind.kind}: {data!r:.100}")
+    return kind(**fields)
 
 
 def _value(data: Any) -> Any:
     if data is None or type(data) in _JSON_VALUES:
         return data
-    if isinstance(data, dict):
-        return Pose(tuple(data["position"]), tuple(data["orientation"]))
     if isinstance(data, list):
         return tuple(data)
-    raise TypeError(f"no value: {data!r}")
+    if "position" in data:
+        return Pose(tuple(data["position"]), tuple(data["orientation"]))
+    if "place" in data:
+        return Placement(data["relation"], data["place"])
+    properties = {name: _value(value) for name, value in data["properties"].items()}
+    return Element(data["id"], data["type"], data["label"], MappingProxyType(properties))
 
 
 _JSON_VALUES = frozenset({str, bool, int, float})
-
-_EDITS: Mapping[str, Callable[[_Json], Edit]] = {
-    "element": lambda data: ElementEdit(data["element"], _element(data["old"]), _element(data["new"])),
-    "placement": lambda data: PlacementEdit(data["element"], _placement(data["old"]), _placement(data["new"])),
-    "relation": lambda data: RelationEdit(data["subject"], data["relation"], data["object"], data["old"], data["new"]),
-    "property": lambda data: PropertyEdit(data["element"], data["property"], _value(data["old"]), _value(data["new"])),
-    "goals": lambda data: GoalsEdit(tuple(data["old"]), tuple(data["new"])),
-    "source": lambda data: SourceEdit(SceneSource(*data["old"]), SceneSource(*data["new"])),
+_KINDS: Mapping[str, type[Edit]] = {kind.kind: kind for kind in get_args(Edit)}
+_SIDES: Mapping[type[Edit], frozenset[type]] = {
+    ElementEdit: frozenset({Element, NoneType}),
+    PlacementEdit: frozenset({Placement, NoneType}),
+    GoalsEdit: frozenset({tuple}),
 }
-"""Decoders by kind of edit."""
+"""The types of both sides, where not every value is one."""
 
 
 # ---------------------------------------------------------------- tables
 
 
-_SELECT = "SELECT number, wall, more, data FROM changes WHERE "
-_SELECT_HEADS = (
+_SELECT = (
     "SELECT number, wall, more, data, (SELECT json_array_length(edits) FROM more_edits"
     " WHERE more_edits.number = changes.number AND part = changes.more - 1) FROM changes WHERE "
 )
@@ -206,22 +202,9 @@ class Entry:
     """A change as stored in the journal.
 
     Attributes:
-        change: The change.
+        change: The change, possibly with its first thousand edits only.
         wall: When it was written [s since 1970, UTC].
-    """
-
-    change: Change
-    wall: float
-
-
-@dataclass(frozen=True, slots=True)
-class Head:
-    """The head of a change: everything except the edits after the first thousand.
-
-    Attributes:
-        change: The change, with its first edits only.
-        wall: When it was written [s since 1970, UTC].
-        edits: Number of its edits.
+        edits: Number of all its edits.
     """
 
     change: Change
@@ -251,14 +234,20 @@ def delete(connection: sqlite3.Connection, condition: str, number: int) -> None:
         connection.execute(f"DELETE FROM {table} WHERE {condition}", (number,))  # noqa: S608  all ours
 
 
-def select(database: Database, condition: str, values: Sequence[object] = ()) -> list[Entry]:
+def select(database: Database, condition: str, values: Sequence[object] = (), *, whole: bool = True) -> list[Entry]:
     """Reads the changes that meet a condition (SQL after WHERE).
+
+    Args:
+        database: The journal.
+        condition: The condition.
+        values: What is bound to its question marks.
+        whole: False to read at most the first thousand edits of each: then one query is enough, and writers wait only
+            for that, not until all rows are decoded.
 
     Raises:
         FileError: The file cannot be read, or a change cannot be understood.
     """
-    rows = database.rows(_SELECT + condition, values)
-    return [_entry(database, *row) for row in rows]
+    return [_entry(database, *row, whole=whole) for row in database.rows(_SELECT + condition, values)]
 
 
 def select_after(database: Database, version: int) -> Iterator[Entry]:
@@ -276,23 +265,6 @@ def select_after(database: Database, version: int) -> Iterator[Entry]:
             version += 1
         if len(entries) < _AT_ONCE:
             return
-
-
-def select_heads(database: Database, condition: str, values: Sequence[object] = ()) -> list[Head]:
-    """Reads the heads of the changes that meet a condition (SQL after WHERE), in one query.
-
-    So writers wait only for the query, not until all rows are decoded.
-
-    Raises:
-        FileError: The file cannot be read, or a change cannot be understood.
-    """
-    return [_head(database, *row) for row in database.rows(_SELECT_HEADS + condition, values)]
-
-
-def _head(database: Database, number: int, wall: float, more: int, data: str, last: int | None) -> Head:
-    entry = _entry(database, number, wall, 0, data)
-    total = more * LONGEST_PART + (last or 0) if more else len(entry.change.edits)
-    return Head(entry.change, wall, total)
 
 
 def select_edits(database: Database, number: int, start: int, most: int) -> list[Edit]:
@@ -314,13 +286,15 @@ def select_edits(database: Database, number: int, start: int, most: int) -> list
     return found[skipped : skipped + most]
 
 
-def _entry(database: Database, number: int, wall: float, more: int, data: str) -> Entry:
+def _entry(
+    database: Database, number: int, wall: float, more: int, data: str, last: int | None, *, whole: bool
+) -> Entry:
     sql = "SELECT edits FROM more_edits WHERE number = ? ORDER BY part"
-    others: list[Any] = [edits for (edits,) in database.rows(sql, (number,))] if more else []
+    others: list[Any] = [edits for (edits,) in database.rows(sql, (number,))] if more and whole else []
     try:
         change = decode_change(data, others)
     except ValueError as error:
         raise FileError(database.path, f"the file is damaged: change {number} cannot be understood: {error}") from None
-    if len(others) != more or change.number != number:
+    if change.number != number or (whole and len(others) != more):
         raise FileError(database.path, f"the file is damaged: change {number} is not whole")
-    return Entry(change, wall)
+    return Entry(change, wall, more * LONGEST_PART + (last or 0) if more else len(change.edits))

@@ -61,9 +61,7 @@ class Replica(ABC):
     def follow(self, changes: Sequence[Change]) -> None:
         """Applies changes."""
         for change in changes:
-            for edit in change.edits:
-                self.index.apply(edit)
-            self.index.version = change.number
+            self.index.take(change)
 
     @abstractmethod
     def serve(self, parent: socket.socket) -> None:
