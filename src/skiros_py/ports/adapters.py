@@ -76,7 +76,6 @@ class Ports(Protocol):
             protocol: The port's protocol (``ArmPlanner``).
             device: Id of the device; None for an adapter that needs none.
         """
-        ...
 
     def port(self, protocol: Callable[..., T], device: str | None = None) -> T:
         """Returns the adapter for a device, or for the cell.
@@ -84,7 +83,6 @@ class Ports(Protocol):
         Raises:
             DeviceError: There is none; the message names the port and the device.
         """
-        ...
 
 
 class GivenPorts:

@@ -33,7 +33,6 @@ class Commander(Protocol):
     @property
     def rate(self) -> float:
         """How fast its time goes: 1 in general, less while it is being paused."""
-        ...
 
 
 class Share(Protocol):

@@ -46,27 +46,21 @@ class Individual(Protocol):
     @property
     def id(self) -> str:
         """Its element id."""
-        ...
 
     def number(self, property_: str, default: float | None = None) -> float:
         """Returns a number; the default where the property is missing."""
-        ...
 
     def text(self, property_: str, default: str | None = None) -> str:
         """Returns a text; the default where the property is missing."""
-        ...
 
     def vector(self, property_: str, length: int | None = None) -> tuple[float, ...]:
         """Returns numbers, so many where a length is given."""
-        ...
 
     def pose(self, property_: str = "sk:pose") -> Pose | None:
         """Returns a pose in the map, or in the frame of the individual's ``sk:poseFrame``; None where it has none."""
-        ...
 
     def owner(self, class_: str) -> str | None:
         """Returns the id of the individual of a class that has this one as a piece (``sk:hasA``); None for none."""
-        ...
 
 
 @dataclass(frozen=True)  # with slots, DeviceSignal[State](…) fails before Python 3.14
@@ -109,15 +103,12 @@ class DeviceModel(Protocol):
     @property
     def braking_time(self) -> float:
         """Longest time from full speed to standstill [s]."""
-        ...
 
     def command(self, target: Any | None) -> None:
         """Sets the target for the coming period; None for the device's default safe behaviour (an arm brakes)."""
-        ...
 
     def state(self) -> Any:
         """Returns what its sensors say; called once in each cycle, after the period."""
-        ...
 
 
 @dataclass(slots=True)

@@ -19,26 +19,21 @@ class CellDriver(Protocol):
     @property
     def period(self) -> float:
         """Length of one control cycle [s]."""
-        ...
 
     @property
     def devices(self) -> Mapping[str, DeviceSpec[Any, Any]]:
         """The devices that it drives, by id."""
-        ...
 
     @property
     def kind(self) -> str:
         """Name of the adapter ("pybullet", "fake"); skills may have an implementation for one kind only."""
-        ...
 
     @property
     def braking_time(self) -> float:
         """Longest time from full speed to standstill, as its snapshots say it, when commands cease [s]."""
-        ...
 
     def read(self) -> Snapshot:
         """Returns the present state without advancing time."""
-        ...
 
     def exchange(self, commands: Commands) -> Snapshot:
         """Applies the commands for one period and returns what the sensors say at its end.
@@ -48,7 +43,6 @@ class CellDriver(Protocol):
         Raises:
             DeviceError: A device broke.
         """
-        ...
 
     def halt(self) -> None:
         """Brakes everything and ignores all commands until :meth:`release`; what is gripped stays gripped.
@@ -56,11 +50,9 @@ class CellDriver(Protocol):
         May be called in any thread and at any time, also during :meth:`exchange`; returns at once and waits for
         nothing. A simulation, whose time stands still between two exchanges, brakes with the next one.
         """
-        ...
 
     def release(self) -> None:
         """Obeys commands again; nothing moves by that alone."""
-        ...
 
     def capture(self, camera: str) -> Pending[DepthImage]:
         """Takes a picture now; the image arrives after the camera's latency.
@@ -71,11 +63,9 @@ class CellDriver(Protocol):
         Raises:
             DeviceError: No such camera.
         """
-        ...
 
     def close(self) -> None:
         """Brings everything down; waits for its processes. May be called twice."""
-        ...
 
 
 def require_known(commands: Commands, known: Collection[str]) -> None:
@@ -95,7 +85,6 @@ class RunsKinds(Protocol):
 
     def contain(self, guard: KindGuard) -> None:
         """Runs that code under a guard from now on."""
-        ...
 
 
 def contain_kinds(driver: object, guard: KindGuard) -> None:

@@ -95,12 +95,10 @@ class Kinematics(Protocol):
     @property
     def parents(self) -> Mapping[str, str]:
         """The link on which each link below the base link is mounted; parents come before their children."""
-        ...
 
     @property
     def joints(self) -> Mapping[str, JointRange]:
         """The movable joints by name."""
-        ...
 
     def pose(self, link: str, positions: Mapping[str, float]) -> Pose:
         """Returns the pose of a link in the frame of the base link.
@@ -108,11 +106,9 @@ class Kinematics(Protocol):
         Raises:
             UnknownName: The robot has no such link.
         """
-        ...
 
     def poses(self, positions: Mapping[str, float]) -> dict[str, Pose]:
         """Returns the poses of all links in the frame of the base link."""
-        ...
 
     def jacobian(self, link: str, positions: Mapping[str, float], joints: Sequence[str]) -> Array:
         """Returns the velocity of a link per velocity of some joints.
@@ -123,7 +119,6 @@ class Kinematics(Protocol):
         Raises:
             UnknownName: The robot has no such link or joint.
         """
-        ...
 
 
 class InverseKinematics(Protocol):
@@ -156,4 +151,3 @@ class InverseKinematics(Protocol):
         Returns:
             Joint angles within the limits [rad], the same for the same arguments; None where none were found.
         """
-        ...

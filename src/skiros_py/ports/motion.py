@@ -130,7 +130,6 @@ class ArmPlanner(Protocol):
 
     def plan(self, request: MotionRequest) -> Pending[MotionPlan | NoMotion]:
         """Plans one request."""
-        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,4 +158,3 @@ class BasePlanner(Protocol):
 
     def plan(self, request: BasePathRequest) -> Pending[Path | NoMotion]:
         """Plans one path."""
-        ...

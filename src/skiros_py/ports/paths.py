@@ -31,7 +31,6 @@ class Path(Protocol):
     @property
     def legs(self) -> Sequence[object]:
         """Its legs."""
-        ...
 
     def poses(self, start: Pose, *, way: float = _WAY, turn: float = _TURN) -> Iterator[tuple[float, Pose]]:
         """Yields the poses on the way from the start on, each with the number of legs driven there.
@@ -43,7 +42,6 @@ class Path(Protocol):
             way: Greatest distance between two poses [m].
             turn: Greatest turn between two poses [rad].
         """
-        ...
 
 
 @dataclass(frozen=True, slots=True)

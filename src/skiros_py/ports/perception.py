@@ -86,7 +86,6 @@ class PartDetector(Protocol):
 
     def detect(self, request: LookRequest) -> Pending[LookResult]:
         """Searches one image."""
-        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,4 +131,3 @@ class Registrar(Protocol):
 
     def register(self, request: RegistrationRequest) -> Pending[RegistrationResult]:
         """Registers one body."""
-        ...

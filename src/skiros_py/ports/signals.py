@@ -121,7 +121,6 @@ class SignalProvider(Protocol):
         Returns:
             A value for each provided signal; one left out has no value in this cycle.
         """
-        ...
 
 
 def provider_problem(thing: object) -> str | None:
@@ -148,11 +147,9 @@ class SignalReader(Protocol):
             UnknownName: There is no such signal.
             DeviceError: It has no value in this cycle; the message says why.
         """
-        ...
 
     def value(self, name: str) -> Value | None:
         """Returns the value of a signal in this cycle; None where there is no such signal, or it has no value."""
-        ...
 
 
 class _NoSignals:

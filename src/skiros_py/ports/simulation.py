@@ -164,25 +164,20 @@ class JointGroup(Protocol):
     @property
     def names(self) -> tuple[str, ...]:
         """Joint names."""
-        ...
 
     @property
     def links(self) -> tuple[str, ...]:
         """The link that each joint moves."""
-        ...
 
     @property
     def limits(self) -> JointLimits:
         """Limits as the URDF states them."""
-        ...
 
     def read(self) -> JointReadings:
         """Reads the sensors."""
-        ...
 
     def reset(self, positions: Sequence[float]) -> None:
         """Puts the joints to positions, at rest, without simulating a motion."""
-        ...
 
     def hold_positions(
         self,
@@ -202,15 +197,12 @@ class JointGroup(Protocol):
             velocities: Velocities to have there; 0 where left out.
             max_velocity: Greatest speed of all; None for no such limit.
         """
-        ...
 
     def drive_velocities(self, velocities: Sequence[float], *, effort: float) -> None:
         """Lets the motors keep velocities, with at most an effort, until they are driven otherwise."""
-        ...
 
     def apply_efforts(self, efforts: Sequence[float]) -> None:
         """Applies efforts for one step; the motors are switched off."""
-        ...
 
     def reactions(self) -> tuple[Wrench, ...]:
         """Returns the wrench through each joint after the last step, in the frame of the link that it moves.
@@ -218,7 +210,6 @@ class JointGroup(Protocol):
         It is what the parent exerts on that link at the joint: a link that rests on its joint is pushed up. Engines
         may measure it only from the step after the first call on, and return zeros until then.
         """
-        ...
 
     def couple(self, *, ratio: float, effort: float) -> None:
         """Couples two joints mechanically: the second moves by ``ratio`` times what the first does.
@@ -230,11 +221,9 @@ class JointGroup(Protocol):
         Raises:
             UsageError: The group has not exactly two joints.
         """
-        ...
 
     def set_surface(self, surface: Surface) -> None:
         """Sets the friction of the links that the joints move."""
-        ...
 
 
 class Link(Protocol):
@@ -242,15 +231,12 @@ class Link(Protocol):
 
     def pose(self) -> Pose:
         """Returns the pose of the link frame in the map."""
-        ...
 
     def twist(self) -> Twist:
         """Returns the velocity of the link frame."""
-        ...
 
     def acceleration(self) -> Twist:
         """Returns the acceleration of the link frame over the last step, without gravity; zero at the first call."""
-        ...
 
 
 class SimulatedRobot(Protocol):
@@ -259,22 +245,18 @@ class SimulatedRobot(Protocol):
     @property
     def name(self) -> str:
         """Its name."""
-        ...
 
     @property
     def engine(self) -> Engine:
         """The engine that it lives in."""
-        ...
 
     @property
     def joint_names(self) -> tuple[str, ...]:
         """All movable joints, in the order of the model."""
-        ...
 
     @property
     def link_names(self) -> tuple[str, ...]:
         """All links, in the order of the model."""
-        ...
 
     def joints(self, names: Sequence[str]) -> JointGroup:
         """Returns some joints, to be read and driven together.
@@ -282,7 +264,6 @@ class SimulatedRobot(Protocol):
         Raises:
             UnknownName: It has no such joint.
         """
-        ...
 
     def link(self, name: str) -> Link:
         """Returns a link.
@@ -290,7 +271,6 @@ class SimulatedRobot(Protocol):
         Raises:
             UnknownName: It has no such link.
         """
-        ...
 
 
 class Engine(Protocol):
@@ -302,16 +282,13 @@ class Engine(Protocol):
     @property
     def name(self) -> str:
         """Name of the engine ("pybullet")."""
-        ...
 
     @property
     def period(self) -> float:
         """Length of one step [s]."""
-        ...
 
     def step(self) -> None:
         """Simulates one period."""
-        ...
 
     # ------------------------------------------------------------------ what is in the world
 
@@ -321,7 +298,6 @@ class Engine(Protocol):
         Raises:
             UsageError: The name is taken.
         """
-        ...
 
     def add_body(
         self, name: str, solid: Solid, pose: Pose, *, mass: float = 0.0, colour: Colour, surface: Surface = ...
@@ -339,7 +315,6 @@ class Engine(Protocol):
         Raises:
             UsageError: The name is taken.
         """
-        ...
 
     def remove_body(self, name: str) -> None:
         """Removes a body, and its attachment to a link.
@@ -347,7 +322,6 @@ class Engine(Protocol):
         Raises:
             UnknownName: There is no such body.
         """
-        ...
 
     def move_body(self, name: str, pose: Pose) -> None:
         """Puts a body to a pose, at rest.
@@ -355,7 +329,6 @@ class Engine(Protocol):
         Raises:
             UnknownName: There is no such body.
         """
-        ...
 
     def attach(self, body: str, robot: str, link: str) -> None:
         """Fixes a body with mass to a link, where it is now; it no longer collides with that link.
@@ -364,7 +337,6 @@ class Engine(Protocol):
             UnknownName: There is no such body, robot or link.
             UsageError: The body has no mass, or is attached already.
         """
-        ...
 
     def detach(self, body: str) -> None:
         """Releases an attached body.
@@ -372,7 +344,6 @@ class Engine(Protocol):
         Raises:
             UnknownName: There is no such body, or it is not attached.
         """
-        ...
 
     # ------------------------------------------------------------------ what physics says
 
@@ -382,11 +353,9 @@ class Engine(Protocol):
         Raises:
             UnknownName: There is no such body.
         """
-        ...
 
     def poses(self) -> Mapping[str, Pose]:
         """Returns the present poses of all bodies; quick to take, each pose is computed when it is first read."""
-        ...
 
     def twist(self, body: str) -> Twist:
         """Returns the velocity of a body's centre of mass.
@@ -394,7 +363,6 @@ class Engine(Protocol):
         Raises:
             UnknownName: There is no such body.
         """
-        ...
 
     def contacts(self, name: str, link: str | None = None) -> tuple[Contact, ...]:
         """Returns the contacts of a body or robot after the last step.
@@ -406,7 +374,6 @@ class Engine(Protocol):
         Raises:
             UnknownName: There is no such body, robot or link.
         """
-        ...
 
     def cast_rays(self, starts: Array, ends: Array) -> tuple[RayHit | None, ...]:
         """Returns what each ray meets first.
@@ -415,7 +382,6 @@ class Engine(Protocol):
             starts: Where the rays start [m], shape (n, 3).
             ends: Where they end [m], shape (n, 3).
         """
-        ...
 
     def apply_wrench(self, name: str, wrench: Wrench, *, at: Vector | None = None, link: str = "") -> None:
         """Applies a wrench during the next step.
@@ -429,17 +395,14 @@ class Engine(Protocol):
         Raises:
             UnknownName: There is no such body, robot or link.
         """
-        ...
 
     # ------------------------------------------------------------------ pictures
 
     def prepare_rendering(self) -> None:
         """Starts what renders, so that the first view does not wait for it; returns at once."""
-        ...
 
     def intrinsics(self, view: View) -> CameraIntrinsics:
         """Returns the exact pinhole model of the images of a view."""
-        ...
 
     def render(self, view: View, finish: Callable[[Rendering], T], *, latency: float = 0.0) -> Pending[T]:
         """Renders the present moment, however long that takes.
@@ -452,21 +415,17 @@ class Engine(Protocol):
         Returns:
             What ``finish`` returned.
         """
-        ...
 
     def look_at(self, target: Vector, distance: float) -> None:
         """Turns the window to a point, from a distance above it [m]; does nothing without a window."""
-        ...
 
     # ------------------------------------------------------------------ state
 
     def state_bytes(self) -> bytes:
         """Returns the exact state of all joints and bodies, for comparing runs."""
-        ...
 
     def save(self) -> object:
         """Returns the state of all that is in the world now, for :meth:`restore`."""
-        ...
 
     def restore(self, state: object) -> None:
         """Goes back to a saved state; the same bodies and robots must be there.
@@ -474,11 +433,9 @@ class Engine(Protocol):
         Raises:
             DeviceError: Others are there.
         """
-        ...
 
     def close(self) -> None:
         """Ends the engine and its processes; may be called twice."""
-        ...
 
 
 class EngineFactory(Protocol):
@@ -495,7 +452,6 @@ class EngineFactory(Protocol):
             UsageError: A window is wanted where there is none to be had.
             DeviceError: The engine does not work here.
         """
-        ...
 
 
 @runtime_checkable

@@ -32,11 +32,9 @@ class Pending(Protocol[T_co]):
     @property
     def latency(self) -> float:
         """Declared time from request to answer [s]."""
-        ...
 
     def done(self) -> bool:
         """Returns True when :meth:`result` will not block."""
-        ...
 
     def result(self) -> T_co:
         """Waits for the answer and returns it.
@@ -44,7 +42,6 @@ class Pending(Protocol[T_co]):
         Raises:
             DeviceError: The worker died or broke.
         """
-        ...
 
 
 class Done(Pending[T]):

@@ -119,22 +119,18 @@ class Scope(Protocol):
     @property
     def context(self) -> RunContext:
         """World, devices, adapters, the run's clock."""
-        ...
 
     @property
     def arguments(self) -> Mapping[str, Any]:
         """The values of this run: parameters of the skill, elements of loops around, values that were written."""
-        ...
 
     @property
     def path(self) -> str:
         """Path of this node, from the module that was started: ``pick/body/0/2``."""
-        ...
 
     @property
     def author(self) -> str:
         """Name of the module that this node is part of."""
-        ...
 
     def run(self, child: Behaviour, key: str, elements: Mapping[str, Any] = ...) -> Execution[Outcome]:
         """Returns the run of a child.
@@ -144,31 +140,24 @@ class Scope(Protocol):
             key: Its key: the last part of its path.
             elements: Values that only this child and its descendants read, by name.
         """
-        ...
 
     def call(self, call: Call) -> Execution[Outcome]:
         """Returns the run of a module; its outputs are written when it has succeeded."""
-        ...
 
     def write(self, name: str, value: Any) -> None:
         """Writes a value that later nodes of the same skill read with ``P(name)``."""
-        ...
 
     def emit(self, event: str, value: Any = None) -> None:
         """Announces a named event of this node, with a value as plain data."""
-        ...
 
     def watch(self, conditions: Sequence[Condition]) -> Watch:
         """Watches conditions over parameters; close it."""
-        ...
 
     def apart(self) -> AbstractContextManager[Scope]:
         """Gives a scope of its own to children that may be cancelled alone; see :meth:`recover`."""
-        ...
 
     def recover(self) -> Execution[None]:
         """Runs the recovery of what was cancelled in this scope, under a time limit for all together."""
-        ...
 
 
 class Behaviour(ABC):

@@ -38,24 +38,19 @@ class Way(Protocol):
     @property
     def free(self) -> bool:
         """True when no other robot is on it or has claimed it before: the base may go."""
-        ...
 
     @property
     def blocked(self) -> bool:
         """True when somebody who is not driving stands there, or has an arm there: waiting is no use."""
-        ...
 
     def waits_for(self) -> tuple[str, ...]:
         """Returns the ids of the robots because of which it is not free."""
-        ...
 
     def passed(self, legs: float) -> None:
         """Gives back what lies behind: so many legs have been driven, 1.5 being half of the second."""
-        ...
 
     def release(self) -> None:
         """Gives the rest back; while the base still rolls, it stays taken."""
-        ...
 
     def __enter__(self) -> Self: ...
 
@@ -67,7 +62,6 @@ class Floor(Protocol):
 
     def is_driving(self, robot: str) -> bool:
         """Returns True when a robot is on its way: it will not stay where it is."""
-        ...
 
     def ask(self, robot: str, outline: Outline, start: Pose, path: Path) -> Way:
         """Asks for the way along a path; first come, first served.
@@ -78,7 +72,6 @@ class Floor(Protocol):
             start: Where its base stands.
             path: What it is going to drive.
         """
-        ...
 
     def stretch(self, arm: str, outline: Outline) -> tuple[str, ...]:
         """Takes the floor below a motion of an arm, until its next one; bases that ask for a way must go around it.
@@ -90,11 +83,9 @@ class Floor(Protocol):
         Returns:
             The ids of the robots that are on their way there: nothing is taken before they have passed.
         """
-        ...
 
     def stretched(self, arm: str) -> Outline:
         """Returns above what an arm is or moves; nothing where it has not moved yet."""
-        ...
 
 
 class OpenFloor:
@@ -249,7 +240,6 @@ class Clock(Protocol):
     @property
     def now(self) -> float:
         """Time [s]; only differences mean anything."""
-        ...
 
 
 class Caller(Protocol):
@@ -257,7 +247,6 @@ class Caller(Protocol):
 
     def __call__(self, module: str, arguments: Mapping[str, Any]) -> Execution[Outcome]:
         """Returns the run of another module; tick it to its end, or close it."""
-        ...
 
 
 def _no_manager(module: str, arguments: Mapping[str, Any]) -> Execution[Outcome]:  # noqa: ARG001 - the port's signature

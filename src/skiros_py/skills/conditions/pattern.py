@@ -85,11 +85,9 @@ class Pattern(Protocol):
 
     def evaluate(self, view: WorldView, binding: Binding) -> Verdict:
         """Tells whether it holds, and why. Every free variable must be bound."""
-        ...
 
     def rename(self, names: Mapping[str, str]) -> Pattern:
         """Returns the same pattern with other variable names."""
-        ...
 
 
 @dataclass(frozen=True, slots=True)
