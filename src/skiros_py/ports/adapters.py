@@ -117,7 +117,8 @@ class InstalledPorts:
 
     Raises:
         UnknownName: A device names an adapter that is not installed.
-        UsageError: Several adapters of other distributions serve the same port and device, and it does not name one.
+        UsageError: Several adapters of other distributions serve the same port and device, and it does not name one;
+            or the adapter that a device or robot names does not serve it.
     """
 
     def __init__(self, groups: Sequence[RobotSpec], *, physics: bool = True) -> None:
@@ -126,11 +127,13 @@ class InstalledPorts:
         plugins, faults = load_adapters()
         for fault in faults:
             _log.warning("%s", fault)
-        self._named = {device: names for group in groups for device, names in group.adapters}
-        installed = [plugin.name for plugin in plugins]
-        for by, names in self._named.items():
-            if unknown := [name for name in names if name not in installed]:
-                raise UnknownName("adapter", unknown[0], installed, where=f"of {by} (sk:adapter)")
+        self._named = {
+            device: dict(group.adapters).get(device) or dict(group.adapters).get(group.id, ())
+            for device, group in self._groups.items()
+        }
+        for group in groups:
+            for by, names in group.adapters:
+                self._require_serving(plugins, by, names)
         self._plugins = [plugin for plugin in plugins if physics or plugin.value.without_physics]
         self._made: dict[tuple[str, str], object] = {}
         self._chosen: dict[tuple[Any, str | None], Plugin | None] = {}
@@ -165,6 +168,18 @@ class InstalledPorts:
             close = getattr(adapter, "close", None)
             if close is not None:
                 close()
+
+    def _require_serving(self, plugins: Sequence[Plugin], by: str, names: Sequence[str]) -> None:
+        """Requires that each adapter that a device names serves it; for one that a robot names, one of its devices."""
+        devices = [by] if by in self._groups else [device for device, group in self._groups.items() if group.id == by]
+        for name in names:
+            named = [plugin for plugin in plugins if plugin.name == name]
+            if not named:
+                raise UnknownName("adapter", name, [plugin.name for plugin in plugins], where=f"of {by} (sk:adapter)")
+            if not any(self._serves(plugin, device) for plugin in named for device in devices):
+                good = sorted({p.name for p in plugins if any(self._serves(p, device) for device in devices)})
+                served = ", ".join(good) or "none"
+                raise UsageError(f"{by} names adapter '{name}' (sk:adapter), which does not serve it; {served} would")
 
     def _choose(self, protocol: Any, device: str | None) -> None:
         if (protocol, device) in self._chosen:

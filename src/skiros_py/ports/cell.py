@@ -64,7 +64,8 @@ class RobotSpec:
         driver: Name of its driver; empty for that of the cell.
         address: Where the driver reaches the hardware, as the driver wants it.
         drivers: Id, driver and address of each of its devices that has a driver or an address of its own.
-        adapters: Names of the adapters that serve its devices where several could, by device.
+        adapters: Names of the adapters that it or one of its devices prefers where several could serve, by id; what a
+            device names counts before what its robot does.
     """
 
     id: str

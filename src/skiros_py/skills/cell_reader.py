@@ -253,13 +253,13 @@ def _driven(view: WorldView, group: str, devices: Sequence[DeviceSpec[Any, Any]]
     """Reads which driver a robot or device has, at which address, which of its devices have their own, and adapters."""
     individual = _Individual(view, group)
     driver, address, named = (individual.text(property_, "") for property_ in (v.DRIVER, v.ADDRESS, v.ADAPTER))
-    own, adapters = [], []
+    own, adapters = [], [(group, tuple(named.split()))] if named else []
     for device in devices:
         reached = _Individual(view, device.id)
         found = reached.text(v.DRIVER, driver), reached.text(v.ADDRESS, address)
         if found != (driver, address):
             own.append((device.id, *found))
-        if names := reached.text(v.ADAPTER, named):
+        if device.id != group and (names := reached.text(v.ADAPTER, "")):
             adapters.append((device.id, tuple(names.split())))
     return {"driver": driver, "address": address, "drivers": tuple(own), "adapters": tuple(adapters)}
 

@@ -136,6 +136,22 @@ def test_an_adapter_that_is_not_installed_is_refused_with_those_that_are(install
         InstalledPorts(named("left", "lefty"))
 
 
+def test_an_adapter_that_does_not_serve_the_device_that_names_it_is_refused_with_those_that_do(install: Any) -> None:
+    install("sk-left", left="LEFT")
+
+    with pytest.raises(UsageError, match=r"right names adapter 'left' .* does not serve it; arm-planner, "):
+        InstalledPorts(named("right", "left"))
+
+
+def test_an_adapter_that_a_robot_names_serves_one_of_its_devices_at_least(install: Any) -> None:
+    module = install("sk-left", left="LEFT")
+    one, two = (replace(robot, adapters=((robot.id, ("left",)),)) for robot in ROBOTS)
+
+    assert isinstance(InstalledPorts((one,)).port(ArmPlanner, "left"), module.Made)
+    with pytest.raises(UsageError, match=r"two names adapter 'left' .* does not serve it"):
+        InstalledPorts((two,))
+
+
 def test_two_named_adapters_for_one_port_are_refused(install: Any) -> None:
     install("sk-left", left="LEFT")
 
