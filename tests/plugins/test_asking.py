@@ -80,8 +80,8 @@ def test_a_choice_is_the_message_and_is_written_where_it_is_wanted(bench: Bench)
     answers(bench.questions, {"How much": "2.5"})
     asks = {"question": "How much is it?", "options": ("1", "2.5")}
 
-    assert bench.run("choose", **asks) == Success("2.5")
-    assert bench.run("choose", **asks, element="ball_1", property="sk:mass") == Success("2.5")
+    assert bench.run("choose", **asks) == Success("2.5", {"answer": "2.5"})
+    assert bench.run("choose", **asks, element="ball_1", property="sk:mass") == Success("2.5", {"answer": "2.5"})
     assert bench.world.value("ball_1", "sk:mass") == 2.5
 
 

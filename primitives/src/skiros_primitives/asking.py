@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 from skiros_py.skills.context import QuestionKind
 from skiros_py.skills.outcome import Failure, Outcome, Success
-from skiros_py.skills.parameters import Kind, param
+from skiros_py.skills.parameters import Kind, Output, param
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.world.element import Placement, Value
 from skiros_py.world.literals import ANY_LITERAL, DATATYPES
@@ -47,6 +47,7 @@ class Choose(AskingPrimitive):
     """Asks the user to choose one of several options; the choice is stored as a property of an element."""
 
     name: ClassVar[str] = "choose"
+    outputs: ClassVar[tuple[Output, ...]] = (Output("answer", "text", "What the person chose."),)
 
     @dataclass(frozen=True, slots=True)
     class Params:
@@ -79,7 +80,7 @@ class Choose(AskingPrimitive):
         if element is not None and property_ is not None:
             with self.world.transaction(author=self.name, reason=f"a person chose {answer}") as tx:
                 tx.set(element, property_, self._value(property_, answer))
-        return Success(answer)
+        return Success(answer, {"answer": answer})
 
     def _unwritable(self) -> Failure | None:
         property_ = self.params.property

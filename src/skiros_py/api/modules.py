@@ -117,6 +117,21 @@ class ModuleParameter(Answer):
     """JSON schema of its value; `class` names the class of an element."""
 
 
+class ModuleOutput(Answer):
+    """A value that a module finds out."""
+
+    name: str = Field(examples=["answer"])
+    """Its name; bodies and documents write it with `Out`."""
+    type: str = Field(examples=["text"])
+    """Class of the element, or type of the value; empty where it is not declared (documents)."""
+    unit: str = Field(examples=["m"])
+    """Unit of a number; empty where it has none."""
+    help: str = Field(examples=["What the person chose."])
+    """Its meaning."""
+    json_schema: dict[str, Any]
+    """JSON schema of the value; empty where its type is not declared."""
+
+
 class SkillCondition(Answer):
     """A condition of a skill, over its parameters."""
 
@@ -192,6 +207,8 @@ class ModuleDetails(Answer):
     """Version of the first implementation."""
     parameters: list[ModuleParameter]
     """Its parameters."""
+    outputs: list[ModuleOutput]
+    """The values that its outcome has; none of a skill."""
     pre: list[SkillCondition]
     """What must hold before it starts; none for a primitive."""
     hold: list[SkillCondition]

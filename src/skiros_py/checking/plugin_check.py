@@ -25,7 +25,7 @@ from skiros_py.plugins.plugin import Entry, Plugin, PluginFault, authors_line
 from skiros_py.skills.conditions import ConditionType
 from skiros_py.skills.lint.checking import DOES_NOT_LOAD, RULES, check
 from skiros_py.skills.lint.rule import Finding, Known, Rule, Severity, Source, Spot, Subject, title
-from skiros_py.skills.lint.rules.calls import MISSING_PARAMETER
+from skiros_py.skills.lint.rules.calls import missing_parameter
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill
 from skiros_py.world.ontology import Ontology, load_installed
@@ -294,7 +294,7 @@ def _broken(entries: Sequence[Entry], parts: Sequence[Part], rules: Collection[s
 
 
 def _not_loaded(fault: PluginFault) -> Finding:
-    rule = MISSING_PARAMETER if fault.unknown == "parameter" else DOES_NOT_LOAD
+    rule = missing_parameter if fault.unknown == "parameter" else DOES_NOT_LOAD
     subject = f"{fault.group.partition('.')[2].removesuffix('s')} {fault.name}"
     return Finding(rule.name, rule.severity, subject, fault.reason, _raised_at(fault))
 

@@ -80,6 +80,9 @@ def show(name: str, params: tuple[str, ...], agent: str | None, scene: str, as_j
         return REACHED
     click.echo(f"{info.kind} {name} {info.version} of {manager.agent}: {info.help}")
     _print_panel(panel)
+    for output in info.outputs:
+        unit = f" [{output.unit}]" if output.unit else ""
+        click.echo(f"  Out({output.name})  ({output.param.type_name}{unit}: {output.help})")
     for line in body:
         click.echo(f"  {line}")
     return REACHED

@@ -17,7 +17,7 @@ from skiros_py.ports.board import DeviceBoard
 from skiros_py.skills.behaviour import calls_of
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import Failure, Outcome
-from skiros_py.skills.parameters import Access, Kind, Param, params_of
+from skiros_py.skills.parameters import Access, Kind, Output, Param, params_of
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.skill import Skill
 from skiros_py.skills.surroundings import owner
@@ -35,6 +35,7 @@ class ModuleInfo:
         params: Its parameters.
         version: Version of the (first) implementation.
         implementations: Labels of a skill's implementations, in the order in which they are tried.
+        outputs: The values that its outcome has; none of a skill.
     """
 
     name: str
@@ -43,6 +44,7 @@ class ModuleInfo:
     params: tuple[Param, ...]
     version: str
     implementations: tuple[str, ...] = ()
+    outputs: tuple[Output, ...] = ()
 
     def as_json(self) -> dict[str, Any]:
         """Returns it as plain data; planning parameters are left out, people never see them."""
@@ -55,6 +57,9 @@ class ModuleInfo:
             "implementations": list(self.implementations),
             "parameters": [
                 {"key": p.key, "type": p.type_name, "kind": p.kind.value, "help": p.help, "unit": p.unit} for p in shown
+            ],
+            "outputs": [
+                {"name": o.name, "type": o.param.type_name, "help": o.help, "unit": o.unit} for o in self.outputs
             ],
         }
 
@@ -117,14 +122,15 @@ class Modules:
         kind = self.kind(module)
         if kind == "document":
             found = self.documents[module]
-            return ModuleInfo(module, kind, found.help, found.params, str(found.revision))
+            outputs = tuple(Output(name, "", "") for name in found.outputs)
+            return ModuleInfo(module, kind, found.help, found.params, str(found.revision), outputs=outputs)
         if kind == "skill":
             ways = self.skills[module]
             first, labels = ways[0], tuple(skill.label for skill in ways)
             return ModuleInfo(module, "skill", first.description.help, first.description.params, first.version, labels)
         cls = self.primitives[module]
         help_ = (cls.__doc__ or "").strip().partition("\n")[0]
-        return ModuleInfo(module, "primitive", help_, params_of(cls.Params), cls.version)
+        return ModuleInfo(module, "primitive", help_, params_of(cls.Params), cls.version, outputs=cls.outputs)
 
     def agent_of(self, skill: str) -> str | None:
         """Returns the key of the parameter that is the subsystem doing a skill; None where it is not offered."""

@@ -7,7 +7,7 @@ from dataclasses import replace
 from itertools import count
 from typing import Any
 
-from skiros_py.errors import UsageError
+from skiros_py.errors import UnknownName, UsageError
 from skiros_py.execution.claims import Claim, complete, devices_of, standstill
 from skiros_py.execution.containment import broken, contained
 from skiros_py.execution.loader import Loaded
@@ -141,7 +141,7 @@ class _Run:
         except StopIteration as end:
             ended: object = end.value
             if isinstance(ended, Success | Failure):
-                return ended
+                return self._checked(ended)
             return self._broke(TypeError(f"it returned {ended!r}: a run returns Success or Failure"))
         except (KeyboardInterrupt, CycleOverrun):
             raise
@@ -152,6 +152,12 @@ class _Run:
         if yielded is None:
             return None
         return self._broke(TypeError(f"it yielded {yielded!r}: yield nothing, and call others with 'yield from'"))
+
+    def _checked(self, outcome: Outcome) -> Outcome:
+        """Returns an outcome; one with a value that the primitive does not declare is a mistake in its code."""
+        declared = [output.name for output in self._loaded.cls.outputs]
+        undeclared = [] if isinstance(outcome, Failure) else sorted(set(outcome.values) - set(declared))
+        return self._broke(UnknownName("output", undeclared[0], declared)) if undeclared else outcome
 
     def _begin(self) -> object:
         """Makes the primitive, starts it, and runs it up to its first ``yield``."""

@@ -11,6 +11,7 @@ from skiros_py.errors import DescriptionError
 from skiros_py.ports.values import Pending
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import Execution, Failure, Outcome, tick
+from skiros_py.skills.parameters import Output, check_params
 from skiros_py.world.world import World
 
 __all__ = ["Execution", "Primitive"]
@@ -35,6 +36,7 @@ class Primitive(ABC, Generic[P]):
             has: no other module commands them meanwhile.
         watches: Class of device that this primitive watches in the background for as long as its manager runs; its
             ``Params`` then have one field, ``device``. None for primitives that are called.
+        outputs: The values that it finds out; ``Success(values=…)`` may have these and no others.
         version: Version of this implementation.
     """
 
@@ -42,10 +44,14 @@ class Primitive(ABC, Generic[P]):
     Params: ClassVar[type[Any]]
     takes: ClassVar[tuple[str, ...]] = ()
     watches: ClassVar[str | None] = None
+    outputs: ClassVar[tuple[Output, ...]] = ()
     version: ClassVar[str] = "1.0.0"
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
+        if not isinstance(cls.outputs, tuple) or not all(isinstance(one, Output) for one in cls.outputs):
+            raise DescriptionError(f"outputs of primitive {cls.__name__}: a tuple of Output(name, type, help)")
+        check_params([output.param for output in cls.outputs], f"of the outputs of primitive {cls.__name__}")
         for name in _AT_ONCE:
             method = getattr(cls, name)
             if isgeneratorfunction(method) or iscoroutinefunction(method) or isasyncgenfunction(method):

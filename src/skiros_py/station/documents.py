@@ -317,9 +317,9 @@ class DocumentService(Service):
             tuple(catalogue.skills.values()),
             catalogue.reasoners,
             session.runtime.signals.names,
+            {module, *session.managers.documents, *(name for _, name in missing)},
         )
-        modules = {module, *session.managers.documents, *(name for _, name in missing)}
-        faults = faults_of_document(made.behaviour, made.interface.params, known, modules)
+        faults = faults_of_document(made.behaviour, made.interface.params, known)
         problems = (DocumentFault(place, f"there is no document '{name}' that can run") for place, name in missing)
         return replace(
             found,

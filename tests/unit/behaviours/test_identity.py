@@ -24,8 +24,8 @@ from skiros_py.behaviours import (
 )
 from skiros_py.errors import DescriptionError, UnknownName
 from skiros_py.execution.monitor import ModuleEvent, Status
-from skiros_py.skills.outcome import Failure, Outcome, Success
-from skiros_py.skills.parameters import param
+from skiros_py.skills.outcome import BROKEN, Failure, Outcome, Success
+from skiros_py.skills.parameters import Output, param
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.testing import Bench, tiny_world
@@ -39,6 +39,10 @@ class Note(Primitive[Any]):
     """Keeps what it is given, and gives it back."""
 
     name: ClassVar[str] = "note"
+    outputs: ClassVar[tuple[Output, ...]] = (
+        Output("text", "text", "What it was given."),
+        Output("pose", "pose", "Where it was; never known."),
+    )
 
     @dataclass(frozen=True, slots=True)
     class Params:
@@ -170,6 +174,35 @@ def test_a_value_that_the_outcome_lacks_is_a_failure_with_those_it_has() -> None
     outcome, _ = run(Do.of("note", pose=Out("seen")))
 
     assert outcome == Failure("note gave no value 'pose': its outcome has text")
+
+
+class Gossip(Note):
+    """Gives more than it declares."""
+
+    name: ClassVar[str] = "gossip"
+    outputs: ClassVar[tuple[Output, ...]] = (Output("pose", "pose", "Where it was."),)
+
+
+def test_an_outcome_with_a_value_that_its_primitive_does_not_declare_is_a_failure_that_names_it() -> None:
+    with Bench(tiny_world(), (skill(Do.of("gossip", text="x")),), (Gossip,)) as bench:
+        outcome = bench.run("drive", **TO_A)
+
+    assert isinstance(outcome, Failure)
+    assert outcome.code == BROKEN
+    assert "unknown output 'text'" in outcome.reason
+
+
+@pytest.mark.parametrize(
+    ("outputs", "said"),
+    [
+        ((Output("pose", "poses", "Where."),), "unknown type 'poses'"),
+        ((Output("a", "text", "A."), Output("a", "text", "B.")), "two parameters of the outputs of primitive Wrong"),
+        ([Output("a", "text", "A.")], "outputs of primitive Wrong: a tuple"),
+    ],
+)
+def test_outputs_that_are_declared_wrongly_are_refused_with_the_class(outputs: Any, said: str) -> None:
+    with pytest.raises((DescriptionError, UnknownName), match=said):
+        type("Wrong", (Note,), {"outputs": outputs})
 
 
 def test_a_name_that_no_node_writes_is_refused_where_it_is_written() -> None:

@@ -12,7 +12,7 @@ from skiros_py.catalogue import load_catalogue
 from skiros_py.errors import DocumentFault
 from skiros_py.execution.running import RunnableDocument
 from skiros_py.skills.outcome import Failure, Outcome, Success
-from skiros_py.skills.parameters import param
+from skiros_py.skills.parameters import Output, param
 from skiros_py.skills.plain import Reader
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.testing import Bench, tiny_world
@@ -37,6 +37,7 @@ class Multiply(Primitive["Multiply.Params"]):
     """Multiplies two numbers."""
 
     name: ClassVar[str] = "multiply"
+    outputs: ClassVar[tuple[Output, ...]] = (Output("product", "number", "One times the other.", "1"),)
 
     @dataclass(frozen=True, slots=True)
     class Params:

@@ -2817,10 +2817,20 @@ export interface components {
             help: string;
             version: string;
             parameters: components["schemas"]["ModuleParameter"][];
+            outputs: components["schemas"]["ModuleOutput"][];
             pre: components["schemas"]["SkillCondition"][];
             hold: components["schemas"]["SkillCondition"][];
             post: components["schemas"]["SkillCondition"][];
             implementations: components["schemas"]["Implementation"][];
+        };
+        ModuleOutput: {
+            name: string;
+            type: string;
+            unit: string;
+            help: string;
+            json_schema: {
+                [key: string]: unknown;
+            };
         };
         ModuleParameter: {
             key: string;

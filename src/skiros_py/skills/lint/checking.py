@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from itertools import chain
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from types import MappingProxyType
 
 from skiros_py.errors import UnknownName
-from skiros_py.skills.behaviour import Behaviour, nodes_of
+from skiros_py.skills.behaviour import Behaviour
 from skiros_py.skills.lint.rule import (
     Finding,
     Known,
@@ -19,23 +18,10 @@ from skiros_py.skills.lint.rule import (
     Source,
     Spot,
     Subject,
-    leaves,
+    places_of,
     title,
-    uses_of_node,
-    walk_scoped,
 )
-from skiros_py.skills.lint.rules.calls import (
-    MISSING_ARGUMENT,
-    MISSING_PARAMETER,
-    RECURSIVE_SKILL,
-    UNKNOWN_MODULE,
-    wrong_call,
-)
-from skiros_py.skills.lint.rules.code import BLOCKING_CALL, MOTION_IN_FINALLY, PRETENDS, PRIVATE_IMPORT, YIELD_NEVER
-from skiros_py.skills.lint.rules.devices import NO_MIX_RULE, SAME_DEVICE, taken_twice
-from skiros_py.skills.lint.rules.ranges import WRONG_RANGE, wrong_ends
-from skiros_py.skills.lint.rules.reach import IMPOSSIBLE_EFFECT, MOVES_BY_STRUCTURE, UNPLACED, UNREACHABLE_PRECONDITION
-from skiros_py.skills.lint.rules.words import MISSING_HELP, MISSING_UNIT, NOT_COMPUTED, UNKNOWN_WORD, undeclared_in
+from skiros_py.skills.lint.rules import calls, code, devices, ranges, reach, words
 from skiros_py.skills.parameters import Param
 from skiros_py.skills.skill import Skill
 from skiros_py.world.ontology import Ontology
@@ -48,30 +34,31 @@ NEVER_TRIED = Rule("never-tried", Severity.WARNING, "A skill for which no world 
 
 _ALL = (
     DOES_NOT_LOAD,
-    UNKNOWN_WORD,
-    NOT_COMPUTED,
-    UNPLACED,
-    UNKNOWN_MODULE,
-    MISSING_ARGUMENT,
-    MISSING_PARAMETER,
-    WRONG_RANGE,
-    IMPOSSIBLE_EFFECT,
-    UNREACHABLE_PRECONDITION,
-    RECURSIVE_SKILL,
-    SAME_DEVICE,
-    NO_MIX_RULE,
-    PRETENDS,
-    MOVES_BY_STRUCTURE,
-    MISSING_HELP,
-    MISSING_UNIT,
-    YIELD_NEVER,
-    MOTION_IN_FINALLY,
-    BLOCKING_CALL,
-    PRIVATE_IMPORT,
+    words.unknown_word,
+    words.not_computed,
+    reach.unplaced,
+    calls.unknown_module,
+    calls.missing_argument,
+    calls.missing_parameter,
+    ranges.wrong_range,
+    reach.impossible_effect,
+    reach.unreachable_precondition,
+    calls.recursive_skill,
+    devices.same_device,
+    devices.no_mix_rule,
+    code.pretends,
+    reach.moves_by_structure,
+    words.missing_help,
+    words.missing_unit,
+    code.yield_never,
+    code.motion_in_finally,
+    code.blocking_call,
+    code.private_import,
     EFFECT_MISSING,
     UNDECLARED_CHANGE,
     NEVER_TRIED,
 )
+_OF_DOCUMENTS = (calls.unknown_module, words.unknown_word, ranges.wrong_range, devices.same_device)
 
 RULES: Mapping[str, Rule] = MappingProxyType({one.name: one for one in _ALL})
 """Every rule, by name."""
@@ -107,16 +94,17 @@ def check(
     allowed = _allowances(subject) if isinstance(subject, Source) else {}
     for rule in rules:
         for problem in _contained(rule, subject, known):
-            found = Finding(rule.name, rule.severity, title(subject), problem.text, problem.spot or spot)
-            if rule.name not in allowed.get(found.spot.line if found.spot else 0, ()):
-                yield found
+            text, line = problem if isinstance(problem, tuple) else (problem, None)
+            at = Spot(subject.file, line) if isinstance(subject, Source) and line is not None else spot
+            if rule.name not in allowed.get(at.line if at else 0, ()):
+                yield Finding(rule.name, rule.severity, title(subject), text, at)
 
 
 def _contained(rule: Rule, subject: Subject, known: Known) -> Iterator[Problem]:
     try:
-        yield from _asked(rule, subject, known)
+        yield from rule.problems(subject, known)
     except Exception as error:  # noqa: BLE001 - looking at a plug-in's objects may run their code
-        yield Problem(f"it cannot be looked at: {type(error).__name__}: {error}")
+        yield f"it cannot be looked at: {type(error).__name__}: {error}"
 
 
 def _allowances(source: Source) -> Mapping[int, Sequence[str]]:
@@ -143,37 +131,20 @@ def problems_of(
     known = Known(ontology, primitives, skills, reasoners)
     rules = [rule for rule in RULES.values() if rule.disables]
     subjects: tuple[Subject, ...] = (skill.description, skill)
-    return tuple(p.text for s in subjects for rule in rules for p in _asked(rule, s, known))
+    return tuple(str(found) for one in subjects for rule in rules for found in rule.problems(one, known))
 
 
-def _asked(rule: Rule, subject: Subject, known: Known) -> Iterator[Problem]:
-    return rule.check(subject, known) if rule.check is not None else iter(())
-
-
-def faults_of_document(
-    root: Behaviour, params: Sequence[Param], known: Known, documents: Collection[str]
-) -> Iterator[tuple[str, str]]:
+def faults_of_document(root: Behaviour, params: Sequence[Param], known: Known) -> Iterator[tuple[str, str]]:
     """Yields what is wrong with what a document does, with the path of the node in it.
 
-    These are calls of modules that are not there, words that are not declared, expressions that can never hold, and
-    branches that run at the same time and both take one device.
+    These are wrong calls, words that are not declared, expressions that can never hold, and branches that run at the
+    same time and both take one device.
 
     Args:
         root: What it does.
         params: Its parameters.
-        known: The modules.
-        documents: Names of the documents that it may call as modules.
+        known: The modules, and the documents that it may call as modules.
     """
-    classes = {param.key: param.element_class for param in params if param.is_element}
-    paths = (node.path.lstrip("/") for node in nodes_of(root, ""))
-    for path, (node, scope) in zip(paths, walk_scoped(root, classes), strict=True):
-        calls = (call for call in node.uses().calls if call.module not in documents)
-        uses = list(uses_of_node(node, scope))
-        patterns = (leaf for use in uses for leaf in leaves(use.pattern, use.classes))
-        found = chain(
-            (text for call in calls for text in wrong_call(call, known)),
-            (text for leaf in patterns for text in undeclared_in(*leaf, known)),
-            (text for use in uses for text in wrong_ends(use, known.ontology)),
-            taken_twice(node, scope, known),
-        )
-        yield from ((path, text) for text in found)
+    for place in places_of(root, params):
+        for rule in _OF_DOCUMENTS:
+            yield from ((place.path, str(found)) for found in rule.problems(place, known))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property
 from pathlib import Path
@@ -21,6 +21,8 @@ from skiros_py.world.ontology import Ontology
 from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners
 
 PrimitiveClass = type[Primitive[Any]]
+Classes = Mapping[str, str]
+"""Class of the element that a variable stands for, by variable."""
 
 
 class Source:
@@ -66,8 +68,46 @@ class Source:
         return ""
 
 
-Subject = SkillDescription | Skill | PrimitiveClass | ConditionType | Source
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A node of a body or document, with the parameters that it can refer to.
+
+    Attributes:
+        node: The node.
+        classes: Class of each element that it can refer to, by key.
+        values: Keys of the parameters that are no elements.
+        path: Its path below the root; empty for the root.
+        description: Of the skill that it is part of, or None.
+    """
+
+    node: Behaviour
+    classes: Classes
+    values: frozenset[str] = frozenset()
+    path: str = ""
+    description: SkillDescription | None = None
+
+    def below(self) -> Iterator[Place]:
+        """Yields this place and those of all nodes below it."""
+        yield self
+        classes = {**self.classes, **self.node.uses().binds}
+        for key, child in self.node.named_children().items():
+            path = f"{self.path}/{key}".lstrip("/")
+            yield from replace(self, node=child, classes=classes, path=path).below()
+
+
+Subject = SkillDescription | Skill | PrimitiveClass | ConditionType | Source | Place
 """One thing of a plug-in."""
+
+
+def places_of(root: Behaviour, params: Sequence[Param], description: SkillDescription | None = None) -> Iterator[Place]:
+    """Yields the places of a body or document over some parameters."""
+    values = frozenset(param.key for param in params if not param.is_element)
+    yield from Place(root, classes_of(params), values, description=description).below()
+
+
+def classes_of(params: Sequence[Param]) -> Classes:
+    """Returns the classes of element parameters, by key."""
+    return {param.key: param.element_class for param in params if param.is_element}
 
 
 def title(subject: Subject) -> str:
@@ -82,8 +122,10 @@ def title(subject: Subject) -> str:
             return f"condition {name}"
         case Source(file=file):
             return file.name
+        case Place(path=path):
+            return f"node {path}"
         case _:
-            return f"primitive {getattr(subject, 'name', subject.__name__)}"
+            return f"primitive {getattr(subject, 'name', getattr(subject, '__name__', ''))}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,6 +138,7 @@ class Known:
         skills: All skills.
         reasoners: What computes relations.
         signals: The signals of the cell; None where there is no cell, only descriptions.
+        documents: Names of the documents that can be called as modules.
     """
 
     ontology: Ontology
@@ -103,6 +146,7 @@ class Known:
     skills: Sequence[Skill] = ()
     reasoners: Reasoners = NO_REASONERS
     signals: Collection[str] | None = None
+    documents: Collection[str] = ()
 
     def implementations(self, skill: str) -> tuple[Skill, ...]:
         """Returns the implementations of a skill."""
@@ -150,19 +194,6 @@ class Spot:
 
 
 @dataclass(frozen=True, slots=True)
-class Problem:
-    """What is wrong with one thing that a rule looked at.
-
-    Attributes:
-        text: What is wrong, and what would be right.
-        spot: Where; None for where the thing is defined.
-    """
-
-    text: str
-    spot: Spot | None = None
-
-
-@dataclass(frozen=True, slots=True)
 class Finding:
     """A rule that something breaks.
 
@@ -196,8 +227,11 @@ class Finding:
         }
 
 
-Check = Callable[[Subject, Known], Iterator[Problem]]
-"""Yields what is wrong with a thing; nothing for things that the rule is not about."""
+Problem = str | tuple[str, int]
+"""What is wrong with one thing and what would be right; in a source also the line."""
+
+Check = Callable[[Any, Known], Iterator[Problem]]
+"""Yields what is wrong with a thing of the types that its rule is about."""
 
 _PAGES = Path(__file__).parent / "pages"
 
@@ -210,6 +244,7 @@ class Rule:
         name: Its name ("unknown-word").
         severity: How bad it is to break it.
         summary: One line for people.
+        about: What it looks at: :class:`Place` for each node of a skill's body or a document, ``type`` for primitives.
         check: What finds it; None where it shows only when a plug-in is loaded or run.
         disables: Whether a skill that breaks it is left out: it could only fail.
     """
@@ -217,8 +252,20 @@ class Rule:
     name: str
     severity: Severity
     summary: str
+    about: tuple[type, ...] = ()
     check: Check | None = None
     disables: bool = False
+
+    def problems(self, subject: Subject, known: Known) -> Iterator[Problem]:
+        """Yields what is wrong with a thing; nothing for things that the rule is not about."""
+        if self.check is None:
+            return
+        if isinstance(subject, self.about):
+            yield from self.check(subject, known)
+        if Place in self.about and isinstance(subject, Skill):
+            for root in subject.nodes:
+                for place in places_of(root, subject.description.params, subject.description):
+                    yield from self.check(place, known)
 
     @property
     def page(self) -> str:
@@ -226,10 +273,11 @@ class Rule:
         return (_PAGES / f"{self.name}.md").read_text(encoding="utf-8")
 
 
-Classes = Mapping[str, str]
-"""Class of the element that a variable stands for, by variable."""
-
-_NONE: Classes = MappingProxyType({})
+def rule(
+    name: str, summary: str, *about: type, severity: Severity = Severity.ERROR, disables: bool = False
+) -> Callable[[Check], Rule]:
+    """Makes a rule of the function that checks it; see :class:`Rule`."""
+    return lambda check: Rule(name, severity, summary, about, check, disables)
 
 
 @dataclass(frozen=True, slots=True)
@@ -249,61 +297,33 @@ class Use:
     condition: Condition | None = None
 
 
-def classes_of(description: SkillDescription) -> Classes:
-    """Returns the classes of a skill's element parameters."""
-    return {p.key: p.type for p in description.params if isinstance(p.type, str) and p.is_element}
-
-
 def uses_of(subject: Subject) -> Iterator[Use]:
-    """Yields every pattern that a thing uses."""
+    """Yields every pattern that a thing uses itself; those of a skill's body are at its places."""
     match subject:
-        case SkillDescription():
-            yield from _of_description(subject)
+        case SkillDescription(params=params):
+            classes = classes_of(params)
+            yield from _of_conditions((*subject.pre, *subject.hold, *subject.post), classes)
+            for param in params:
+                for pattern in (*param.described, *param.preferred):
+                    yield Use(f"parameter {param.key}", pattern, {**classes, IT: str(param.type)})
         case Skill():
-            classes = classes_of(subject.description)
-            yield from _of_conditions(subject.when, classes)
-            for node in subject.nodes:
-                yield from _of_body(node, classes)
+            yield from _of_conditions(subject.when, classes_of(subject.description.params))
+        case Place(node, classes):
+            uses = node.uses()
+            yield from _of_conditions(uses.conditions, classes)
+            for where, pattern in uses.patterns:
+                yield Use(where, pattern, {**classes, **uses.binds})
         case ConditionType():
             yield Use("its pattern", subject.pattern, {role.name: role.class_ for role in subject.roles})
         case _:
             pass
 
 
-def _of_description(description: SkillDescription) -> Iterator[Use]:
-    classes = classes_of(description)
-    yield from _of_conditions((*description.pre, *description.hold, *description.post), classes)
-    for param in description.params:
-        for pattern in (*param.described, *param.preferred):
-            yield Use(f"parameter {param.key}", pattern, {**classes, IT: str(param.type)})
-
-
 def _of_conditions(conditions: tuple[Condition, ...], classes: Classes) -> Iterator[Use]:
     yield from (Use(f"condition {c}", c.pattern, classes, c) for c in conditions)
 
 
-def _of_body(root: Behaviour, classes: Classes) -> Iterator[Use]:
-    for node, scope in walk_scoped(root, classes):
-        yield from uses_of_node(node, scope)
-
-
-def uses_of_node(node: Behaviour, classes: Classes) -> Iterator[Use]:
-    """Yields every pattern that a node uses itself, without its children."""
-    uses = node.uses()
-    yield from _of_conditions(uses.conditions, classes)
-    for where, pattern in uses.patterns:
-        yield Use(where, pattern, {**classes, **uses.binds})
-
-
-def walk_scoped(node: Behaviour, classes: Classes = _NONE) -> Iterator[tuple[Behaviour, Classes]]:
-    """Yields a node and all below it, each with the classes of the elements that it can refer to."""
-    yield node, classes
-    inner = {**classes, **node.uses().binds}
-    for child in node.named_children().values():
-        yield from walk_scoped(child, inner)
-
-
-def leaves(pattern: Pattern, classes: Classes = _NONE) -> Iterator[tuple[Pattern, Classes]]:
+def leaves(pattern: Pattern, classes: Classes = MappingProxyType({})) -> Iterator[tuple[Pattern, Classes]]:
     """Yields what a pattern is made of, also the quantifiers, each with the classes of its variables."""
     match pattern:
         case Not(inner):

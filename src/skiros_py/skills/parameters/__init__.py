@@ -1,7 +1,7 @@
 """Parameters of skills and primitives: typed, with a help text, and of one of the paper's kinds (§5.2)."""
 
 from skiros_py.skills.parameters.fields import check_params, param, params_of
-from skiros_py.skills.parameters.param import IT, Access, Cost, Kind, Param
+from skiros_py.skills.parameters.param import IT, Access, Cost, Kind, Output, Param
 from skiros_py.skills.parameters.values import (
     Arguments,
     as_json,
@@ -19,6 +19,7 @@ __all__ = [
     "Arguments",
     "Cost",
     "Kind",
+    "Output",
     "Param",
     "as_json",
     "as_shown",

@@ -131,5 +131,29 @@ class Param:
         return self.is_element and self.kind.is_required
 
 
+@dataclass(frozen=True, slots=True)
+class Output:
+    """A value that a module finds out: its outcome has it under this name, and ``Out`` in a body writes it.
+
+    Attributes:
+        name: Its name.
+        type: Type of its values, as of a parameter; empty where it is not declared.
+        help: Its meaning, in one sentence.
+        unit: Unit of a number.
+        length: How many values it has: more than one are a tuple, 0 stands for a tuple of any length.
+    """
+
+    name: str
+    type: str | ValueClass
+    help: str
+    unit: str = ""
+    length: int = 1
+
+    @property
+    def param(self) -> Param:
+        """The parameter that takes such values."""
+        return Param(self.name, self.type, self.help, Kind.OPTIONAL, unit=self.unit, length=self.length)
+
+
 def _each(patterns: Patterns) -> tuple[Pattern, ...]:
     return patterns if isinstance(patterns, tuple) else (patterns,)

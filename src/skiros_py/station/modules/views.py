@@ -12,6 +12,7 @@ from skiros_py.api.modules import (
     Implementation,
     ManagerInfo,
     ModuleDetails,
+    ModuleOutput,
     ModuleParameter,
     ModulePlace,
     ModuleProgress,
@@ -30,7 +31,7 @@ from skiros_py.planning.problem.task import Capability
 from skiros_py.skills.behaviour import Behaviour, Node, nodes_of
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.outcome import Failure
-from skiros_py.skills.parameters import Kind, Param, as_json, as_shown, schema
+from skiros_py.skills.parameters import Kind, Output, Param, as_json, as_shown, schema
 from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.skills.surroundings import owner
 from skiros_py.station.modules.runs import ModuleRun, Round
@@ -92,6 +93,7 @@ def module(manager: SkillManager, name: str) -> ModuleDetails:
         info,
         agent=manager.agent,
         parameters=_parameters(info.params),
+        outputs=[_output(output) for output in info.outputs],
         pre=_conditions(description.pre if description else ()),
         hold=_conditions(description.hold if description else ()),
         post=_conditions(description.post if description else ()),
@@ -112,6 +114,11 @@ def _parameters(params: Iterable[Param]) -> list[ModuleParameter]:
         )
         for param in params
     ]
+
+
+def _output(output: Output) -> ModuleOutput:
+    typed = schema(output.param) if output.type else {}
+    return ModuleOutput.view_of(output, type=output.param.type_name, json_schema=typed)
 
 
 def _conditions(conditions: Iterable[Condition]) -> list[SkillCondition]:

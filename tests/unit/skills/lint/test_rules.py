@@ -18,6 +18,7 @@ from skiros_py.behaviours import (
     Do,
     Fallback,
     ForEach,
+    Out,
     P,
     Parallel,
     Policy,
@@ -45,7 +46,7 @@ from skiros_py.skills.conditions import (
 from skiros_py.skills.lint.checking import RULES, check, problems_of
 from skiros_py.skills.lint.rule import Finding, Known, Source, Subject
 from skiros_py.skills.outcome import Outcome, Success
-from skiros_py.skills.parameters import Access, Kind, Param, param
+from skiros_py.skills.parameters import Access, Kind, Output, Param, param
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.skill import Skill
 from skiros_py.testing import CONDITIONS, SKILLS, tiny_ontology, tiny_world
@@ -253,6 +254,33 @@ class Squeeze(Wave):
         robot: str = param("sk:Robot", "The robot.", kind=Kind.PLANNING)
         of: str | None = param("tiny:Ball", "What.", kind=Kind.OPTIONAL)
         rate: float = param("number", "How often.", kind=Kind.CONFIG, default=1.0, unit="Hz")
+
+
+class Weigh(Wave):
+    """Weighs."""
+
+    name: ClassVar[str] = "weigh"
+    outputs: ClassVar[tuple[Output, ...]] = (Output("mass", "number", "What it weighs.", "kg"),)
+
+
+def test_a_value_is_written_only_of_an_output_that_the_primitive_declares() -> None:
+    there = Known(tiny_ontology(), {"weigh": Weigh}, SKILLS, REASONERS)
+
+    def found(call: Do) -> list[tuple[str, str]]:
+        return [(f.rule, f.text) for f in check(pretend(PICK, call), there)]
+
+    assert found(Do.of("weigh", mass=Out("known"))) == []
+    assert found(Do.of("weigh", mas=Out("known"))) == [
+        ("unknown-module", "primitive 'weigh' has no output mas; did you mean mass?; it has mass")
+    ]
+    assert [rule for rule, _ in found(Do.of("drive", mass=Out("known")))] == ["unknown-module"]
+
+
+def test_an_output_says_what_it_means_and_in_which_unit() -> None:
+    bad = type("Bad", (Weigh,), {"__doc__": "Weighs.", "outputs": (Output("mass", "number", ""),)})
+
+    assert broken(Weigh) == set()
+    assert broken(bad) == {"missing-help", "missing-unit"}
 
 
 def of_call(call: Do) -> list[tuple[str, str]]:

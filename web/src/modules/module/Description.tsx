@@ -5,30 +5,55 @@ import type { Schema } from "../../api/client";
 /** What is known of a module before it runs: its conditions in words, and the ways of doing it. */
 export function Description({ details }: { details: Schema<"ModuleDetails"> }) {
   const { t } = useTranslation("modules");
-  if (details.kind === "primitive") return null;
+  if (details.kind === "primitive") return <Outputs outputs={details.outputs} />;
   return (
-    <Accordion multiple variant="separated">
-      <Accordion.Item value="conditions">
-        <Accordion.Control>{t("description.conditions")}</Accordion.Control>
-        <Accordion.Panel>
-          <Stack gap="xs">
-            {(["pre", "hold", "post"] as const).map((kind) => (
-              <Conditions key={kind} title={t(`panel.${kind}`)} conditions={details[kind]} />
-            ))}
-          </Stack>
-        </Accordion.Panel>
-      </Accordion.Item>
-      <Accordion.Item value="ways">
-        <Accordion.Control>{t("description.ways", { count: details.implementations.length })}</Accordion.Control>
-        <Accordion.Panel>
-          <Stack gap="sm">
-            {details.implementations.map((way) => (
-              <Way key={`${way.label} ${way.driver} ${way.order}`} way={way} />
-            ))}
-          </Stack>
-        </Accordion.Panel>
-      </Accordion.Item>
-    </Accordion>
+    <Stack gap="sm">
+      <Outputs outputs={details.outputs} />
+      <Accordion multiple variant="separated">
+        <Accordion.Item value="conditions">
+          <Accordion.Control>{t("description.conditions")}</Accordion.Control>
+          <Accordion.Panel>
+            <Stack gap="xs">
+              {(["pre", "hold", "post"] as const).map((kind) => (
+                <Conditions key={kind} title={t(`panel.${kind}`)} conditions={details[kind]} />
+              ))}
+            </Stack>
+          </Accordion.Panel>
+        </Accordion.Item>
+        <Accordion.Item value="ways">
+          <Accordion.Control>{t("description.ways", { count: details.implementations.length })}</Accordion.Control>
+          <Accordion.Panel>
+            <Stack gap="sm">
+              {details.implementations.map((way) => (
+                <Way key={`${way.label} ${way.driver} ${way.order}`} way={way} />
+              ))}
+            </Stack>
+          </Accordion.Panel>
+        </Accordion.Item>
+      </Accordion>
+    </Stack>
+  );
+}
+
+function Outputs({ outputs }: { outputs: Schema<"ModuleOutput">[] }) {
+  const { t } = useTranslation("modules");
+  if (outputs.length === 0) return null;
+  return (
+    <div>
+      <Text size="sm" fw={600}>
+        {t("description.outputs")}
+      </Text>
+      <List size="sm">
+        {outputs.map(({ name, type, unit, help }) => (
+          <List.Item key={name}>
+            {[name, type, unit].filter(Boolean).join(" · ")}{" "}
+            <Text span c="dimmed" inherit>
+              {help}
+            </Text>
+          </List.Item>
+        ))}
+      </List>
+    </div>
   );
 }
 

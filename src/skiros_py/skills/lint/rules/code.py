@@ -8,20 +8,19 @@ import textwrap
 from collections.abc import Iterable, Iterator
 
 from skiros_py.skills.behaviour import walk
-from skiros_py.skills.lint.rule import Known, Problem, Rule, Severity, Source, Spot, Subject
+from skiros_py.skills.lint.rule import Known, Problem, Source, rule
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill
 
 
-def _motion(subject: Subject, known: Known) -> Iterator[Problem]:  # noqa: ARG001 - a check's signature
-    if not isinstance(subject, Source) or not subject.has_primitives:
-        return
-    for what, body in _endings(subject.tree):
+@rule("motion-in-finally", "Motion where a primitive must only let go.", Source)
+def motion_in_finally(source: Source, known: Known) -> Iterator[Problem]:  # noqa: ARG001 - a check's signature
+    """Yields motion in code that runs when a primitive is stopped."""
+    for what, body in _endings(source.tree) if source.has_primitives else ():
         for node in _own_nodes(body):
-            moves = _moves(node)
-            if moves:
+            if moves := _moves(node):
                 text = f"{moves} in {what}: stopping must be instantaneous; motion that must follow goes into recover()"
-                yield Problem(text, Spot(subject.file, node.lineno))
+                yield text, node.lineno
 
 
 def _endings(tree: ast.AST) -> Iterator[tuple[str, list[ast.stmt]]]:
@@ -58,15 +57,15 @@ def _moves(node: ast.expr) -> str:
             return ""
 
 
-def _never(subject: Subject, known: Known) -> Iterator[Problem]:  # noqa: ARG001 - a check's signature
-    if not isinstance(subject, type) or not issubclass(subject, Primitive):
+@rule("yield-never", "A primitive that is no generator.", type)
+def yield_never(primitive: type[Primitive[object]], known: Known) -> Iterator[str]:  # noqa: ARG001 - a check's signature
+    """Yields a problem where execute is no generator."""
+    if inspect.isgeneratorfunction(primitive.execute) or _hands_on(primitive):
         return
-    if inspect.isgeneratorfunction(subject.execute) or _hands_on(subject):
-        return
-    if inspect.iscoroutinefunction(subject.execute) or inspect.isasyncgenfunction(subject.execute):
-        yield Problem("execute must be a plain generator, not async: each yield waits for the next control cycle")
-        return
-    yield Problem("execute never yields, so it is no generator: each yield waits for the next control cycle")
+    if inspect.iscoroutinefunction(primitive.execute) or inspect.isasyncgenfunction(primitive.execute):
+        yield "execute must be a plain generator, not async: each yield waits for the next control cycle"
+    else:
+        yield "execute never yields, so it is no generator: each yield waits for the next control cycle"
 
 
 def _hands_on(primitive: type[Primitive[object]]) -> bool:
@@ -81,36 +80,25 @@ def _hands_on(primitive: type[Primitive[object]]) -> bool:
     return any(isinstance(v, ast.Call) and isinstance(v.func, ast.Attribute) for v in returned)
 
 
-def _blocks(subject: Subject, known: Known) -> Iterator[Problem]:  # noqa: ARG001 - a check's signature
-    if not isinstance(subject, Source) or not subject.has_primitives:
-        return
-    for node in ast.walk(subject.tree):
-        if isinstance(node, ast.Call) and _is_blocking(subject.dotted(node.func)):
-            name = subject.dotted(node.func)
-            text = f"{name}() stops the control cycle of the whole robot; {_instead(name)}"
-            yield Problem(text, Spot(subject.file, node.lineno))
+@rule("blocking-call", "A call that stops the control cycle.", Source)
+def blocking_call(source: Source, known: Known) -> Iterator[Problem]:  # noqa: ARG001 - a check's signature
+    """Yields calls in primitives that wait."""
+    for node in ast.walk(source.tree) if source.has_primitives else ():
+        if isinstance(node, ast.Call):
+            name = source.dotted(node.func)
+            if name in _BLOCKING or name.startswith(_BLOCKING_MODULES):
+                yield f"{name}() stops the control cycle of the whole robot; {_INSTEAD.get(name, _WORKER)}", node.lineno
 
 
 _BLOCKING = frozenset({"time.sleep", "input", "os.system", "os.wait", "os.waitpid", "select.select", "signal.pause"})
 _BLOCKING_MODULES = ("subprocess.", "requests.", "httpx.", "urllib.request.", "socket.create_connection", "asyncio.run")
 
 
-def _is_blocking(name: str) -> bool:
-    return name in _BLOCKING or name.startswith(_BLOCKING_MODULES)
-
-
-def _instead(name: str) -> str:
-    if name == "time.sleep":
-        return "yield until self.context.now has come that far"
-    if name == "input":
-        return "ask by self.context.questions"
-    return "let a worker do it and wait for its answer by self.wait(pending)"
-
-
-MOTION_IN_FINALLY = Rule("motion-in-finally", Severity.ERROR, "Motion where a primitive must only let go.", _motion)
-YIELD_NEVER = Rule("yield-never", Severity.ERROR, "A primitive that is no generator.", _never)
-BLOCKING_CALL = Rule("blocking-call", Severity.ERROR, "A call that stops the control cycle.", _blocks)
-
+_INSTEAD = {
+    "time.sleep": "yield until self.context.now has come that far",
+    "input": "ask by self.context.questions",
+}
+_WORKER = "let a worker do it and wait for its answer by self.wait(pending)"
 
 _PACKAGE = "skiros_py"
 _OPEN = frozenset(
@@ -123,14 +111,14 @@ _PACKAGES = ("skiros_py.recording",)
 """Of these, plug-ins may import what the package itself lists, not its modules."""
 
 
-def _private(subject: Subject, known: Known) -> Iterator[Problem]:  # noqa: ARG001 - a check's signature
-    if not isinstance(subject, Source):
-        return
-    for node in ast.walk(subject.tree):
+@rule("private-import", "An import of the platform's inside, which may change at any time.", Source)
+def private_import(source: Source, known: Known) -> Iterator[Problem]:  # noqa: ARG001 - a check's signature
+    """Yields imports of modules that are not for plug-ins."""
+    for node in ast.walk(source.tree):
         for name in _imported(node):
-            if not _is_open(name):
-                text = f"it imports {name}, which may change at any time; use {_DOORS}"
-                yield Problem(text, Spot(subject.file, getattr(node, "lineno", 1)))
+            is_open = name.split(".")[1] in _OPEN or name.startswith(_PORTS) or name in _PACKAGES
+            if not is_open:
+                yield f"it imports {name}, which may change at any time; use {_DOORS}", getattr(node, "lineno", 1)
 
 
 _DOORS = (
@@ -151,26 +139,14 @@ def _imported(node: ast.AST) -> Iterator[str]:
             pass
 
 
-def _is_open(name: str) -> bool:
-    return name.split(".")[1] in _OPEN or name.startswith(_PORTS) or name in _PACKAGES
-
-
-PRIVATE_IMPORT = Rule(
-    "private-import", Severity.ERROR, "An import of the platform's inside, which may change at any time.", _private
-)
-
-
-def _pretended(subject: Subject, known: Known) -> Iterator[Problem]:  # noqa: ARG001 - a check's signature
-    if not isinstance(subject, Skill) or subject.driver == "fake":
+@rule("pretends", "A skill for a real robot asserts effects without sensing them.", Skill, disables=True)
+def pretends(skill: Skill, known: Known) -> Iterator[str]:  # noqa: ARG001 - a check's signature
+    """Yields a problem where a skill that is not for the fake writes effects without sensing them."""
+    if skill.driver == "fake":
         return
-    if any(node.uses().pretends is not None for root in subject.nodes for node in walk(root)):
-        said = "every driver" if subject.driver is None else f"driver '{subject.driver}'"
-        yield Problem(
+    if any(node.uses().pretends is not None for root in skill.nodes for node in walk(root)):
+        said = "every driver" if skill.driver is None else f"driver '{skill.driver}'"
+        yield (
             f"it is for {said} and asserts effects without sensing them: only skills for driver 'fake' may; let the "
             "primitive that senses an effect call self.assert_effects(…)"
         )
-
-
-PRETENDS = Rule(
-    "pretends", Severity.ERROR, "A skill for a real robot asserts effects without sensing them.", _pretended, True
-)

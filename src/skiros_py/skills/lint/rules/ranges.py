@@ -11,6 +11,7 @@ from skiros_py.skills.conditions import (
     Compare,
     Computed,
     Condition,
+    ConditionType,
     Expression,
     Has,
     IsA,
@@ -18,32 +19,25 @@ from skiros_py.skills.conditions import (
     Pattern,
     Related,
 )
-from skiros_py.skills.lint.rule import (
-    Classes,
-    Known,
-    Problem,
-    Rule,
-    Severity,
-    Subject,
-    Use,
-    classes_of,
-    leaves,
-    uses_of,
-    walk_scoped,
-)
-from skiros_py.skills.skill import Skill
+from skiros_py.skills.lint.rule import Classes, Known, Place, Subject, Use, leaves, rule, uses_of
+from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.world.literals import CLASS_NAME, DATATYPES
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.terms import End
 
 
-def _misfits(subject: Subject, known: Known) -> Iterator[Problem]:
+@rule(
+    "wrong-range", "Something is asked of a thing that can never have it.",
+    SkillDescription, Skill, Place, ConditionType,
+)  # fmt: skip
+def wrong_range(subject: Subject, known: Known) -> Iterator[str]:
+    """Yields what is asked of elements, or passed on to modules, that can never fit."""
     for use in uses_of(subject):
         wrong = list(_roles(use.condition, use.classes, known.ontology)) if use.condition is not None else []
-        wrong = wrong or list(wrong_ends(use, known.ontology))
-        yield from (Problem(f"{use.where}: {text}") for text in wrong)
-    if isinstance(subject, Skill):
-        yield from map(Problem, _passed(subject, known))
+        yield from (f"{use.where}: {text}" for text in wrong or _wrong_ends(use, known.ontology))
+    if isinstance(subject, Place):
+        for call in subject.node.uses().calls:
+            yield from _passed(call, subject, known)
 
 
 def _roles(condition: Condition, classes: Classes, ontology: Ontology) -> Iterator[str]:
@@ -60,14 +54,11 @@ def overlap(ontology: Ontology, one: str, other: str) -> bool:
     return any(ontology.is_a(below, other) for below in ontology.subclasses(one))
 
 
-def wrong_ends(use: Use, ontology: Ontology) -> Iterator[str]:
-    """Yields what a pattern asks of things that can never have it."""
+def _wrong_ends(use: Use, ontology: Ontology) -> Iterator[str]:
     for leaf, classes in leaves(use.pattern, use.classes):
         match leaf:
-            case Related(relation, subject, object_) | Computed(relation, subject, object_):
-                yield from _end("subject", relation, subject, classes, ontology)
-                yield from _end("object", relation, object_, classes, ontology)
-            case ClassRelated(relation, subject, object_):
+            case Related() | Computed() | ClassRelated():
+                relation, subject, object_ = leaf.relation, leaf.subject, leaf.object
                 yield from _end("subject", relation, subject, classes, ontology)
                 yield from _end("object", relation, object_, classes, ontology)
             case Nothing(relation, object_):
@@ -132,27 +123,16 @@ def _comparable(leaf: Compare, range_: str, ontology: Ontology) -> bool:
     return any(map(DATATYPES[range_].fits, values))
 
 
-def _passed(skill: Skill, known: Known) -> Iterator[str]:
+def _passed(call: Call, place: Place, known: Known) -> Iterator[str]:
     """Yields parameters that are passed on as something they can never be."""
-    for root in skill.nodes:
-        for node, classes in walk_scoped(root, classes_of(skill.description)):
-            for call in node.uses().calls:
-                yield from _in_call(call, classes, skill, known)
-
-
-def _in_call(call: Call, classes: Classes, skill: Skill, known: Known) -> Iterator[str]:
     wanted = {param.key: param for param in known.params(call.module) or ()}
-    values = {param.key for param in skill.description.params if not param.is_element}
     for key, value in call.arguments.items():
         if not isinstance(value, P) or key not in wanted:
             continue
-        param, class_ = wanted[key], classes.get(value.key)
+        param, class_ = wanted[key], place.classes.get(value.key)
         if class_ is not None and not param.is_element:
             yield f"'{call.module}' takes {param.type_name} as {key}, and {value.key} is a {class_}"
-        elif param.is_element and value.key in values:
+        elif param.is_element and value.key in place.values:
             yield f"'{call.module}' takes a {param.type_name} as {key}, and {value.key} is no element"
         elif class_ is not None and param.is_element and not overlap(known.ontology, class_, param.element_class):
             yield f"'{call.module}' takes a {param.type_name} as {key}, and {value.key} is a {class_}: nothing is both"
-
-
-WRONG_RANGE = Rule("wrong-range", Severity.ERROR, "Something is asked of a thing that can never have it.", _misfits)

@@ -8,7 +8,6 @@ from itertools import combinations
 
 from skiros_py.errors import DescriptionError
 from skiros_py.skills.conditions import (
-    AllOf,
     Assign,
     Compare,
     Condition,
@@ -22,7 +21,8 @@ from skiros_py.skills.conditions import (
     Unrelate,
     effects_of,
 )
-from skiros_py.skills.lint.rule import Known, Problem, Rule, Severity, Source, Spot, Subject
+from skiros_py.skills.inference.search import conjuncts
+from skiros_py.skills.lint.rule import Known, Problem, Severity, Source, rule
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.terms import Family
@@ -36,40 +36,33 @@ def brought_about(condition: Condition) -> tuple[Effect, ...]:
         return ()
 
 
-def _impossible(subject: Subject, known: Known) -> Iterator[Problem]:  # noqa: ARG001 - a check's signature
-    if not isinstance(subject, SkillDescription):
-        return
-    for condition in subject.post:
+@rule("impossible-effect", "A postcondition that no skill can bring about.", SkillDescription)
+def impossible_effect(description: SkillDescription, known: Known) -> Iterator[str]:  # noqa: ARG001 - a check's signature
+    """Yields postconditions that have no effects."""
+    for condition in description.post:
         try:
             effects_of(condition)
         except DescriptionError as error:
-            yield Problem(f"postcondition {error}")
+            yield f"postcondition {error}"
 
 
-def _unreachable(subject: Subject, known: Known) -> Iterator[Problem]:
+@rule(
+    "unreachable-precondition", "A precondition that can never hold, or never again.", SkillDescription,
+    severity=Severity.WARNING,
+)  # fmt: skip
+def unreachable_precondition(description: SkillDescription, known: Known) -> Iterator[str]:
     """Yields what cannot hold together, and what skills take away and none gives back.
 
     What the scene may say at the start counts as possible: this finds what is certain only.
     """
-    if not isinstance(subject, SkillDescription):
-        return
-    needed = [(condition, atom) for condition in subject.needs for atom in _certain(condition.pattern)]
+    needed = [(condition, atom) for condition in description.needs for atom in conjuncts(condition.pattern)]
     for (one, first), (other, second) in combinations(needed, 2):
         if _exclude(first, second, known.ontology):
-            yield Problem(f"{one} and {other} can never hold together")
+            yield f"{one} and {other} can never hold together"
     effects = [e for s in known.skills for condition in s.description.post for e in brought_about(condition)]
     for condition, atom in needed:
         if _lost(atom, effects, known.ontology):
-            yield Problem(f"{condition}: skills end it, and none brings it about again")
-
-
-def _certain(pattern: Pattern) -> Iterator[Pattern]:
-    match pattern:
-        case AllOf(patterns):
-            for part in patterns:
-                yield from _certain(part)
-        case _:
-            yield pattern
+            yield f"{condition}: skills end it, and none brings it about again"
 
 
 def _exclude(one: Pattern, other: Pattern, ontology: Ontology) -> bool:
@@ -125,62 +118,41 @@ def _lost(atom: Pattern, effects: list[Effect], ontology: Ontology) -> bool:
             return False
 
 
-IMPOSSIBLE_EFFECT = Rule(
-    "impossible-effect", Severity.ERROR, "A postcondition that no skill can bring about.", _impossible
-)
-UNREACHABLE_PRECONDITION = Rule(
-    "unreachable-precondition", Severity.WARNING, "A precondition that can never hold, or never again.", _unreachable
-)
-
-
-def _unplaced(subject: Subject, known: Known) -> Iterator[Problem]:
+@rule("unplaced", "An effect takes a thing from its place, and none says where it is.", SkillDescription, disables=True)
+def unplaced(description: SkillDescription, known: Known) -> Iterator[str]:
     """Yields effects that take something from its place without saying where it is then."""
-    if not isinstance(subject, SkillDescription):
-        return
-    posts = [condition.pattern for condition in subject.post]
+    posts = [condition.pattern for condition in description.post]
     placed = [{p.subject, p.object} for p in posts if isinstance(p, Related)]
     for pattern in posts:
         match pattern:
             case Not(Related(relation, start, end)) if relation in known.ontology.relations:
                 if known.ontology.is_placement(relation) and not any(ends & {start, end} for ends in placed):
-                    what = f"postcondition not {relation}({start}, {end})"
-                    yield Problem(f"{what}: everything is somewhere; say where it is then")
+                    yield f"postcondition not {relation}({start}, {end}): everything is somewhere; say where it is then"
             case _:
                 pass
 
 
-def _rebuilt(subject: Subject, known: Known) -> Iterator[Problem]:
-    match subject:
-        case SkillDescription():
-            for condition in subject.post:
-                yield from _structural(condition, known.ontology)
-        case Source():
-            yield from _written(subject, known.ontology)
-        case _:
-            pass
-
-
-def _structural(condition: Condition, ontology: Ontology) -> Iterator[Problem]:
-    for effect in brought_about(condition):
-        match effect:
-            case Relate(relation) | Unrelate(relation) if _is_structure(relation, ontology):
-                yield Problem(f"postcondition {condition} changes {relation}, what a thing is built of; {_INSTEAD}")
+@rule("moves-by-structure", "A thing is moved by changing what another one is built of.", SkillDescription, Source)
+def moves_by_structure(subject: SkillDescription | Source, known: Known) -> Iterator[Problem]:
+    """Yields effects, and calls such as ``tx.relate(box, HAS_A, part)``, that change what a thing is built of."""
+    if isinstance(subject, SkillDescription):
+        for condition in subject.post:
+            for effect in brought_about(condition):
+                if isinstance(effect, Relate | Unrelate) and _is_structure(effect.relation, known.ontology):
+                    what = f"postcondition {condition} changes {effect.relation}"
+                    yield f"{what}, what a thing is built of; {_INSTEAD}"
+        return
+    for node in ast.walk(subject.tree):
+        match node:
+            case ast.Call(func=ast.Attribute(attr="relate" | "unrelate" | "place"), args=[_, relation, *_]):
+                name = _value(relation, subject)
+                if _is_structure(name, known.ontology):
+                    yield f"it writes {name}, what a thing is built of; {_INSTEAD}", node.lineno
             case _:
                 pass
 
 
 _INSTEAD = "a thing that is moved gets another placement (in, on, at, held by, …)"
-
-
-def _written(source: Source, ontology: Ontology) -> Iterator[Problem]:
-    """Yields calls such as ``tx.relate(box, HAS_A, part)``."""
-    for node in ast.walk(source.tree):
-        if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Attribute) or len(node.args) < 2:
-            continue
-        relation = _value(node.args[1], source)
-        if node.func.attr in ("relate", "unrelate", "place") and _is_structure(relation, ontology):
-            text = f"it writes {relation}, what a thing is built of; {_INSTEAD}"
-            yield Problem(text, Spot(source.file, node.lineno))
 
 
 def _value(node: ast.expr, source: Source) -> str:
@@ -198,11 +170,3 @@ def _value(node: ast.expr, source: Source) -> str:
 
 def _is_structure(relation: str, ontology: Ontology) -> bool:
     return relation in ontology.relations and ontology.family(relation) is Family.STRUCTURE
-
-
-UNPLACED = Rule(
-    "unplaced", Severity.ERROR, "An effect takes a thing from its place, and none says where it is.", _unplaced, True
-)
-MOVES_BY_STRUCTURE = Rule(
-    "moves-by-structure", Severity.ERROR, "A thing is moved by changing what another one is built of.", _rebuilt
-)

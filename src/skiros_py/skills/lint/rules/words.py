@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import difflib
 import inspect
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
+from typing import Any
 
 from skiros_py.errors import SkirosError, UnknownName
 from skiros_py.ports.kinds import load_device_kinds
-from skiros_py.skills.behaviour import walk
 from skiros_py.skills.conditions import (
     ClassRelated,
     Compare,
@@ -22,7 +22,7 @@ from skiros_py.skills.conditions import (
     Pattern,
     Related,
 )
-from skiros_py.skills.lint.rule import Classes, Known, Problem, Rule, Severity, Source, Subject, leaves, uses_of
+from skiros_py.skills.lint.rule import Classes, Known, Place, Source, Subject, leaves, rule, uses_of
 from skiros_py.skills.parameters import Param, params_of
 from skiros_py.skills.skill import Skill, SkillDescription
 
@@ -30,21 +30,25 @@ _ALIKE = 0.8
 """How much a word must be like another one that this is what was meant."""
 
 
-def _undeclared(subject: Subject, known: Known) -> Iterator[Problem]:
-    ontology = known.ontology
+@rule(
+    "unknown-word", "A class, relation, property or signal that is not declared.",
+    SkillDescription, Skill, Place, ConditionType, type, disables=True,
+)  # fmt: skip
+def unknown_word(subject: Subject, known: Known) -> Iterator[str]:
+    """Yields words that no ontology declares, also those of signals that no kind of device offers."""
     for where, class_ in _named_classes(subject):
-        yield from (Problem(f"{where}: {text}") for text in _missing("class", class_, ontology.classes))
+        yield from (f"{where}: {text}" for text in _missing("class", class_, known.ontology.classes))
     for use in uses_of(subject):
         for leaf, classes in leaves(use.pattern, use.classes):
-            yield from (Problem(f"{use.where}: {text}") for text in undeclared_in(leaf, classes, known))
+            yield from (f"{use.where}: {text}" for text in _undeclared(leaf, classes, known))
 
 
 def _named_classes(subject: Subject) -> Iterator[tuple[str, str]]:
     match subject:
         case Skill():
             yield from (("requires", class_) for class_ in subject.requires)
-            bound = (one for node in subject.nodes for below in walk(node) for one in below.uses().binds.items())
-            yield from ((f"for each {key}", class_) for key, class_ in bound)
+        case Place(node):
+            yield from ((f"for each {key}", class_) for key, class_ in node.uses().binds.items())
         case ConditionType():
             yield from ((f"role {role.name}", role.class_) for role in subject.roles)
         case _:
@@ -58,7 +62,7 @@ def own_params(subject: Subject) -> tuple[Param, ...]:
     match subject:
         case SkillDescription(params=params):
             return params
-        case Skill() | ConditionType() | Source():
+        case Skill() | ConditionType() | Source() | Place():
             return ()
         case _:
             try:
@@ -67,8 +71,7 @@ def own_params(subject: Subject) -> tuple[Param, ...]:
                 return ()  # another rule says so
 
 
-def undeclared_in(leaf: Pattern, classes: Classes, known: Known) -> Iterator[str]:
-    """Yields the words of a pattern that are not declared."""
+def _undeclared(leaf: Pattern, classes: Classes, known: Known) -> Iterator[str]:
     ontology = known.ontology
     match leaf:
         case Related(relation) | Nothing(relation) | Computed(relation) | ClassRelated(relation):
@@ -91,60 +94,56 @@ def undeclared_in(leaf: Pattern, classes: Classes, known: Known) -> Iterator[str
 
 def _missing(kind: str, word: str, declared: Collection[str]) -> Iterator[str]:
     if word not in declared:
-        near = difflib.get_close_matches(word, declared, n=1, cutoff=_ALIKE)
-        yield f"no ontology declares the {kind} {word}{f'; did you mean {near[0]}?' if near else ''}"
+        yield f"no ontology declares the {kind} {word}{nearest(word, declared)}"
 
 
-def _uncomputed(subject: Subject, known: Known) -> Iterator[Problem]:
+def nearest(word: str, known: Iterable[str]) -> str:
+    """Returns the question whether a known word was meant, where one is alike; else an empty text."""
+    near = difflib.get_close_matches(word, list(known), n=1, cutoff=_ALIKE)
+    return f"; did you mean {near[0]}?" if near else ""
+
+
+@rule(
+    "not-computed", "A computed relation that no reasoner works out.",
+    SkillDescription, Skill, Place, ConditionType, disables=True,
+)  # fmt: skip
+def not_computed(subject: Subject, known: Known) -> Iterator[str]:
+    """Yields computed relations without a function that no reasoner computes."""
     for use in uses_of(subject):
         for leaf, _ in leaves(use.pattern):
-            match leaf:
-                case Computed(relation, _, _, None) if not known.reasoners.computes(relation):
-                    yield Problem(f"{use.where}: no reasoner computes {relation}, and no function is given for it")
-                case _:
-                    pass
-
-
-UNKNOWN_WORD = Rule(
-    "unknown-word", Severity.ERROR, "A class, relation, property or signal that is not declared.", _undeclared, True
-)
-NOT_COMPUTED = Rule(
-    "not-computed", Severity.ERROR, "A computed relation that no reasoner works out.", _uncomputed, True
-)
+            if isinstance(leaf, Computed) and leaf.function is None and not known.reasoners.computes(leaf.relation):
+                yield f"{use.where}: no reasoner computes {leaf.relation}, and no function is given for it"
 
 
 _SHORTEST = 3
 """Shorter help texts are no help."""
 
 
-def _unexplained(subject: Subject, known: Known) -> Iterator[Problem]:  # noqa: ARG001 - a check's signature
-    match subject:
-        case Skill() | Source():
-            return
-        case SkillDescription(help=help_) | ConditionType(help=help_):
-            said = help_
-        case _:
-            said = _docstring(subject)
-    if len(said.strip()) < _SHORTEST:
-        yield Problem("say in one sentence what it is for")
+@rule("missing-help", "Nothing says what it is for.", SkillDescription, ConditionType, type)
+def missing_help(subject: Subject, known: Known) -> Iterator[str]:  # noqa: ARG001 - a check's signature
+    """Yields what has no help text, or one that is too short."""
+    text = subject.help if isinstance(subject, SkillDescription | ConditionType) else _docstring(subject)
+    if len(text.strip()) < _SHORTEST:
+        yield "say in one sentence what it is for"
     for param in own_params(subject):
         if len(param.help.strip()) < _SHORTEST:
-            yield Problem(f"say in one sentence what parameter {param.key} is for")
+            yield f"say in one sentence what parameter {param.key} is for"
+    for output in getattr(subject, "outputs", ()):
+        if len(output.help.strip()) < _SHORTEST:
+            yield f"say in one sentence what output {output.name} means"
 
 
-def _docstring(class_: type) -> str:
+def _docstring(class_: Any) -> str:
     """Returns a class's own docstring, without the one that a dataclass writes by itself."""
     text = inspect.cleandoc(class_.__dict__.get("__doc__") or "")
     return "" if text.startswith(f"{class_.__name__}(") else text
 
 
-def _without_unit(subject: Subject, known: Known) -> Iterator[Problem]:  # noqa: ARG001 - a check's signature
-    for param in own_params(subject):
-        if param.type in ("number", "vector") and not param.unit:
-            yield Problem(
-                f"say the unit of parameter {param.key}; a mere ratio has the unit '1', a count is an integer"
-            )
-
-
-MISSING_HELP = Rule("missing-help", Severity.ERROR, "Nothing says what it is for.", _unexplained)
-MISSING_UNIT = Rule("missing-unit", Severity.ERROR, "A number whose unit nothing says.", _without_unit)
+@rule("missing-unit", "A number whose unit nothing says.", SkillDescription, type)
+def missing_unit(subject: Subject, known: Known) -> Iterator[str]:  # noqa: ARG001 - a check's signature
+    """Yields numbers without a unit."""
+    outputs = [output.param for output in getattr(subject, "outputs", ())]
+    for kind, params in (("parameter", own_params(subject)), ("output", outputs)):
+        for param in params:
+            if param.type in ("number", "vector") and not param.unit:
+                yield f"say the unit of {kind} {param.key}; a mere ratio has the unit '1', a count is an integer"
