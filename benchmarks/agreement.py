@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from random_tasks import RandomTask
 
-from skiros_py.planning.domain.actions import passed_keys
 from skiros_py.planning.domain.pddl import write_pddl
 from skiros_py.planning.domain.sequencing import in_sequence
-from skiros_py.planning.plan import Step, read_plan
+from skiros_py.planning.plan import Step
+from skiros_py.planning.plan_validation import read_plan
 from skiros_py.planning.planners.planner import Planner, Unsolvable
 from skiros_py.planning.problem.stock import with_stock
 from skiros_py.planning.problem.task import PlanningTask, build_task
@@ -32,7 +32,7 @@ def disagreement(task: RandomTask, planner: Planner, width: int = 2) -> str:
     relevant = build_task(view, task.capabilities, task.goal)
     few = build_task(view, task.capabilities, task.goal, width=width)
     each = {"whole": whole, "relevant": relevant, "few": few}
-    plans = {name: _plan(in_sequence(view, one), planner) for name, one in each.items()}
+    plans = {name: _plan(in_sequence(one), planner) for name, one in each.items()}
     skills = {c.skill.name: c.skill for c in task.capabilities}
     for name, plan in plans.items():
         flaw = replay(view, plan, task.goal, skills) if plan is not None else None
@@ -53,5 +53,4 @@ def _plan(task: PlanningTask, planner: Planner) -> tuple[Step, ...] | None:
     answer = planner.solve(texts.domain, texts.problem).result()
     if isinstance(answer, Unsolvable):
         return None
-    keys = {c.skill.name: passed_keys(c.skill) for c in task.capabilities}
-    return read_plan(answer.steps, texts, keys)
+    return read_plan(task, texts, answer)

@@ -51,7 +51,7 @@ def command(scene: str, folder: Path | None, explain: bool, as_json: bool, **opt
     repairs = outcome.repairs if isinstance(outcome, NoPlan) else ()
     files = {"domain.pddl": texts.domain, "problem.pddl": texts.problem}
     if not isinstance(outcome, NoPlan):
-        files["plan"] = "".join(f"{line}\n" for line in outcome.pddl)
+        files["plan"] = "".join(f"{texts.line(step)}\n" for step in outcome.groundings)
     account = _account(descriptions, texts) if explain else None
     if folder is not None:
         _write(folder, files)

@@ -83,9 +83,9 @@ def duration_of(view: WorldView, skill: SkillDescription, agent_class: str) -> f
     return skill.duration if known is None else statistics.median(_times(view, known))
 
 
-def timed(view: WorldView, task: PlanningTask) -> PlanningTask:
+def timed(task: PlanningTask) -> PlanningTask:
     """Returns the task with durations of its actions: those of the slowest kind of agent present."""
-    seconds = {c.skill.name: _slowest(view, c.skill, c.agents) for c in task.capabilities}
+    seconds = {c.skill.name: _slowest(task.view, c.skill, c.agents) for c in task.capabilities}
     actions = tuple(replace(a, duration=seconds.get(a.skill)) if a.skill else a for a in task.domain.actions)
     return replace(task, domain=replace(task.domain, actions=actions))
 

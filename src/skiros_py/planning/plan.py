@@ -8,8 +8,7 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any, Protocol
 
-from skiros_py.errors import PlanningError
-from skiros_py.planning.domain.pddl import PddlTexts
+from skiros_py.planning.domain.model import Grounding
 from skiros_py.skills.conditions import Condition
 from skiros_py.world.change import Writer
 from skiros_py.world.transaction import Transaction
@@ -191,14 +190,15 @@ class Plan:
 
     Attributes:
         steps: The skills to run.
-        pddl: The plan of the PDDL task, one action per line, in the format of planners and validators.
+        groundings: The plan as actions of the task, with the goal's bookkeeping at its end; empty if the task is
+            stricter than the conditions, which decide, and has no such plan.
         after: For each step the indices of the steps that must have ended before it starts; empty if they run
             strictly one after the other.
         starts: Planned start time of each step, from the start of the plan [s]; empty if unknown.
     """
 
     steps: tuple[Step, ...]
-    pddl: tuple[str, ...] = field(default=(), compare=False)
+    groundings: tuple[Grounding, ...] = field(default=(), compare=False, repr=False)
     after: tuple[frozenset[int], ...] = ()
     starts: tuple[float, ...] = field(default=(), compare=False)
 
@@ -212,7 +212,7 @@ class Plan:
         return replace(self, steps=tuple(step.renamed(names) for step in self.steps))
 
     def as_json(self) -> dict[str, Any]:
-        """Returns it as plain data, without the PDDL."""
+        """Returns it as plain data, without the actions."""
         return {
             "steps": [str(step) for step in self.steps],
             "calls": [{"skill": step.skill, "arguments": dict(step.arguments)} for step in self.steps],
@@ -245,29 +245,3 @@ class NoPlan:
             "causes": [cause.as_json() for cause in self.causes],
             "repairs": [repair.as_json() for repair in self.repairs],
         }
-
-
-def read_plan(
-    lines: tuple[tuple[str, ...], ...], texts: PddlTexts, keys: Mapping[str, tuple[str, ...]]
-) -> tuple[Step, ...]:
-    """Turns a planner's answer back into skills; omits auxiliary actions and parameters that are not passed on.
-
-    Args:
-        lines: Action name and objects of each step, in PDDL names.
-        texts: The task as written.
-        keys: Keys of the parameters to pass, by skill.
-
-    Raises:
-        PlanningError: The answer names an action or object that the task does not have.
-    """
-    steps: list[Step] = []
-    for name, *objects in lines:
-        try:
-            action = texts.actions[name.lower()]
-            ids = [texts.objects.back(o) for o in objects]
-        except KeyError as error:
-            raise PlanningError(f"the planner answered with {error}, which is not in the task") from error
-        if action.skill is not None:
-            own = {variable.name.lstrip("?"): id_ for variable, id_ in zip(action.parameters, ids, strict=True)}
-            steps.append(Step(action.skill, MappingProxyType({key: own[key] for key in keys[action.skill]})))
-    return tuple(steps)

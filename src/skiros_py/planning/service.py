@@ -61,7 +61,7 @@ def attempts(wanted: Wanted) -> Iterator[tuple[PlanningTask, PddlTexts]]:
     """
     for width in _widths(wanted.view):
         task = _task(wanted, width)
-        shared = deal(wanted.view, task)
+        shared = deal(task)
         if shared is not task:
             yield replace(shared, complete=False), _texts(wanted, shared)
         yield task, _texts(wanted, task)
@@ -76,13 +76,13 @@ def _widths(view: WorldView) -> tuple[int | None, ...]:
 
 def _task(wanted: Wanted, width: int | None) -> PlanningTask:
     task = build_task(wanted.view, wanted.capabilities, wanted.goal, width=width)
-    return in_sequence(wanted.view, timed(wanted.view, task), wanted.reached)
+    return in_sequence(timed(task), wanted.reached)
 
 
 def _texts(wanted: Wanted, task: PlanningTask) -> PddlTexts:
     if wanted.temporal:
         return write_temporal(task, name=wanted.name)
-    return write_with_costs(wanted.view, task, name=wanted.name)
+    return write_with_costs(task, name=wanted.name)
 
 
 _PATIENCE = 1.0
@@ -197,7 +197,7 @@ class SolverLoop:
         answer = self._answer(planner, texts, None if task.complete else self._hurry)
         if isinstance(answer, Unsolvable):
             return answer
-        return validate(self._wanted.view, task, texts, answer, self._wanted.reached)
+        return validate(task, texts, answer, self._wanted.reached)
 
     def _answer(self, planner: Planner, texts: PddlTexts, limit: float | None) -> Answer:
         def check(taken: float) -> None:
@@ -319,8 +319,7 @@ class _Planning:
             if found is None or not found.is_about(texts):
                 found = solver.solve(task, texts)
             if found.plan is not None:
-                plan = arranged(wanted.view, task, texts, found.plan, wanted.reached)
-                plan = order(wanted.view, task, texts, plan)
+                plan = order(task, arranged(task, found.plan, wanted.reached))
                 return Planned(plan, texts, 0.0, found.planner, _once(solver.notes))
             is_proved = task.complete and not found.doubts
             is_hopeless = not is_proved and solver.is_hopeless()

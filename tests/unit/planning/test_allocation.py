@@ -6,17 +6,16 @@ from dataclasses import replace
 import pytest
 from unified_planning.io import PDDLReader
 
-from skiros_py.planning.domain.actions import passed_keys
 from skiros_py.planning.domain.model import Atom
 from skiros_py.planning.domain.pddl import write_pddl
-from skiros_py.planning.plan import Plan, Step, read_plan
-from skiros_py.planning.plan_validation import pddl_plan
+from skiros_py.planning.plan import Plan, Step
+from skiros_py.planning.plan_validation import grounded, read_plan
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.planner import Solved
 from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.planning.replay import replay
-from skiros_py.planning.robots.allocation import ASSIGNED, deal, efforts, shares, teams
-from skiros_py.planning.robots.ordering import makespan, order, schedule
+from skiros_py.planning.robots.allocation import ASSIGNED, Dealing, deal, efforts
+from skiros_py.planning.robots.ordering import order, schedule
 from skiros_py.skills.conditions import AllOf, Condition, ConditionType, Exists, Related, Role
 from skiros_py.skills.parameters import Kind, Param
 from skiros_py.testing import tiny_task, tiny_world
@@ -64,14 +63,14 @@ def timed_task(view: WorldView, *goal: Condition, agents: Sequence[str] | None =
     return replace(task, domain=replace(task.domain, actions=actions))
 
 
-def parts_of(view: WorldView, task: PlanningTask) -> dict[str, tuple[int, ...]]:
-    return {share.robot: share.parts for share in shares(view, task)}
+def parts_of(task: PlanningTask) -> dict[str, tuple[int, ...]]:
+    return {share.robot: tuple(share.parts) for share in Dealing(task).shares}
 
 
 @pytest.mark.parametrize(("parts", "robots"), [(4, 2), (8, 3), (16, 4), (1, 2)])
 def test_all_robots_get_a_fair_share(parts: int, robots: int) -> None:
     world = kit_world(parts, robots)
-    counts = [len(own) for own in parts_of(world, timed_task(world, *filled(parts))).values()]
+    counts = [len(own) for own in parts_of(timed_task(world, *filled(parts))).values()]
 
     assert sum(counts) == parts
     assert max(counts) - min(counts) <= 1
@@ -82,7 +81,7 @@ def test_what_a_robot_holds_it_places_itself() -> None:
     world.place("part_1", "sk:heldBy", "gripper_2")
     world.place("part_2", "sk:heldBy", "gripper_1")
 
-    dealt = parts_of(world, timed_task(world, *filled(3)))
+    dealt = parts_of(timed_task(world, *filled(3)))
 
     assert 0 in dealt["robot_2"]
     assert 1 in dealt["robot_1"]
@@ -92,14 +91,14 @@ def test_who_lacks_a_skill_gets_nothing_that_needs_it() -> None:
     world = kit_world(4, 2)
     task = timed_task(world, *filled(4), agents=["base_1", "base_2", "arm_2"])
 
-    assert parts_of(world, task) == {"robot_1": (), "robot_2": (0, 1, 2, 3)}
+    assert parts_of(task) == {"robot_1": (), "robot_2": (0, 1, 2, 3)}
 
 
 def test_who_has_no_part_of_what_is_wanted_by_others_may_still_go_where_they_go() -> None:
     world = kit_world(1, 2)
     task = timed_task(world, *filled(1), AT_LOCATION("robot_2", "kit"))
 
-    assert not any(share.things & {"kit", "store_1"} for share in shares(world, task))
+    assert not any(share.things & {"kit", "store_1"} for share in Dealing(task).shares)
     assert isinstance(solved(world, task), Solved)
 
 
@@ -107,14 +106,14 @@ def test_one_robot_keeps_the_task_as_it_is() -> None:
     world = kit_world(2, 1)
     task = timed_task(world, *filled(2))
 
-    assert deal(world, task) is task
+    assert deal(task) is task
 
 
 def test_what_holds_already_is_nobodys_part() -> None:
     world = Overlay(kit_world(2, 2))
     world.place("part_1", "sk:in", "hole_1")
 
-    dealt = parts_of(world, timed_task(world, *filled(2)))
+    dealt = parts_of(timed_task(world, *filled(2)))
 
     assert sorted(part for own in dealt.values() for part in own) == [1]
 
@@ -122,7 +121,7 @@ def test_what_holds_already_is_nobodys_part() -> None:
 def test_conditions_about_the_same_thing_go_to_one_robot() -> None:
     world = kit_world(2, 2)
     task = timed_task(world, *filled(2), FITS("part_1", "hole_1"), IN_KIT("part_1", "kit"))
-    dealt = parts_of(world, task)
+    dealt = parts_of(task)
 
     assert sorted(map(len, dealt.values())) == [1, 3]
     assert (0, 2, 3) in dealt.values()
@@ -131,7 +130,7 @@ def test_conditions_about_the_same_thing_go_to_one_robot() -> None:
 def test_any_thing_of_a_kind_is_dealt_out_too_and_what_is_left_over_is_left_alone() -> None:
     world = kit_world(4, 2)
     task = timed_task(world, IN_KIT("tiny:Ball", "kit"), IN_CONTAINER("tiny:Ball", "hole_2"))
-    dealt = shares(world, task)
+    dealt = Dealing(task).shares
 
     assert [len(share.parts) for share in dealt] == [1, 1]
 
@@ -140,8 +139,8 @@ def test_things_of_an_open_kind_are_chosen_one_for_each() -> None:
     world = kit_world(4, 2, "scene:other a tiny:RedBall ; sk:in scene:store_1 .")
     goal = IN_KIT("tiny:RedBall", "kit")
     task = timed_task(world, goal)
-    first = next(share for share in shares(world, task) if share.parts)
-    facts = {atom for atom in deal(world, task).problem.init if atom.predicate == ASSIGNED}
+    first = next(share for share in Dealing(task).shares if share.parts)
+    facts = {atom for atom in deal(task).problem.init if atom.predicate == ASSIGNED}
     arm = next(agent for agent in first.agents if agent.startswith("arm"))
 
     assert first.things <= {"other", "red_ball_1"}
@@ -154,13 +153,13 @@ def test_things_of_an_open_kind_are_chosen_one_for_each() -> None:
 def test_the_task_that_was_dealt_out_is_the_same_every_time() -> None:
     world = kit_world(6, 3)
 
-    assert deal(world, timed_task(world, *filled(6))) == deal(world, timed_task(world, *filled(6)))
+    assert deal(timed_task(world, *filled(6))) == deal(timed_task(world, *filled(6)))
 
 
 def test_subsystems_belong_to_the_robot_they_are_part_of() -> None:
     world = kit_world(1, 2)
 
-    assert teams(world, timed_task(world, *filled(1))) == {
+    assert timed_task(world, *filled(1)).teams == {
         "robot_1": {"arm_1", "base_1"},
         "robot_2": {"arm_2", "base_2"},
     }
@@ -171,7 +170,7 @@ def test_subsystems_belong_to_the_robot_they_are_part_of() -> None:
 
 def test_an_estimate_adds_up_what_is_to_be_done() -> None:
     world = kit_world(1, 2)
-    cost = efforts(timed_task(world, *filled(1)), world.ontology)
+    cost = efforts(timed_task(world, *filled(1)))
 
     assert cost[Atom("sk:at", ("robot_1", "store_1"))] == 5.0
     assert cost[Atom("sk:heldBy", ("part_1", "gripper_1"))] == 8.0
@@ -180,7 +179,7 @@ def test_an_estimate_adds_up_what_is_to_be_done() -> None:
 
 def test_what_nobody_allowed_can_do_has_no_estimate() -> None:
     world = kit_world(1, 2)
-    cost = efforts(timed_task(world, *filled(1)), world.ontology, {"base_1", "arm_2"})
+    cost = efforts(timed_task(world, *filled(1)), {"base_1", "arm_2"})
 
     assert Atom("sk:at", ("robot_1", "store_1")) in cost
     assert Atom("sk:in", ("part_1", "hole_1")) not in cost
@@ -190,18 +189,18 @@ def test_what_nobody_allowed_can_do_has_no_estimate() -> None:
 
 
 def solved(view: WorldView, task: PlanningTask) -> object:
-    texts = write_pddl(*(lambda t: (t.domain, t.problem))(deal(view, task)), name="allocation")
+    texts = write_pddl(*(lambda t: (t.domain, t.problem))(deal(task)), name="allocation")
     return FastDownward().solve(texts.domain, texts.problem).result()
 
 
 def planned(view: WorldView, task: PlanningTask) -> Plan:
-    narrow = deal(view, task)
+    narrow = deal(task)
     texts = write_pddl(narrow.domain, narrow.problem, name="allocation")
     answer = FastDownward().solve(texts.domain, texts.problem).result()
     assert isinstance(answer, Solved)
-    steps = read_plan(answer.steps, texts, {name: passed_keys(skill) for name, skill in SKILLS.items()})
+    steps = read_plan(narrow, texts, answer)
     steps = without_detours(view, steps, task)
-    return order(view, narrow, texts, Plan(steps, pddl_plan(narrow, texts, steps, view.ontology)))
+    return order(narrow, Plan(steps, grounded(narrow, steps)))
 
 
 def without_detours(view: WorldView, steps: tuple[Step, ...], task: PlanningTask) -> tuple[Step, ...]:
@@ -219,7 +218,7 @@ def test_the_plan_takes_no_longer_than_the_best_known(parts: int, robots: int, b
     durations = [SECONDS[step.skill] for step in plan.steps]
 
     assert replay(world, plan.steps, filled(parts), SKILLS) is None
-    assert makespan(schedule(plan.order, durations), durations) <= best
+    assert max(map(sum, zip(schedule(plan.order, durations), durations, strict=True))) <= best
 
 
 def test_of_four_parts_each_of_two_robots_places_two() -> None:
@@ -232,7 +231,7 @@ def test_of_four_parts_each_of_two_robots_places_two() -> None:
 
 def test_other_readers_accept_a_task_that_was_dealt_out() -> None:
     world = kit_world(2, 2)
-    narrow = deal(world, timed_task(world, *filled(2)))
+    narrow = deal(timed_task(world, *filled(2)))
     texts = write_pddl(narrow.domain, narrow.problem, name="allocation")
 
     assert "(assigned ?arm ?ball)" in texts.domain

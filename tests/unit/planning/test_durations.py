@@ -72,7 +72,7 @@ def test_each_skill_and_class_of_agent_has_times_of_its_own() -> None:
 def test_a_task_says_how_long_its_actions_take() -> None:
     world = tiny_world()
     observe(world, Run(0.0, 4.0))
-    task = timed(world, tiny_task(world, AT_LOCATION("robot_1", "box_a"), skills=[DECLARED]))
+    task = timed(tiny_task(world, AT_LOCATION("robot_1", "box_a"), skills=[DECLARED]))
 
     assert [action.duration for action in task.domain.actions if action.skill == "drive"] == [4.0]
 

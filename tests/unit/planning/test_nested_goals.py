@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from itertools import product
-
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from skiros_py.planning.domain.goals import REACHED
-from skiros_py.planning.domain.model import Action, Atom
+from skiros_py.planning.domain.model import Atom
 from skiros_py.planning.plan import NoPlan, Plan
-from skiros_py.planning.plan_validation import are_none, bindings
+from skiros_py.planning.plan_validation import TaskState
 from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.skills.conditions import (
     AllOf,
@@ -76,27 +73,7 @@ def patterns(
 
 def holds_at_once(task: PlanningTask) -> bool:
     """Tells whether bookkeeping alone leads to the goal: nothing has to be done."""
-    state = set(task.problem.init)
-    closing = [action for action in task.domain.actions if action.skill is None]
-    while news := {atom for action in closing for atom in _gives(task, action, state)} - state:
-        state |= news
-    return set(task.problem.goal) <= state
-
-
-def _gives(task: PlanningTask, action: Action, state: set[Atom]) -> Iterator[Atom]:
-    facts: dict[str, list[Atom]] = {}
-    for atom in state:
-        facts.setdefault(atom.predicate, []).append(atom)
-
-    def fits(element: str, class_: str) -> bool:
-        return class_ in ("", "object") or WORLD.ontology.is_a(task.problem.objects[element], class_)
-
-    for found in bindings(action.pre, facts, {}, action.types, fits):
-        free = [v for v in action.parameters if v.name not in found]
-        for elements in product(*([o for o in task.problem.objects if fits(o, v.type)] for v in free)):
-            binding = {**found, **{v.name: o for v, o in zip(free, elements, strict=True)}}
-            if are_none(action.none, facts, binding, fits):
-                yield from (atom.bind(binding) for atom in action.add)
+    return TaskState(task).close() is not None
 
 
 @settings(max_examples=300, deadline=None)

@@ -13,10 +13,10 @@ from skiros_py.planning.domain.model import Action, Atom, NoneSuch, Variable
 from skiros_py.planning.domain.pddl import NameMap, PddlTexts, write_pddl
 from skiros_py.planning.durations import timed
 from skiros_py.planning.plan import Plan, Step
-from skiros_py.planning.plan_validation import pddl_plan
+from skiros_py.planning.plan_validation import grounded
 from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.planning.replay import replay
-from skiros_py.planning.robots.ordering import contrary, makespan, order, partial_order, schedule
+from skiros_py.planning.robots.ordering import contrary, order, partial_order, schedule
 from skiros_py.skills.conditions import Condition
 from skiros_py.testing import tiny_task, tiny_world
 from skiros_py.testing.tiny import AT_LOCATION, DRIVE, IN_CONTAINER, PICK, PLACE
@@ -53,8 +53,8 @@ def delivery(robot: int, ball: str, slot: str) -> list[Step]:
 def ordered(steps: Sequence[Step], *goal: Condition) -> tuple[Plan, PlanningTask, PddlTexts]:
     task = tiny_task(WORLD, *goal)
     texts = write_pddl(task.domain, task.problem, name="tiny")
-    plan = Plan(tuple(steps), pddl_plan(task, texts, steps, WORLD.ontology))
-    return order(WORLD, task, texts, plan), task, texts
+    plan = Plan(tuple(steps), grounded(task, steps))
+    return order(task, plan), task, texts
 
 
 def test_steps_of_one_robot_that_build_on_each_other_stay_in_order() -> None:
@@ -91,31 +91,29 @@ def test_a_plan_says_when_its_steps_start_where_all_durations_are_known() -> Non
     steps = [*delivery(1, "ball_1", "slot_1"), *delivery(2, "ball_3", "slot_2")]
     goal = IN_CONTAINER("ball_1", "slot_1"), IN_CONTAINER("ball_3", "slot_2")
     task = tiny_task(WORLD, *goal, skills=[replace(skill, duration=2.0) for skill in SKILLS.values()])
-    task = timed(WORLD, task)
-    texts = write_pddl(task.domain, task.problem, name="tiny")
-    plan = order(WORLD, task, texts, Plan(tuple(steps), pddl_plan(task, texts, steps, WORLD.ontology)))
+    task = timed(task)
+    plan = order(task, Plan(tuple(steps), grounded(task, steps)))
 
     assert plan.starts == (0.0, 2.0, 4.0, 0.0, 2.0, 4.0)
     assert ordered(steps, *goal)[0].starts == ()
 
 
-def test_a_plan_without_its_pddl_stays_strictly_sequential() -> None:
+def test_a_plan_without_its_actions_stays_strictly_sequential() -> None:
     task = tiny_task(WORLD, IN_CONTAINER("ball_1", "slot_1"))
-    texts = write_pddl(task.domain, task.problem, name="tiny")
     plan = Plan(tuple(delivery(1, "ball_1", "slot_1")))
 
-    assert order(WORLD, task, texts, plan) is plan
+    assert order(task, plan) is plan
     assert plan.order == (frozenset(), frozenset({0}), frozenset({1}))
 
 
 def test_an_order_that_the_conditions_do_not_bear_out_is_not_believed() -> None:
-    """PDDL lines that hide what the steps need of each other, as those of a task that knows less would."""
+    """Actions that hide what the steps need of each other, as those of a task that knows less would."""
     task = tiny_task(WORLD, IN_CONTAINER("ball_1", "slot_1"))
     texts = write_pddl(task.domain, task.problem, name="tiny")
-    lines = tuple(f"(drive base_{n % 2 + 1} robot_{n % 2 + 1} box_a unknown_location)" for n in range(3))
-    plan = Plan(tuple(delivery(1, "ball_1", "slot_1")), lines)
+    lines = [f"drive base_{n % 2 + 1} robot_{n % 2 + 1} box_a unknown_location" for n in range(3)]
+    plan = Plan(tuple(delivery(1, "ball_1", "slot_1")), tuple(texts.grounding(line.split()) for line in lines))
 
-    assert order(WORLD, task, texts, plan) is plan
+    assert order(task, plan) is plan
 
 
 def test_what_must_not_be_there_orders_who_brings_it_and_who_takes_it_away() -> None:
@@ -127,9 +125,10 @@ def test_what_must_not_be_there_orders_who_brings_it_and_who_takes_it_away() -> 
         ),
     }
     given_texts = PddlTexts("", "", NameMap(["ball_1", "box_a", "box_b"]), actions)
-    lines = ["(clear ball_1 box_a)", "(open box_a)", "(open box_b)"]
+    lines = ["clear ball_1 box_a", "open box_a", "open box_b"]
+    steps = [given_texts.grounding(line.split()) for line in lines]
 
-    assert partial_order(given_texts, lines, SKILLS) == (frozenset(), frozenset({0}), frozenset())
+    assert partial_order(steps, SKILLS) == (frozenset(), frozenset({0}), frozenset())
 
 
 # ------------------------------------------------------------ every sequence that keeps to the order is as good
@@ -216,7 +215,7 @@ def test_a_schedule_keeps_to_the_order_and_gives_nothing_to_two_at_once(
         for j in range(i):
             if needs[i] & needs[j]:
                 assert ends[i] <= starts[j] or ends[j] <= starts[i]
-    assert makespan(starts, durations) <= sum(durations) + 1e-9
+    assert max(map(sum, zip(starts, durations, strict=True))) <= sum(durations) + 1e-9
 
 
 @given(graphs)
@@ -248,4 +247,4 @@ def test_a_contrary_sequence_of_very_many_steps_is_found() -> None:
 def test_what_has_more_behind_it_goes_first(needs: list[frozenset[str]] | None, end: float) -> None:
     starts = schedule((frozenset(), frozenset({0}), frozenset()), [2.0, 1.0, 5.0], needs)
 
-    assert makespan(starts, [2.0, 1.0, 5.0]) == end
+    assert max(map(sum, zip(starts, [2.0, 1.0, 5.0], strict=True))) == end

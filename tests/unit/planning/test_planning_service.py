@@ -4,21 +4,22 @@ import re
 from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import replace
-from types import MappingProxyType
 
 import pytest
 
 from skiros_py.errors import PlanningError
-from skiros_py.planning.plan import NoPlan, Plan, Step, read_plan
+from skiros_py.planning.domain.pddl import write_pddl
+from skiros_py.planning.plan import NoPlan, Plan, Step
+from skiros_py.planning.plan_validation import read_plan
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.kairos import Kairos
-from skiros_py.planning.planners.planner import Planners
+from skiros_py.planning.planners.planner import Planners, Solved
 from skiros_py.planning.problem.task import Capability
 from skiros_py.planning.service import PlanningOptions, plan
 from skiros_py.skills.conditions import AllOf, ConditionType, Exists, Nothing, Related, Role
 from skiros_py.skills.parameters import Param
 from skiros_py.skills.skill import Skill
-from skiros_py.testing import CONDITIONS, SKILLS, Bench, GivenPlanner, tiny_pddl, tiny_task, tiny_world
+from skiros_py.testing import CONDITIONS, SKILLS, Bench, GivenPlanner, tiny_task, tiny_world
 from skiros_py.testing.tiny import AT_LOCATION, DRIVE, EMPTY_HANDED, IN_CONTAINER, PICK, pretend
 from skiros_py.world.world import World
 
@@ -160,10 +161,11 @@ def test_a_robot_without_skills_is_never_given_a_task_even_where_it_is_nearer() 
 
 
 def test_bookkeeping_of_the_goal_is_no_step_of_the_plan() -> None:
-    texts = tiny_pddl(tiny_world(), AT_LOCATION("robot_1", "box_a"))
+    task = tiny_task(tiny_world(), AT_LOCATION("robot_1", "box_a"))
+    texts = write_pddl(task.domain, task.problem, name="tiny")
     lines = (("drive", "base_1", "robot_1", "box_a", "unknown_location"),)
 
-    steps = read_plan(lines, texts, MappingProxyType({"drive": ("Base", "Robot", "Location")}))
+    steps = read_plan(task, texts, Solved(lines))
 
     assert steps[0].arguments == {"Base": "base_1", "Robot": "robot_1", "Location": "box_a"}
 

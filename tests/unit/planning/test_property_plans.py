@@ -170,7 +170,7 @@ def test_a_validator_of_others_accepts_domain_and_plan(goal: tuple[Condition, ..
     assert result.texts is not None
     (tmp_path / "domain.pddl").write_text(result.texts.domain)
     (tmp_path / "problem.pddl").write_text(result.texts.problem)
-    (tmp_path / "plan").write_text("\n".join(result.outcome.pddl) + "\n")
+    (tmp_path / "plan").write_text("\n".join(map(result.texts.line, result.outcome.groundings)) + "\n")
 
     up.get_environment().credits_stream = None
     reader = PDDLReader()

@@ -53,8 +53,8 @@ def drive(location: str, robot: int = 1) -> Step:
 def written(
     world: WorldView, *goal: Condition, reached: Mapping[str, int] | None = None
 ) -> tuple[PlanningTask, PddlTexts]:
-    task = in_sequence(world, tiny_task(world, *goal), reached)
-    return task, write_with_costs(world, task, name="round")
+    task = in_sequence(tiny_task(world, *goal), reached)
+    return task, write_with_costs(task, name="round")
 
 
 def planned(
@@ -64,7 +64,7 @@ def planned(
     answer = (by or FastDownward()).solve(texts.domain, texts.problem).result()
     if isinstance(answer, Unsolvable):
         return None
-    plan = validate(world, task, texts, answer)
+    plan = validate(task, texts, answer)
     assert isinstance(plan, Plan), plan
     return plan
 
@@ -90,7 +90,7 @@ def test_numbers_that_are_switched_off_change_nothing() -> None:
     task = tiny_task(world, *BOTH)
 
     assert not counts(world)
-    assert in_sequence(world, task) is task
+    assert in_sequence(task) is task
 
 
 def test_numbers_are_switched_on_and_set_like_any_property() -> None:
@@ -145,14 +145,14 @@ def test_a_robot_may_start_a_new_task_from_wherever_it_stands() -> None:
 
 def test_a_plan_in_sequence_is_a_plan_of_the_pddl_task_and_gets_a_partial_order() -> None:
     world = numbered(robots=2)
-    task = deal(world, in_sequence(world, tiny_task(world, *BOTH)))
+    task = deal(in_sequence(tiny_task(world, *BOTH)))
     texts = write_pddl(task.domain, task.problem, name="round")
     answer = FastDownward().solve(texts.domain, texts.problem).result()
     assert isinstance(answer, Solved)
-    plan = validate(world, task, texts, answer)
+    plan = validate(task, texts, answer)
     assert isinstance(plan, Plan)
 
-    ordered = order(world, task, texts, plan)
+    ordered = order(task, plan)
     assert {s.arguments["Robot"] for s in plan.steps} == {"robot_1", "robot_2"}
     assert sum(not waits for waits in ordered.after) == 2
 
@@ -216,7 +216,7 @@ def test_where_only_the_numbers_stand_in_the_way_the_reason_says_so() -> None:
     texts = write_pddl(task.domain, task.problem, name="round")
     answer = FastDownward().solve(texts.domain, texts.problem).result()
     assert isinstance(answer, Solved)
-    plan = validate(world, task, texts, answer)
+    plan = validate(task, texts, answer)
     assert isinstance(plan, Plan)
 
     assert planned(world, BOTH[1], reached={"robot_1": 2}) is None
@@ -257,12 +257,12 @@ def test_other_readers_accept_costs_as_functions_and_a_planner_keeps_them_low() 
 
 def test_sequence_numbers_and_time_go_together() -> None:
     world = numbered()
-    task = in_sequence(world, tiny_task(world, *BOTH))
+    task = in_sequence(tiny_task(world, *BOTH))
     texts = write_temporal(task, name="round")
     answer = Kairos().solve(texts.domain, texts.problem).result()
 
     assert isinstance(answer, Solved)
-    plan = validate(world, task, texts, answer)
+    plan = validate(task, texts, answer)
     assert isinstance(plan, Plan)
     assert visits(plan) == ["box_b", "box_a"]
 

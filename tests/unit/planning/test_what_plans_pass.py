@@ -41,7 +41,7 @@ def plan(skill: SkillDescription, goal: str = HELD, world: World | None = None) 
 
 def passed(outcome: Plan | NoPlan) -> Mapping[str, str]:
     assert isinstance(outcome, Plan), outcome
-    assert outcome.pddl, "it is a plan of the task as well"
+    assert outcome.groundings, "it is a plan of the task as well"
     return outcome.steps[-1].arguments
 
 

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from functools import cache
+from typing import Protocol
 
 from skiros_py.planning.domain.model import Atom
+from skiros_py.world.ontology import Ontology
 
 Binding = Mapping[str, str]
 """Element by variable."""
@@ -15,10 +18,12 @@ Fits = Callable[[str, str], bool]
 class FactIndex:
     """Ground atoms, indexed by predicate and by each argument."""
 
-    def __init__(self) -> None:
+    def __init__(self, facts: Iterable[Atom] = ()) -> None:
         self._all: dict[Atom, None] = {}
         self._by_predicate: dict[str, list[Atom]] = {}
         self._by_argument: dict[tuple[str, int, str], list[Atom]] = {}
+        for fact in facts:
+            self.add(fact)
 
     def __contains__(self, atom: object) -> bool:
         return atom in self._all
@@ -43,6 +48,12 @@ class FactIndex:
         return min((self._by_argument.get((atom.predicate, i, a), ()) for i, a in bound), key=len)
 
 
+def fitting(objects: Mapping[str, str], ontology: Ontology) -> Fits:
+    """Returns the function that tells of which classes objects are: all of the empty one, other names of none."""
+    is_a = cache(ontology.is_a)
+    return lambda name, class_: class_ in ("", "object") or (name in objects and is_a(objects[name], class_))
+
+
 def is_variable(argument: str) -> bool:
     """Returns whether an argument is a variable, not an element."""
     return argument.startswith("?")
@@ -60,8 +71,16 @@ def unified(atom: Atom, fact: Atom, binding: Binding, types: Mapping[str, str], 
     return result
 
 
+class Facts(Protocol):
+    """Where facts are looked up."""
+
+    def candidates(self, atom: Atom) -> Collection[Atom]:
+        """Returns a superset of the facts that match an atom with variables."""
+        ...
+
+
 def solutions(
-    atoms: Sequence[Atom], facts: FactIndex, start: Binding, types: Mapping[str, str], fits: Fits
+    atoms: Sequence[Atom], facts: Facts, start: Binding, types: Mapping[str, str], fits: Fits
 ) -> Iterator[dict[str, str]]:
     """Yields every way to bind variables so that all atoms are facts; the rarest atom is looked up first.
 

@@ -84,6 +84,23 @@ class Action:
 
 
 @dataclass(frozen=True, slots=True)
+class Grounding:
+    """An action with the elements it is applied to.
+
+    Attributes:
+        action: The action.
+        binding: Element by variable.
+    """
+
+    action: Action
+    binding: Mapping[str, str]
+
+    def of(self, atoms: Iterable[Atom]) -> frozenset[Atom]:
+        """Returns atoms of the action over these elements."""
+        return frozenset(atom.bind(self.binding) for atom in atoms)
+
+
+@dataclass(frozen=True, slots=True)
 class Domain:
     """Types (child to parent; roots have parent "object"), predicates (argument types) and actions."""
 

@@ -8,8 +8,9 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from types import MappingProxyType
 
+from skiros_py.errors import PlanningError
 from skiros_py.planning.domain.literals import BY_CLASS, HAS, IS, NOT, NOTHING, VALUE, compared
-from skiros_py.planning.domain.model import Action, Atom, Domain, NoneSuch, Problem, Variable
+from skiros_py.planning.domain.model import Action, Atom, Domain, Grounding, NoneSuch, Problem, Variable
 from skiros_py.world.names import local_name
 
 _LOGIC = frozenset({"and", "or", "not", "exists", "forall", "when", "imply", "either"})
@@ -101,6 +102,28 @@ class PddlTexts:
     objects: NameMap = field(repr=False)
     actions: Mapping[str, Action] = field(repr=False)
     requirements: tuple[str, ...] = (":strips", ":typing")
+
+    def line(self, step: Grounding) -> str:
+        """Returns an applied action as planners write it: "(drive base_1 box_a)"."""
+        name = next(word for word, action in self.actions.items() if action.name == step.action.name)
+        return f"({' '.join([name, *(self.objects.pddl(step.binding[v.name]) for v in step.action.parameters)])})"
+
+    def grounding(self, words: Sequence[str]) -> Grounding:
+        """Reads an applied action: its name and objects, in PDDL names.
+
+        Raises:
+            PlanningError: The task has no such action or object, or the action takes another number of objects.
+        """
+        name, *objects = words
+        try:
+            action = self.actions[name.lower()]
+            elements = [self.objects.back(object_) for object_ in objects]
+        except KeyError as error:
+            raise PlanningError(f"the planner answered with {error}, which is not in the task") from error
+        if len(elements) != len(action.parameters):
+            takes = f"{name} takes {len(action.parameters)} objects"
+            raise PlanningError(f"the planner answered with ({' '.join(words)}), but {takes}")
+        return Grounding(action, {v.name: element for v, element in zip(action.parameters, elements, strict=True)})
 
 
 class PddlWriter:

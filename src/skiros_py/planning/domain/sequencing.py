@@ -13,8 +13,8 @@ from itertools import count
 from skiros_py.planning.domain.goals import FINISHED
 from skiros_py.planning.domain.model import Action, Atom, Variable
 from skiros_py.planning.domain.pddl import NameMap, PddlTexts, PddlWriter
-from skiros_py.planning.problem.task import PlanningTask
-from skiros_py.planning.robots.allocation import columns, moved_by
+from skiros_py.planning.problem.task import PlanningTask, extended
+from skiros_py.planning.robots.allocation import moved_by
 from skiros_py.planning.sequence import counts, sequence_number, turn_of, turns_of_goal
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import LOCATION, ROBOT
@@ -32,33 +32,33 @@ _MOST_WAYS = 32
 """Maximum number of alternatives for the conditions before a later turn: each is a variant of the action."""
 
 
-def in_sequence(view: WorldView, task: PlanningTask, reached: Mapping[str, int] | None = None) -> PlanningTask:
+def in_sequence(task: PlanningTask, reached: Mapping[str, int] | None = None) -> PlanningTask:
     """Returns the task with sequence and work numbers enforced; unchanged if they do not apply.
 
     Args:
-        view: The world.
         task: The task.
         reached: The highest number that each robot has visited in this task.
     """
-    return _with_turns(view, _with_numbers(view, task, reached or {})) if counts(view) else task
+    return _with_turns(_with_numbers(task, reached or {})) if counts(task.view) else task
 
 
 # ------------------------------------------------------------ sequence numbers
 
 
-def _with_numbers(view: WorldView, task: PlanningTask, reached: Mapping[str, int]) -> PlanningTask:
-    numbers = _Numbers(view, task)
+def _with_numbers(task: PlanningTask, reached: Mapping[str, int]) -> PlanningTask:
+    numbers = _Numbers(task)
     actions = tuple(a for action in task.domain.actions for a in numbers.variants(action))
     if actions == task.domain.actions or not numbers.of:
         return task
     facts = {Atom(UNNUMBERED, (place,)) for place in numbers.free} | numbers.order() | numbers.starts(reached)
-    return _extended(task, view, actions, facts)
+    return extended(task, actions, facts)
 
 
 class _Numbers:
     """The numbers of a task's places, and their effect on its actions."""
 
-    def __init__(self, view: WorldView, task: PlanningTask) -> None:
+    def __init__(self, task: PlanningTask) -> None:
+        view = task.view
         ontology = view.ontology
         self._ontology = ontology
         places = [o for o, class_ in task.problem.objects.items() if ontology.is_a(class_, LOCATION)]
@@ -103,7 +103,8 @@ class _Numbers:
 # ------------------------------------------------------------ work numbers
 
 
-def _with_turns(view: WorldView, task: PlanningTask) -> PlanningTask:
+def _with_turns(task: PlanningTask) -> PlanningTask:
+    view = task.view
     turns = turns_of_goal(view, task.conditions)
     numbers = sorted({turn[0] for turn in turns if turn is not None})
     ontology = view.ontology
@@ -116,9 +117,9 @@ def _with_turns(view: WorldView, task: PlanningTask) -> PlanningTask:
     placing = {a.name: [p for m, p in moved_by(a, ontology) if a.types[m] not in ("", "object")
                         and not ontology.is_a(a.types[m], ROBOT)] for a in task.domain.actions}  # fmt: skip
     needs = [_together([wish for number, wish in wanted if number in numbers[:rank]]) for rank in _ranks(numbers)]
-    actions = tuple(b for a in task.domain.actions for b in _turns(a, placing[a.name], needs, places, task, view))
+    actions = tuple(b for a in task.domain.actions for b in _turns(a, placing[a.name], needs, places, task))
     facts = {Atom(f"{TURN} {rank + 1}", (place,)) for place, rank in places.items()}
-    return _extended(task, view, actions, facts)
+    return extended(task, actions, facts)
 
 
 def _ranks(numbers: Sequence[int]) -> range:
@@ -199,10 +200,9 @@ def _turns(
     needs: Sequence[Sequence[_Way]],
     turns: Mapping[str, int],
     task: PlanningTask,
-    view: WorldView,
 ) -> Iterator[Action]:
     """Yields the variants of an action per turn; the action itself if it places nothing with a turn."""
-    fitting = {p: {t for o, t in turns.items() if _fits(view, task, o, action.types[p])} for p in places}
+    fitting = {p: {t for o, t in turns.items() if task.fits(o, action.types[p])} for p in places}
     late = [place for place in places if fitting[place] - {0}]
     if not late:
         yield action
@@ -217,48 +217,27 @@ def _turns(
             yield replace(action, name=name, parameters=(*action.parameters, *way.variables), pre=pre)
 
 
-def _fits(view: WorldView, task: PlanningTask, element: str, class_: str) -> bool:
-    return class_ in ("", "object") or view.ontology.is_a(task.problem.objects[element], class_)
-
-
-# ------------------------------------------------------------ the task, extended
-
-
-def _extended(task: PlanningTask, view: WorldView, actions: tuple[Action, ...], facts: set[Atom]) -> PlanningTask:
-    """Returns the task with other actions, and with the facts they require."""
-    new = sorted({atom.predicate for action in actions for atom in action.atoms} - task.domain.predicates.keys())
-    predicates = {**task.domain.predicates, **{name: columns(name, actions, task, view.ontology) for name in new}}
-    fitting = {fact for fact in facts if fact.predicate in new and _suits(fact, predicates[fact.predicate], task, view)}
-    domain = replace(task.domain, predicates=predicates, actions=actions)
-    return replace(task, domain=domain, problem=replace(task.problem, init=task.problem.init | fitting))
-
-
-def _suits(fact: Atom, types: Sequence[str], task: PlanningTask, view: WorldView) -> bool:
-    return all(_fits(view, task, element, class_) for element, class_ in zip(fact.arguments, types, strict=True))
-
-
 # ------------------------------------------------------------ costs
 
 
-def write_with_costs(view: WorldView, task: PlanningTask, *, name: str) -> PddlTexts:
+def write_with_costs(task: PlanningTask, *, name: str) -> PddlTexts:
     """Writes a task with costs for moving through the numbers, to be minimized; a classical one if there are none.
 
     Args:
-        view: The world.
         task: The task in sequence.
         name: Name of the problem (made a PDDL name).
     """
     is_numbered = any(_leg(action) for action in task.domain.actions)
-    writer = _CostWriter(view, task, name) if is_numbered else PddlWriter(task.domain, task.problem, name)
+    writer = _CostWriter(task, name) if is_numbered else PddlWriter(task.domain, task.problem, name)
     return writer.texts()
 
 
 class _CostWriter(PddlWriter):
     metric = "minimize (total-cost)"
 
-    def __init__(self, view: WorldView, task: PlanningTask, name: str) -> None:
+    def __init__(self, task: PlanningTask, name: str) -> None:
         super().__init__(task.domain, task.problem, name)
-        self._view = view
+        self._view = task.view
         self._cost = self.further.pddl("sequence-cost")
 
     def requirements(self) -> tuple[str, ...]:

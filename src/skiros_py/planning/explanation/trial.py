@@ -57,7 +57,7 @@ class Trial:
         try:
             answer = self._answer(planner, texts)
             if isinstance(answer, Solved):
-                plan = validate(view, task, texts, answer)
+                plan = validate(task, texts, answer)
                 return True if isinstance(plan, Plan) else None
         except PlanningError:
             return None

@@ -23,6 +23,7 @@ from skiros_py.planning.domain.literals import (
     primary_line,
     with_class_predicates,
 )
+from skiros_py.planning.domain.matching import FactIndex, Fits, fitting, solutions
 from skiros_py.planning.domain.model import Action, Atom, Domain, Problem
 from skiros_py.planning.problem.lifted import Lifted
 from skiros_py.planning.problem.relevance import Relevant, relevant
@@ -30,6 +31,7 @@ from skiros_py.planning.problem.stock import superfluous
 from skiros_py.planning.replay import StepConditions
 from skiros_py.skills.conditions import Computed, Condition, Not
 from skiros_py.skills.skill import SkillDescription
+from skiros_py.skills.surroundings import owner
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.view import WorldView
 
@@ -138,35 +140,16 @@ def supported(
         objects: The elements, with their classes.
         ontology: Classes.
     """
-    support = _Support(actions, init, objects, ontology)
-    kept = _or_all(actions, lambda action: all(support.may_be(atom, action.types) for atom in action.pre))
+    added = {atom.predicate for action in actions for atom in action.add}
+    facts = FactIndex(init)
+    fits = fitting(objects, ontology)
+
+    def may_be(atom: Atom, types: Mapping[str, str]) -> bool:
+        return atom.predicate in added or next(solutions([atom], facts, {}, types, fits), None) is not None
+
+    kept = _or_all(actions, lambda action: all(may_be(atom, action.types) for atom in action.pre))
     count = Counter(action.skill for action in kept)
     return tuple(replace(a, name=a.skill) if a.skill is not None and count[a.skill] == 1 else a for a in kept)
-
-
-class _Support:
-    """The initial and the achievable facts, by predicate."""
-
-    def __init__(
-        self, actions: Iterable[Action], init: Iterable[Atom], objects: Mapping[str, str], ontology: Ontology
-    ) -> None:
-        self._objects = objects
-        self._ontology = ontology
-        self._added = {atom.predicate for action in actions for atom in action.add}
-        self._facts: dict[str, list[Atom]] = {}
-        for atom in init:
-            self._facts.setdefault(atom.predicate, []).append(atom)
-
-    def may_be(self, atom: Atom, types: Mapping[str, str]) -> bool:
-        facts = self._facts.get(atom.predicate, ())
-        return atom.predicate in self._added or any(self._matches(atom, fact, types) for fact in facts)
-
-    def _matches(self, atom: Atom, fact: Atom, types: Mapping[str, str]) -> bool:
-        pairs = zip(atom.arguments, fact.arguments, strict=True)
-        return all(self._fits(v, types.get(a, "")) if a.startswith("?") else a == v for a, v in pairs)
-
-    def _fits(self, element: str, class_: str) -> bool:
-        return class_ in ("", "object") or self._ontology.is_a(self._objects[element], class_)
 
 
 def _or_all(actions: Sequence[Action], is_good: Callable[[Action], bool]) -> tuple[Action, ...]:
@@ -192,6 +175,7 @@ class PlanningTask:
         domain, problem: The parts written as PDDL.
         goal: Each condition with the atoms that stand for it.
         capabilities: The available skills.
+        view: The world it was built from.
         asked: The literals evaluated for the facts, by predicate, over the variables "1" and "2".
         complete: True if it has a plan whenever one exists; False if candidates were left out.
     """
@@ -200,6 +184,7 @@ class PlanningTask:
     problem: Problem
     goal: tuple[tuple[Condition, tuple[Atom, ...]], ...]
     capabilities: tuple[Capability, ...]
+    view: WorldView = field(compare=False, repr=False)
     asked: Mapping[str, Asked | Not] = field(default_factory=dict)
     complete: bool = True
 
@@ -209,9 +194,42 @@ class PlanningTask:
         return tuple(condition for condition, _ in self.goal)
 
     @cached_property
+    def fits(self) -> Fits:
+        """Returns whether an element of the task is of a class."""
+        return fitting(self.problem.objects, self.view.ontology)
+
+    @cached_property
+    def teams(self) -> Mapping[str, frozenset[str]]:
+        """The subsystems that have skills, by robot (by their own id if they belong to none)."""
+        found: dict[str, set[str]] = {}
+        for agent in sorted({agent for c in self.capabilities for agent in c.agents}):
+            robot = (owner(self.view, agent) if self.view.has(agent) else None) or agent
+            found.setdefault(robot, set()).add(agent)
+        return {robot: frozenset(agents) for robot, agents in sorted(found.items())}
+
+    @cached_property
+    def robots(self) -> Mapping[str, str]:
+        """The robot of each subsystem that has skills."""
+        return {agent: robot for robot, agents in self.teams.items() for agent in agents}
+
+    @cached_property
     def skills(self) -> StepConditions:
         """The available skills by name."""
         return StepConditions({c.skill.name: c.skill for c in self.capabilities})
+
+
+def extended(task: PlanningTask, actions: tuple[Action, ...], facts: Iterable[Atom]) -> PlanningTask:
+    """Returns a task with other actions, and with facts of their new predicates as far as their arguments fit."""
+    ontology, old = task.view.ontology, task.domain.predicates
+    found = _predicates(actions, (), task.problem.objects, ontology)
+    new = {
+        name: tuple(class_ if class_ in task.domain.types else "object" for class_ in types)
+        for name, types in sorted(found.items())
+        if name not in old
+    }
+    further = {f for f in facts if f.predicate in new and all(map(task.fits, f.arguments, new[f.predicate]))}
+    domain = replace(task.domain, predicates={**old, **new}, actions=actions)
+    return replace(task, domain=domain, problem=replace(task.problem, init=task.problem.init | further))
 
 
 def build_task(
@@ -274,6 +292,7 @@ class _Building:
             Problem(objects, frozenset(init), atoms),
             tuple(zip(self._goal, compiled.atoms, strict=True)),
             self._capabilities,
+            self._view,
             self._asked,
             width is None,
         )

@@ -12,32 +12,29 @@ from __future__ import annotations
 
 import heapq
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import cache
+from dataclasses import dataclass, field, replace
+from math import inf
 
 from skiros_py.planning.domain.actions import moved_and_place
-from skiros_py.planning.domain.literals import CAN, common_class
+from skiros_py.planning.domain.literals import CAN
 from skiros_py.planning.domain.matching import FactIndex, unified
 from skiros_py.planning.domain.model import Action, Atom
-from skiros_py.planning.problem.task import PlanningTask
-from skiros_py.skills.surroundings import owner
+from skiros_py.planning.problem.task import PlanningTask, extended
 from skiros_py.world.ontology import Ontology
-from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import ROBOT
 
 USUAL = 10.0
 """Assumed duration of a skill with unknown duration [s]."""
 
 
-def efforts(task: PlanningTask, ontology: Ontology, agents: Collection[str] | None = None) -> Mapping[Atom, float]:
+def efforts(task: PlanningTask, agents: Collection[str] | None = None) -> Mapping[Atom, float]:
     """Returns the estimated time [s] to every reachable fact.
 
     Args:
         task: The task.
-        ontology: Classes.
         agents: The agents that may act; default: all.
     """
-    spread = _Spread(task, ontology)
+    spread = _Spread(task)
     for atom in sorted(task.problem.init):
         if agents is None or not atom.predicate.startswith(CAN) or atom.arguments[0] in agents:
             spread.offer(atom, 0.0)
@@ -48,7 +45,7 @@ def efforts(task: PlanningTask, ontology: Ontology, agents: Collection[str] | No
 class _Spread:
     """Facts with their costs, settled in order of cost."""
 
-    def __init__(self, task: PlanningTask, ontology: Ontology) -> None:
+    def __init__(self, task: PlanningTask) -> None:
         self.settled: dict[Atom, float] = {}
         self._waiting: list[tuple[float, Atom]] = []
         self._best: dict[Atom, float] = {}
@@ -57,12 +54,10 @@ class _Spread:
         for action in task.domain.actions:
             for place, atom in enumerate(action.pre):
                 self._needs.setdefault(atom.predicate, []).append((action, place))
-        objects = task.problem.objects
-        self._is_a = cache(lambda type_, class_: class_ in ("", "object") or ontology.is_a(type_, class_))
-        self._fits = cache(lambda element, class_: element in objects and self._is_a(objects[element], class_))
+        self._fits = task.fits
 
     def offer(self, atom: Atom, cost: float) -> None:
-        if cost < self._best.get(atom, float("inf")):
+        if cost < self._best.get(atom, inf):
             self._best[atom] = cost
             heapq.heappush(self._waiting, (cost, atom))
 
@@ -122,17 +117,6 @@ def moved_by(action: Action, ontology: Ontology) -> tuple[tuple[str, str], ...]:
     return tuple(moved_and_place(atom, ontology) for atom in placed)
 
 
-def columns(predicate: str, actions: Iterable[Action], task: PlanningTask, ontology: Ontology) -> tuple[str, ...]:
-    """Returns the classes of a predicate's arguments: the most specific ones covering all uses in actions."""
-    found: tuple[str, ...] = ()
-    for action in actions:
-        types = {**task.problem.objects, **action.types}
-        for atom in (atom for atom in action.atoms if atom.predicate == predicate):
-            new = tuple(types[argument] or "object" for argument in atom.arguments)
-            found = tuple(common_class(a, b, ontology) for a, b in zip(found or new, new, strict=True))
-    return tuple(class_ if class_ in task.domain.types else "object" for class_ in found)
-
-
 class Handling:
     """What the actions of a task handle.
 
@@ -141,20 +125,19 @@ class Handling:
         agents: The variable of the acting agent, by action name.
     """
 
-    def __init__(self, task: PlanningTask, ontology: Ontology) -> None:
-        self._ontology = ontology
+    def __init__(self, task: PlanningTask) -> None:
+        self._ontology = task.view.ontology
         self._objects = task.problem.objects
         self.variables: dict[str, tuple[str, ...]] = {}
         self.agents: dict[str, str] = {}
         self._moved: set[str] = set()
         self._done_to: set[str] = set()
-        skills = {c.skill.name: c.skill for c in task.capabilities}
         for action in task.domain.actions:
-            moved = tuple(thing for thing, _ in moved_by(action, ontology))
+            moved = tuple(thing for thing, _ in moved_by(action, self._ontology))
             types = action.types
             if action.skill is None or any(self.is_one_of(types[v], [ROBOT]) for v in moved):
                 continue
-            skill = skills[action.skill]
+            skill = task.skills[action.skill]
             self.agents[action.name] = f"?{skill.agent}"
             self.variables[action.name] = tuple(dict.fromkeys((*moved, f"?{skill.target}")))
             self._moved |= {types[v] for v in moved}
@@ -183,65 +166,38 @@ _SAME = 1e-6
 """Estimates that differ by less count as equal [s]."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True, eq=False)
 class Share:
     """The part of a goal allocated to one robot.
 
     Attributes:
         robot: Its id.
         agents: Its subsystems that have skills.
+        cost: The estimated time to each fact if only it acts [s].
         parts: Indices of the conditions of the goal.
         things: The elements that only it may handle.
-        effort: The estimated time [s].
+        effort: The estimated time for its parts [s].
     """
 
     robot: str
     agents: frozenset[str]
-    parts: tuple[int, ...]
-    things: frozenset[str]
-    effort: float
+    cost: Mapping[Atom, float]
+    parts: list[int] = field(default_factory=list)
+    things: set[str] = field(default_factory=set)
+    effort: float = 0.0
 
 
-def deal(view: WorldView, task: PlanningTask) -> PlanningTask:
+def deal(task: PlanningTask) -> PlanningTask:
     """Returns the task in which each robot handles only what was allocated to it; unchanged if nothing was allocated.
 
-    Args:
-        view: The world.
-        task: Any task; a single-robot task is returned unchanged.
+    A single-robot task is returned unchanged.
     """
-    dealt = _dealt(view, task)
-    if dealt is None:
+    if len(task.teams) < 2:
         return task
+    dealt = Dealing(task)
     owners = dict.fromkeys(dealt.surplus, frozenset[str]())
     owners |= {thing: share.agents for share in dealt.shares for thing in share.things}
-    return _narrowed(view, task, owners) if owners else task
-
-
-def shares(view: WorldView, task: PlanningTask) -> tuple[Share, ...]:
-    """Allocates the parts of the goal, the longest first, each to the robot that would finish all its parts soonest.
-
-    Parts that only one robot can do go to that robot; parts that no robot can do alone are not restricted.
-    """
-    dealt = _dealt(view, task)
-    return () if dealt is None else dealt.shares
-
-
-def teams(view: WorldView, task: PlanningTask) -> dict[str, frozenset[str]]:
-    """Returns the subsystems that have skills, by robot (by their own id if they belong to none)."""
-    found: dict[str, set[str]] = {}
-    for agent in sorted({agent for c in task.capabilities for agent in c.agents}):
-        robot = (owner(view, agent) if view.has(agent) else None) or agent
-        found.setdefault(robot, set()).add(agent)
-    return {robot: frozenset(agents) for robot, agents in sorted(found.items())}
-
-
-def _dealt(view: WorldView, task: PlanningTask) -> _Dealing | None:
-    robots = teams(view, task)
-    if len(robots) < 2:
-        return None
-    dealt = _Dealing(view, task, robots)
-    dealt.run()
-    return dealt
+    return _narrowed(task, owners) if owners else task
 
 
 # ------------------------------------------------------------ deal out
@@ -264,59 +220,52 @@ class _Group:
     named: frozenset[str] = frozenset()
 
 
-class _Dealing:
-    """The allocation of one goal's parts to robots.
+class Dealing:
+    """Allocates the parts of the goal, the longest first, each to the robot that would finish all its parts soonest.
+
+    Parts that only one robot can do go to that robot; parts that no robot can do alone are not restricted.
 
     Attributes:
+        shares: Each robot's share.
         surplus: Unallocated things of an open kind: others are used instead.
     """
 
-    def __init__(self, view: WorldView, task: PlanningTask, robots: Mapping[str, frozenset[str]]) -> None:
-        self.surplus: frozenset[str] = frozenset()
+    def __init__(self, task: PlanningTask) -> None:
         self._task = task
-        self._robots = robots
-        self._ontology = view.ontology
-        self._handling = Handling(task, view.ontology)
-        alone = [self._group(part) for part in range(len(self._task.goal))]
-        self._groups = [group for group in _merged(alone) if group.things or group.kind]
-        self._sketch = self._sketched()
-        self._costs: list[Mapping[Atom, float]] = []
-        self._loads = [0.0] * len(robots)
-        self._fair = 0.0
-        self._parts: list[list[int]] = [[] for _ in robots]
-        self._things: list[set[str]] = [set() for _ in robots]
-
-    @property
-    def shares(self) -> tuple[Share, ...]:
-        """Each robot's share."""
-        each = zip(self._robots.items(), self._parts, self._things, self._loads, strict=True)
-        return tuple(Share(r, a, tuple(sorted(p)), frozenset(t), load) for (r, a), p, t, load in each)
-
-    def run(self) -> None:
-        """Allocates all parts."""
-        for agents in self._robots.values():
-            self._costs.append(efforts(self._sketch, self._ontology, agents))
-        wanted = {group: [self._effort(group, cost) for cost in self._costs] for group in self._groups}
-        self._fair = sum(least for efforts in wanted.values() if (least := min(efforts)) < float("inf"))
-        self._fair /= len(self._robots)
+        self._ontology = task.view.ontology
+        self._handling = Handling(task)
+        groups = [g for g in _merged(map(self._group, range(len(task.goal)))) if g.things or g.kind]
+        sketch = self._sketched(groups)
+        self.shares = [Share(robot, agents, efforts(sketch, agents)) for robot, agents in task.teams.items()]
+        wanted = {group: [self._effort(group, share.cost) for share in self.shares] for group in groups}
+        least = [effort for efforts in wanted.values() if (effort := min(efforts)) < inf]
+        self._fair = sum(least) / len(self.shares)
         open_kinds: set[str] = set()
-        for group in sorted(self._groups, key=lambda g: (not g.things, -min(wanted[g]), g.parts)):
-            if 0.0 < min(wanted[group]) < float("inf") and self._give(group, wanted[group]) and group.kind:
+        for group in sorted(groups, key=lambda g: (not g.things, -min(wanted[g]), g.parts)):
+            if 0.0 < min(wanted[group]) < inf and self._give(group, wanted[group]) and group.kind:
                 open_kinds.add(group.kind)
         self.surplus = frozenset(thing for kind in open_kinds for thing in self._free(kind))
 
     def _give(self, group: _Group, wanted: Sequence[float]) -> bool:
+        """Allocates a group; returns whether there are things for it.
+
+        A robot that visits a place anyway also gets the other parts there, up to a fair share: two would block each
+        other.
+        """
         places = self._places(group.things)
-        loads = [load + effort for load, effort in zip(self._loads, wanted, strict=True)]
-        # A robot that visits a place anyway also gets the other parts there, up to a fair share: two would block each
-        # other.
-        there = [bool(places & self._places(things)) for things in self._things]
-        goes = [is_there and load <= self._fair + _SAME for is_there, load in zip(there, loads, strict=True)]
-        robot = min(range(len(wanted)), key=lambda r: (not goes[r], loads[r], r))
-        things = group.things or self._nearest(group.kind, robot)
-        self._loads[robot] += wanted[robot]
-        self._parts[robot] += group.parts
-        self._things[robot] |= things
+
+        def order(number: int) -> tuple[bool, float, int]:
+            share = self.shares[number]
+            load = share.effort + wanted[number]
+            goes = bool(places & self._places(share.things)) and load <= self._fair + _SAME
+            return not goes, load, number
+
+        number = min(range(len(wanted)), key=order)
+        share = self.shares[number]
+        things = group.things or self._nearest(group.kind, share)
+        share.effort += wanted[number]
+        share.parts = sorted((*share.parts, *group.parts))
+        share.things |= things
         return bool(things)
 
     def _places(self, things: Collection[str]) -> set[str]:
@@ -335,18 +284,18 @@ class _Dealing:
         kinds = (v.type for action in actions for v in action.parameters if self._handling.is_moved(v.type))
         return _Group((part,), frozenset(), next(kinds, ""), frozenset(named))
 
-    def _sketched(self) -> PlanningTask:
+    def _sketched(self, groups: Sequence[_Group]) -> PlanningTask:
         """The task without details that make estimates slow but hardly better.
 
         These are movable things not in the goal, and facts between things of different goal parts, such as that a part
         would fit into the compartment of another.
         """
         speakers: dict[str, list[int]] = {}
-        for number, group in enumerate(self._groups):
+        for number, group in enumerate(groups):
             for element in group.named:
                 speakers.setdefault(element, []).append(number)
         own = {element: numbers[0] for element, numbers in speakers.items() if len(numbers) == 1}
-        unwanted = self._unwanted(speakers)
+        unwanted = self._unwanted(speakers, [group.kind for group in groups if group.kind])
         asked = self._task.asked.keys()
         init = frozenset(
             atom
@@ -356,26 +305,25 @@ class _Dealing:
         )
         return replace(self._task, problem=replace(self._task.problem, init=init))
 
-    def _unwanted(self, named: Collection[str]) -> set[str]:
+    def _unwanted(self, named: Collection[str], kinds: Collection[str]) -> set[str]:
         """Movable things that the goal does not mention."""
-        kinds = [group.kind for group in self._groups if group.kind]
         objects = self._task.problem.objects.items()
         movable = {o: class_ for o, class_ in objects if o not in named and self._handling.is_moved(class_)}
         return {o for o, class_ in movable.items() if not self._handling.is_one_of(class_, kinds)}
 
     def _effort(self, group: _Group, cost: Mapping[Atom, float]) -> float:
         atoms = {atom for part in group.parts for atom in self._task.goal[part][1]}
-        return sum(cost.get(atom, float("inf")) for atom in atoms)
+        return sum(cost.get(atom, inf) for atom in atoms)
 
     def _free(self, kind: str) -> list[str]:
-        taken = set[str]().union(*self._things)
+        taken = set[str]().union(*(share.things for share in self.shares))
         objects = self._task.problem.objects.items()
         return [o for o, class_ in objects if o not in taken and self._handling.is_one_of(class_, [kind])]
 
-    def _nearest(self, kind: str, robot: int) -> frozenset[str]:
+    def _nearest(self, kind: str, share: Share) -> frozenset[str]:
         """The free thing of a kind that a robot can finish soonest, if there is any."""
         free = set(self._free(kind))
-        touched = ((cost, a) for atom, cost in self._costs[robot].items() if cost > 0.0 for a in atom.arguments)
+        touched = ((cost, a) for atom, cost in share.cost.items() if cost > 0.0 for a in atom.arguments)
         nearest = min(((cost, thing) for cost, thing in touched if thing in free), default=None)
         return frozenset([nearest[1]]) if nearest else frozenset()
 
@@ -396,10 +344,11 @@ def _merged(groups: Iterable[_Group]) -> list[_Group]:
 # ------------------------------------------------------------ permissions as static facts
 
 
-def _narrowed(view: WorldView, task: PlanningTask, owners: Mapping[str, frozenset[str]]) -> PlanningTask:
+def _narrowed(task: PlanningTask, owners: Mapping[str, frozenset[str]]) -> PlanningTask:
     """Restricts the handling of owned things to their owners."""
-    handling = Handling(task, view.ontology)
-    kinds = {task.problem.objects[thing] for thing in owners}
+    handling = Handling(task)
+    objects = task.problem.objects
+    kinds = {objects[thing] for thing in owners}
     asking: dict[str, tuple[Atom, ...]] = {}
     for action in task.domain.actions:
         types = action.types
@@ -407,14 +356,11 @@ def _narrowed(view: WorldView, task: PlanningTask, owners: Mapping[str, frozense
         asking[action.name] = tuple(Atom(ASSIGNED, (handling.agents[action.name], v)) for v in variables)
     actions = tuple(replace(a, pre=(*a.pre, *asking[a.name])) if asking[a.name] else a for a in task.domain.actions)
     handled = {a.types[atom.arguments[1]] for a in actions for atom in asking[a.name]}
-    able = {handling.agents[a.name]: a.types[handling.agents[a.name]] for a in actions if asking[a.name]}
-    known = sorted({agent for c in task.capabilities for agent in c.agents if agent in task.problem.objects})
-    agents = [a for a in known if handling.is_one_of(task.problem.objects[a], able.values())]
-    things = [o for o, class_ in task.problem.objects.items() if handling.is_one_of(class_, handled)]
+    able = {a.types[handling.agents[a.name]] for a in actions if asking[a.name]}
+    agents = sorted(agent for agent in task.robots if handling.is_one_of(objects.get(agent, ""), able))
+    things = [o for o, class_ in objects.items() if handling.is_one_of(class_, handled)]
     facts = {Atom(ASSIGNED, (a, o)) for a in agents for o in things if o not in owners or a in owners[o]}
-    predicates = {**task.domain.predicates, ASSIGNED: columns(ASSIGNED, actions, task, view.ontology)}
-    domain = replace(task.domain, predicates=predicates, actions=actions)
-    return replace(task, domain=domain, problem=replace(task.problem, init=task.problem.init | facts))
+    return extended(task, actions, facts)
 
 
 def _may_be(class_: str, kinds: Iterable[str], handling: Handling) -> bool:

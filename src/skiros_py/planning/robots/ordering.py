@@ -7,62 +7,54 @@ reads or writes, or both need the same device.
 from __future__ import annotations
 
 import heapq
-import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from graphlib import TopologicalSorter
 
-from skiros_py.planning.domain.model import Action, Atom, NoneSuch
-from skiros_py.planning.domain.pddl import PddlTexts
+from skiros_py.planning.domain.model import Atom, Grounding, NoneSuch
 from skiros_py.planning.plan import Plan
 from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.planning.replay import replay
 from skiros_py.skills.parameters import Kind
 from skiros_py.skills.skill import SkillDescription
-from skiros_py.world.view import WorldView
 
 Order = tuple[frozenset[int], ...]
 """For each step the indices of the steps that must have ended before it starts; without transitive ones."""
 
 
-def order(view: WorldView, task: PlanningTask, texts: PddlTexts, plan: Plan) -> Plan:
+def order(task: PlanningTask, plan: Plan) -> Plan:
     """Returns a plan with its partial order, and with start times if all step durations are known.
 
     It stays strictly sequential if no other order can be derived.
 
-    The order comes from the PDDL plan. Conditions may depend on more than PDDL models (reasoner results are frozen at
-    the start), so the sequence that departs most from the given one is replayed before the order is accepted.
+    The order comes from the actions of the task. Conditions may depend on more than these (reasoner results are frozen
+    at the start), so the sequence that departs most from the given one is replayed before the order is accepted.
 
     Args:
-        view: The world that the plan starts from.
         task: The planned task.
-        texts: The task as PDDL.
-        plan: The steps, validated by replay, and their PDDL lines.
+        plan: The steps, validated by replay, and their actions.
     """
-    after = partial_order(texts, plan.pddl, task.skills)
+    after = partial_order(plan.groundings, task.skills)
     if len(after) != len(plan.steps):
         return plan
     other = tuple(plan.steps[index] for index in contrary(after))
-    if other != plan.steps and replay(view, other, task.conditions, task.skills) is not None:
+    if other != plan.steps and replay(task.view, other, task.conditions, task.skills) is not None:
         return plan
-    return replace(plan, after=after, starts=_starts(texts, plan, after))
-
-
-def _starts(texts: PddlTexts, plan: Plan, after: Order) -> tuple[float, ...]:
-    actions = [texts.actions[_words(line)[0]] for line in plan.pddl]
-    durations = [action.duration for action in actions if action.skill is not None]
+    durations = [one.action.duration for one in plan.groundings if one.action.skill is not None]
     known = [seconds for seconds in durations if seconds is not None]
-    return schedule(after, known) if len(known) == len(durations) else ()
+    return replace(plan, after=after, starts=schedule(after, known) if len(known) == len(durations) else ())
 
 
-def partial_order(texts: PddlTexts, lines: Sequence[str], skills: Mapping[str, SkillDescription]) -> Order:
-    """Orders the skills of a PDDL plan; every sequence consistent with it has the same result as the plan.
+def partial_order(plan: Sequence[Grounding], skills: Mapping[str, SkillDescription]) -> Order:
+    """Orders the skills of a plan; every sequence consistent with it has the same result as the plan.
 
     Args:
-        texts: The task as written.
-        lines: The plan, "(drive base_1 robot_1 box_a)" each; bookkeeping actions are skipped.
+        plan: The actions; bookkeeping is skipped.
         skills: The skill descriptions, which state the device parameters.
     """
-    actions = _only_changing([_ground(texts, line, skills) for line in lines])
+    actions = [_Effect.of(one, skills) for one in plan]
+    changing = frozenset(atom for action in actions for atom in action.writes)
+    actions = [replace(action, reads=action.reads & changing) for action in actions]  # what only is read orders nothing
     before: list[int] = []  # for each action those that precede it, as bits
     for index, action in enumerate(actions):
         known = 0
@@ -70,7 +62,7 @@ def partial_order(texts: PddlTexts, lines: Sequence[str], skills: Mapping[str, S
             if not known >> earlier & 1 and _interfere(actions[earlier], action):
                 known |= before[earlier] | 1 << earlier
         before.append(known)
-    steps = [index for index, action in enumerate(actions) if action.is_step]
+    steps = [index for index, one in enumerate(plan) if one.action.skill is not None]
     return tuple(_nearest(index, steps, before) for index in steps)
 
 
@@ -88,54 +80,30 @@ def _nearest(index: int, steps: Sequence[int], before: Sequence[int]) -> frozens
 
 
 @dataclass(frozen=True, slots=True)
-class _Ground:
-    """One action of the plan: its reads and writes, and the devices it needs."""
+class _Effect:
+    """What one action of the plan reads and writes, and the devices it needs."""
 
-    is_step: bool
     reads: frozenset[Atom]
     adds: frozenset[Atom]
     deletes: frozenset[Atom]
     none: tuple[NoneSuch, ...]
     devices: frozenset[str]
 
+    @classmethod
+    def of(cls, one: Grounding, skills: Mapping[str, SkillDescription]) -> _Effect:
+        action, binding = one.action, one.binding
+        params = () if action.skill is None else skills[action.skill].params
+        devices = (binding.get("?" + param.key) for param in params if param.kind is Kind.HARDWARE)
+        adds = one.of(action.add)
+        none = tuple(such.bind(binding) for such in action.none)
+        return cls(one.of(action.pre), adds, one.of(action.delete) - adds, none, frozenset(filter(None, devices)))
+
     @property
     def writes(self) -> frozenset[Atom]:
         return self.adds | self.deletes
 
 
-def _ground(texts: PddlTexts, line: str, skills: Mapping[str, SkillDescription]) -> _Ground:
-    name, *objects = _words(line)
-    action = texts.actions[name]
-    ids = (texts.objects.back(object_) for object_ in objects)
-    binding = {variable.name: id_ for variable, id_ in zip(action.parameters, ids, strict=True)}
-    adds = frozenset(atom.bind(binding) for atom in action.add)
-    return _Ground(
-        action.skill is not None,
-        frozenset(atom.bind(binding) for atom in action.pre),
-        adds,
-        frozenset(atom.bind(binding) for atom in action.delete) - adds,
-        tuple(none.bind(binding) for none in action.none),
-        frozenset(_devices(action, binding, skills)),
-    )
-
-
-def _words(line: str) -> list[str]:
-    return re.findall(r"[^\s()]+", line)
-
-
-def _devices(action: Action, binding: Mapping[str, str], skills: Mapping[str, SkillDescription]) -> Iterator[str]:
-    if action.skill is not None:
-        keys = ("?" + param.key for param in skills[action.skill].params if param.kind is Kind.HARDWARE)
-        yield from (binding[key] for key in keys if key in binding)
-
-
-def _only_changing(actions: Sequence[_Ground]) -> list[_Ground]:
-    """Drops facts that are read but never written: they order nothing."""
-    changing = frozenset(atom for action in actions for atom in action.writes)
-    return [replace(action, reads=action.reads & changing) for action in actions]
-
-
-def _interfere(one: _Ground, other: _Ground) -> bool:
+def _interfere(one: _Effect, other: _Effect) -> bool:
     """Returns whether two actions must not be swapped."""
     return not (
         one.writes.isdisjoint(other.reads)
@@ -148,7 +116,7 @@ def _interfere(one: _Ground, other: _Ground) -> bool:
     )
 
 
-def _touches(action: _Ground, none: Sequence[NoneSuch]) -> bool:
+def _touches(action: _Effect, none: Sequence[NoneSuch]) -> bool:
     """Returns whether an action writes anything that others require to be absent."""
     return any(_matches(wanted, atom) for such in none for wanted in such.atoms for atom in action.writes)
 
@@ -167,20 +135,15 @@ def contrary(after: Order) -> tuple[int, ...]:
     >>> contrary((frozenset(), frozenset({0}), frozenset()))
     (2, 0, 1)
     """
-    waits = [len(earlier) for earlier in after]
-    behind: list[list[int]] = [[] for _ in after]
-    for index, earlier in enumerate(after):
-        for one in earlier:
-            behind[one].append(index)
-    ready = [-index for index, number in enumerate(waits) if number == 0]  # as a heap, the last at its front
-    heapq.heapify(ready)
+    sorter = TopologicalSorter(dict(enumerate(after)))
+    sorter.prepare()
+    ready: list[int] = []  # as a heap, the last at its front
     taken: list[int] = []
-    while ready:
+    while sorter.is_active():
+        for index in sorter.get_ready():
+            heapq.heappush(ready, -index)
         taken.append(-heapq.heappop(ready))
-        for index in behind[taken[-1]]:
-            waits[index] -= 1
-            if waits[index] == 0:
-                heapq.heappush(ready, -index)
+        sorter.done(taken[-1])
     return tuple(taken)
 
 
@@ -209,11 +172,6 @@ def schedule(
         starts[first] = max(ends[first], default=0.0)
         free |= dict.fromkeys(wanted[first], starts[first] + durations[first])
     return tuple(starts[i] for i in range(len(after)))
-
-
-def makespan(starts: Sequence[float], durations: Sequence[float]) -> float:
-    """Returns when the last step ends [s]."""
-    return max((start + duration for start, duration in zip(starts, durations, strict=True)), default=0.0)
 
 
 def _tails(after: Order, durations: Sequence[float]) -> list[float]:

@@ -13,21 +13,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import combinations, pairwise
 from typing import NamedTuple
 
 from skiros_py.geometry import Pose
-from skiros_py.planning.domain.pddl import PddlTexts
+from skiros_py.planning.domain.model import Grounding
 from skiros_py.planning.plan import Plan, Step
-from skiros_py.planning.plan_validation import TaskState, pddl_plan
+from skiros_py.planning.plan_validation import TaskState, grounded
 from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.planning.replay import replay
-from skiros_py.planning.robots.allocation import Handling, teams
-from skiros_py.planning.robots.ordering import makespan, partial_order, schedule
+from skiros_py.planning.robots.allocation import USUAL, Handling
+from skiros_py.planning.robots.ordering import partial_order, schedule
 from skiros_py.skills.conditions import Related
 from skiros_py.world.poses import map_pose
-from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import AT, DRIVING_POSE, HAS_A
 
 _MOST = 20
@@ -38,29 +37,26 @@ _WORTH = 0.1
 Point = tuple[float, float]
 
 
-def docking_nearer(
-    view: WorldView, task: PlanningTask, texts: PddlTexts, plan: Plan, reached: Mapping[str, int] | None = None
-) -> Plan:
-    """Returns the plan with docking places exchanged while that shortens the driving and the plan remains valid.
+def docking_nearer(task: PlanningTask, steps: tuple[Step, ...], reached: Mapping[str, int]) -> tuple[Step, ...]:
+    """Returns the steps with docking places exchanged while that shortens the driving and the plan remains valid.
 
     Args:
-        view: The world that the plan starts from.
         task: The planned task.
-        texts: The task as PDDL.
-        plan: The steps, validated by replay.
+        steps: The plan, validated by replay.
         reached: The highest sequence number that each robot has visited in this task.
     """
-    docking = _Docking(view, task)
+    docking = _Docking(task)
     for _ in range(_MOST):
-        for steps in docking.shorter(plan.steps):
-            if replay(view, steps, task.conditions, task.skills, reached=reached) is None:
-                lines = pddl_plan(task, texts, steps, view.ontology)
-                if lines:
-                    plan = replace(plan, steps=steps, pddl=lines)
-                    break
-        else:
+        shorter = next((other for other in docking.shorter(steps) if _is_plan(task, other, reached)), None)
+        if shorter is None:
             break
-    return plan
+        steps = shorter
+    return steps
+
+
+def _is_plan(task: PlanningTask, steps: tuple[Step, ...], reached: Mapping[str, int]) -> bool:
+    flaw = replay(task.view, steps, task.conditions, task.skills, reached=reached)
+    return flaw is None and bool(grounded(task, steps))
 
 
 class _Ride(NamedTuple):
@@ -71,10 +67,9 @@ class _Ride(NamedTuple):
 class _Docking:
     """The robots' stops in a plan, and their alternatives."""
 
-    def __init__(self, view: WorldView, task: PlanningTask) -> None:
-        self._view = view
-        self._skills = task.skills
-        self._robots = {agent: robot for robot, agents in teams(view, task).items() for agent in agents}
+    def __init__(self, task: PlanningTask) -> None:
+        self._view = task.view
+        self._task = task
 
     def shorter(self, steps: tuple[Step, ...]) -> list[tuple[Step, ...]]:
         """Returns the same steps with two docking places exchanged, those with the least driving first."""
@@ -95,7 +90,7 @@ class _Docking:
                 places = {ride.place for ride in rides if ride.robot != robot}
                 taken = {ride.place for ride in rides if ride.robot == robot and ride.place in pair}
                 if places.isdisjoint(set(pair) - taken):
-                    yield tuple(step.renamed(names) if self._robot(step) == robot else step for step in steps)
+                    yield tuple(step.renamed(names) if _robot(self._task, step) == robot else step for step in steps)
 
     def _alike(self, places: set[str]) -> list[tuple[str, str]]:
         """Returns pairs of equivalent places (parts of one thing, of one class), at least one of which is visited."""
@@ -118,7 +113,7 @@ class _Docking:
 
     def _rides(self, steps: Sequence[Step]) -> Iterator[_Ride]:
         for step in steps:
-            for condition in self._skills[step.skill].post:
+            for condition in self._task.skills[step.skill].post:
                 pattern = condition.bind(step.arguments).pattern
                 if isinstance(pattern, Related) and pattern.relation == AT:
                     yield _Ride(pattern.subject, pattern.object)
@@ -142,15 +137,9 @@ class _Docking:
         x, y, _ = (pose @ driving).position
         return x, y
 
-    def _robot(self, step: Step) -> str:
-        agent = step.arguments[self._skills[step.skill].agent]
-        return self._robots.get(agent, agent)
-
 
 _MOST_ROUNDS = 40
 """Plans with more rounds are not rearranged: it would take seconds."""
-_USUAL = 10.0
-"""Assumed duration of a step with unknown duration [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,93 +150,83 @@ class _Round:
     steps: tuple[Step, ...]
 
 
-def arranged(
-    view: WorldView, task: PlanningTask, texts: PddlTexts, plan: Plan, reached: Mapping[str, int] | None = None
-) -> Plan:
+_Found = tuple[_Round, TaskState, list[Grounding], float]
+
+
+def arranged(task: PlanningTask, plan: Plan, reached: Mapping[str, int]) -> Plan:
     """Returns the plan with its rounds in the sequence that ends soonest among those tried.
 
     Args:
-        view: The world that the plan starts from.
         task: The planned task.
-        texts: The task as PDDL.
-        plan: The steps, validated by replay.
+        plan: The steps, validated by replay, and their actions.
         reached: The highest sequence number that each robot has visited in this task.
     """
-    plan = docking_nearer(view, task, texts, plan, reached)
-    arrangement = _Arrangement(view, task, texts, plan)
-    rounds = arrangement.rounds
-    if len({round_.robot for round_ in rounds}) < 2 or len(rounds) > _MOST_ROUNDS:
+    steps = docking_nearer(task, plan.steps, reached)
+    plan = plan if steps is plan.steps else Plan(steps, grounded(task, steps))
+    arrangement = _Arrangement(task, plan.steps)
+    if len({round_.robot for round_ in arrangement.rounds}) < 2 or len(arrangement.rounds) > _MOST_ROUNDS:
         return plan
-    steps = arrangement.best()
-    if steps is None:
+    best = arrangement.best()
+    if best is None or replay(task.view, best, task.conditions, task.skills, reached=reached) is not None:
         return plan
-    if replay(view, steps, task.conditions, task.skills, reached=reached) is not None:
-        return plan
-    other = Plan(steps, pddl_plan(task, texts, steps, view.ontology))
-    return other if 0.0 < arrangement.lasts(other.pddl) < arrangement.lasts(plan.pddl) else plan
+    other = Plan(best, grounded(task, best))
+    return other if 0.0 < arrangement.lasts(other.groundings) < arrangement.lasts(plan.groundings) else plan
 
 
 class _Arrangement:
     """The rounds of a plan, and their rearrangement."""
 
-    def __init__(self, view: WorldView, task: PlanningTask, texts: PddlTexts, plan: Plan) -> None:
+    def __init__(self, task: PlanningTask, steps: Sequence[Step]) -> None:
         self._task = task
-        self._texts = texts
-        self._ontology = view.ontology
-        self._robots = {agent: robot for robot, agents in teams(view, task).items() for agent in agents}
-        self.rounds = tuple(self._rounds(plan.steps, Handling(task, view.ontology)))
+        self.rounds = tuple(self._rounds(steps, Handling(task)))
 
-    def lasts(self, lines: Sequence[str]) -> float:
+    def lasts(self, plan: Sequence[Grounding]) -> float:
         """Returns how long a plan takes with maximum concurrency [s]."""
-        after = partial_order(self._texts, lines, self._task.skills)
-        durations = self._durations(lines)
-        return makespan(schedule(after, durations), durations)
+        return max(self._ends(plan), default=0.0)
 
     def best(self) -> tuple[Step, ...] | None:
         """Arranges the rounds; None if no tried sequence is valid."""
         left = list(self.rounds)
-        state, steps, lines = TaskState(self._task, self._ontology), list[Step](), list[str]()
+        steps: list[Step] = []
+        state, taken = TaskState(self._task), list[Grounding]()
         ends = dict.fromkeys((round_.robot for round_ in left), 0.0)
         while left:
             found = None
             for robot in _free_first(ends, left):
-                found = found or self._next(state, lines, left, robot)
+                found = found or self._next(state, taken, left, robot)
             if found is None:
                 return None
-            round_, state, lines, ends[round_.robot] = found
+            round_, state, taken, ends[round_.robot] = found
             left.remove(round_)
             steps += round_.steps
         return tuple(steps)
 
-    def _next(
-        self, state: TaskState, lines: list[str], left: Sequence[_Round], robot: str
-    ) -> tuple[_Round, TaskState, list[str], float] | None:
+    def _next(self, state: TaskState, taken: list[Grounding], left: Sequence[_Round], robot: str) -> _Found | None:
         """Returns the round of a robot that would end soonest if next, with the resulting state."""
-        tried = [self._after(state, lines, round_) for round_ in left if round_.robot == robot]
+        tried = [self._after(state, taken, round_) for round_ in left if round_.robot == robot]
         return min(filter(None, tried), key=lambda found: found[3], default=None)
 
-    def _after(
-        self, state: TaskState, lines: list[str], round_: _Round
-    ) -> tuple[_Round, TaskState, list[str], float] | None:
-        state, lines = state.copy(), list(lines)
-        for step in round_.steps:
-            taken = state.take(step)
-            if taken is None:
-                return None
-            lines.append(taken.line(self._texts))
-        after, durations = partial_order(self._texts, lines, self._task.skills), self._durations(lines)
-        return round_, state, lines, schedule(after, durations)[-1] + durations[-1]
+    def _after(self, state: TaskState, taken: list[Grounding], round_: _Round) -> _Found | None:
+        state = state.copy()
+        more = [state.take(step) for step in round_.steps]
+        if None in more:
+            return None
+        taken = [*taken, *filter(None, more)]
+        return round_, state, taken, self._ends(taken)[-1]
 
-    def _durations(self, lines: Sequence[str]) -> list[float]:
-        actions = (self._texts.actions[line.strip("()").split()[0]] for line in lines)
-        return [_USUAL if a.duration is None else a.duration for a in actions if a.skill is not None]
+    def _ends(self, plan: Sequence[Grounding]) -> list[float]:
+        """Returns when each step of a plan ends with maximum concurrency [s]."""
+        actions = [one.action for one in plan if one.action.skill is not None]
+        durations = [USUAL if action.duration is None else action.duration for action in actions]
+        starts = schedule(partial_order(plan, self._task.skills), durations)
+        return [start + duration for start, duration in zip(starts, durations, strict=True)]
 
     def _rounds(self, steps: Sequence[Step], handling: Handling) -> Iterator[_Round]:
         """Splits a plan into rounds: a robot's steps up to the last one for a thing; its moves start the next round."""
-        for robot in dict.fromkeys(map(self._robot, steps)):
+        for robot in dict.fromkeys(_robot(self._task, step) for step in steps):
             own: list[Step] = []
             last, thing = 0, None
-            for step in (step for step in steps if self._robot(step) == robot):
+            for step in (step for step in steps if _robot(self._task, step) == robot):
                 handled = self._thing(step, handling)
                 if handled is not None and thing is not None and handled != thing:
                     yield _Round(robot, tuple(own[:last]))
@@ -257,15 +236,17 @@ class _Arrangement:
                     thing, last = handled, len(own)
             yield _Round(robot, tuple(own))
 
-    def _robot(self, step: Step) -> str:
-        agent = step.arguments[self._task.skills[step.skill].agent]
-        return self._robots.get(agent, agent)
-
     def _thing(self, step: Step, handling: Handling) -> str | None:
         """Returns the thing a step moves or acts on; None for one that only moves its robot."""
         actions = (a for a in self._task.domain.actions if a.skill == step.skill)
         keys = (variable.lstrip("?") for a in actions for variable in handling.variables.get(a.name, ()))
         return next((step.arguments[key] for key in keys if key in step.arguments), None)
+
+
+def _robot(task: PlanningTask, step: Step) -> str:
+    """Returns the robot that runs a step."""
+    agent = step.arguments[task.skills[step.skill].agent]
+    return task.robots.get(agent, agent)
 
 
 def _free_first(ends: Mapping[str, float], left: Sequence[_Round]) -> list[str]:
