@@ -35,7 +35,7 @@ def order(id_, goal=STARTER, **more):
 
 
 def states(session):
-    return {job.id: (job.state, job.outcome) for job in session.jobs.jobs.values()}
+    return {job.id: (job.state, job.outcome) for job in session.jobs.store.page().jobs}
 
 
 def step_until(session, reached, cycles=20_000):
@@ -49,7 +49,7 @@ def step_until(session, reached, cycles=20_000):
 def test_a_job_is_done_and_says_what_became_of_each_condition(session):
     session.jobs.submit(order("a", f"{STARTER} and {ALTERNATOR}"))
     session.run_jobs()
-    job = session.jobs.jobs["a"]
+    job = session.jobs.job("a")
     assert (job.state, job.outcome) == (JobState.ENDED, Outcome.SUCCEEDED)
     assert [(a.condition, a.reached) for a in job.actuals] == [(STARTER, True), (ALTERNATOR, True)]
     assert len(job.plan) == 8
@@ -65,7 +65,7 @@ def test_a_goal_that_holds_already_is_an_outcome_of_its_own(session):
 def test_a_job_without_a_plan_is_aborted_with_the_reasons(session):
     session.jobs.submit(order("a", IMPOSSIBLE))
     session.run_jobs()
-    job = session.jobs.jobs["a"]
+    job = session.jobs.job("a")
     assert (job.state, job.outcome) == (JobState.ABORTED, Outcome.NO_PLAN)
     assert "starter_1" in job.reasons[0]
 
@@ -88,7 +88,7 @@ def test_jobs_start_by_priority_then_deadline_then_order(session):
 def test_a_job_waits_behind_its_start_gate(session):
     session.jobs.submit(order("a", not_before=datetime.now(UTC) + timedelta(hours=1)))
     session.run_jobs()
-    assert session.jobs.jobs["a"].state is JobState.ALLOWED_TO_START
+    assert session.jobs.job("a").state is JobState.ALLOWED_TO_START
 
 
 def test_a_job_that_expires_is_not_begun_after_its_deadline(session):
@@ -97,14 +97,14 @@ def test_a_job_that_expires_is_not_begun_after_its_deadline(session):
     session.jobs.submit(order("b", deadline=past))
     session.run_jobs()
     assert states(session)["a"] == (JobState.ABORTED, Outcome.EXPIRED)
-    assert session.jobs.jobs["b"].outcome is Outcome.SUCCEEDED
-    assert session.jobs.jobs["b"].late
+    assert session.jobs.job("b").outcome is Outcome.SUCCEEDED
+    assert session.jobs.job("b").late
 
 
 def test_the_same_order_twice_is_one_job(session):
     first = session.jobs.submit(order("a"))
     assert session.jobs.submit(order("a")) == first
-    assert len(session.jobs.jobs) == 1
+    assert len(session.jobs.store.page().jobs) == 1
 
 
 def test_another_order_under_the_same_id_is_refused(session):
@@ -116,7 +116,7 @@ def test_another_order_under_the_same_id_is_refused(session):
 def test_a_goal_that_nobody_understands_is_refused_and_nothing_is_kept(session):
     with pytest.raises(UnknownName, match="condition 'InnKit'"):
         session.jobs.submit(order("a", "InnKit(Starter, kit_1)"))
-    assert not session.jobs.jobs
+    assert not session.jobs.store.page().jobs
 
 
 def test_without_leave_to_start_nothing_starts(session):
@@ -134,12 +134,12 @@ def test_without_leave_to_start_nothing_starts(session):
 
 def test_a_paused_job_stands_and_goes_on(session):
     session.jobs.submit(order("a"))
-    step_until(session, lambda: session.jobs.jobs["a"].detail == "running")
+    step_until(session, lambda: session.jobs.job("a").detail == "running")
     session.jobs.pause("a", "somebody walks by")
-    assert session.jobs.jobs["a"].state is JobState.INTERRUPTED
+    assert session.jobs.job("a").state is JobState.INTERRUPTED
     for _ in range(3000):
         session.cycle.step()
-    assert session.jobs.jobs["a"].state is JobState.INTERRUPTED
+    assert session.jobs.job("a").state is JobState.INTERRUPTED
     session.jobs.resume("a")
     session.run_jobs()
     assert states(session)["a"] == (JobState.ENDED, Outcome.SUCCEEDED)
@@ -151,7 +151,7 @@ def test_a_paused_job_stands_and_goes_on(session):
 )
 def test_a_running_job_can_be_ended_also_twice(session, command, state, outcome):
     session.jobs.submit(order("a"))
-    step_until(session, lambda: session.jobs.jobs["a"].detail == "running")
+    step_until(session, lambda: session.jobs.job("a").detail == "running")
     getattr(session.jobs, command)("a", "enough")
     getattr(session.jobs, command)("a", "enough")
     session.run_jobs()
@@ -169,16 +169,16 @@ def test_a_job_that_has_not_begun_can_be_cancelled_and_one_that_is_over_cleared(
     with pytest.raises(UsageError, match="has begun"):
         session.jobs.cancel("b")
     session.jobs.clear("b")
-    assert not session.jobs.jobs
+    assert not session.jobs.store.page().jobs
 
 
 def test_everything_is_still_there_after_a_restart(data):
     with Session("kitting", Options(fake=True, data=data)) as session:
         session.jobs.submit(order("a"))
         session.run_jobs()
-        before = session.jobs.jobs["a"]
+        before = session.jobs.job("a")
     with Session("kitting", Options(fake=True, data=data)) as session:
-        assert session.jobs.jobs["a"] == before
+        assert session.jobs.job("a") == before
         assert session.world.placement("starter_1").place.startswith("kit_1_")
 
 
@@ -208,11 +208,11 @@ def run_until(data, module, status="started"):
 def test_after_a_kill_in_mid_motion_the_job_waits_for_a_person(data):
     run_until(data, "pick")
     with Session("kitting", Options(fake=True, data=data)) as session:
-        job = session.jobs.jobs["a"]
+        job = session.jobs.job("a")
         assert job.state is JobState.INTERRUPTED
         assert "pick" in job.detail
         assert job.choices == ("retry", "done by hand", "abort")
-        assert session.jobs.jobs["b"].state is JobState.ALLOWED_TO_START
+        assert session.jobs.job("b").state is JobState.ALLOWED_TO_START
 
 
 def test_after_a_kill_a_retry_ends_well_and_does_nothing_twice(data):
@@ -220,7 +220,7 @@ def test_after_a_kill_a_retry_ends_well_and_does_nothing_twice(data):
     with Session("kitting", Options(fake=True, data=data)) as session:
         session.jobs.answer("a", "retry", by="ann")
         session.run_jobs()
-        assert {job.outcome for job in session.jobs.jobs.values()} == {Outcome.SUCCEEDED}
+        assert {job.outcome for job in session.jobs.store.page().jobs} == {Outcome.SUCCEEDED}
         done = [i for i in session.jobs.intents("a") if i.ended == "done"]
         assert [i.skill for i in done] == ["drive", "pick", "drive", "place"]
 
@@ -230,7 +230,7 @@ def test_after_a_kill_what_a_person_has_done_is_not_done_again(data):
     with Session("kitting", Options(fake=True, data=data)) as session:
         session.jobs.answer("a", "done by hand", by="ann")
         session.run_jobs()
-        assert session.jobs.jobs["a"].outcome is Outcome.SUCCEEDED
+        assert session.jobs.job("a").outcome is Outcome.SUCCEEDED
         assert [(i.skill, i.ended) for i in session.jobs.intents("a") if i.skill == "pick"] == [
             ("pick", "done by hand, says ann")
         ]
@@ -256,7 +256,7 @@ def test_two_jobs_that_want_one_robot_are_done_one_after_the_other(session):
     session.jobs.submit(order("a", STARTER, policy=Policy(rest=False)))
     session.jobs.submit(order("b", ALTERNATOR))
     session.run_jobs()
-    first, second = (session.jobs.jobs[name] for name in "ab")
+    first, second = (session.jobs.job(name) for name in "ab")
     assert first.ended <= second.started
     assert (first.outcome, second.outcome) == (Outcome.SUCCEEDED, Outcome.SUCCEEDED)
 
@@ -271,11 +271,11 @@ def test_a_job_says_how_it_went_in_sentences(session):
 
 def test_after_a_halt_a_job_waits_for_a_person(session):
     session.jobs.submit(order("a"))
-    step_until(session, lambda: session.jobs.jobs["a"].detail == "running")
+    step_until(session, lambda: session.jobs.job("a").detail == "running")
     session.cycle.stop_all("somebody hit the button")
     session.cycle.step()
-    assert session.jobs.jobs["a"].state is JobState.INTERRUPTED
-    assert "somebody hit the button" in session.jobs.jobs["a"].detail
+    assert session.jobs.job("a").state is JobState.INTERRUPTED
+    assert "somebody hit the button" in session.jobs.job("a").detail
     session.reset()
     session.jobs.answer("a", "retry", by="ann")
     session.run_jobs()
@@ -288,13 +288,13 @@ def test_a_job_that_needs_a_person_is_held_with_choices_and_goes_on_with_the_ans
     session.jobs.submit(order("a", f"{STARTER} and not ObjectAtLocation(compressor_1, pallet_b)", policy=policy))
     with session.world.transaction("test", "nobody fits the compressor any more") as tx:
         tx.set("compressor_1", "sk:graspWidth", 0.5)
-    step_until(session, lambda: session.jobs.jobs["a"].choices)
-    job = session.jobs.jobs["a"]
+    step_until(session, lambda: session.jobs.job("a").choices)
+    job = session.jobs.job("a")
     assert job.state is JobState.INTERRUPTED
     assert set(job.choices) >= {"retry", "done by hand", "skip", "abort"}
     session.jobs.answer("a", "skip", by="ann")
     session.run_jobs()
-    job = session.jobs.jobs["a"]
+    job = session.jobs.job("a")
     assert (job.state, job.outcome) == (JobState.ENDED, Outcome.PARTIALLY_SUCCEEDED)
     assert [a.reached for a in job.actuals] == [True, False]
     assert job.actuals[1].reason

@@ -41,7 +41,7 @@ def until(session: Session, reached: Callable[[], object], cycles: int = 60_000)
 
 
 def running(jobs: JobManager) -> list[str]:
-    return [job.id for job in jobs.jobs.values() if job.state is JobState.RUNNING]
+    return [job.id for job in jobs.store.page().jobs if job.state is JobState.RUNNING]
 
 
 def times(jobs: JobManager, job: str, what: str) -> list[float]:
@@ -61,7 +61,7 @@ def test_two_jobs_run_side_by_side_each_by_a_robot_of_its_own(session: Session, 
     jobs.submit(order("b", SOUTH))
     until(session, lambda: jobs.idle)
 
-    assert all(map(succeeded, jobs.jobs.values()))
+    assert all(map(succeeded, jobs.store.page().jobs))
     assert agents(jobs, "a").isdisjoint(agents(jobs, "b"))
     assert times(jobs, "a", "started")[0] < times(jobs, "b", "ended")[0]
     assert times(jobs, "b", "started")[0] < times(jobs, "a", "ended")[0]
@@ -74,7 +74,7 @@ def test_no_more_jobs_are_under_way_than_wanted_and_the_next_one_follows(session
     until(session, lambda: together.append(len(running(jobs))) or jobs.idle)
 
     assert max(together) == 2
-    assert all(map(succeeded, jobs.jobs.values()))
+    assert all(map(succeeded, jobs.store.page().jobs))
 
 
 def test_a_job_that_wants_the_part_of_another_one_waits_for_its_end_and_plans_with_what_is_so_then(
@@ -84,9 +84,9 @@ def test_a_job_that_wants_the_part_of_another_one_waits_for_its_end_and_plans_wi
     jobs.submit(order("b", "ObjectAtLocation(starter_1, kit_2_a)"))
     until(session, lambda: jobs.idle)
 
-    assert succeeded(jobs.jobs["a"])
-    assert jobs.jobs["b"].outcome is Outcome.NO_PLAN, "nobody takes a part out of a kit"
-    assert "starter_1 is in kit_1_a" in jobs.jobs["b"].actuals[0].reason
+    assert succeeded(jobs.job("a"))
+    assert jobs.job("b").outcome is Outcome.NO_PLAN, "nobody takes a part out of a kit"
+    assert "starter_1 is in kit_1_a" in jobs.job("b").actuals[0].reason
     assert times(jobs, "b", "started") == []
     assert any("(a)" in entry["text"] for entry in jobs.trace("b") if entry["what"] == "waits")
 
@@ -98,8 +98,8 @@ def test_stopping_one_job_leaves_the_other_one_alone(session: Session, jobs: Job
     jobs.stop("a", "enough")
     until(session, lambda: jobs.idle)
 
-    assert jobs.jobs["a"].outcome is Outcome.STOPPED
-    assert succeeded(jobs.jobs["b"])
+    assert jobs.job("a").outcome is Outcome.STOPPED
+    assert succeeded(jobs.job("b"))
 
 
 def test_a_halt_in_the_cycle_in_which_a_job_begins_holds_it_for_a_person(session: Session, jobs: JobManager) -> None:
@@ -107,12 +107,12 @@ def test_a_halt_in_the_cycle_in_which_a_job_begins_holds_it_for_a_person(session
     until(session, lambda: running(jobs))
     session.cycle.stop_all("somebody hit the button")
     session.cycle.step()
-    assert jobs.jobs["a"].state is JobState.INTERRUPTED
+    assert jobs.job("a").state is JobState.INTERRUPTED
     session.reset()
     jobs.answer("a", "retry", by="ann")
     until(session, lambda: jobs.idle)
 
-    assert succeeded(jobs.jobs["a"])
+    assert succeeded(jobs.job("a"))
 
 
 def test_after_a_halt_both_jobs_are_held_and_both_are_done_after_a_retry(session: Session, jobs: JobManager) -> None:
@@ -121,10 +121,10 @@ def test_after_a_halt_both_jobs_are_held_and_both_are_done_after_a_retry(session
     until(session, lambda: session.cycle.board.now > 7.0)
     session.cycle.stop_all("somebody hit the button")
     session.cycle.step()
-    assert {job.state for job in jobs.jobs.values()} == {JobState.INTERRUPTED}
+    assert {job.state for job in jobs.store.page().jobs} == {JobState.INTERRUPTED}
     session.reset()
     for id_ in "ab":
         jobs.answer(id_, "retry", by="ann")
     until(session, lambda: jobs.idle)
 
-    assert all(map(succeeded, jobs.jobs.values()))
+    assert all(map(succeeded, jobs.store.page().jobs))

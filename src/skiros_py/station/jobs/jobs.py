@@ -128,7 +128,7 @@ class JobService(Service):
         if order.id not in (None, id_):
             raise UsageError(f"the order has the id '{order.id}', and the address '{id_}'")
         jobs = self._jobs
-        known = jobs.jobs.get(id_)
+        known = jobs.find(id_)
         if known is None and replaces:
             raise StaleVersion(f"there is no job '{id_}' (any more): leave out If-Match to order it")
         if known is None:
@@ -161,7 +161,7 @@ class JobService(Service):
         before = None if receipt is None else jobs.store.known(receipt)
         if before is not None or order.id is None:
             return before
-        known = jobs.jobs.get(order.id)
+        known = jobs.find(order.id)
         if known is None:
             _check_removed(None if again else jobs.store.removed(order.id), order)
         if known is not None and not is_same(order, known.order):

@@ -64,11 +64,11 @@ class JobWaiter:
         changed = threading.Event()
         unsubscribe = jobs.subscribe(lambda one: changed.set() if one.id == job.id else None)
         try:
-            now = jobs.jobs.get(job.id, job)
+            now = jobs.find(job.id) or job
             while _is_under_way(now) and not self._ending and (left := end - time.monotonic()) > 0.0:
                 changed.wait(min(left, _GLANCE))
                 changed.clear()
-                now = jobs.jobs.get(job.id, now)
+                now = jobs.find(job.id) or now
             return now
         finally:
             unsubscribe()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import heapq
 import math
 import threading
-from collections.abc import Callable, ItemsView, Iterable, Iterator, KeysView, Mapping, ValuesView
+from collections.abc import Callable, Iterable, Iterator, Mapping, ValuesView
 from contextlib import contextmanager
 from functools import partial
 from typing import Any
@@ -161,7 +161,6 @@ class JobBook:
 
     Attributes:
         open: The jobs that are not over, by id, in the order in which they were ordered.
-        jobs: All that were not removed.
         queue: Those that wait for their turn.
         unseen: Ids of those that were cut off (by the end of the program) or halted, and not reviewed since.
     """
@@ -172,7 +171,6 @@ class JobBook:
         self._open = {job.id: job for job in store.open()}
         self._listeners = Listeners[[Job]]("jobs")
         self.open = OpenJobs(self._open)
-        self.jobs = AllJobs(self.open, store)
         self.queue = JobQueue(self._open.values())
         self.unseen = {job.id for job in self._open.values() if _is_unseen(job)}
         self._on_remove = Listeners[[Job]]("removed jobs")
@@ -184,6 +182,10 @@ class JobBook:
     def on_remove(self, listener: Callable[[Job], None]) -> Callable[[], None]:
         """Calls the listener with each job that is removed; returns how to unsubscribe. It must be quick."""
         return self._on_remove.add(listener)
+
+    def find(self, job: str) -> Job | None:
+        """Returns a job, open or over; None if there is none with that id."""
+        return self.open.get(job) or self._store.job(job)
 
     def add(self, order: JobOrder, *, start: bool, comment: str, receipt: Receipt | None = None) -> Job:
         """Adds a job for a new order."""
@@ -265,39 +267,6 @@ class OpenJobs(Mapping[str, Job]):
     def __iter__(self) -> Iterator[str]:
         return iter(self._jobs.copy())
 
-    def keys(self) -> KeysView[str]:
-        """Returns their ids."""
-        return self._jobs.copy().keys()
-
     def values(self) -> ValuesView[Job]:
         """Returns the jobs."""
         return self._jobs.copy().values()
-
-    def items(self) -> ItemsView[str, Job]:
-        """Returns ids and jobs."""
-        return self._jobs.copy().items()
-
-
-class AllJobs(Mapping[str, Job]):
-    """All jobs that were not removed; those that are over are read from the file each time.
-
-    Args:
-        open: Those that are not over.
-        store: Where all are kept.
-    """
-
-    def __init__(self, open: Mapping[str, Job], store: JobStore) -> None:  # noqa: A002 - the natural name here
-        self._open = open
-        self._store = store
-
-    def __getitem__(self, job: str) -> Job:
-        found = self._open.get(job) or self._store.job(job)
-        if found is None:
-            raise KeyError(job)
-        return found
-
-    def __len__(self) -> int:
-        return len(self._store)
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._store.ids())

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any
+from typing import Any, ParamSpec
 
 from skiros_py.errors import SkirosError
 from skiros_py.execution.runtime import Runtime
@@ -15,6 +15,8 @@ from skiros_py.tasks.jobs.job import Intent, Job, JobState, Outcome, Trigger
 from skiros_py.tasks.jobs.run import BY_HAND, CUT_OFF, WAITS, JobRun, done_by_hand, hold_what_was_halted, moved
 from skiros_py.tasks.jobs.store import JobStore
 from skiros_py.tasks.task_manager import TaskManager
+
+P = ParamSpec("P")
 
 ReadGoal = Callable[[Sequence[str]], tuple[Condition, ...]]
 """Reads goal texts."""
@@ -62,44 +64,31 @@ class Conductor:
         self._guard = guard
         self._at_once = at_once
         self._clock = clock
-        self._turns = Turns(book, clock)
         self._runs: dict[str, JobRun] = {}
-        self._wishes: deque[Callable[[], None]] = deque()
+        self._back: dict[str, None] = {}  # started jobs that wait like any other: others may use their robots by now
+        self._requests: deque[Callable[[], None]] = deque()
 
     # ------------------------------------------------------------------ asked in any thread, with the guard
 
     @property
     def idle(self) -> bool:
         """True if no job is running and none would start now."""
-        return not (self._runs or self._wishes) and self._coming is None
+        return not (self._runs or self._requests) and self._coming is None
 
     def run(self, job: str) -> JobRun | None:
         """Returns the run of a job; None if it has none."""
         return self._runs.get(job)
 
-    def wish(self, job: str, what: Callable[[JobRun], None]) -> None:
-        """Schedules a function on a job's run in the control thread."""
-
-        def fulfil() -> None:
-            if job in self._runs:
-                what(self._runs[job])
-
-        self._wishes.append(fulfil)
-
-    def go_on(self, job: str) -> None:
-        """Resumes a paused job; if it has no run, it is replanned when its turn comes."""
-        self._wishes.append(partial(self._go_on, job))
-
-    def note_done(self, job: str, by: str) -> None:
-        """Applies the effects of a cut-off step that the user reports as done by hand."""
-        self._wishes.append(partial(self._note_done, job, by))
+    def schedule(self, method: Callable[P, None], *args: P.args, **kwargs: P.kwargs) -> None:
+        """Schedules a call of one of the methods below in the control thread."""
+        self._requests.append(partial(method, *args, **kwargs))
 
     # ------------------------------------------------------------------ in the control thread
 
     def attend(self) -> None:
         """Executes scheduled requests, tracks running jobs and starts the next ones."""
-        while self._wishes:
-            self._wishes.popleft()()
+        while self._requests:
+            self._requests.popleft()()
         for job, run in tuple(self._runs.items()):
             self._follow(job, run)
         if self._runtime.cycle.halted:
@@ -107,27 +96,66 @@ class Conductor:
         else:
             self._give_places()
 
+    def command(self, id_: str, what: Callable[[JobRun], None]) -> None:
+        """Applies a command to a job's run, if it still has one."""
+        if id_ in self._runs:
+            what(self._runs[id_])
+
+    def resume(self, id_: str) -> None:
+        """Resumes a paused job; if it has no run, it is replanned when its turn comes."""
+        with self._guard.control():
+            if id_ in self._runs:
+                self._runs[id_].resume()
+            else:
+                self._back[id_] = None
+
+    def note_done(self, id_: str, by: str) -> None:
+        """Applies the effects of a cut-off step that the user reports as done by hand."""
+        with self._guard.control():
+            job = self._book.open.get(id_)
+            if job is None or job.state is not JobState.INTERRUPTED or id_ in self._runs:  # changed meanwhile
+                return
+            before = self._runtime.world.version
+            try:
+                for intent in self._cut_off(id_):
+                    done_by_hand(self._runtime.world, self._tasks.capabilities, intent, by)
+                    self._store.settle(id_, intent.number, f"done by hand, says {by}")
+            except SkirosError as error:
+                detail = f"that it was done by hand cannot be believed: {error}; answer again"
+                self._book.change(job.but(detail=detail))
+                return
+            materials = moved(self._runtime.world, job.but(seen=before), self._store.intents(id_))
+            goes_on = {"detail": WAITS, "choices": (), "question": None, "materials": materials}
+            self._book.move(job, Trigger.RESUME, f"{BY_HAND}, says {by}", **goes_on)
+            self._back[id_] = None
+
     def _give_places(self) -> None:
         """Gives free slots to set-aside jobs that have their answer, then to the next job."""
         for run in self._runs.values():
             if run.aside and not run.asks and self._has_room:
                 run.take_place()
-        coming = self._coming
-        if coming is not None and (self._has_room or self._make_room()):
-            self._dispatch(coming)
+        if self._coming is not None and (self._has_room or self._make_room()):
+            self._dispatch()
 
     @property
-    def _coming(self) -> str | None:
-        """Id of the job whose turn it is.
+    def _coming(self) -> Job | None:
+        """The job whose turn it is.
 
-        While a cut-off or halted job has not been reviewed, no other is started: where the robot is and what it
+        While a cut-off or halted job has not been reviewed, no new one is started: where the robot is and what it
         holds is equally uncertain for that one. Jobs that have their answer continue.
         """
-        coming = self._turns.next()
-        if coming is None or not self._book.unseen:
-            return coming
-        back = self._turns.coming_back
-        return coming if coming in back else next(iter(back), None)
+        new = None if self._book.unseen else self._book.queue.next(self._clock())
+        first = None if new is None else self._book.open.get(new)
+        back = min(self._coming_back, key=rank, default=None)
+        if back is None or first is None:
+            return back or first
+        return back if back.order.priority >= first.order.priority else first
+
+    @property
+    def _coming_back(self) -> tuple[Job, ...]:
+        """The started jobs waiting to be resumed, without those paused or ended meanwhile; there are few."""
+        jobs = (self._book.open.get(id_) for id_ in tuple(self._back))
+        return tuple(job for job in jobs if job is not None and job.state is JobState.RUNNING)
 
     @property
     def _has_room(self) -> bool:
@@ -153,10 +181,10 @@ class Conductor:
                 if run.follow(self._book.open[job]):
                     del self._runs[job]
 
-    def _dispatch(self, id_: str) -> None:
+    def _dispatch(self) -> None:
         with self._guard.control():
-            job = self._book.open.get(id_)
-            if job is None or self._coming != id_:  # changed meanwhile
+            job = self._coming
+            if job is None:  # changed meanwhile
                 return
             if job.state is JobState.RUNNING:
                 self._begin(self._book.change(job.but(**self._begun(job))))
@@ -169,22 +197,14 @@ class Conductor:
         """Returns the fields that change when a job starts; they are written together to wait for the disk once."""
         return {"detail": "planning", "attempts": job.attempts + 1, "seen": self._runtime.world.version}
 
-    def _go_on(self, id_: str) -> None:
-        with self._guard.control():
-            if id_ in self._runs:
-                self._runs[id_].resume()
-            else:
-                self._turns.come_back(id_)
-
     def _hold_what_comes_back(self) -> None:
-        for id_ in self._turns.coming_back:
+        while self._coming_back:
             with self._guard.control():
-                job = self._book.open.get(id_)
-                if job is not None and job.state is JobState.RUNNING:
+                for job in self._coming_back:
                     self._begin(job)
 
     def _begin(self, job: Job) -> None:
-        self._turns.leave(job.id)
+        self._back.pop(job.id, None)
         if self._runtime.cycle.halted:
             hold_what_was_halted(self._book, job, self._runtime.cycle.halted)
             return
@@ -198,80 +218,6 @@ class Conductor:
             return
         self._runs[job.id] = JobRun(task, self._runtime, self._book, self._store)
 
-    def _note_done(self, id_: str, by: str) -> None:
-        with self._guard.control():
-            job = self._book.open.get(id_)
-            if job is None or job.state is not JobState.INTERRUPTED or id_ in self._runs:  # changed meanwhile
-                return
-            before = self._runtime.world.version
-            try:
-                self._believe(id_, by)
-            except SkirosError as error:
-                detail = f"that it was done by hand cannot be believed: {error}; answer again"
-                self._book.change(job.but(detail=detail))
-                return
-            materials = moved(self._runtime.world, job.but(seen=before), self._store.intents(id_))
-            goes_on = {"detail": WAITS, "choices": (), "question": None, "materials": materials}
-            self._book.move(job, Trigger.RESUME, f"{BY_HAND}, says {by}", **goes_on)
-            self._turns.come_back(id_)
-
-    def _believe(self, job: str, by: str) -> None:
-        for intent in self._cut_off(job):
-            done_by_hand(self._runtime.world, self._tasks.capabilities, intent, by)
-            self._store.settle(job, intent.number, f"done by hand, says {by}")
-
     def _cut_off(self, job: str) -> tuple[Intent, ...]:
         """Returns the steps whose outcome is unknown."""
         return tuple(intent for intent in self._store.intents(job) if intent.ended is None)
-
-
-class Turns:
-    """The jobs that may start or restart; used in the control thread, apart from :meth:`next`.
-
-    A started job that has to be replanned because the program ended or the system was halted waits like any other:
-    other jobs may use its robots by now. There are few of these.
-
-    Args:
-        book: The current jobs.
-        clock: Gives the wall time [s since 1970].
-    """
-
-    def __init__(self, book: JobBook, clock: Callable[[], float]) -> None:
-        self._book = book
-        self._clock = clock
-        self._back: dict[str, None] = {}
-
-    def come_back(self, job: str) -> None:
-        """Queues a job to be resumed."""
-        self._back = dict.fromkeys((*self.coming_back, job))
-
-    def leave(self, job: str) -> None:
-        """Removes a job from those to be resumed."""
-        self._back.pop(job, None)
-
-    @property
-    def coming_back(self) -> tuple[str, ...]:
-        """The jobs waiting to be resumed, without those paused or ended meanwhile."""
-        return tuple(job for job in tuple(self._back) if self._is_running(job))
-
-    def next(self) -> str | None:
-        """Returns the id of the next job; None if none may start now."""
-        new = self._book.queue.next(self._clock())
-        back = self._first_back()
-        if back is None or new is None:
-            return back or new
-        return back if self._priority(back) >= self._priority(new) else new
-
-    def _first_back(self) -> str | None:
-        """Returns the first job waiting to be resumed."""
-        waiting = (self._book.open.get(job) for job in self.coming_back)
-        first = min((job for job in waiting if job is not None), key=rank, default=None)
-        return None if first is None else first.id
-
-    def _is_running(self, id_: str) -> bool:
-        job = self._book.open.get(id_)
-        return job is not None and job.state is JobState.RUNNING
-
-    def _priority(self, id_: str) -> int:
-        job = self._book.open.get(id_)
-        return 0 if job is None else job.order.priority

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import Annotated, Any
 
 from pydantic import AwareDatetime, BaseModel, ConfigDict, Field, field_validator
@@ -71,40 +70,25 @@ class Trigger(enum.Enum):
 
 _S, _T = JobState, Trigger
 
-_TABLE: Mapping[JobState, Mapping[Trigger, JobState]] = MappingProxyType(
-    {
-        _S.NOT_ALLOWED_TO_START: {
-            _T.START: _S.ALLOWED_TO_START,
-            _T.UPDATE: _S.NOT_ALLOWED_TO_START,
-            _T.ABORT: _S.ABORTED,
-        },
-        _S.ALLOWED_TO_START: {
-            _T.REVOKE_START: _S.NOT_ALLOWED_TO_START,
-            _T.UPDATE: _S.ALLOWED_TO_START,
-            _T.DISPATCH: _S.RUNNING,
-            _T.ABORT: _S.ABORTED,
-            _T.FAIL: _S.ABORTED,
-        },
-        _S.RUNNING: {
-            _T.PAUSE: _S.INTERRUPTED,
-            _T.HOLD: _S.INTERRUPTED,
-            _T.STOP: _S.ENDED,
-            _T.ABORT: _S.ABORTED,
-            _T.FINISH: _S.ENDED,
-            _T.FAIL: _S.ABORTED,
-        },
-        _S.INTERRUPTED: {
-            _T.RESUME: _S.RUNNING,
-            _T.HOLD: _S.INTERRUPTED,
-            _T.STOP: _S.ENDED,
-            _T.ABORT: _S.ABORTED,
-            _T.FINISH: _S.ENDED,
-            _T.FAIL: _S.ABORTED,
-        },
-        _S.ENDED: {},
-        _S.ABORTED: {},
-    }
-)
+_ENDS = {_T.STOP: _S.ENDED, _T.ABORT: _S.ABORTED, _T.FINISH: _S.ENDED, _T.FAIL: _S.ABORTED}
+_TABLE: Mapping[JobState, Mapping[Trigger, JobState]] = {
+    _S.NOT_ALLOWED_TO_START: {
+        _T.START: _S.ALLOWED_TO_START,
+        _T.UPDATE: _S.NOT_ALLOWED_TO_START,
+        _T.ABORT: _S.ABORTED,
+    },
+    _S.ALLOWED_TO_START: {
+        _T.REVOKE_START: _S.NOT_ALLOWED_TO_START,
+        _T.UPDATE: _S.ALLOWED_TO_START,
+        _T.DISPATCH: _S.RUNNING,
+        _T.ABORT: _S.ABORTED,
+        _T.FAIL: _S.ABORTED,
+    },
+    _S.RUNNING: {_T.PAUSE: _S.INTERRUPTED, _T.HOLD: _S.INTERRUPTED, **_ENDS},
+    _S.INTERRUPTED: {_T.RESUME: _S.RUNNING, _T.HOLD: _S.INTERRUPTED, **_ENDS},
+    _S.ENDED: {},
+    _S.ABORTED: {},
+}
 """The standard's table; HOLD in, and the end of, an interrupted job are internal to the cell."""
 
 

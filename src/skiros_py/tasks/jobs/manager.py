@@ -7,15 +7,16 @@ control cycle. Running tasks are accessed in the control thread only.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
 
-from skiros_py.errors import Busy, Removed, WrongState
+from skiros_py.errors import Busy, Removed, StaleVersion, UnknownName, WrongState
 from skiros_py.execution.runtime import Runtime
 from skiros_py.tasks.jobs.book import Guard, JobBook
-from skiros_py.tasks.jobs.commands import JobCommands
 from skiros_py.tasks.jobs.conductor import Conductor, ReadGoal
-from skiros_py.tasks.jobs.job import Job, JobOrder, Trigger
-from skiros_py.tasks.jobs.run import hold_what_was_cut_off
+from skiros_py.tasks.jobs.job import Intent, Job, JobOrder, JobState, Outcome, Transition, Trigger, next_state
+from skiros_py.tasks.jobs.run import ABORT, BY_HAND, WAITS, JobRun, hold_what_was_cut_off
 from skiros_py.tasks.jobs.store import JobStore, Receipt
 from skiros_py.tasks.task_manager import TaskManager
 
@@ -24,8 +25,12 @@ _RETRY_AFTER = 30.0
 """Suggested retry delay when the queue is full [s]."""
 
 
-class JobManager(JobCommands):
-    """The queue of jobs of one runtime.
+class JobManager:
+    """The queue of jobs of one runtime: takes orders, commands and answers.
+
+    Repeating a command that has already taken effect changes nothing. Each command takes ``expects``: the
+    :attr:`Job.version` the caller has seen, or None for any version. Each raises UnknownName if there is no such job,
+    StaleVersion if it has changed since, and WrongState if the command is not allowed in the job's state.
 
     Args:
         tasks: Plans and executes.
@@ -37,6 +42,9 @@ class JobManager(JobCommands):
         clock: Gives the wall time [s since 1970].
 
     Attributes:
+        store: Pages of jobs, removed jobs, known requests, and announcements to forward.
+        open: The jobs that are not over, by id, in the order in which they were ordered. Finished jobs are in the
+            store: :meth:`find` reads one, :meth:`JobStore.page` many of them.
         limit: How many jobs may be open at the same time; may be set. Further orders are refused; existing jobs stay.
     """
 
@@ -51,19 +59,75 @@ class JobManager(JobCommands):
         limit: int = _MOST_OPEN,
         clock: Callable[[], float] = time.time,
     ) -> None:
-        guard = Guard(store.flush, lockstep=runtime.cycle.pace is None)
-        book = JobBook(store, clock)
-        conductor = Conductor(tasks, runtime, store, book, parse, guard, at_once=at_once, clock=clock)
-        super().__init__(book, store, runtime, conductor, guard)
+        self.store = store
+        self._runtime = runtime
+        self._guard = Guard(store.flush, lockstep=runtime.cycle.pace is None)
+        self._book = JobBook(store, clock)
+        self.open: Mapping[str, Job] = self._book.open
+        self._conductor = Conductor(tasks, runtime, store, self._book, parse, self._guard, at_once=at_once, clock=clock)
         self.limit = limit
         self._parse = parse
-        hold_what_was_cut_off(book, store, runtime.world)
-        runtime.cycle.observe(conductor.attend)
+        hold_what_was_cut_off(self._book, store, runtime.world)
+        runtime.cycle.observe(self._conductor.attend)
 
     @property
     def idle(self) -> bool:
         """True if no job is running and none would start now."""
         return self._conductor.idle
+
+    def find(self, job: str) -> Job | None:
+        """Returns a job, open or over; None if there is none with that id."""
+        return self._book.find(job)
+
+    def job(self, job: str) -> Job:
+        """Returns a job, open or over.
+
+        Raises:
+            UnknownName: There is no such job.
+        """
+        found = self._book.find(job)
+        if found is None:
+            raise UnknownName("job", job, self._book.open)
+        return found
+
+    def intents(self, job: str) -> tuple[Intent, ...]:
+        """Returns the steps that were started for a job, in order, and how they ended.
+
+        Raises:
+            UnknownName: There is no such job.
+        """
+        return self.store.intents(self.job(job).id)
+
+    def transitions(self, job: str) -> tuple[Transition, ...]:
+        """Returns a job's state changes, in order, with their triggers.
+
+        Raises:
+            UnknownName: There is no such job.
+        """
+        return self.store.transitions(self.job(job).id)
+
+    def trace(self, job: str, *, skip: int = 0, limit: int | None = None) -> tuple[Mapping[str, Any], ...]:
+        """Returns a job's trace as plain data, in order; the last second of a running job may be missing.
+
+        Args:
+            job: Its id.
+            skip: How many entries to skip at the beginning.
+            limit: How many at most; None for all.
+
+        Raises:
+            UnknownName: There is no such job.
+        """
+        return self.store.trace(self.job(job).id, skip=skip, limit=limit)
+
+    def subscribe(self, listener: Callable[[Job], None]) -> Callable[[], None]:
+        """Calls the listener with every new version of a job, in the writing thread; returns how to unsubscribe."""
+        return self._book.subscribe(listener)
+
+    def on_remove(self, listener: Callable[[Job], None]) -> Callable[[], None]:
+        """Calls the listener with each job that is cancelled or cleared, in the thread that did it."""
+        return self._book.on_remove(listener)
+
+    # ------------------------------------------------------------------ before the start
 
     def submit(
         self,
@@ -122,8 +186,7 @@ class JobManager(JobCommands):
             WrongState: It has started.
         """
         self._parse(order.goal)
-        with self._guard.command():
-            now = self._expected(order.id, expects)
+        with self._command(order.id, expects) as now:
             if now.order == order:
                 return now
             return self._book.move(now, Trigger.UPDATE, comment, order=order)
@@ -133,7 +196,7 @@ class JobManager(JobCommands):
         with self._guard.command():
             if receipt is not None and (before := self.store.known(receipt)) is not None:
                 return before
-            known = self.jobs.get(order.id)
+            known = self._book.find(order.id)
             if known is None:
                 _check_removed(order, None if again else self.store.removed(order.id))
                 return None
@@ -144,6 +207,134 @@ class JobManager(JobCommands):
             if receipt is not None:
                 self._book.note(receipt, known)
             return known
+
+    def start(self, job: str, comment: str = "", *, expects: int | None = None) -> Job:
+        """Allows a job to start."""
+        with self._command(job, expects) as now:
+            if now.state is JobState.ALLOWED_TO_START:
+                return now
+            return self._book.move(now, Trigger.START, comment, detail="queued")
+
+    def revoke_start(self, job: str, comment: str = "", *, expects: int | None = None) -> Job:
+        """Revokes the permission to start."""
+        with self._command(job, expects) as now:
+            if now.state is JobState.NOT_ALLOWED_TO_START:
+                return now
+            return self._book.move(now, Trigger.REVOKE_START, comment, detail="waits for leave to start")
+
+    def cancel(self, job: str, *, expects: int | None = None) -> Job:
+        """Removes a job that has not started and returns its last version."""
+        with self._command(job, expects) as now:
+            if now.state.has_begun:
+                raise WrongState(f"job '{job}' has begun: stop or abort it, then clear it")
+            if not now.state.is_open:
+                raise WrongState(f"job '{job}' has begun and is over: clear it")
+            return self._book.remove(now)
+
+    # ------------------------------------------------------------------ under way
+
+    def pause(self, job: str, comment: str = "", *, expects: int | None = None) -> Job:
+        """Pauses a job; one that waits for an answer pauses once the answer has arrived."""
+        with self._command(job, expects) as now:
+            if now.state is not JobState.INTERRUPTED:
+                now = self._book.move(now, Trigger.PAUSE, comment, detail="paused")
+            self._conductor.schedule(self._conductor.command, job, JobRun.pause)
+            return now
+
+    def resume(self, job: str, comment: str = "", *, expects: int | None = None) -> Job:
+        """Resumes a paused job; a cut-off one is replanned when its turn comes.
+
+        Raises:
+            WrongState: It waits for an answer, the system is halted, or it is not paused.
+        """
+        with self._command(job, expects) as now:
+            if now.state is JobState.RUNNING:
+                return now
+            run = self._conductor.run(job)
+            if run is not None and run.asks:
+                raise WrongState(f"job '{job}' waits for an answer: {', '.join(now.choices)}")
+            self._require_ready(now)
+            detail = WAITS if run is None else "goes on"
+            changed = self._book.move(now, Trigger.RESUME, comment, detail=detail, choices=(), question=None)
+            self._conductor.schedule(self._conductor.resume, job)
+            return changed
+
+    def answer(self, job: str, choice: str, *, by: str, expects: int | None = None) -> Job:
+        """Answers a job's open question.
+
+        Args:
+            job: Its id.
+            choice: One of its :attr:`Job.choices`.
+            by: Who answers.
+            expects: Its version, as seen.
+
+        Raises:
+            UnknownName: There is no such job, or it does not offer that choice.
+            WrongState: Its question has changed, or the system is halted.
+        """
+        with self._command(job, expects) as now:
+            if not now.choices:
+                raise WrongState(f"job '{job}' waits for no answer, or not any more: it is {now.state.name.lower()}")
+            if choice not in now.choices:
+                raise UnknownName("answer", choice, now.choices, where=f"of job '{job}'")
+            run = self._conductor.run(job)
+            if run is not None:
+                run.answer(choice, by=by, asked=now.question)
+                return now
+            if choice == ABORT:
+                return self.abort(job, f"answered by {by}")
+            self._require_ready(now)
+            if choice == BY_HAND:
+                self._conductor.schedule(self._conductor.note_done, job, by)
+                return now
+            return self.resume(job, f"{choice}, says {by}")
+
+    # ------------------------------------------------------------------ the end
+
+    def stop(self, job: str, comment: str = "", *, expects: int | None = None) -> Job:
+        """Stops a running job; it is over once everything it moved is at rest."""
+        return self._end(job, Trigger.STOP, Outcome.STOPPED, comment, expects)
+
+    def abort(self, job: str, comment: str = "", *, expects: int | None = None) -> Job:
+        """Aborts a job, started or not."""
+        return self._end(job, Trigger.ABORT, Outcome.ABORTED, comment, expects)
+
+    def clear(self, job: str, *, expects: int | None = None) -> Job:
+        """Removes a finished job with all its records and returns its last version."""
+        with self._command(job, expects) as now:
+            if now.state.is_open:
+                raise WrongState(f"job '{job}' is not over: stop, abort or cancel it")
+            return self._book.remove(now)
+
+    def _end(self, job: str, trigger: Trigger, outcome: Outcome, comment: str, expects: int | None) -> Job:
+        with self._command(job, expects) as now:
+            run = self._conductor.run(job)
+            if now.outcome is outcome or (run is not None and run.ending is outcome):
+                return now
+            if run is None:
+                return self._book.move(now, trigger, comment, outcome=outcome, detail="", choices=(), question=None)
+            next_state(now.state, trigger)  # raises if it is not allowed
+            run.end_as(trigger, outcome, comment)
+            self._conductor.schedule(self._conductor.command, job, JobRun.stop)
+            return self._book.change(now.but(detail=f"is being {outcome.value}"))
+
+    # ------------------------------------------------------------------ what must be so
+
+    @contextmanager
+    def _command(self, job: str, version: int | None) -> Iterator[Job]:
+        """Gives the current job, if it has the expected version, while nothing else changes it."""
+        with self._guard.command():
+            now = self.job(job)
+            if version is not None and now.version != version:
+                raise StaleVersion(
+                    f"job '{job}' has changed: version {now.version}, not {version} any more; look again, then decide"
+                )
+            yield now
+
+    def _require_ready(self, job: Job) -> None:
+        halted = self._runtime.cycle.halted
+        if halted:
+            raise WrongState(f"job '{job.id}' cannot go on: everything is halted ({halted}); look, reset, then answer")
 
 
 def _check_removed(order: JobOrder, last: Job | None) -> None:

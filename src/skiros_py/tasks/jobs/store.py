@@ -46,21 +46,6 @@ class Announcement:
     trigger: str
 
 
-def keep_announcement(connection: sqlite3.Connection, job: Job, data: str, trigger: str) -> None:
-    """Stores an announcement.
-
-    Args:
-        connection: The file, in a transaction.
-        job: The job.
-        data: The job as JSON text.
-        trigger: What led to it.
-    """
-    values = (job.changed, trigger, data if len(data) <= _LONGEST_GOAL else _brief(job).model_dump_json())
-    number = connection.execute("INSERT INTO announcements (wall, trigger, data) VALUES (?, ?, ?)", values).lastrowid
-    assert number is not None
-    connection.execute("DELETE FROM announcements WHERE number <= ?", (number - MOST_ANNOUNCEMENTS,))
-
-
 def _brief(job: Job) -> Job:
     """Returns a job without its bulky fields: every state change is stored."""
     goal = job.order.goal
@@ -86,13 +71,6 @@ class Receipt:
     caller: str
     key: str
     digest: str
-
-
-def keep_receipt(connection: sqlite3.Connection, receipt: Receipt, job: str, wall: float) -> None:
-    """Stores that a request led to a job and deletes old receipts."""
-    connection.execute("DELETE FROM receipts WHERE wall < ?", (wall - KEPT,))
-    values = (receipt.caller, receipt.key, receipt.digest, job, wall)
-    connection.execute("INSERT INTO receipts (caller, key, digest, job, wall) VALUES (?, ?, ?, ?, ?)", values)
 
 
 _log = logging.getLogger(__name__)
@@ -199,10 +177,6 @@ class JobStore:
         """Returns the ids of all jobs, in the order in which they were ordered."""
         return tuple(job for (job,) in self._database.looked_up("SELECT id FROM jobs ORDER BY number"))
 
-    def __len__(self) -> int:
-        ((number,),) = self._database.looked_up("SELECT count(*) FROM jobs")
-        return int(number)
-
     def removed(self, job: str) -> Job | None:
         """Returns the last version, without details, of a job removed in the last days; None if there is none."""
         rows = self._database.rows("SELECT data FROM removed WHERE id = ?", (job,))
@@ -263,7 +237,7 @@ class JobStore:
             numbered = job.model_copy(update={"number": int(number), "version": int(version) + 1})
             _write(connection, numbered, trigger, comment)
             if receipt is not None:
-                keep_receipt(connection, receipt, job.id, job.changed)
+                _keep_receipt(connection, receipt, job.id, job.changed)
         return numbered
 
     def keep(self, job: Job, trigger: Trigger | None = None, comment: str = "") -> None:
@@ -292,8 +266,11 @@ class JobStore:
                 connection.execute(f"DELETE FROM {table} WHERE job = ?", (job.id,))  # noqa: S608 - internal names
             # the receipts that led to it keep its last version
             connection.execute("UPDATE receipts SET last = ? WHERE job = ? AND last IS NULL", (data, job.id))
-            keep_removal(connection, job)
-            keep_announcement(connection, job, data, why)
+            connection.execute("DELETE FROM removed WHERE wall < ?", (job.changed - REMEMBERED,))
+            brief = job.model_copy(update={"plan": (), "actuals": (), "materials": (), "reasons": (), "choices": ()})
+            values = (job.id, job.changed, brief.model_dump_json())
+            connection.execute("INSERT OR REPLACE INTO removed (id, wall, data) VALUES (?, ?, ?)", values)
+            _announce(connection, job, data, why)
 
     # ------------------------------------------------------------------ requests and announcements
 
@@ -317,7 +294,7 @@ class JobStore:
     def note(self, receipt: Receipt, job: Job, wall: float) -> None:
         """Records that a request led to an existing job."""
         with self._database.transaction() as connection:
-            keep_receipt(connection, receipt, job.id, wall)
+            _keep_receipt(connection, receipt, job.id, wall)
 
     def announcements(self, after: int, most: int) -> tuple[Announcement, ...]:
         """Returns the announcements to forward, in order.
@@ -421,19 +398,25 @@ def _write(connection: sqlite3.Connection, job: Job, trigger: Trigger | None, co
     if trigger is not None:
         entry = Transition(wall=job.changed, trigger=trigger.value, state=job.state, comment=comment)
         connection.execute("INSERT INTO transitions VALUES (?, ?)", (job.id, entry.model_dump_json()))
-        keep_announcement(connection, job, data, trigger.value)
+        _announce(connection, job, data, trigger.value)
+
+
+def _announce(connection: sqlite3.Connection, job: Job, data: str, trigger: str) -> None:
+    values = (job.changed, trigger, data if len(data) <= _LONGEST_GOAL else _brief(job).model_dump_json())
+    sql = "INSERT INTO announcements (wall, trigger, data) VALUES (?, ?, ?) RETURNING number"
+    ((number,),) = connection.execute(sql, values).fetchall()
+    connection.execute("DELETE FROM announcements WHERE number <= ?", (number - MOST_ANNOUNCEMENTS,))
+
+
+def _keep_receipt(connection: sqlite3.Connection, receipt: Receipt, job: str, wall: float) -> None:
+    """Stores that a request led to a job and deletes old receipts."""
+    connection.execute("DELETE FROM receipts WHERE wall < ?", (wall - KEPT,))
+    values = (receipt.caller, receipt.key, receipt.digest, job, wall)
+    connection.execute("INSERT INTO receipts (caller, key, digest, job, wall) VALUES (?, ?, ?, ?, ?)", values)
 
 
 REMEMBERED = 7 * 24 * 3600.0
 """How long removed jobs are remembered [s]."""
-
-
-def keep_removal(connection: sqlite3.Connection, job: Job) -> None:
-    """Stores the order and outcome of a removed job, and deletes old records."""
-    brief = job.model_copy(update={"plan": (), "actuals": (), "materials": (), "reasons": (), "choices": ()})
-    connection.execute("DELETE FROM removed WHERE wall < ?", (job.changed - REMEMBERED,))
-    values = (job.id, job.changed, brief.model_dump_json())
-    connection.execute("INSERT OR REPLACE INTO removed (id, wall, data) VALUES (?, ?, ?)", values)
 
 
 _FIRST = """

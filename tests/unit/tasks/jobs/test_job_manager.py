@@ -27,7 +27,7 @@ class Cell:
 
     @property
     def job(self) -> Job:
-        return self.jobs.jobs["j"]
+        return self.jobs.job("j")
 
     def submit(self, *goal: str, **more: object) -> None:
         self.jobs.submit(JobOrder(id="j", goal=goal or (GOAL,), **more))
@@ -160,8 +160,8 @@ def test_a_halt_before_the_first_tick_holds_the_job_and_no_other(tmp_path: Path)
         one.bench.cycle.reset()
         one.jobs.abort("j")
         one.jobs.submit(JobOrder(id="next", goal=(GOAL,)))
-        one.until(lambda: not one.jobs.jobs["next"].state.is_open)
-        assert one.jobs.jobs["next"].outcome is Outcome.SUCCEEDED
+        one.until(lambda: not one.jobs.job("next").state.is_open)
+        assert one.jobs.job("next").outcome is Outcome.SUCCEEDED
 
 
 def test_a_listener_that_breaks_does_not_keep_a_job_from_being_done(tmp_path: Path) -> None:

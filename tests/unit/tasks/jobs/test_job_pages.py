@@ -139,4 +139,4 @@ def test_what_is_over_is_not_among_the_open_ones(store):
     assert [job.id for job in store.open()] == ["b"]
     assert store.job("a").state is S.ENDED
     assert store.job("z") is None
-    assert len(store) == 2
+    assert len(store.ids()) == 2

@@ -48,7 +48,7 @@ class Cell:
 
     def ended(self) -> list[str]:
         """Returns the jobs that are over, in the order in which they ended."""
-        over = [job for job in self.jobs.jobs.values() if job.ended is not None]
+        over = [job for job in self.jobs.store.page().jobs if job.ended is not None]
         return [job.id for job in sorted(over, key=lambda job: job.ended or 0.0)]
 
     def _count(self) -> None:

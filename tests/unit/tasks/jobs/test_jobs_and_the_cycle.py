@@ -103,7 +103,7 @@ def test_orders_from_many_threads_while_jobs_run_are_all_done_once(jobs, bench):
     bench.until(lambda: not jobs.open)
     begun = [told.job.id for told in jobs.store.announcements(0, 1000) if told.trigger == "dispatch"]
     assert sorted(begun) == sorted({f"{thread}-{number}" for thread in range(4) for number in range(5)})
-    assert {job.outcome for job in jobs.jobs.values()} == {Outcome.ALREADY_SATISFIED}
+    assert {job.outcome for job in jobs.store.page().jobs} == {Outcome.ALREADY_SATISFIED}
 
 
 def test_a_listener_may_give_commands_itself_also_while_others_order(jobs, bench):
@@ -120,7 +120,7 @@ def test_a_listener_may_give_commands_itself_also_while_others_order(jobs, bench
     threads = [threading.Thread(target=take, args=(number,)) for number in range(4)]
     for thread in threads:
         thread.start()
-    bench.until(lambda: "a" not in jobs.jobs)
+    bench.until(lambda: jobs.find("a") is None)
     for thread in threads:
         thread.join()
-    assert len(jobs.jobs) == 80
+    assert len(jobs.store.page().jobs) == 80

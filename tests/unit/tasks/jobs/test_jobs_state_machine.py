@@ -88,7 +88,7 @@ class Jobs(RuleBasedStateMachine):
         self.seen[job.id] = job
 
     def _all(self) -> dict[str, Job]:
-        return dict(self.jobs.jobs)
+        return {job.id: job for job in self.jobs.store.page(limit=1000).jobs}
 
     # ------------------------------------------------------------------ orders
 
@@ -272,7 +272,7 @@ class Jobs(RuleBasedStateMachine):
 
     @invariant()
     def what_is_over_has_an_outcome_and_an_end(self) -> None:
-        for job in self.jobs.jobs.values():
+        for job in self.jobs.store.page().jobs:
             assert job.state.is_open == (job.outcome is None)
             assert job.state.is_open == (job.ended is None)
 
