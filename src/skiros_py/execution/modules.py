@@ -3,25 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any, Generic, Protocol, TypeVar
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 from skiros_py.errors import DescriptionError, UnknownName
 from skiros_py.execution.claims import Claim, Claims
+from skiros_py.execution.cycle import ControlCycle
 from skiros_py.execution.loader import Loader
-from skiros_py.execution.primitive_run import run_primitive
+from skiros_py.execution.monitor import Monitor
+from skiros_py.execution.primitive_run import PrimitiveRun
 from skiros_py.execution.running import BehaviourRun, RunnableDocument
 from skiros_py.execution.scope import Scope, failed
 from skiros_py.execution.skill_run import SkillRun
-from skiros_py.ports.board import DeviceBoard
 from skiros_py.skills.behaviour import calls_of
+from skiros_py.skills.conditions.watch import Watches
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import Failure, Outcome
 from skiros_py.skills.parameters import Access, Kind, Output, Param, params_of
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.skill import Skill
 from skiros_py.skills.surroundings import owner
-from skiros_py.world.view import WorldView
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,39 +65,69 @@ class ModuleInfo:
         }
 
 
+@dataclass(frozen=True, slots=True)
+class CellModules:
+    """What the skill managers of a cell share.
+
+    Attributes:
+        skills: All skills found.
+        primitives: All primitives found, by name; they may load themselves when they are looked up.
+        context: World, devices, adapters.
+        cycle: Runs everything.
+        monitor: Takes module events.
+        watches: Conditions under watch.
+        driver: Kind of cell driver; a fake one gets the implementations that only pretend.
+        config: Values of configuration parameters by "module.key".
+        claims: Who may use which device.
+        documents: Documents that every manager runs as modules, by name; they may be exchanged at any time.
+        offers: The modules of each subsystem that is there, by its id; for any thread.
+    """
+
+    skills: Sequence[Skill]
+    primitives: Mapping[str, type[Primitive[Any]]]
+    context: RunContext
+    cycle: ControlCycle
+    monitor: Monitor
+    watches: Watches
+    driver: str
+    config: Mapping[str, Any]
+    claims: Claims = field(default_factory=Claims)
+    documents: dict[str, RunnableDocument] = field(default_factory=dict)
+    offers: dict[str, Modules] = field(default_factory=dict)
+
+    def who_runs(self, module: str, arguments: Mapping[str, Any], caller: Modules) -> Modules:
+        """Returns the modules of the subsystem that runs a called one.
+
+        That is the subsystem that the arguments name, else the caller itself, else one of the caller's robot, else the
+        first by its id; the caller for a module that is offered nowhere as a skill.
+        """
+        view = self.context.world
+        able = [offer for offer in tuple(self.offers.values()) if module in offer.skills]
+        robot = owner(view, caller.agent)
+
+        def far(offer: Modules) -> tuple[bool, bool, bool, str]:
+            named = arguments.get(offer.skills[module][0].description.agent) == offer.agent
+            return not named, offer is not caller, owner(view, offer.agent) != robot, offer.agent
+
+        return min(able, key=far, default=caller)
+
+
 class Modules:
     """The modules of one skill manager.
 
     Args:
         agent: Id of the subsystem.
         skills: Implementations of each skill by its name, in the order in which they are tried.
-        primitives: Classes by name; may load themselves when they are looked up.
-        loader: Loads the primitives.
-        claims: Who may use which device.
-        board: Whose commands are limited to what was taken.
-        directory: Finds the managers of other modules.
-        documents: Documents that run as modules, by name; they may be exchanged at any time.
+        cell: What all skill managers share.
     """
 
-    def __init__(
-        self,
-        agent: str,
-        skills: Mapping[str, Sequence[Skill]],
-        primitives: Mapping[str, type[Primitive[Any]]],
-        loader: Loader,
-        claims: Claims,
-        board: DeviceBoard,
-        directory: Directory[Modules],
-        documents: Mapping[str, RunnableDocument],
-    ) -> None:
+    def __init__(self, agent: str, skills: Mapping[str, Sequence[Skill]], cell: CellModules) -> None:
         self.agent = agent
         self.skills = skills
-        self.primitives = primitives
-        self._loader = loader
-        self._claims = claims
-        self._board = board
-        self._directory = directory
-        self.documents = documents
+        self.primitives = cell.primitives
+        self.documents = cell.documents
+        self._cell = cell
+        self._loader = Loader(cell.primitives, cell.config, cell.cycle.activity)
 
     def kind(self, module: str) -> str:
         """Returns "skill", "primitive" or "document".
@@ -132,11 +163,6 @@ class Modules:
         help_ = (cls.__doc__ or "").strip().partition("\n")[0]
         return ModuleInfo(module, "primitive", help_, params_of(cls.Params), cls.version, outputs=cls.outputs)
 
-    def agent_of(self, skill: str) -> str | None:
-        """Returns the key of the parameter that is the subsystem doing a skill; None where it is not offered."""
-        ways = self.skills.get(skill)
-        return ways[0].description.agent if ways else None
-
     def run(self, module: str, arguments: Mapping[str, Any], scope: Scope, run: str = "") -> Execution[Outcome]:
         """Returns the run of a module within a scope; ticked to its end, or closed.
 
@@ -151,18 +177,18 @@ class Modules:
         Raises:
             UnknownName: There is no such module.
         """
-        able = self._directory.who_runs(module, arguments, self)
+        able = self._cell.who_runs(module, arguments, self)
         if able is not self:
             return able.run(module, arguments, replace(scope, agent=able.agent, modules=able), run)
         kind = self.kind(module)
         if kind == "document":
             return BehaviourRun(module, self.documents[module], arguments, scope, run).execute()
         if kind == "skill":
-            return self.skill_run(module, arguments, scope, run).execute()
+            return SkillRun(self.skills[module], arguments, scope, self.take, run).execute()
         loaded = self._loader.get(module, scope.context)
         if isinstance(loaded, Failure):
             return failed(loaded)
-        return run_primitive(loaded, arguments, scope, self.take, run)
+        return PrimitiveRun(loaded, arguments, scope, self.take, run).execute()
 
     def prepare(self, module: str, context: RunContext) -> None:
         """Loads the primitives that a module is made of, as far as its composition names them.
@@ -171,10 +197,6 @@ class Modules:
         """
         self._prepare(module, {}, context, set())
 
-    def skill_run(self, skill: str, arguments: Mapping[str, Any], scope: Scope, run: str = "") -> SkillRun:
-        """Makes a run of a skill."""
-        return SkillRun(self.skills[skill], arguments, scope, self.take, run)
-
     def take(self, owner: str, devices: Mapping[str, Access], within: Claim | None) -> Claim:
         """Asks for devices, out of those of the module around it.
 
@@ -182,12 +204,13 @@ class Modules:
             DescriptionError: A device is to be shared whose kind has no mix rule, or the module around has not declared
                 a device.
         """
+        board = self._cell.context.board
         shared = [device for device, access in devices.items() if access is Access.SHARED]
-        for spec in (self._board.devices[device] for device in shared if device in self._board.devices):
+        for spec in (board.devices[device] for device in shared if device in board.devices):
             if not spec.mixes():
                 raise DescriptionError(f"{owner} shares {spec.id}, but kind '{spec.kind}' has no mix rule")
-        claim = self._claims.request(owner, devices, shared=shared, within=within)
-        task = self._board.owner
+        claim = self._cell.claims.request(owner, devices, shared=shared, within=within)
+        task = board.owner
         if within is None and task is not None:
             task.devices = claim.devices
         return claim
@@ -203,7 +226,7 @@ class Modules:
     def _prepare(
         self, module: str, arguments: Mapping[str, Any], context: RunContext, seen: set[tuple[str, str]]
     ) -> None:
-        able = self._directory.who_runs(module, arguments, self)
+        able = self._cell.who_runs(module, arguments, self)
         if (able.agent, module) in seen:
             return
         seen.add((able.agent, module))
@@ -215,55 +238,3 @@ class Modules:
         for nodes in bodies:
             for call in calls_of(*nodes):
                 able._prepare(call.module, call.arguments, context, seen)  # noqa: SLF001 - one of the same class
-
-
-class Offer(Protocol):
-    """What one subsystem can do."""
-
-    @property
-    def agent(self) -> str:
-        """Id of the subsystem."""
-        ...
-
-    def agent_of(self, skill: str) -> str | None:
-        """Returns the key of the parameter that is the subsystem doing a skill; None where it is not offered."""
-        ...
-
-
-OfferT = TypeVar("OfferT", bound=Offer)
-
-
-class Directory(Generic[OfferT]):
-    """The modules of all skill managers of a cell.
-
-    Args:
-        view: Tells which subsystems belong to one robot.
-    """
-
-    def __init__(self, view: WorldView) -> None:
-        self._view = view
-        self._offers: dict[str, OfferT] = {}
-
-    def enter(self, offer: OfferT) -> None:
-        """Takes in what a subsystem can do, from now on."""
-        self._offers[offer.agent] = offer
-
-    def leave(self, offer: OfferT) -> None:
-        """Counts on it no more; for any thread."""
-        if self._offers.get(offer.agent) is offer:
-            del self._offers[offer.agent]
-
-    def who_runs(self, module: str, arguments: Mapping[str, Any], caller: OfferT) -> OfferT:
-        """Returns the manager that runs a called module.
-
-        That is the subsystem that the arguments name, else the caller itself, else one of the caller's robot, else the
-        first by its id; the caller for a module that no manager offers as a skill.
-        """
-        able = [offer for offer in tuple(self._offers.values()) if offer.agent_of(module) is not None]
-        robot = owner(self._view, caller.agent)
-
-        def far(offer: OfferT) -> tuple[bool, bool, bool, str]:
-            named = arguments.get(offer.agent_of(module) or "") == offer.agent
-            return not named, offer is not caller, owner(self._view, offer.agent) != robot, offer.agent
-
-        return min(able, key=far, default=caller)

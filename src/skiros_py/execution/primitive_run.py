@@ -12,7 +12,7 @@ from skiros_py.execution.claims import Claim, complete, devices_of, standstill
 from skiros_py.execution.containment import broken, contained
 from skiros_py.execution.loader import Loaded
 from skiros_py.execution.monitor import Status
-from skiros_py.execution.scope import Scope, Tell, Unfinished, failed, run_recovery, teller, to_its_end
+from skiros_py.execution.scope import ModuleRun, Scope, Unfinished, failed, run_recovery
 from skiros_py.interruptions import CycleOverrun
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import Failure, Outcome, Success
@@ -23,10 +23,11 @@ Take = Callable[[str, Mapping[str, Access], Claim | None], Claim]
 """Asks for devices: for which module, which devices in which way, and out of which claim."""
 
 
-def run_primitive(
-    loaded: Loaded, given: Mapping[str, Any], scope: Scope, take: Take, run: str = ""
-) -> Execution[Outcome]:
-    """Runs one primitive within a scope.
+class PrimitiveRun(ModuleRun):
+    """One run of a primitive.
+
+    What it calls runs in a scope of its own. A cancelled call recovers while the primitive goes on, but before the
+    next call begins and before the run ends.
 
     Args:
         loaded: The primitive.
@@ -35,68 +36,33 @@ def run_primitive(
         take: Asks for its devices.
         run: Id of this run; a new one where left out.
     """
-    name = loaded.cls.name
-    id_ = run or scope.monitor.new_id()
-    tell = teller("primitive", name, scope, id_)
-    specified = contained(name, lambda: _specify(loaded, given, scope, take))
-    if isinstance(specified, Failure):
-        tell(Status.ERROR, specified.code, specified.reason)
-        return specified
-    values, claim = specified
-    return (yield from to_its_end(_Run(loaded, values, scope, claim, tell, id_), scope, tell))
 
-
-def _specify(loaded: Loaded, given: Mapping[str, Any], scope: Scope, take: Take) -> tuple[dict[str, Any], Claim]:
-    """Completes the parameters and asks for the devices.
-
-    Raises:
-        SkirosError: Something is wrong with what is given, is missing, or is not there.
-    """
-    cls, world = loaded.cls, scope.context.world
-    scope.check_depth(cls.name)
-    params = params_of(cls.Params)
-    values = complete(world, params, {**read_arguments(params, given, world), **loaded.config}, scope.agent)
-    open_ = missing(params, values)
-    if open_:
-        raise UsageError(f"{', '.join(open_)}: not specified")
-    devices = {} if cls.watches else devices_of(world, params, cls.takes, values)  # a watching primitive takes nothing
-    return values, take(cls.name, devices, scope.claim)
-
-
-class _Run:
-    """One run of a primitive that is specified and has asked for its devices.
-
-    What it calls runs in a scope of its own. A cancelled call recovers while the primitive goes on, but before the
-    next call begins and before the run ends.
-    """
-
-    def __init__(
-        self, loaded: Loaded, values: Mapping[str, Any], scope: Scope, claim: Claim, tell: Tell, id_: str
-    ) -> None:
+    def __init__(self, loaded: Loaded, given: Mapping[str, Any], scope: Scope, take: Take, run: str = "") -> None:
+        super().__init__("primitive", loaded.cls.name, scope, run)
         self._loaded = loaded
-        self._values = values
-        self._scope = scope
+        self._values = given
+        self._take = take
+        self._claim: Claim | None = None
         self._board = scope.context.board
-        callers = (*scope.callers, loaded.cls.name)
-        self._calls = replace(scope, claim=claim, unfinished=[], callers=callers, id=id_, parent=scope.id)
+        self._calls = self.inner_scope()
         self._open: dict[int, Execution[Outcome]] = {}
         self._numbers = count()
         self._recovering: Execution[None] | None = None
         self._recovered_in = -1
-        self._claim = claim
-        self._tell = tell
         self._made: Primitive[Any] | None = None
-        self.started = False
         self._broken = False
         self._code: Execution[Outcome] | None = None
         self._next: Callable[[], object] = self._begin
 
     def run(self) -> Execution[Outcome]:
-        """Waits for its devices, then runs it."""
-        while not self._claim.granted:
+        """Specifies it and waits for its devices, then runs it."""
+        claim = contained(self.name, self._specify)
+        if isinstance(claim, Failure):
+            return claim
+        while not claim.granted:
             yield
         self.started = True
-        self._tell(Status.STARTED, 0, ", ".join(f"{k}={v}" for k, v in self._values.items()))
+        self.tell(Status.STARTED, 0, ", ".join(f"{k}={v}" for k, v in self._values.items()))
         while True:
             outcome = self._tick()
             if outcome is not None:
@@ -108,26 +74,46 @@ class _Run:
         while self._recover_calls():
             yield
         if self._broken:
-            yield from standstill(self._board, self._claim)
+            yield from standstill(self._board, claim)
         return outcome
+
+    def _specify(self) -> Claim:
+        """Completes the parameters and asks for the devices.
+
+        Raises:
+            SkirosError: Something is wrong with what is given, is missing, or is not there.
+        """
+        cls, world, scope = self._loaded.cls, self._outer.context.world, self._outer
+        scope.check_depth(cls.name)
+        params = params_of(cls.Params)
+        given = {**read_arguments(params, self._values, world), **self._loaded.config}
+        values = self._values = complete(world, params, given, scope.agent)
+        open_ = missing(params, values)
+        if open_:
+            raise UsageError(f"{', '.join(open_)}: not specified")
+        devices = {} if cls.watches else devices_of(world, params, cls.takes, values)  # one that watches takes nothing
+        claim = self._claim = self._take(cls.name, devices, scope.claim)
+        self._calls = replace(self._calls, claim=claim)
+        return claim
 
     def leave(self) -> bool:
         """Ends it at once; returns whether it keeps its devices to recover."""
-        made = self._made
-        if not self.started:
+        made, claim = self._made, self._claim
+        if not self.started or claim is None:
             return False
         self._close()
         if self._recovering is not None:
             self._recovering.close()
-        self._scope.unfinished.extend(self._calls.unfinished)
+        self._outer.unfinished.extend(self._calls.unfinished)
         if made is not None:
             self._tidy("when it was stopped", made.stop)
-            self._scope.unfinished.append(Unfinished(made.name, made.recover, self._claim))
+            self._outer.unfinished.append(Unfinished(made.name, made.recover, claim))
         return made is not None
 
     def release(self) -> None:
         """Gives its devices back."""
-        self._claim.release()
+        if self._claim is not None:
+            self._claim.release()
 
     def _tick(self) -> Outcome | None:
         """Runs its author's code up to the next ``yield``; returns how it ended, None while it goes on.
@@ -175,8 +161,8 @@ class _Run:
     def _own_context(self) -> RunContext:
         """Returns its own context: it reports in its own name, and shares its devices with what it calls."""
         return replace(
-            self._scope.context,
-            report=lambda _module, code, text: self._tell(Status.RUNNING, code, text),
+            self._outer.context,
+            report=lambda _module, code, text: self.tell(Status.RUNNING, code, text),
             call=self._call,
             emit=self._calls.emit,
         )
@@ -233,8 +219,10 @@ class _Run:
 
     def _tidy(self, when: str, action: Callable[[], object]) -> None:
         """Calls what its author wrote for its end; neither what that raises nor what it commands counts."""
-        contained(f"{self._loaded.cls.name}, {when},", lambda: self._board.limited(self._claim, action))
-        self._board.clear(self._claim)
+        claim = self._claim
+        assert claim is not None, "its code runs with its devices only"
+        contained(f"{self.name}, {when},", lambda: self._board.limited(claim, action))
+        self._board.clear(claim)
 
 
 _ENDED = object()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import ChainMap
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, Protocol
 
@@ -12,7 +12,7 @@ from skiros_py.behaviours.children import run_until
 from skiros_py.errors import UsageError
 from skiros_py.execution.containment import contained
 from skiros_py.execution.monitor import Status
-from skiros_py.execution.scope import Scope, teller, to_its_end
+from skiros_py.execution.scope import ModuleRun, Scope
 from skiros_py.execution.task import Task
 from skiros_py.skills.behaviour import Behaviour
 from skiros_py.skills.outcome import BROKEN, Execution, Failure, Outcome, Success, tick
@@ -38,7 +38,7 @@ class RunnableDocument:
     outputs: tuple[str, ...] = ()
 
 
-class BehaviourRun:
+class BehaviourRun(ModuleRun):
     """Runs a document once, as it was when the run began.
 
     Its devices are taken by the modules that it calls; what is cancelled with it recovers as in any composition.
@@ -59,39 +59,28 @@ class BehaviourRun:
         scope: Scope,
         run: str = "",
     ) -> None:
-        self.started = False
-        self._name = name
+        super().__init__("document", name, scope, run)
         self._document = document
-        self._outer = scope
         self._arguments = dict(arguments)
         values: dict[str, Any] = {}
-        run = run or scope.monitor.new_id()
-        self._tell = teller("document", name, scope, run, implementation=lambda: f"revision {document.revision}")
-        self._scope = replace(
-            scope,
-            arguments=ChainMap(self._arguments, values),
-            values=values,
-            unfinished=[],
-            callers=(*scope.callers, name),
-            id=run,
-            parent=scope.id,
-        )
+        self._scope = self.inner_scope(arguments=ChainMap(self._arguments, values), values=values)
 
-    def execute(self) -> Execution[Outcome]:
-        """Runs it; also reports to the monitor."""
-        return to_its_end(self, self._outer, self._tell)
+    @property
+    def implementation(self) -> str:
+        """The revision of the document."""
+        return f"revision {self._document.revision}"
 
     def run(self) -> Execution[Outcome]:
         """Runs its behaviour."""
         self.started = True
-        self._tell(Status.STARTED, 0, f"revision {self._document.revision}")
-        self._outer.check_depth(self._name)
-        specified = contained(self._name, self._specify)
+        self.tell(Status.STARTED, 0, self.implementation)
+        self._outer.check_depth(self.name)
+        specified = contained(self.name, self._specify)
         if isinstance(specified, Failure):
             return specified
 
         def end(run: Execution[Outcome]) -> Outcome | None:
-            return contained(self._name, lambda: tick(run))
+            return contained(self.name, lambda: tick(run))
 
         outcome = yield from run_until(self._document.behaviour, "body", self._scope, end)
         if isinstance(outcome, Failure) or not self._document.outputs:

@@ -12,13 +12,11 @@ from typing import Any, Protocol, Self, TypeVar, cast
 import numpy as np
 
 from skiros_py.errors import UnknownName, UsageError, WrongState
-from skiros_py.execution.claims import Claims
 from skiros_py.execution.cycle import ControlCycle
 from skiros_py.execution.floor import FloorAreas
 from skiros_py.execution.loader import check_configuration
-from skiros_py.execution.modules import Directory, Modules
+from skiros_py.execution.modules import CellModules
 from skiros_py.execution.monitor import Monitor
-from skiros_py.execution.running import RunnableDocument
 from skiros_py.execution.signals import Signals
 from skiros_py.execution.skill_manager import SkillManager
 from skiros_py.execution.watchdog import Watchdog
@@ -52,40 +50,17 @@ class Managers(Mapping[str, SkillManager]):
     """The skill managers that are there, by the id of their subsystem.
 
     Args:
-        skills: All skills found.
-        primitives: All primitives found, by name.
-        context: World, devices, adapters.
-        cycle: Runs everything.
-        monitor: Takes module events.
-        driver: Kind of cell driver.
-        config: Values of configuration parameters by "module.key".
+        cell: What they share.
 
     Attributes:
+        claims: Who may use which device.
         documents: Documents that every manager runs as modules, by name: what is put here runs from its next start on.
     """
 
-    def __init__(
-        self,
-        skills: Sequence[Skill],
-        primitives: Mapping[str, type[Primitive[Any]]],
-        context: RunContext,
-        cycle: ControlCycle,
-        monitor: Monitor,
-        *,
-        driver: str,
-        config: Mapping[str, Any] | None = None,
-    ) -> None:
-        self.claims = Claims()
-        self._skills = skills
-        self._primitives = primitives
-        self._context = context
-        self._cycle = cycle
-        self._monitor = monitor
-        self._driver = driver
-        self._config = config or {}
-        self.documents: dict[str, RunnableDocument] = {}
-        self._watches = Watches(context.world)
-        self._directory: Directory[Modules] = Directory(context.world)
+    def __init__(self, cell: CellModules) -> None:
+        self.claims = cell.claims
+        self.documents = cell.documents
+        self._cell = cell
         self._watching = False
         self._managers: dict[str, SkillManager] = {}
         self._seen: set[str] = set()
@@ -101,7 +76,7 @@ class Managers(Mapping[str, SkillManager]):
 
     def open_all(self) -> None:
         """Opens one manager for each subsystem of each robot, and for each device without a robot that acts."""
-        for agent in agents_of(self._context.world, self._context.cell):
+        for agent in agents_of(self._cell.context.world, self._cell.context.cell):
             self.open(agent)
 
     def open(self, agent: str) -> SkillManager:
@@ -111,31 +86,18 @@ class Managers(Mapping[str, SkillManager]):
             UnknownName: There is no such element.
             UsageError: It is there already, or the element is no subsystem that could have one.
         """
-        view = self._context.world
+        view = self._cell.context.world
         if agent in self._managers and not self._managers[agent].lost:
             raise UsageError(f"the skill manager of {agent} is there already")
         if not view.ontology.is_a(view.element(agent).type, AGENT):
             raise UsageError(f"{agent} is a {view.element(agent).type}, and only an {AGENT} has a skill manager")
         if agent in self._managers:
             self.close(agent)
-        manager = SkillManager(
-            agent,
-            self._skills,
-            self._primitives,
-            self._context,
-            self._cycle,
-            self._monitor,
-            driver=self._driver,
-            claims=self.claims,
-            watches=self._watches,
-            directory=self._directory,
-            config=self._config,
-            documents=self.documents,
-        )
+        manager = SkillManager(agent, self._cell)
         manager.register(adopt=agent not in self._seen)
         self._seen.add(agent)
         self._managers[agent] = manager
-        if self._watching and not self._cycle.halted:
+        if self._watching and not self._cell.cycle.halted:
             manager.watch()
         return manager
 
@@ -376,9 +338,11 @@ class Runtime:
             waiting=self.cycle.activity.waiting,
         )
         kind = driver.kind if options.kind is None else options.kind
-        self.managers = Managers(
-            skills, primitives, self.context, self.cycle, self.monitor, driver=kind, config=options.config
+        watches = Watches(world)
+        cell = CellModules(
+            skills, primitives, self.context, self.cycle, self.monitor, watches, driver=kind, config=options.config
         )
+        self.managers = Managers(cell)
         self.managers.open_all()
         self.watchdog = Watchdog(self.cycle, options.overrun)
         self.watchdog.on_lost(self.managers.lose)

@@ -1,9 +1,10 @@
-"""What a node of a running skill runs in, how runs report and end, and the recovery of what was cancelled."""
+"""What nodes of a running skill run in, how runs of modules report and end, and the recovery of what was cancelled."""
 
 from __future__ import annotations
 
 import json
 import logging
+from abc import ABC, abstractmethod
 from collections import ChainMap
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -132,7 +133,7 @@ class Scope:
             json.dumps(value, allow_nan=False)
         except (TypeError, ValueError, RecursionError) as error:
             raise UsageError(f"event {event}: its value is plain data that JSON can carry: {error}") from None
-        self._publish("node", Status.EVENT, 0, event, event=event, value=value)
+        self.publish_node(Status.EVENT, 0, event, event=event, value=value)
 
     def watch(self, conditions: Sequence[Condition]) -> Watch:
         """Watches those conditions whose parameters are specified; close it."""
@@ -154,13 +155,18 @@ class Scope:
                 values[key] = value
         return values
 
-    def _publish(self, kind: str, status: Status, code: int, text: str, **more: Any) -> None:
+    def publish(self, kind: str, module: str, status: Status, code: int, text: str, **more: Any) -> None:
+        """Reports an event of what runs in this scope; ``more`` are further fields of it."""
         time = self.context.board.snapshot.time
         event = ModuleEvent(
-            time, kind, self.author, status, code, text, "", self.agent, self.author, self.task,
-            id=self.id, parent=self.parent, root=self.root, path=self.path, **more,
+            time, kind, module, status, code, text,
+            agent=self.agent, caller=self.author, task=self.task, root=self.root, path=self.path, **more,
         )  # fmt: skip
         self.monitor.publish(event)
+
+    def publish_node(self, status: Status, code: int, text: str, **more: Any) -> None:
+        """Reports an event of the node of this scope."""
+        self.publish("node", self.author, status, code, text, id=self.id, parent=self.parent, **more)
 
     def check_depth(self, module: str) -> None:
         """Looks whether modules seem to call each other without end, where one more is about to run.
@@ -187,17 +193,17 @@ def _run_node(node: Behaviour, scope: Scope) -> Execution[Outcome]:
         yield from _hold(scope)
     reports = scope.monitor.wants_nodes
     if reports:
-        scope._publish("node", Status.STARTED, 0, node.title)  # noqa: SLF001 - one module
+        scope.publish_node(Status.STARTED, 0, node.title)
     try:
         outcome = yield from node.run(scope)
     except GeneratorExit:
         if reports:
-            scope._publish("node", Status.PREEMPTED, 0, "cancelled")  # noqa: SLF001 - one module
+            scope.publish_node(Status.PREEMPTED, 0, "cancelled")
         raise
     if not isinstance(outcome, Success | Failure):
         raise TypeError(f"node {scope.path} returned {outcome!r:.100}: a run returns Success or Failure")
     if reports:
-        scope._publish("node", *end_of(outcome))  # noqa: SLF001 - one module
+        scope.publish_node(*end_of(outcome))
     return outcome
 
 
@@ -266,82 +272,81 @@ def _begun(entry: Unfinished) -> Execution[None]:
 
 _ENDED = object()
 
-Tell = Callable[[Status, int, str], None]
-"""Takes the state of a module, its progress code, and words for a person."""
 
-
-class ModuleRun(Protocol):
-    """One run of a module.
-
-    Attributes:
-        started: True when the monitor has heard of it.
-    """
-
-    started: bool
-
-    def run(self) -> Execution[Outcome]:
-        """Does it."""
-        ...
-
-    def leave(self) -> bool:
-        """Ends it at once where it is; returns whether it keeps its devices to recover."""
-        ...
-
-    def release(self) -> None:
-        """Gives its devices back; may be called twice."""
-        ...
-
-
-def teller(
-    kind: str,
-    name: str,
-    scope: Scope,
-    run: str,
-    target: Callable[[], str] = lambda: "",
-    implementation: Callable[[], str | None] = lambda: None,
-) -> Tell:
-    """Returns how a run in a scope reports to the monitor.
+class ModuleRun(ABC):
+    """One run of a module: reports to the monitor, and gives its devices back at its end.
 
     Args:
         kind: "skill", "primitive" or "document".
         name: The module.
         scope: What it runs in.
-        run: Id of the run.
-        target: Gives the id of the element that it is done to, as far as that is known.
-        implementation: Gives the label of the way in which it is done, as far as that is known.
+        run: Id of this run; a new one where left out.
+
+    Attributes:
+        name: The module.
+        id: Id of this run.
+        started: True when the monitor has heard of it.
     """
-    caller = scope.callers[-1] if scope.callers else ""
 
-    def tell(status: Status, code: int, text: str) -> None:
-        time, way = scope.context.board.snapshot.time, implementation()
-        event = ModuleEvent(
-            time, kind, name, status, code, text, target(), scope.agent, caller, scope.task, way,
-            id=run, parent=scope.id, root=scope.root, path=scope.path,
-        )  # fmt: skip
-        scope.monitor.publish(event)
+    def __init__(self, kind: str, name: str, scope: Scope, run: str = "") -> None:
+        self.name = name
+        self.id = run or scope.monitor.new_id()
+        self.started = False
+        self._kind = kind
+        self._outer = scope
 
-    return tell
+    def execute(self) -> Execution[Outcome]:
+        """Runs it until it ends or is cancelled, reports that, and gives its devices back.
 
+        The end of an outermost run that was cancelled is reported by its skill manager, when its devices stand.
+        """
+        kept, nested = False, bool(self._outer.callers)
+        try:
+            outcome = yield from self.run()
+        except GeneratorExit:
+            kept = self.leave()
+            if self.started:
+                self.tell(*((Status.PREEMPTED, 0, "cancelled") if nested else (Status.RUNNING, 0, "stopping")))
+            raise
+        except CycleOverrun:
+            if nested:
+                self.tell(Status.ERROR, BROKEN, "held the control cycle too long")
+            raise
+        finally:
+            if not kept:
+                self.release()
+        self.tell(*end_of(outcome))
+        return outcome
 
-def to_its_end(module: ModuleRun, scope: Scope, tell: Tell) -> Execution[Outcome]:
-    """Runs a module until it ends or is cancelled, reports that, and gives its devices back.
+    def tell(self, status: Status, code: int, text: str) -> None:
+        """Reports its state, progress code, and words for a person."""
+        more = {"id": self.id, "parent": self._outer.id, "target": self.target, "implementation": self.implementation}
+        self._outer.publish(self._kind, self.name, status, code, text, **more)
 
-    The end of an outermost run that was cancelled is reported by its skill manager, when its devices stand.
-    """
-    kept, nested = False, bool(scope.callers)
-    try:
-        outcome = yield from module.run()
-    except GeneratorExit:
-        kept = module.leave()
-        if module.started:
-            tell(*((Status.PREEMPTED, 0, "cancelled") if nested else (Status.RUNNING, 0, "stopping")))
-        raise
-    except CycleOverrun:
-        if nested:
-            tell(Status.ERROR, BROKEN, "held the control cycle too long")
-        raise
-    finally:
-        if not kept:
-            module.release()
-    tell(*end_of(outcome))
-    return outcome
+    def inner_scope(self, **changes: Any) -> Scope:
+        """Returns the scope of what is part of it."""
+        outer = self._outer
+        callers = (*outer.callers, self.name)
+        return replace(outer, unfinished=[], callers=callers, id=self.id, parent=outer.id, **changes)
+
+    @property
+    def target(self) -> str:
+        """Id of the element that it is done to, as far as that is known."""
+        return ""
+
+    @property
+    def implementation(self) -> str | None:
+        """Label of the way in which it is done, as far as that is known."""
+        return None
+
+    @abstractmethod
+    def run(self) -> Execution[Outcome]:
+        """Does it."""
+
+    @abstractmethod
+    def leave(self) -> bool:
+        """Ends it at once where it is; returns whether it keeps its devices to recover."""
+
+    @abstractmethod
+    def release(self) -> None:
+        """Gives its devices back; may be called twice."""

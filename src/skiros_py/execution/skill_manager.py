@@ -6,80 +6,29 @@ It is reached through a small interface of plain data, so that it may one day li
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Protocol
 
 from skiros_py.errors import UnknownName, UsageError
-from skiros_py.execution.claims import Claims, pieces
-from skiros_py.execution.cycle import ControlCycle
-from skiros_py.execution.loader import Loader
-from skiros_py.execution.modules import Directory, ModuleInfo, Modules
-from skiros_py.execution.monitor import ModuleEvent, Monitor, Status
+from skiros_py.execution.claims import pieces
+from skiros_py.execution.modules import CellModules, ModuleInfo, Modules
+from skiros_py.execution.monitor import Status
 from skiros_py.execution.panel import Panel, primitive_panel, skill_panel
 from skiros_py.execution.registration import Registration
 from skiros_py.execution.running import RunnableDocument, Running, RunningModule
 from skiros_py.execution.scope import Scope
+from skiros_py.execution.skill_run import SkillRun
 from skiros_py.execution.task import RunClock, Task
 from skiros_py.interruptions import Watched
 from skiros_py.skills.conditions import Condition
-from skiros_py.skills.conditions.watch import Watches
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import BROKEN, Failure, Outcome
 from skiros_py.skills.parameters import Kind, params_of
-from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.skills.surroundings import owner
 from skiros_py.world.change import Change
-from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import HAS_A
-
-
-class Watchers:
-    """The watching primitives of one subsystem: each runs at most once for each device of its class.
-
-    Args:
-        modules: What can be run.
-        view: Tells the subsystem's devices.
-        cycle: Runs them.
-        scope: Gives the scope for a run of a name.
-    """
-
-    def __init__(self, modules: Modules, view: WorldView, cycle: ControlCycle, scope: Callable[[str], Scope]) -> None:
-        self._modules = modules
-        self._view = view
-        self._cycle = cycle
-        self._scope = scope
-        self._tasks: dict[str, Task[Outcome]] = {}
-
-    def start(self) -> None:
-        """Starts those that do not run, or no longer."""
-        self._tasks = {name: task for name, task in self._tasks.items() if not task.done}
-        for primitive, device in self._wanted():
-            name = f"{primitive} of {device}"
-            if name not in self._tasks:
-                run = self._modules.run(primitive, {"device": device}, self._scope(name))
-                self._tasks[name] = self._cycle.start(run, name=name)
-
-    def stop(self, reason: str) -> None:
-        """Ends them all.
-
-        Args:
-            reason: Why, for a person.
-        """
-        for task in self._tasks.values():
-            task.stop(reason)
-        self._tasks = {}
-
-    def __contains__(self, task: Watched) -> bool:
-        return any(own is task for own in tuple(self._tasks.values()))
-
-    def _wanted(self) -> Iterator[tuple[str, str]]:
-        for name, primitive in sorted(self._modules.primitives.items()):
-            for device in self._view.objects(self._modules.agent, HAS_A) if primitive.watches else ():
-                if self._view.ontology.is_a(self._view.element(device).type, primitive.watches or ""):
-                    yield name, device
-
 
 _PATIENCE = 1.0
 """For how long a write is waited for when a manager is lost [s]."""
@@ -132,51 +81,27 @@ class SkillManager:
 
     Args:
         agent: Id of the subsystem.
-        skills: All skills found; those for its class and its driver are taken.
-        primitives: All primitives found, by name.
-        context: World, devices, adapters.
-        cycle: Runs everything.
-        monitor: Takes module events.
-        driver: Kind of cell driver; a fake one gets the implementations that only pretend.
-        claims: Who may use which device, over all managers of the cell.
-        watches: Conditions under watch.
-        directory: Finds the manager that runs a called module, among all of the cell.
-        config: Values of configuration parameters by "module.key".
-        documents: Documents that run as modules, by name.
+        cell: What all skill managers share; of its skills those are taken that are for this class and driver.
+
+    Attributes:
+        agent: Id of the subsystem.
+        lost: Why it is lost; empty while it is there.
     """
 
-    def __init__(
-        self,
-        agent: str,
-        skills: Sequence[Skill],
-        primitives: Mapping[str, type[Primitive[Any]]],
-        context: RunContext,
-        cycle: ControlCycle,
-        monitor: Monitor,
-        *,
-        driver: str,
-        claims: Claims,
-        watches: Watches,
-        directory: Directory[Modules],
-        config: Mapping[str, Any],
-        documents: Mapping[str, RunnableDocument],
-    ) -> None:
+    def __init__(self, agent: str, cell: CellModules) -> None:
         self.agent = agent
         self.lost = ""
-        self._context = context
-        self._cycle = cycle
-        self._monitor = monitor
-        self._watches = watches
-        chosen = _choose(skills, context, agent, driver)
-        loader = Loader(primitives, config, cycle.activity)
-        self._modules = Modules(agent, chosen, primitives, loader, claims, context.board, directory, documents)
-        self._directory = directory
-        directory.enter(self._modules)
+        self._cell = cell
+        self._context = cell.context
+        self._cycle = cell.cycle
+        self._modules = cell.offers[agent] = Modules(
+            agent, _choose(cell.skills, cell.context, agent, cell.driver), cell
+        )
         self._running: dict[str, RunningModule] = {}
-        self._registration = Registration(context.world, agent)
-        self._watchers = Watchers(self._modules, context.world, cycle, self._scope)
-        self._leave_cycle = cycle.observe(self._attend)
-        self._leave_world = context.world.subscribe(self._note_change)
+        self._watching: dict[str, Task[Outcome]] = {}
+        self._registration = Registration(cell.context.world, agent)
+        self._leave_cycle = cell.cycle.observe(self._attend)
+        self._leave_world = cell.context.world.subscribe(self._note_change)
         self._retired = False
 
     # ------------------------------------------------------------------ what it offers
@@ -261,9 +186,10 @@ class SkillManager:
         """
         self._retired = True
         self.lost = self.lost or "it was let go"
-        self._directory.leave(self._modules)
+        self._withdraw_offer()
         self.stop()
-        self._watchers.stop("its skill manager goes")
+        for task in self._watching.values():
+            task.stop("its skill manager goes")
         self._registration.withdraw("goes")
 
     def lose(self, reason: str) -> None:
@@ -274,7 +200,7 @@ class SkillManager:
         if self.lost:
             return
         self.lost = reason
-        self._directory.leave(self._modules)
+        self._withdraw_offer()
         leaving = threading.Thread(
             target=self._registration.withdraw,
             args=(f"is lost: {reason}",),
@@ -285,8 +211,27 @@ class SkillManager:
         leaving.join(_PATIENCE)
 
     def watch(self) -> None:
-        """Starts the primitives that watch this subsystem's devices in the background, as far as they do not run."""
-        self._watchers.start()
+        """Starts the primitives that watch this subsystem's devices in the background, as far as they do not run.
+
+        Each runs at most once for each device of its class.
+        """
+        self._watching = {name: task for name, task in self._watching.items() if not task.done}
+        for primitive, device in self._watched():
+            name = f"{primitive} of {device}"
+            if name not in self._watching:
+                run = self._modules.run(primitive, {"device": device}, self._scope(name))
+                self._watching[name] = self._cycle.start(run, name=name)
+
+    def _watched(self) -> Iterator[tuple[str, str]]:
+        view = self._context.world
+        for name, primitive in sorted(self._modules.primitives.items()):
+            for device in view.objects(self.agent, HAS_A) if primitive.watches else ():
+                if view.ontology.is_a(view.element(device).type, primitive.watches or ""):
+                    yield name, device
+
+    def _withdraw_offer(self) -> None:
+        if self._cell.offers.get(self.agent) is self._modules:
+            del self._cell.offers[self.agent]
 
     # ------------------------------------------------------------------ running
 
@@ -297,7 +242,8 @@ class SkillManager:
 
     def runs(self, task: Watched) -> bool:
         """Tells whether a task is of one of its modules, or of what it runs in the background."""
-        return task in self._watchers or any(running.task is task for running in self.running.values())
+        own = (*self._watching.copy().values(), *(running.task for running in self.running.values()))
+        return any(one is task for one in own)
 
     def start(self, module: str, arguments: Mapping[str, Any], *, task: str = "", parent: str = "") -> RunningModule:
         """Starts a module.
@@ -320,7 +266,7 @@ class SkillManager:
             raise UsageError(f"{module} of {self.agent} is running already: wait for its end, or stop it")
         kind = self._modules.kind(module)
         self._modules.prepare(module, self._context)
-        clock, run_id = RunClock(self._cycle.board), self._monitor.new_id()
+        clock, run_id = RunClock(self._cycle.board), self._cell.monitor.new_id()
         scope = replace(
             self._scope(module),
             context=replace(self._context, clock=clock),
@@ -328,16 +274,14 @@ class SkillManager:
             id=parent,
             root=parent or run_id,
         )
-        name = f"{module} of {self.agent}"
+        cancel, account = None, None
         if kind == "skill":
-            run = self._modules.skill_run(module, arguments, scope, run_id)
-            ticked = self._cycle.start(run.execute(), name=name, clock=clock)
-            started = RunningModule(
-                module, run_id, ticked, scope, run.cancel, arguments=run.arguments, account=run.account
-            )
+            skill = SkillRun(self._modules.skills[module], arguments, scope, self._modules.take, run_id)
+            run, arguments, cancel, account = skill.execute(), skill.arguments, skill.cancel, skill.account
         else:
-            ticked = self._cycle.start(self._modules.run(module, arguments, scope, run_id), name=name, clock=clock)
-            started = RunningModule(module, run_id, ticked, scope, arguments=arguments)
+            run = self._modules.run(module, arguments, scope, run_id)
+        task_of_run = self._cycle.start(run, name=f"{module} of {self.agent}", clock=clock)
+        started = RunningModule(module, run_id, task_of_run, scope, cancel, arguments=arguments, account=account)
         self._running[module] = started
         return started
 
@@ -374,8 +318,8 @@ class SkillManager:
         self._modules.reset(module, self._context)
 
     def _scope(self, name: str) -> Scope:
-        context = replace(self._context, report=self._reporter(name))
-        return Scope(context, self._modules, self._watches, self._monitor, self.agent, path=name)
+        cell = self._cell
+        return Scope(cell.context, self._modules, cell.watches, cell.monitor, self.agent, path=name)
 
     def _attend(self) -> None:
         """Removes ended runs at the end of each cycle; reports stopped ones when their devices stand."""
@@ -402,24 +346,9 @@ class SkillManager:
     def _report_stopped(self, running: RunningModule) -> None:
         broke = running.task.fault is not None
         status, code = (Status.ERROR, BROKEN) if broke else (Status.PREEMPTED, 0)
-        kind = self._modules.kind(running.name)
-        result = running.result
+        result, kind = running.result, self._modules.kind(running.name)
         text = result.reason if isinstance(result, Failure) else result.message
-        time = self._context.board.snapshot.time
-        name, agent, scope = running.name, self.agent, running.scope
-        event = ModuleEvent(
-            time, kind, name, status, code, text, agent=agent, task=scope.task,
-            id=running.id, parent=scope.id, root=scope.root, path=scope.path,
-        )  # fmt: skip
-        self._monitor.publish(event)
-
-    def _reporter(self, name: str) -> Callable[[str, int, str], None]:
-        def report(_module: str, code: int, text: str) -> None:
-            time = self._context.board.snapshot.time
-            event = ModuleEvent(time, "primitive", name, Status.RUNNING, code, text, agent=self.agent)
-            self._monitor.publish(event)
-
-        return report
+        running.scope.publish(kind, running.name, status, code, text, id=running.id, parent=running.scope.id)
 
 
 def _choose(skills: Sequence[Skill], context: RunContext, agent: str, driver: str) -> dict[str, tuple[Skill, ...]]:

@@ -15,7 +15,7 @@ from skiros_py.execution.containment import contained
 from skiros_py.execution.monitor import Status
 from skiros_py.execution.panel import ConditionRow
 from skiros_py.execution.primitive_run import Take
-from skiros_py.execution.scope import Scope, Unfinished, teller, to_its_end
+from skiros_py.execution.scope import ModuleRun, Scope, Unfinished
 from skiros_py.skills.behaviour import Behaviour
 from skiros_py.skills.conditions import Condition, Verdict
 from skiros_py.skills.context import Effects
@@ -25,7 +25,7 @@ from skiros_py.skills.parameters import as_shown, read_arguments
 from skiros_py.skills.skill import Skill, SkillDescription
 
 
-class SkillRun:
+class SkillRun(ModuleRun):
     """Runs one skill: its implementations in turn, until one of them does what the description promises.
 
     Args:
@@ -38,39 +38,26 @@ class SkillRun:
     Attributes:
         description: What is promised.
         arguments: The parameters, as far as they are known.
-        id: Id of this run.
-        started: True when the monitor has heard of it.
     """
 
     def __init__(
         self, implementations: Sequence[Skill], given: Mapping[str, Any], scope: Scope, take: Take, run: str = ""
     ) -> None:
         self.description: SkillDescription = implementations[0].description
+        super().__init__("skill", self.description.name, scope, run)
         self.arguments: dict[str, Any] = {p.key: p.default for p in self.description.params} | dict(given)
         self._implementations = implementations
         self._given = given
-        self._outer = scope
         self._take = take
         self._cancelled = ""
-        self.started = False
         self._claim: Claim | None = None
         self._finish: Behaviour | None = None
         self._found: dict[tuple[str, str], ConditionRow] = {}
         self._way: Skill | None = None
-        self.id = run or scope.monitor.new_id()
-        self._tell = teller("skill", self.description.name, scope, self.id, self._target, self._implementation)
         effects = Effects(scope.context.world, self.description.post, self.arguments)
         values: dict[str, Any] = {}
-        self._scope = replace(
-            scope,
-            context=replace(scope.context, effects=effects),
-            arguments=ChainMap(self.arguments, values),
-            values=values,
-            id=self.id,
-            parent=scope.id,
-            unfinished=[],
-            callers=(*scope.callers, self.description.name),
-        )
+        context = replace(scope.context, effects=effects)
+        self._scope = self.inner_scope(context=context, arguments=ChainMap(self.arguments, values), values=values)
 
     def cancel(self, reason: str) -> None:
         """Ends it in the coming tick; what must follow (recovery, finishing motion) is done all the same."""
@@ -82,7 +69,7 @@ class SkillRun:
         return {
             "inputs": {p.key: as_shown(p, self.arguments.get(p.key)) for p in params},
             "conditions": [row.as_json() for row in self._found.values()],
-            "implementation": self._implementation(),
+            "implementation": self.implementation,
         }
 
     def recover(self) -> Execution[None]:
@@ -91,25 +78,21 @@ class SkillRun:
         if self._finish is not None:
             yield from self._part("finish", self._finish, at_any_rate=True)
 
-    def execute(self) -> Execution[Outcome]:
-        """Runs it; also reports to the monitor."""
-        return to_its_end(self, self._outer, self._tell)
-
     def run(self) -> Execution[Outcome]:
         """Infers what is left out, then does it."""
-        found = contained(self.description.name, self._specify)
+        found = contained(self.name, self._specify)
         self.started = True
         self._way = None if isinstance(found, Failure) else self._implementations[0]
-        self._tell(Status.STARTED, 0, ", ".join(f"{k}={v}" for k, v in self.arguments.items() if v is not None))
+        self.tell(Status.STARTED, 0, ", ".join(f"{k}={v}" for k, v in self.arguments.items() if v is not None))
         for line in found.lines() if isinstance(found, Inferred) else ():
-            self._tell(Status.RUNNING, 0, line)
+            self.tell(Status.RUNNING, 0, line)
         return found if isinstance(found, Failure) else (yield from self._attempts())
 
     def leave(self) -> bool:
         """Ends it at once; returns whether it keeps its devices to recover."""
         if self._claim is None or not self._claim.granted:
             return False
-        self._outer.unfinished.append(Unfinished(self.description.name, self.recover, self._claim))
+        self._outer.unfinished.append(Unfinished(self.name, self.recover, self._claim))
         return True
 
     def release(self) -> None:
@@ -121,19 +104,19 @@ class SkillRun:
 
     def _specify(self) -> Inferred | Failure:
         """Fills in what is left out, or returns why that is not possible."""
-        world, name = self._scope.context.world, self.description.name
-        self._outer.check_depth(name)
+        world = self._scope.context.world
+        self._outer.check_depth(self.name)
         given = read_arguments(self.description.params, self._given, world)
         own = [self.description.param(self.description.agent)]
         found = infer(self.description, complete(world, own, given, self._scope.agent), world)
         if isinstance(found, Missing):
-            return Failure(f"{name}: {found}")
+            return Failure(f"{self.name}: {found}")
         self.arguments.update(found.values)
         return found
 
     def _with_devices(self, skill: Skill) -> Execution[Outcome]:
         """Tries one implementation with the devices that it takes."""
-        name, world = self.description.name, self._scope.context.world
+        name, world = self.name, self._scope.context.world
         devices = devices_of(world, self.description.params, skill.takes, self.arguments)
         claim = contained(name, lambda: self._take(name, devices, self._outer.claim))
         if isinstance(claim, Failure):
@@ -147,7 +130,7 @@ class SkillRun:
     def _granted(self, claim: Claim) -> Execution[Failure | None]:
         """Waits for its devices, or until it is cancelled."""
         if not claim.granted:
-            self._tell(Status.RUNNING, 0, f"waits for {', '.join(claim.waits_for())}")
+            self.tell(Status.RUNNING, 0, f"waits for {', '.join(claim.waits_for())}")
         while not claim.granted and not self._cancelled:
             yield
         return self._interruption()
@@ -163,7 +146,7 @@ class SkillRun:
                 if self._check("precondition", self.description.needs) is not None:
                     break
                 self._way = skill
-                self._tell(Status.RUNNING, 0, f"{failures[-1].reason}; trying {_label(skill)}")
+                self.tell(Status.RUNNING, 0, f"{failures[-1].reason}; trying {_label(skill)}")
             outcome = yield from self._with_devices(skill)
             if isinstance(outcome, Success) or outcome.code == CANCELLED:
                 return outcome
@@ -199,12 +182,11 @@ class SkillRun:
         self, key: str, node: Behaviour, hold: Sequence[Condition] = (), *, at_any_rate: bool = False
     ) -> Execution[Outcome]:
         """Runs a part while conditions hold and the skill is not cancelled; then runs the recovery of what was."""
-        name = self.description.name
         watch = self._scope.watches.add(applying(hold, self.arguments), self.arguments)
 
         def end(run: Execution[Outcome]) -> Outcome | None:
             interruption = None if at_any_rate else self._interruption()
-            return interruption or contained(name, lambda: lost(watch, "hold condition") or tick(run))
+            return interruption or contained(self.name, lambda: lost(watch, "hold condition") or tick(run))
 
         with closing(watch):
             outcome = yield from run_until(node, key, self._scope, end)
@@ -218,7 +200,7 @@ class SkillRun:
     def _check(self, kind: str, conditions: Sequence[Condition]) -> Failure | None:
         world = self._scope.context.world
         for condition in applying(conditions, self.arguments):
-            verdict = contained(self.description.name, partial(condition.evaluate, world, self.arguments))
+            verdict = contained(self.name, partial(condition.evaluate, world, self.arguments))
             if isinstance(verdict, Failure):
                 return verdict
             self._note(kind.removesuffix("condition"), condition, verdict)
@@ -230,10 +212,14 @@ class SkillRun:
         """Keeps what was found of a condition; what is looked at again counts as it was found last."""
         self._found[kind, str(condition)] = ConditionRow(kind, str(condition), verdict)
 
-    def _target(self) -> str:
+    @property
+    def target(self) -> str:
+        """Id of the element that it is done to, as far as that is known."""
         return str(self.arguments.get(self.description.target) or "")
 
-    def _implementation(self) -> str | None:
+    @property
+    def implementation(self) -> str | None:
+        """Label of the implementation that is tried, as far as that is known."""
         return None if self._way is None else self._way.label
 
 
