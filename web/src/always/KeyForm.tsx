@@ -5,7 +5,7 @@ import { answer, api, ApiProblem } from "../api/client";
 import { keys } from "../api/keys";
 import { useSingleMutation } from "../api/mutations";
 import { queryClient } from "../api/queries";
-import { tellReset } from "../live/events";
+import { emitReset } from "../live/events";
 import { problemText } from "../widgets/problems";
 import { useStopping } from "./stopping";
 
@@ -19,7 +19,7 @@ export function KeyForm() {
       queryClient.setQueryData(keys.me, me);
       useStopping.getState().signedIn();
       void queryClient.invalidateQueries({ predicate: ({ queryKey }) => queryKey[0] !== keys.me[0] });
-      tellReset(); // what is kept beside the queries, such as the tree, could not be read meanwhile, either
+      emitReset(); // reloads data kept outside of the queries, such as the tree
     },
   });
   return (

@@ -5,7 +5,7 @@ import { useTranslation } from "react-i18next";
 import { answer, api } from "../api/client";
 import { keys } from "../api/keys";
 import { ElementPicker } from "../widgets/ElementPicker";
-import type { Verdict as Told } from "./checks";
+import type { Verdict as Check } from "./checks";
 import { useDraft } from "./draft";
 import { keyed, type Row } from "./goals";
 import { usePlaces } from "./pieces";
@@ -18,7 +18,7 @@ const KIT = "InKit";
 
 interface Props {
   words: readonly ConditionWord[];
-  verdicts: readonly Told[];
+  verdicts: readonly Check[];
 }
 
 /** A kit's bill of parts: the part for each of its places. It shows the same conditions in another form. */

@@ -3,7 +3,7 @@ import { IconBan, IconTrash } from "@tabler/icons-react";
 import { useTranslation } from "react-i18next";
 import { useIsCarried } from "../widgets/carried";
 import { ElementPicker } from "../widgets/ElementPicker";
-import type { Verdict as Told } from "./checks";
+import type { Verdict as Check } from "./checks";
 import classes from "./goal.module.css";
 import { GoneThings } from "./GoneThings";
 import { type Row, textOf, type WordRow } from "./goals";
@@ -15,7 +15,7 @@ interface Props {
   row: Row;
   /** What its word means; undefined where no robot can do anything for it (any more). */
   word: ConditionWord | undefined;
-  verdict: Told;
+  verdict: Check;
   onChange: (row: Row) => void;
   onRemove: () => void;
 }

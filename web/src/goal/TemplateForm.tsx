@@ -10,7 +10,7 @@ import { ElementPicker } from "../widgets/ElementPicker";
 import { localName, useClassLabels } from "../widgets/names";
 import { notifyProblem } from "../widgets/problems";
 import { ConditionText } from "./ConditionText";
-import type { Verdict as Told } from "./checks";
+import type { Verdict as Check } from "./checks";
 import { type Filled, useDraft } from "./draft";
 import classes from "./goal.module.css";
 import { rowOf, whyAlone } from "./goals";
@@ -22,7 +22,7 @@ import { useWords } from "./words";
 interface Props {
   template: Template;
   filled: Filled;
-  verdict: Told;
+  verdict: Check;
 }
 
 /** A goal template to be filled in: its parameters by type, and the parts as a table. */

@@ -1,12 +1,12 @@
 import { Text } from "@mantine/core";
 import { IconAlertTriangle, IconCheck, IconCircleDashed, IconPencil, type TablerIcon } from "@tabler/icons-react";
 import { useTranslation } from "react-i18next";
-import type { Verdict as Told } from "./checks";
+import type { Verdict as Check } from "./checks";
 import classes from "./goal.module.css";
 import { namesIn } from "./goals";
 import { Said } from "./Said";
 
-const LOOKS: Record<Told["state"], { icon: TablerIcon; color: string }> = {
+const LOOKS: Record<Check["state"], { icon: TablerIcon; color: string }> = {
   incomplete: { icon: IconPencil, color: "dimmed" },
   asking: { icon: IconCircleDashed, color: "dimmed" },
   holds: { icon: IconCheck, color: "var(--mantine-color-green-text)" },
@@ -15,7 +15,7 @@ const LOOKS: Record<Told["state"], { icon: TablerIcon; color: string }> = {
 };
 
 /** Whether a condition holds already, and why or why not. */
-export function Verdict({ verdict: { state, why, conditions } }: { verdict: Told }) {
+export function Verdict({ verdict: { state, why, conditions } }: { verdict: Check }) {
   const { t } = useTranslation("goal");
   const { icon: Icon, color } = LOOKS[state];
   const named = conditions.flatMap(namesIn);

@@ -4,33 +4,33 @@ import { onEvent, onReset } from "./events";
 
 const events = () => Stream.all.filter(({ url }) => url.includes("/events")).at(-1) as Stream;
 const resets = vi.fn();
-let endings: (() => void)[] = [];
+let closings: (() => void)[] = [];
 
 beforeEach(() => {
   vi.useFakeTimers();
   vi.stubGlobal("EventSource", Stream);
   Stream.all = [];
   resets.mockClear();
-  endings = [onReset(resets)];
+  closings = [onReset(resets)];
 });
 afterEach(() => {
   disconnect();
-  for (const end of endings) end();
+  for (const close of closings) close();
   vi.unstubAllGlobals();
   vi.useRealTimers();
 });
 
-test("what was read before the stream was open is read once more, for something may have happened in between", () => {
+test("data fetched before the stream opened is fetched again, since events may have been missed", () => {
   connect();
   expect(resets).not.toHaveBeenCalled();
   events().onopen?.();
   expect(resets).toHaveBeenCalledOnce();
 });
 
-test("a broken stream is opened again behind the last event that was heard", async () => {
+test("a lost stream reopens after the last event received", async () => {
   connect();
   events().onopen?.();
-  events().tell("job", "a-5");
+  events().send("job", "a-5");
   events().onerror?.();
   expect(useConnection.getState().status).toBe("lost");
   await vi.advanceTimersByTimeAsync(1000);
@@ -39,7 +39,7 @@ test("a broken stream is opened again behind the last event that was heard", asy
   expect(useConnection.getState()).toMatchObject({ status: "open", since: null });
 });
 
-test("a connection stays lost since the first break, however often it is tried", async () => {
+test("failed retries do not change the time at which the connection was lost", async () => {
   connect();
   events().onopen?.();
   events().onerror?.();
@@ -50,10 +50,10 @@ test("a connection stays lost since the first break, however often it is tried",
   expect(useConnection.getState()).toMatchObject({ status: "lost", since });
 });
 
-test("after a short absence the stream goes on where it stood", async () => {
+test("after a short absence the stream continues where it stopped", async () => {
   connect();
   events().onopen?.();
-  events().tell("job", "b-7");
+  events().send("job", "b-7");
   resets.mockClear();
   disconnect();
   await vi.advanceTimersByTimeAsync(10_000);
@@ -63,10 +63,10 @@ test("after a short absence the stream goes on where it stood", async () => {
   expect(resets).not.toHaveBeenCalled();
 });
 
-test("after a long absence everything is read anew, and not every event of it", async () => {
+test("after a long absence all data is fetched again instead of replaying the missed events", async () => {
   connect();
   events().onopen?.();
-  events().tell("job", "c-7");
+  events().send("job", "c-7");
   resets.mockClear();
   disconnect();
   await vi.advanceTimersByTimeAsync(3_600_000);
@@ -76,19 +76,19 @@ test("after a long absence everything is read anew, and not every event of it", 
   expect(resets).toHaveBeenCalledOnce();
 });
 
-test("a reset of the server is passed on, and what comes behind it is heard", () => {
+test("a reset by the server is passed on, and so are the events after it", () => {
   const heard = vi.fn();
-  endings.push(onEvent(heard));
+  closings.push(onEvent(heard));
   connect();
   events().onopen?.();
   resets.mockClear();
-  events().tell("reset", "d-1");
+  events().send("reset", "d-1");
   expect(resets).toHaveBeenCalledOnce();
-  events().tell("job", "d-2");
+  events().send("job", "d-2");
   expect(heard).toHaveBeenCalledWith({ id: "d-2", kind: "job" });
 });
 
-test("a reconnection closes what hung", () => {
+test("reconnecting closes a connection that hangs", () => {
   connect();
   const hanging = events();
   reconnect();
@@ -96,7 +96,7 @@ test("a reconnection closes what hung", () => {
   expect(events()).not.toBe(hanging);
 });
 
-test("who follows nothing opens nothing", () => {
+test("reconnecting does nothing while disconnected", () => {
   disconnect();
   reconnect();
   expect(Stream.all).toHaveLength(0);

@@ -1,10 +1,10 @@
-/** Events of the server, passed on to listeners. */
+/** The server's events, passed on to listeners. */
 
 import type { Schema } from "../api/client";
 
 export type EventInfo = Schema<"EventInfo">;
 
-/** Each is a name of its own in the stream, which has to be asked for. */
+/** The event types of the stream: `EventSource` needs a listener for each by name. */
 export const EVENT_KINDS: readonly EventInfo["kind"][] = [
   "world",
   "module",
@@ -18,22 +18,22 @@ export const EVENT_KINDS: readonly EventInfo["kind"][] = [
 const listeners = new Set<(event: EventInfo) => void>();
 const resetListeners = new Set<() => void>();
 
-/** Calls a function at each event; returns how to end that. */
+/** Calls a function at each event; returns the function that unsubscribes it. */
 export function onEvent(listener: (event: EventInfo) => void): () => void {
   listeners.add(listener);
   return () => listeners.delete(listener);
 }
 
-/** Calls a function when events may have been missed, so that everything has to be read again. */
+/** Calls a function when events may have been missed, so that all data must be fetched again; returns the unsubscriber. */
 export function onReset(listener: () => void): () => void {
   resetListeners.add(listener);
   return () => resetListeners.delete(listener);
 }
 
-export function tellEvent(event: EventInfo): void {
+export function emitEvent(event: EventInfo): void {
   for (const listener of listeners) listener(event);
 }
 
-export function tellReset(): void {
+export function emitReset(): void {
   for (const listener of resetListeners) listener();
 }

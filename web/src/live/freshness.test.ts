@@ -1,6 +1,6 @@
 import { QueryObserver } from "@tanstack/react-query";
 import { queryClient } from "../api/queries";
-import { tellEvent } from "./events";
+import { emitEvent } from "./events";
 import { keepFresh } from "./freshness";
 
 let end = () => {};
@@ -17,32 +17,32 @@ afterEach(() => {
   vi.useRealTimers();
 });
 
-function isOld(...queryKey: string[]): boolean | undefined {
+function isStale(...queryKey: string[]): boolean | undefined {
   return queryClient.getQueryState(queryKey)?.isInvalidated;
 }
 
 async function change(data: Record<string, unknown>) {
-  tellEvent({ id: "1", number: 1, at: "", time: 0, kind: "world", type: "scene", subject: "", job: "", data });
+  emitEvent({ id: "1", number: 1, at: "", time: 0, kind: "world", type: "scene", subject: "", job: "", data });
   await vi.advanceTimersByTimeAsync(100);
 }
 
-test("a change that moves something makes the world old, and no name", async () => {
+test("a moved element invalidates the world but not the names", async () => {
   await change({ edits: [{ edit: "placement", element: "starter_1" }] });
-  expect(isOld("world", "info")).toBe(true);
-  expect(isOld("names", "starter_1")).toBe(false);
+  expect(isStale("world", "info")).toBe(true);
+  expect(isStale("names", "starter_1")).toBe(false);
 });
 
-test("another label makes names old", async () => {
+test("a changed label invalidates the names", async () => {
   await change({ edits: [{ edit: "property", element: "starter_1", property: "rdfs:label" }] });
-  expect(isOld("names", "starter_1")).toBe(true);
+  expect(isStale("names", "starter_1")).toBe(true);
 });
 
-test("a change of which only a part is told may have renamed anything", async () => {
+test("a change that is sent in part invalidates the names", async () => {
   await change({ edits: [{ edit: "placement", element: "kit_1" }], all_edits: 200 });
-  expect(isOld("names", "starter_1")).toBe(true);
+  expect(isStale("names", "starter_1")).toBe(true);
 });
 
-/** Reads something that takes half a second; returns what was asked and what was shown so far, and how to end it. */
+/** Runs a query that takes half a second; returns its requests and its displayed values so far, and an unsubscriber. */
 function slowly(read: () => number) {
   const asked: number[] = [];
   const shown = new Set<number>();
@@ -58,7 +58,7 @@ function slowly(read: () => number) {
   return { asked, shown, end: observer.subscribe(({ data }) => data !== undefined && shown.add(data)) };
 }
 
-test("a slow answer comes through while the world changes all the time, and is asked for once at a time", async () => {
+test("a slow query gets its answers while the world keeps changing, one request at a time", async () => {
   let world = 0;
   const { asked, shown, end } = slowly(() => world);
   for (world = 1; world <= 50; world++) await change({});
@@ -69,7 +69,7 @@ test("a slow answer comes through while the world changes all the time, and is a
   end();
 });
 
-test("what changes while something is read for the first time is read again", async () => {
+test("a change during the first fetch causes another fetch", async () => {
   let world = "before";
   const { end } = slowly(() => (world === "before" ? 0 : 1));
   await vi.advanceTimersByTimeAsync(100);

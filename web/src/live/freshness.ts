@@ -1,17 +1,17 @@
-/** Makes what was read old when an event says so; many events in a row do it once. */
+/** Invalidates cached queries after events; a burst of events invalidates them once. */
 
 import type { Query } from "@tanstack/react-query";
 import { queryClient } from "../api/queries";
 import { type EventInfo, onEvent, onReset } from "./events";
 
-/** Which kept answers (by the first word of their key) an event makes old. */
-const OLD_BY: Record<EventInfo["kind"], readonly string[]> = {
+/** The queries that each kind of event invalidates, by the first word of their keys. */
+const INVALIDATED_BY: Record<EventInfo["kind"], readonly string[]> = {
   world: ["world", "goals", "scenes"],
   module: ["module-runs"],
   task: ["tasks"],
   job: ["jobs", "tasks"],
   alarm: ["alarms", "jobs"],
-  document: ["documents", "world"], // a sequence is read with the state of the world
+  document: ["documents", "world"], // answers about a sequence contain the state of the world
   system: [
     "station",
     "modules",
@@ -27,27 +27,30 @@ const OLD_BY: Record<EventInfo["kind"], readonly string[]> = {
     "me",
   ],
 };
-/** What people call things: asked for one by one, therefore only after a change that may have renamed some. */
+/** Labels are fetched one by one, and therefore only invalidated by changes that may have renamed an element. */
 const NAMES = "names";
 const LABEL = "rdfs:label";
-const PAUSE = 80; // ms: more often is not visible, and costs computing time
+const PAUSE = 80; // ms: more frequent updates are not visible, and cost computing time
 
-/** Begins; returns how to end it. */
+/** Starts invalidating queries; returns the function that stops it. */
 export function keepFresh(): () => void {
-  let old = new Set<string>();
-  let late = new Set<string>();
+  let stale = new Set<string>();
+  let pending = new Set<string>();
   let timer: ReturnType<typeof setTimeout> | undefined;
   const refresh = () => {
-    late = makeOld(old, late);
-    old = new Set();
-    timer = late.size > 0 ? setTimeout(refresh, PAUSE) : undefined;
+    pending = invalidate(stale, pending);
+    stale = new Set();
+    timer = pending.size > 0 ? setTimeout(refresh, PAUSE) : undefined;
   };
-  const age = (words: readonly string[]) => {
-    for (const word of words) old.add(word);
+  const markStale = (words: readonly string[]) => {
+    for (const word of words) stale.add(word);
     timer ??= setTimeout(refresh, PAUSE);
   };
-  const ageAll = () => void queryClient.invalidateQueries();
-  const endings = [onEvent((event) => (isOpened(event) ? ageAll() : age(oldBy(event)))), onReset(ageAll)];
+  const invalidateAll = () => void queryClient.invalidateQueries();
+  const endings = [
+    onEvent((event) => (isOpened(event) ? invalidateAll() : markStale(keysOf(event)))),
+    onReset(invalidateAll),
+  ];
   return () => {
     clearTimeout(timer);
     for (const end of endings) end();
@@ -55,31 +58,31 @@ export function keepFresh(): () => void {
 }
 
 /**
- * Makes queries old by the first words of their keys, or by their hashes; returns the hashes of those that are being read.
+ * Invalidates queries by the first words of their keys or by their hashes; returns the hashes of those being fetched.
  *
- * These have to wait until they were answered: what is under way may have been answered before the event, and if it
- * was cancelled at each event instead, a slow answer would never come through while robots work.
+ * Those must be invalidated after their answer, which may predate the event. If they were cancelled at each event
+ * instead, a slow query would never finish while robots work.
  */
-function makeOld(words: ReadonlySet<string>, hashes: ReadonlySet<string>): Set<string> {
-  const isOld = ({ queryKey, queryHash }: Query) => words.has(String(queryKey[0])) || hashes.has(queryHash);
-  const busy = queryClient.getQueryCache().findAll({ predicate: isOld, fetchStatus: "fetching" });
-  const late = new Set(busy.map(({ queryHash }) => queryHash));
-  void queryClient.invalidateQueries({ predicate: (query) => isOld(query) && !late.has(query.queryHash) });
-  return late;
+function invalidate(words: ReadonlySet<string>, hashes: ReadonlySet<string>): Set<string> {
+  const isStale = ({ queryKey, queryHash }: Query) => words.has(String(queryKey[0])) || hashes.has(queryHash);
+  const busy = queryClient.getQueryCache().findAll({ predicate: isStale, fetchStatus: "fetching" });
+  const fetching = new Set(busy.map(({ queryHash }) => queryHash));
+  void queryClient.invalidateQueries({ predicate: (query) => isStale(query) && !fetching.has(query.queryHash) });
+  return fetching;
 }
 
-/** Another scene, or another run of the server: ids and numbers mean other things now. */
+/** Whether another scene or another run of the server was opened, so that ids and numbers refer to other things. */
 function isOpened({ kind, type }: EventInfo): boolean {
   return kind === "system" && type === "opened";
 }
 
-function oldBy(event: EventInfo): readonly string[] {
-  return mayRename(event) ? [...OLD_BY[event.kind], NAMES] : OLD_BY[event.kind];
+function keysOf(event: EventInfo): readonly string[] {
+  return mayRename(event) ? [...INVALIDATED_BY[event.kind], NAMES] : INVALIDATED_BY[event.kind];
 }
 
 function mayRename({ kind, data }: EventInfo): boolean {
   if (kind !== "world" || !Array.isArray(data.edits)) return false;
   const edits = data.edits as { edit?: unknown; property?: unknown }[];
-  const isCut = data.all_edits !== undefined; // of a long change only a part is sent
+  const isCut = data.all_edits !== undefined; // long changes are sent in part
   return isCut || edits.some(({ edit, property }) => edit === "element" || property === LABEL);
 }

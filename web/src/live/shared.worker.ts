@@ -1,12 +1,12 @@
-/** Runs beside all pages of a browser, and keeps the streams that they share. */
+/** The shared worker of all pages of a browser; it keeps the streams that they share. */
 
-import { Sharing, type Wish } from "./sharing";
+import { SharedStreams, type StreamRequest } from "./sharedStreams";
 
 declare const self: { onconnect: ((event: MessageEvent) => void) | null };
 
-const sharing = new Sharing();
+const streams = new SharedStreams();
 
 self.onconnect = ({ ports }) => {
   const [port] = ports;
-  if (port) port.onmessage = ({ data }: MessageEvent<Wish>) => sharing.obey(port, data);
+  if (port) port.onmessage = ({ data }: MessageEvent<StreamRequest>) => streams.handle(port, data);
 };

@@ -1,20 +1,19 @@
-/** What a page listens to: a stream that all pages of the browser share, or one of its own where that cannot be. */
+/** The source of a stream: shared by all pages of the browser, or the page's own where shared workers are missing. */
 
-import type { Told, Wish } from "./sharing";
+import type { StreamMessage, StreamRequest } from "./sharedStreams";
 
-/** As much of an `EventSource` as is needed here. */
+/** The part of `EventSource` that is used here. */
 export interface Source {
   onopen: (() => void) | null;
   onerror: (() => void) | null;
-  addEventListener: (kind: string, take: (message: MessageEvent<string>) => void) => void;
-  /** @param anew - Ends the stream for all pages that share it, since it may hang; they open it again. */
-  close: (anew?: boolean) => void;
+  addEventListener: (kind: string, listener: (message: MessageEvent<string>) => void) => void;
+  /** @param restart - Closes the stream for all pages that share it, since it may hang; they open it again. */
+  close: (restart?: boolean) => void;
 }
 
-/** Begins to listen to an address. */
 export function openSource(address: string): Source {
   if (typeof SharedWorker !== "undefined") return new SharedSource(address);
-  return new EventSource(address) as Source; // whose listeners may look at more than ours do
+  return new EventSource(address) as Source; // its listeners may take more arguments than ours
 }
 
 class SharedSource implements Source {
@@ -26,43 +25,43 @@ class SharedSource implements Source {
 
   constructor(readonly address: string) {
     SharedSource.#open.set(address, this);
-    SharedSource.#wish({ listen: address });
+    SharedSource.#send({ subscribe: address });
   }
 
-  close(anew = false): void {
+  close(restart = false): void {
     if (SharedSource.#open.get(this.address) !== this) return;
     SharedSource.#open.delete(this.address);
-    SharedSource.#wish({ leave: this.address, anew });
+    SharedSource.#send({ unsubscribe: this.address, restart });
   }
 
-  addEventListener(kind: string, take: (message: MessageEvent<string>) => void): void {
-    this.#messages.addEventListener(kind, take as (event: Event) => void);
+  addEventListener(kind: string, listener: (message: MessageEvent<string>) => void): void {
+    this.#messages.addEventListener(kind, listener as (event: Event) => void);
   }
 
-  static #wish(wish: Wish): void {
-    SharedSource.#port ??= SharedSource.#connected();
-    SharedSource.#port.postMessage(wish);
+  static #send(request: StreamRequest): void {
+    SharedSource.#port ??= SharedSource.#connect();
+    SharedSource.#port.postMessage(request);
   }
 
-  static #connected(): MessagePort {
+  static #connect(): MessagePort {
     const worker = new SharedWorker(new URL("./shared.worker.ts", import.meta.url), { type: "module" });
-    worker.port.onmessage = ({ data }: MessageEvent<Told>) => SharedSource.#hand(data);
-    // A page that goes for good says so; of one that only rests, its follower closes the connection.
+    worker.port.onmessage = ({ data }: MessageEvent<StreamMessage>) => SharedSource.#dispatch(data);
+    // A page that is closed unsubscribes here; a hidden page is disconnected in connection.ts.
     addEventListener("pagehide", () => {
       for (const source of SharedSource.#open.values()) source.close();
     });
     return worker.port;
   }
 
-  static #hand(told: Told): void {
-    const source = SharedSource.#open.get(told.address);
-    if (source !== undefined) source.#hear(told);
+  static #dispatch(message: StreamMessage): void {
+    const source = SharedSource.#open.get(message.address);
+    if (source !== undefined) source.#receive(message);
   }
 
-  #hear(told: Told): void {
-    if (told.what === "message") {
-      this.#messages.dispatchEvent(new MessageEvent(told.kind, { data: told.data, lastEventId: told.id }));
-    } else if (told.what === "open") this.onopen?.();
+  #receive(message: StreamMessage): void {
+    if (message.type === "message") {
+      this.#messages.dispatchEvent(new MessageEvent(message.kind, { data: message.data, lastEventId: message.id }));
+    } else if (message.type === "open") this.onopen?.();
     else this.onerror?.();
   }
 }

@@ -1,4 +1,4 @@
-/** What the robots do at this moment: the latest only. */
+/** The latest state of the robots. */
 
 import { create } from "zustand";
 import type { Schema } from "../api/client";
@@ -6,9 +6,9 @@ import type { Schema } from "../api/client";
 export type StationState = Schema<"StationState">;
 
 interface Station {
-  /** The latest state; null until there is one. The 3D view reads it once a frame, with `useStation.getState()`. */
+  /** The latest state; null before the first one. The 3D view reads it once a frame, with `useStation.getState()`. */
   state: StationState | null;
-  /** When it came [ms, performance.now()]. */
+  /** Time of its arrival [ms, performance.now()]. */
   at: number;
   take: (state: StationState) => void;
 }
@@ -19,7 +19,7 @@ export const useStation = create<Station>((set) => ({
   take: (state) => set({ state, at: performance.now() }),
 }));
 
-/** Whether anything runs, which the world may not be changed under. */
+/** Whether a module or task runs, during which the scene must not be changed. */
 export function useWorks(): boolean {
   return useStation(({ state }) => (state?.modules.length ?? 0) + (state?.tasks.length ?? 0) > 0);
 }

@@ -1,51 +1,51 @@
-/** A stream of server-sent events that opens itself again whenever it breaks. */
+/** A stream of server-sent events that reconnects after every interruption. */
 
 import { openSource, type Source } from "./source";
 
-const AGAIN = 1000; // ms
+const RETRY = 1000; // ms
 
-export interface Followed {
-  /** Where to listen; asked at each opening, since it may say what was heard last. */
+export interface StreamOptions {
+  /** The address; evaluated at each connection, since it may contain the id of the last event received. */
   address: () => string;
-  /** What to do with each kind of message. */
-  messages: Record<string, (message: MessageEvent<string>) => void>;
+  /** A handler for each kind of message. */
+  handlers: Record<string, (message: MessageEvent<string>) => void>;
   onOpen: () => void;
-  /** Called once for each break. */
-  onBreak: () => void;
+  /** Called once for each interruption. */
+  onLost: () => void;
 }
 
-/** Ends following; `anew` where the connection may hang. */
-export type End = (anew?: boolean) => void;
+/** Closes the stream; `restart` if its connection may hang. */
+export type Close = (restart?: boolean) => void;
 
 /**
- * Follows a stream; returns how to end that.
+ * Follows a stream; returns the function that closes it.
  *
- * Browsers do open broken streams again, but each gives up in other cases (a server or proxy that refuses it): here
- * all breaks are healed in the same way.
+ * Browsers reconnect by themselves, but each gives up in different cases (a server or proxy that refuses the
+ * connection); here all interruptions are handled alike.
  */
-export function follow({ address, messages, onOpen, onBreak }: Followed): End {
+export function follow({ address, handlers, onOpen, onLost }: StreamOptions): Close {
   let timer: ReturnType<typeof setTimeout> | undefined;
-  let broken = false;
+  let lost = false;
   let source = open();
 
   function open(): Source {
     const opened = openSource(address());
     opened.onopen = () => {
-      broken = false;
+      lost = false;
       onOpen();
     };
     opened.onerror = () => {
       opened.close();
-      timer = setTimeout(() => (source = open()), AGAIN);
-      if (!broken) onBreak();
-      broken = true;
+      timer = setTimeout(() => (source = open()), RETRY);
+      if (!lost) onLost();
+      lost = true;
     };
-    for (const [kind, take] of Object.entries(messages)) opened.addEventListener(kind, take);
+    for (const [kind, handler] of Object.entries(handlers)) opened.addEventListener(kind, handler);
     return opened;
   }
 
-  return (anew) => {
+  return (restart) => {
     clearTimeout(timer);
-    source.close(anew);
+    source.close(restart);
   };
 }

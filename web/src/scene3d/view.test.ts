@@ -1,5 +1,5 @@
 import { afterEach, describe, expect, it, vi } from "vitest";
-import { type EventInfo, tellEvent, tellReset } from "../live/events";
+import { type EventInfo, emitEvent, emitReset } from "../live/events";
 import { at, box, element, world } from "./testing";
 import { followView, madeOld, merged, useLiveView, viewFrom } from "./view";
 
@@ -64,7 +64,7 @@ describe("following the world", () => {
   it("reads everything once, then what events name", async () => {
     const asked = serve(world([element("a", { pose: at(0, 0, 0) })]), world([element("a", { pose: at(1, 0, 0) })]));
     await vi.waitFor(() => expect(useLiveView.getState().view).not.toBeNull());
-    tellEvent(changed({ edits: [{ edit: "property", element: "a" }] }));
+    emitEvent(changed({ edits: [{ edit: "property", element: "a" }] }));
     await vi.waitFor(() => expect(useLiveView.getState().view?.elements.get("a")?.pose?.position[0]).toBe(1));
     expect(asked).toEqual(["", "?element=a"]);
   });
@@ -72,7 +72,7 @@ describe("following the world", () => {
   it("reads everything again when events may have been missed", async () => {
     const asked = serve(world([element("a")]), world([element("b")]));
     await vi.waitFor(() => expect(useLiveView.getState().view).not.toBeNull());
-    tellReset();
+    emitReset();
     await vi.waitFor(() => expect(useLiveView.getState().view?.elements.has("b")).toBe(true));
     expect(asked).toEqual(["", ""]);
     expect(useLiveView.getState().view?.elements.has("a")).toBe(false);

@@ -1,11 +1,11 @@
 import { renderHook } from "@testing-library/react";
 import type { Schema } from "../api/client";
-import { type EventInfo, tellEvent } from "../live/events";
+import { type EventInfo, emitEvent } from "../live/events";
 import { useReplay } from "../scene3d/replay";
 import { useIsGone } from "./gone";
 
 function tell(type: string, subject: string): void {
-  tellEvent({ kind: "job", type, subject, data: {} } as unknown as EventInfo);
+  emitEvent({ kind: "job", type, subject, data: {} } as unknown as EventInfo);
 }
 function isGone(job: string): boolean {
   const { result, unmount } = renderHook(() => useIsGone(job));

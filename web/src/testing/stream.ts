@@ -1,4 +1,4 @@
-/** What the browser offers, with the server's side in our hand; jsdom has none. */
+/** A fake `EventSource`, which jsdom lacks; tests send the server's messages with `send`. */
 export class Stream extends EventTarget {
   static all: Stream[] = [];
   onopen: (() => void) | null = null;
@@ -14,7 +14,7 @@ export class Stream extends EventTarget {
     this.closed = true;
   }
 
-  tell(kind: string, id: string) {
+  send(kind: string, id: string) {
     this.dispatchEvent(new MessageEvent(kind, { data: `{"id":"${id}","kind":"${kind}"}`, lastEventId: id }));
   }
 }

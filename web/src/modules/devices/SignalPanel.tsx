@@ -18,14 +18,14 @@ interface Props {
 const WIDTH = 120; // px
 const HEIGHT = 24; // px
 
-/** One signal: its value with unit and frame, where it comes from, its last seconds; a form where it can be set. */
+/** One signal: value and unit, dimension, frame and source, its last seconds, and a form if it can be set. */
 export function SignalPanel({ signal, traces }: Props) {
   const { t } = useTranslation("modules");
-  const { name, unit, frame, help, source, input } = signal;
+  const { name, dimension, frame, help, source, input, unit } = signal;
   const reading = traces?.signals[name];
   const frameText = frame === "own" ? t("devices.ownFrame") : frame && t("devices.frame", { frame });
   const isOwn = name === source || name.startsWith(`${source}.`);
-  const about = [help, frameText, isOwn ? "" : t("devices.from", { source })];
+  const about = [help, dimension, frameText, isOwn ? "" : t("devices.from", { source })];
   return (
     <li className={classes.signal} aria-label={name}>
       <div>

@@ -5,36 +5,36 @@ function at(time: number, value: number | boolean | number[] | null) {
   return { time, cycle: 200 * time, signals: { one: { value, reason: value === null ? "off" : "" } } };
 }
 
-function told(...readings: ReturnType<typeof at>[]): Traces {
+function tracesOf(...readings: ReturnType<typeof at>[]): Traces {
   return readings.reduce<Traces | undefined>(extended, undefined) as Traces;
 }
 
 test("numbers and vectors are kept for the last seconds, truth values are not", () => {
-  expect(told(at(0, 1), at(5, 2), at(21, [3, 4])).points["one"]).toEqual([
+  expect(tracesOf(at(0, 1), at(5, 2), at(21, [3, 4])).points["one"]).toEqual([
     { time: 5, values: [2] },
     { time: 21, values: [3, 4] },
   ]);
-  expect(told(at(0, true)).points["one"]).toEqual([]);
+  expect(tracesOf(at(0, true)).points["one"]).toEqual([]);
 });
 
 test("a signal that has no value leaves a gap and says why", () => {
-  const traces = told(at(0, 1), at(1, null));
+  const traces = tracesOf(at(0, 1), at(1, null));
   expect(traces.points["one"]).toHaveLength(1);
   expect(traces.signals["one"]?.reason).toBe("off");
 });
 
 test("the same cycle read twice is one point, and a new run starts a new line", () => {
-  expect(told(at(4, 1), at(4, 1)).points["one"]).toHaveLength(1);
-  expect(told(at(4, 1), at(0.5, 7)).points["one"]).toEqual([{ time: 0.5, values: [7] }]);
+  expect(tracesOf(at(4, 1), at(4, 1)).points["one"]).toHaveLength(1);
+  expect(tracesOf(at(4, 1), at(0.5, 7)).points["one"]).toEqual([{ time: 0.5, values: [7] }]);
 });
 
 test("each component of a vector is a line, in one scale", () => {
-  const { points } = told(at(0, [0, 1]), at(20, [2, 1]));
+  const { points } = tracesOf(at(0, [0, 1]), at(20, [2, 1]));
   expect(paths(points["one"] ?? [], 100, 20)).toEqual(["M0.0 20.0L100.0 0.0", "M0.0 10.0L100.0 10.0"]);
 });
 
 test("a value that does not change is a line in the middle", () => {
-  expect(paths(told(at(10, 5), at(20, 5)).points["one"] ?? [], 100, 20)).toEqual(["M50.0 10.0L100.0 10.0"]);
+  expect(paths(tracesOf(at(10, 5), at(20, 5)).points["one"] ?? [], 100, 20)).toEqual(["M50.0 10.0L100.0 10.0"]);
 });
 
 test("the form of an input fits its shape", () => {

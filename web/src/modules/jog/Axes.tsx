@@ -2,7 +2,7 @@ import { Text } from "@mantine/core";
 import { useTranslation } from "react-i18next";
 import { Fragment } from "react";
 import classes from "../modules.module.css";
-import type { Step } from "./hand";
+import type { Step } from "./jogger";
 import { HoldButton } from "./HoldButton";
 
 export type Vector = [number, number, number];

@@ -12,7 +12,7 @@ import { useTranslation } from "react-i18next";
 import classes from "../modules.module.css";
 import { HoldButton } from "./HoldButton";
 import { useLive } from "./live";
-import { jog } from "./robotHand";
+import { jog } from "./robotJogger";
 import { BASE_SIZES, DEGREE, rollPitchYaw, TURN_SIZES } from "./steps";
 import { StepSize } from "./StepSize";
 

@@ -4,7 +4,7 @@ import { useTranslation } from "react-i18next";
 import { NumberField } from "../../widgets/arguments/NumberField";
 import classes from "../modules.module.css";
 import { useLive } from "./live";
-import { hand, jog } from "./robotHand";
+import { jogger, jog } from "./robotJogger";
 
 interface Props {
   gripper: string;
@@ -18,7 +18,7 @@ export function GripperJog({ gripper, maxGap, disabled }: Props) {
   const { t } = useTranslation("modules");
   const [wanted, setWanted] = useState<number>();
   const most = maxGap * 1000; // mm
-  const move = (millimetres: number) => hand.once(jog(gripper, "gripper_control", { gap: millimetres / 1000 }));
+  const move = (millimetres: number) => jogger.once(jog(gripper, "gripper_control", { gap: millimetres / 1000 }));
   const sound = wanted !== undefined && wanted >= 0 && wanted <= most; // NaN is not, either
   return (
     <Stack gap="xs">

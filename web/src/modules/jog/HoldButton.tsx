@@ -1,8 +1,8 @@
 import { Button, type ButtonProps } from "@mantine/core";
 import { type KeyboardEvent, type PointerEvent, type ReactNode, useEffect, useRef } from "react";
 import classes from "../modules.module.css";
-import type { Step } from "./hand";
-import { hand } from "./robotHand";
+import type { Step } from "./jogger";
+import { jogger } from "./robotJogger";
 
 interface Props extends ButtonProps {
   /** One step; the next follows while the button, or Enter or Space on it, is held. */
@@ -17,10 +17,10 @@ export function HoldButton({ step, name, children, ...rest }: Props) {
   const held = useRef(false);
   const press = () => {
     held.current = true;
-    hand.hold(step);
+    jogger.hold(step);
   };
   const release = () => {
-    if (held.current) hand.release();
+    if (held.current) jogger.release();
     held.current = false;
   };
   useEffect(() => {
@@ -56,7 +56,7 @@ export function HoldButton({ step, name, children, ...rest }: Props) {
       onKeyDown={keyDown}
       onKeyUp={release}
       onBlur={release}
-      onClick={(event) => event.detail === 0 && hand.once(step)} // by assistive technology, without any press
+      onClick={(event) => event.detail === 0 && jogger.once(step)} // by assistive technology, without any press
     >
       {children}
     </Button>

@@ -5,7 +5,7 @@ import { Teach } from "../teach/Teach";
 import { Learned } from "../teach/Learned";
 import type { View } from "../places";
 import { type RobotInfo as Robot, useDevices, useRobots } from "../../api/cell";
-import { HandBar } from "./HandBar";
+import { JogBar } from "./JogBar";
 import { panelsOf } from "./panels";
 import { useHindrance } from "./useHindrance";
 
@@ -51,7 +51,7 @@ function ByHand({ robot, alone }: { robot: Robot; alone: boolean }) {
   const first = handiest[0]?.id;
   return (
     <Stack gap="xs">
-      <HandBar devices={own} disabled={disabled} />
+      <JogBar devices={own} disabled={disabled} />
       {disabled && (
         <Alert mx="sm" color="yellow" title={t("jog.notNow")} role="status">
           {may ? hindrance : t("jog.mayNot")}

@@ -3,7 +3,7 @@ import { IconMinus, IconPlus } from "@tabler/icons-react";
 import { useTranslation } from "react-i18next";
 import classes from "../modules.module.css";
 import type { Device } from "../../api/cell";
-import type { Step } from "./hand";
+import type { Step } from "./jogger";
 import { HoldButton } from "./HoldButton";
 import { useLive } from "./live";
 import { DEGREE } from "./steps";

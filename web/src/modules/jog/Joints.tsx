@@ -4,10 +4,10 @@ import { useState } from "react";
 import { useTranslation } from "react-i18next";
 import { useStation } from "../../live/station";
 import type { Device } from "../../api/cell";
-import { told } from "./hand";
+import { withDoneText } from "./jogger";
 import { JointRow } from "./JointRow";
 import { useRest } from "./live";
-import { hand, jog } from "./robotHand";
+import { jogger, jog } from "./robotJogger";
 import { DEGREE, JOINT_SIZES, stepsTo } from "./steps";
 import { StepSize } from "./StepSize";
 
@@ -17,7 +17,7 @@ interface Props {
   disabled: boolean;
 }
 
-/** The joints of a device: each by steps, or all together to where the sliders were put. */
+/** The joints of a device: moved by steps, or together to the targets set with the sliders. */
 export function Joints({ device: { id, joints }, robot, disabled }: Props) {
   const { t } = useTranslation("modules");
   const [size, setSize] = useState<number>(JOINT_SIZES[1]);
@@ -26,7 +26,7 @@ export function Joints({ device: { id, joints }, robot, disabled }: Props) {
   const rest = useRest(names);
   const turn = (deltas: number[]) => jog(id, "jog_joints", { deltas });
   const turnOne = (joint: number, degrees: number) =>
-    told(
+    withDoneText(
       turn(names.map((_, at) => (at === joint ? degrees * DEGREE : 0))),
       t("jog.turned", { joint: joints[joint]?.name, degrees }),
     );
@@ -37,9 +37,9 @@ export function Joints({ device: { id, joints }, robot, disabled }: Props) {
       now,
       now.map((angle, joint) => targets[joint] ?? angle),
     );
-    hand.all(() => {
+    jogger.all(() => {
       const [next] = steps.splice(0, 1);
-      return next === undefined ? null : told(turn(next), t("jog.turnedAll"));
+      return next === undefined ? null : withDoneText(turn(next), t("jog.turnedAll"));
     });
     setTargets({});
   };

@@ -6,7 +6,7 @@ import { argumentFaults, type Arguments, ArgumentsForm } from "../../widgets/Arg
 import { MayButton } from "../../widgets/MayButton";
 import { type Device } from "../../api/cell";
 import { useModule } from "../queries";
-import { hand, jog, teach } from "./robotHand";
+import { jogger, jog, teach } from "./robotJogger";
 
 interface Props {
   device: Device;
@@ -44,7 +44,7 @@ export function ModuleForm({ device, module: { module, agent }, verb, hint, disa
         operation={operation}
         leftSection={<Icon size={14} aria-hidden />}
         disabled={disabled || !isValid}
-        onClick={() => hand.once(step(device.id, module, values))}
+        onClick={() => jogger.once(step(device.id, module, values))}
       >
         {verb === "jog" ? module : t("teach.here")}
       </MayButton>

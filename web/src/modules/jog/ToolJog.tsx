@@ -5,7 +5,7 @@ import { ElementPicker } from "../../widgets/ElementPicker";
 import classes from "../modules.module.css";
 import { Axes, type Vector } from "./Axes";
 import { useLive } from "./live";
-import { jog } from "./robotHand";
+import { jog } from "./robotJogger";
 import { DEGREE, rollPitchYaw, TOOL_SIZES, TURN_SIZES } from "./steps";
 import { StepSize } from "./StepSize";
 

@@ -2,12 +2,12 @@ import { useTranslation } from "react-i18next";
 import { useStation } from "../../live/station";
 import type { RobotInfo as Robot } from "../../api/cell";
 import { hindranceOf } from "./hindrance";
-import { hand } from "./robotHand";
+import { jogger } from "./robotJogger";
 
 /** Returns in words why a robot cannot be moved by hand just now; empty where it can. */
 export function useHindrance(robot: Robot, alone: boolean): string {
   const { t } = useTranslation("modules");
-  const own = hand.useHand(({ moving }) => moving);
+  const own = jogger.useState(({ moving }) => moving);
   return useStation(({ state }) => {
     const hindrance = hindranceOf(state, robot, own, alone);
     switch (hindrance?.why) {

@@ -1,33 +1,33 @@
-/** The hand on the real server. */
+/** Jogs through the server. */
 
 import { answer, api } from "../../api/client";
 import { onEvent } from "../../live/events";
 import { problemText } from "../../widgets/problems";
 import type { Arguments } from "../../widgets/ArgumentsForm";
 import type { Run } from "../queries";
-import { makeHand, type Step } from "./hand";
+import { makeJogger, type Step } from "./jogger";
 
-const LOOK_AGAIN = 400; // ms, where no event comes
+const POLL = 400; // ms, used if no event arrives
 
-async function over(id: string): Promise<Run> {
+async function ended(id: string): Promise<Run> {
   for (;;) {
-    const news = nextNews();
+    const change = nextChange();
     const run = await answer(api.GET("/api/v1/module-runs/{id}", { params: { path: { id } } }));
     if (["succeeded", "failed", "stopped"].includes(run.status)) return run;
-    await news;
+    await change;
   }
 }
 
-/** Resolves at the next event of a module, or after a while: its last event comes a moment before its end. */
-function nextNews(): Promise<void> {
+/** Resolves shortly after the next event of a module (its last event precedes its end), or after {@link POLL}. */
+function nextChange(): Promise<void> {
   return new Promise((resolve) => {
     const done = () => {
       clearTimeout(timer);
-      end();
+      unsubscribe();
       resolve();
     };
-    const timer = setTimeout(done, LOOK_AGAIN);
-    const end = onEvent((event) => {
+    const timer = setTimeout(done, POLL);
+    const unsubscribe = onEvent((event) => {
       if (event.kind === "module" && event.type !== "running") setTimeout(done, 10);
     });
   });
@@ -37,15 +37,15 @@ function stop(id: string): Promise<unknown> {
   return answer(api.POST("/api/v1/module-runs/{id}/{command}", { params: { path: { id, command: "stop" } } }));
 }
 
-export const hand = makeHand({ over, stop }, problemText);
+export const jogger = makeJogger({ ended, stop }, problemText);
 
-/** Moves a device with one of the modules that its kind names for jogging. */
+/** Moves a device with one of the jog modules of its kind. */
 export function jog(device: string, module: string, values: Arguments = {}): Step {
   const [path, body] = [{ id: device }, { module, arguments: values }];
   return () => answer(api.POST("/api/v1/devices/{id}/jog", { params: { path }, body }));
 }
 
-/** Learns from a device with one of the modules that its kind names for teaching. */
+/** Teaches with a device, with one of the teach modules of its kind. */
 export function teach(device: string, module: string, values: Arguments): Step {
   const [path, body] = [{ id: device }, { module, arguments: values }];
   return () => answer(api.POST("/api/v1/devices/{id}/teach", { params: { path }, body }));

@@ -7,16 +7,16 @@ import { Status } from "../../widgets/Status";
 import classes from "../modules.module.css";
 import type { Device } from "../../api/cell";
 import { HOME } from "./panels";
-import { hand, jog } from "./robotHand";
+import { jogger, jog } from "./robotJogger";
 
-/** What is always in reach while a robot is moved by hand: stop, home, and how the last step went. */
-export function HandBar({ devices, disabled }: { devices: readonly Device[]; disabled: boolean }) {
+/** Stop, home and the result of the last step: always visible while a robot is jogged. */
+export function JogBar({ devices, disabled }: { devices: readonly Device[]; disabled: boolean }) {
   const { t } = useTranslation("modules");
   useEscape();
   const homed = devices.filter((device) => device.jog.some(({ module }) => module === HOME));
   const home = () => {
     const steps = homed.map(({ id }) => jog(id, HOME));
-    hand.all(() => steps.shift() ?? null);
+    jogger.all(() => steps.shift() ?? null);
   };
   return (
     <div className={classes.bar} role="region" aria-label={t("jog.bar")}>
@@ -24,7 +24,7 @@ export function HandBar({ devices, disabled }: { devices: readonly Device[]; dis
         <Button
           color="red"
           leftSection={<IconHandStop size={14} aria-hidden />}
-          onClick={() => void hand.stop()}
+          onClick={() => void jogger.stop()}
           aria-keyshortcuts="Escape"
         >
           {t("jog.stop")}
@@ -46,21 +46,23 @@ export function HandBar({ devices, disabled }: { devices: readonly Device[]; dis
 
 function Verdict() {
   const { t } = useTranslation("modules");
-  const { moving, said } = hand.useHand();
+  const { moving, result } = jogger.useState();
   return (
     <Group gap="xs" role="status" aria-live="polite" flex="1 1 12rem">
       {moving && <Status mood="running" text={t("jog.moving")} />}
-      {said && !moving && <Status mood={said.good ? "good" : "bad"} text={t(said.good ? "jog.done" : "jog.notDone")} />}
-      {said && <Text size="xs">{said.text}</Text>}
+      {result && !moving && (
+        <Status mood={result.succeeded ? "good" : "bad"} text={t(result.succeeded ? "jog.done" : "jog.notDone")} />
+      )}
+      {result && <Text size="xs">{result.text}</Text>}
     </Group>
   );
 }
 
-/** Escape stops the hand, too, wherever the focus is; dialogs and lists that it closes are not asked. */
+/** Escape stops jogging wherever the focus is, even if it also closes a dialog or a list. */
 function useEscape(): void {
   useEffect(() => {
     const stop = (event: KeyboardEvent) => {
-      if (event.key === "Escape" && hand.useHand.getState().moving) void hand.stop();
+      if (event.key === "Escape" && jogger.useState.getState().moving) void jogger.stop();
     };
     document.addEventListener("keydown", stop, true);
     return () => document.removeEventListener("keydown", stop, true);
