@@ -13,7 +13,7 @@ import { Themed } from "./app/Themed";
 const root = document.getElementById("root");
 if (root === null) throw new Error("index.html has no root");
 
-const TOAST = 290; // px: beside the panel of the tools in the 3D view
+const TOAST = 290; // px: next to the tool panel of the 3D view
 
 createRoot(root).render(
   <StrictMode>

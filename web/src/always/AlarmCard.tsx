@@ -8,7 +8,7 @@ import { Answers } from "./Answers";
 import { MOODS } from "./severity";
 import { type Alarm, useAcknowledge } from "./useAlarms";
 
-/** One alarm: how grave, what, since when, who has seen it, and what can be done. */
+/** One alarm: severity, text, time, acknowledgement, and the possible actions. */
 export function AlarmCard({ alarm }: { alarm: Alarm }) {
   const { t } = useTranslation("always");
   return (
@@ -51,7 +51,7 @@ function Acts({ alarm }: { alarm: Alarm }) {
   );
 }
 
-/** Where in the pages one sees more of what an alarm is about. */
+/** The page that shows the subject of an alarm. */
 function Where({ alarm }: { alarm: Alarm }) {
   const { t } = useTranslation("always");
   if (alarm.job) {

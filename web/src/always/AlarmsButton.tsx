@@ -5,7 +5,7 @@ import { useDialogs } from "./dialogs";
 import { gravest } from "./severity";
 import { useAlarms } from "./useAlarms";
 
-/** How many alarms are active, and how grave the gravest is; opens their list. */
+/** The number of active alarms and their highest severity; opens the list. */
 export function AlarmsButton() {
   const { t } = useTranslation("always");
   const open = useDialogs((dialogs) => dialogs.open);

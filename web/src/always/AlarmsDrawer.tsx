@@ -7,7 +7,7 @@ import { type Alarm, useAlarms } from "./useAlarms";
 
 const SHOWN = 100;
 
-/** All alarms: those that are active, and those that are over, youngest first. */
+/** All active and past alarms, newest first. */
 export function AlarmsDrawer() {
   const { t } = useTranslation("always");
   const { opened, close } = useDialogs();

@@ -4,7 +4,7 @@ import { useStation } from "../live/station";
 import { MayButton } from "../widgets/MayButton";
 import { type Alarm, useAnswer } from "./useAlarms";
 
-/** Answers that the server knows, and what each means; skills may ask for others, which are shown as they are. */
+/** Known answers with their meanings; skills may ask for others, which are shown unchanged. */
 const KNOWN = {
   retry: "retry",
   "done by hand": "byHand",
@@ -22,7 +22,7 @@ function isKnown(choice: string): choice is Known {
   return Object.hasOwn(KNOWN, choice);
 }
 
-/** A button for each answer that an alarm waits for. */
+/** A button for each possible answer to an alarm. */
 export function Answers({ alarm }: { alarm: Alarm }) {
   const { t } = useTranslation("always");
   const answering = useAnswer();

@@ -8,11 +8,11 @@ interface Props {
   icon: TablerIcon;
   title: string;
   children: ReactNode;
-  /** What can be done about it. */
+  /** Buttons for the possible actions. */
   actions?: ReactNode;
 }
 
-/** One message across the page: said aloud at once by screen readers, and low, since there may be several. */
+/** A message across the page, announced at once by screen readers; small, since there may be several. */
 export function Banner({ tone, icon: Icon, title, children, actions }: Props) {
   return (
     <div role="alert" className={classes.banner} data-tone={tone}>

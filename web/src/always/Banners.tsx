@@ -5,7 +5,7 @@ import { HaltBanner } from "./HaltBanner";
 import { QuestionBanners } from "./QuestionBanners";
 import { StopVerdict } from "./StopVerdict";
 
-/** What must not be missed: a stop, a lost connection, a halt, questions to a person. */
+/** Messages that must not be missed: a stop, a lost connection, a halt, questions to a person. */
 export function Banners() {
   const { t } = useTranslation("always");
   return (

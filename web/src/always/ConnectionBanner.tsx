@@ -5,7 +5,7 @@ import { useConnection } from "../live/connection";
 import { Moment } from "../widgets/Moment";
 import { Banner } from "./Banner";
 
-/** The server is lost, or says nothing of the robots: what the page shows may be old. It heals by itself. */
+/** The server is lost or sends no states of the robots, so the page may be out of date. Disappears after recovery. */
 export function ConnectionBanner() {
   const { t } = useTranslation("always");
   const { status, since, silent } = useConnection();

@@ -6,7 +6,7 @@ import { Banner } from "./Banner";
 import { useDialogs } from "./dialogs";
 import { useHalt } from "./useHalt";
 
-/** Everything is halted: why, by whom, since when, and how it goes on. */
+/** Everything is halted: reason, author and time, and how to continue. */
 export function HaltBanner() {
   const { t } = useTranslation("always");
   const halt = useHalt();

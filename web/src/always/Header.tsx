@@ -13,7 +13,7 @@ import { ConnectionState, RobotsState, StationClock } from "./StationStates";
 import { StopButton } from "./StopButton";
 import { UserMenu } from "./UserMenu";
 
-/** What is always there: stop-all, the state of the station, alarms, who is signed in. */
+/** The header of all pages: stop-all, state of the station, alarms, user. */
 export function Header() {
   const { t } = useTranslation("always");
   const openDialog = useDialogs((dialogs) => dialogs.open);

@@ -19,7 +19,7 @@ export function HelpDialog() {
   );
 }
 
-/** What keys do at one place. */
+/** The keys of one part of the page. */
 function Keys({ place }: { place: keyof typeof SHORTCUTS }) {
   const { t } = useTranslation("always");
   const title = useId();

@@ -9,7 +9,7 @@ import { emitReset } from "../live/events";
 import { problemText } from "../widgets/problems";
 import { useStopping } from "./stopping";
 
-/** Takes a key and changes it for a cookie that no script can read. */
+/** Exchanges a key for a cookie that scripts cannot read. */
 export function KeyForm() {
   const { t } = useTranslation("always");
   const [key, setKey] = useState("");

@@ -3,7 +3,7 @@ import { useTranslation } from "react-i18next";
 import { KeyForm } from "./KeyForm";
 import { LanguageButton, SchemeButton } from "./Preferences";
 
-/** Asks for a key. */
+/** Asks for an API key. */
 export function Login() {
   const { t } = useTranslation("always");
   return (

@@ -3,7 +3,7 @@ import { useTranslation } from "react-i18next";
 import { KeyForm } from "./KeyForm";
 import { useStopping } from "./stopping";
 
-/** A login ended during work: the page stays below, with everything that was not saved. */
+/** Login during work: the page with all unsaved input stays below. */
 export function LoginAgain({ name }: { name: string }) {
   const { t } = useTranslation("always");
   const unsent = useStopping(({ verdict }) => verdict === "signedOut");

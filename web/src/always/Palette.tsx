@@ -7,7 +7,7 @@ import { useTranslation } from "react-i18next";
 import { usePalette } from "./palette";
 import { useActions } from "./useActions";
 
-/** Everything by a few letters: tabs, commands, scenes, jobs, and elements by search. */
+/** The command palette: finds tabs, commands, scenes, jobs and elements. */
 export default function Palette() {
   const { t } = useTranslation("always");
   const asked = usePalette((palette) => palette.asked);

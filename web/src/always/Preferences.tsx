@@ -3,14 +3,14 @@ import { IconLanguage, IconMoon, IconSun } from "@tabler/icons-react";
 import { useTranslation } from "react-i18next";
 import i18n, { LANGUAGES, type Language } from "../i18n";
 
-/** The language that is not the present one, and how to change to it. */
+/** Switches to the other language. */
 export function useOtherLanguage(): { name: string; change: () => void } {
   const { i18n: present } = useTranslation();
   const other: Language = present.language === "de" ? "en" : "de";
   return { name: LANGUAGES[other], change: () => void i18n.changeLanguage(other) };
 }
 
-/** Whether the pages are dark, and how to change that. */
+/** Switches between light and dark colours. */
 export function useScheme(): { dark: boolean; change: () => void } {
   const { setColorScheme } = useMantineColorScheme();
   const dark = useComputedColorScheme("light") === "dark";

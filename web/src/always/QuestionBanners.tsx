@@ -8,7 +8,7 @@ import { type Alarm, useAlarms } from "./useAlarms";
 
 const SHOWN = 2;
 
-/** What robots and held jobs wait for from a person, with the answers beside it. */
+/** Questions of robots and held jobs, with buttons for the answers. */
 export function QuestionBanners() {
   const { t } = useTranslation("always");
   const open = useDialogs((dialogs) => dialogs.open);

@@ -11,7 +11,7 @@ import { useDialogs } from "./dialogs";
 import { useStopping } from "./stopping";
 import { useHalt } from "./useHalt";
 
-/** Lets things start again, after a person has looked and confirmed. */
+/** Resets the station after a person has confirmed that it is safe. */
 export function ResetDialog() {
   const { t } = useTranslation("always");
   const { opened, close } = useDialogs();
@@ -23,7 +23,7 @@ export function ResetDialog() {
   );
 }
 
-/** Is about the halt that was in force when it was opened: a later one has not been looked at yet. */
+/** Refers to the halt at the time of opening: a later one has not been inspected yet. */
 function Question({ halt, done }: { halt: Schema<"StopInfo">; done: () => void }) {
   const { t } = useTranslation("always");
   const { t: common } = useTranslation();

@@ -9,7 +9,7 @@ import { useStation } from "../live/station";
 import { Status } from "../widgets/Status";
 import { clock, movingRobots } from "./stationTexts";
 
-/** The station's time, and how fast it goes. */
+/** Time and pace of the station. */
 export function StationClock() {
   const { t } = useTranslation("always");
   const seconds = useStation(({ state }) => (state === null ? null : Math.floor(state.time)));
@@ -22,7 +22,7 @@ export function StationClock() {
   );
 }
 
-/** Whether robots move, and which. */
+/** Which robots move. */
 export function RobotsState() {
   const { t } = useTranslation("always");
   const { data: robots } = useQuery({ queryKey: keys.robots(), queryFn: () => answer(api.GET("/api/v1/robots")) });

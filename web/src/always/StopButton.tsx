@@ -6,7 +6,7 @@ import { useMay } from "../api/session";
 import classes from "./always.module.css";
 import { stopAll } from "./stopping";
 
-/** Stops everything at once: no question, no queue, above everything else on the page. */
+/** Stops everything at once: no confirmation, no queue, above everything else on the page. */
 export function StopButton() {
   const { t } = useTranslation("always");
   const { t: common } = useTranslation();
@@ -30,7 +30,7 @@ export function StopButton() {
         aria-label={t("stop.label")}
         aria-keyshortcuts="Control+Shift+Space"
         leftSection={<IconHandStop size={22} aria-hidden />}
-        // Who may not sees it and hears why; it is tried all the same, the server decides.
+        // Users without permission see the reason; the request is sent all the same, and the server decides.
         data-disabled={!may || undefined}
         aria-disabled={!may}
         onMouseEnter={show}
@@ -38,7 +38,7 @@ export function StopButton() {
         onFocus={({ currentTarget }) => currentTarget.matches(":focus-visible") && show()}
         onBlur={hide}
         onClick={() => {
-          hide(); // else it covers what became of the stop
+          hide(); // otherwise it covers the result of the stop
           void stopAll(t("stop.reason"));
         }}
       >

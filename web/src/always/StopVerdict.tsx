@@ -17,9 +17,9 @@ const ICONS: Record<Verdict, TablerIcon> = {
   unsent: IconHandStop,
   obeyed: IconCheck,
 };
-const SHOWN = 8000; // ms, of a good verdict: that everything is halted is said as long as it is so
+const SHOWN = 8000; // ms, of a success: the halt banner stays
 
-/** What became of a stop that was asked for here, in big words: one that was not obeyed must not be relied on. */
+/** The result of a stop requested here, in large type: an ineffective stop must not go unnoticed. */
 export function StopVerdict() {
   const { verdict } = useStopping();
   const forget = useStopping((stopping) => stopping.forget);
@@ -32,7 +32,7 @@ export function StopVerdict() {
       endListening();
     };
   }, [verdict, forget]);
-  // Then the place to sign in again is needed at once.
+  // Then the login form is needed at once.
   useEffect(() => {
     if (verdict === "signedOut") void queryClient.invalidateQueries({ queryKey: keys.me });
   }, [verdict]);

@@ -7,7 +7,7 @@ import { problemText } from "../widgets/problems";
 
 const AGAIN = 1500; // ms
 
-/** The server does not answer yet: says so, and asks again until it does. */
+/** Reports that the server does not answer, and retries until it does. */
 export function Unreachable({ error }: { error: Error }) {
   const { t } = useTranslation("always");
   const { refetch } = useMe();

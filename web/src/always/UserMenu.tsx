@@ -4,7 +4,7 @@ import { useTranslation } from "react-i18next";
 import { useMe } from "../api/session";
 import { logout } from "./logout";
 
-/** Who is signed in, what that role may do, and how to leave. */
+/** The user, the permissions of their role, and the logout button. */
 export function UserMenu() {
   const { t } = useTranslation("always");
   const { data: me } = useMe();

@@ -1,4 +1,4 @@
-/** Which dialog of those that are always there is open; buttons, keys and the command palette open them alike. */
+/** Which global dialog is open; buttons, keys and the command palette open them alike. */
 
 import { create } from "zustand";
 
@@ -6,7 +6,7 @@ export type Dialog = "reset" | "alarms" | "help" | "load";
 
 interface Dialogs {
   opened: Dialog | null;
-  /** Name of what it is about: the scene that is to be loaded. */
+  /** Its subject: the name of the scene to load. */
   about: string;
   open: (dialog: Dialog, about?: string) => void;
   close: () => void;

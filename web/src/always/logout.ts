@@ -1,7 +1,7 @@
 import { answer, api } from "../api/client";
 import { notifyProblem } from "../widgets/problems";
 
-/** Ends the login; nothing that was read or half filled in stays for the next user. */
+/** Logs out; deletes all data and unfinished forms, so that nothing is left for the next user. */
 export async function logout(): Promise<void> {
   try {
     await answer(api.DELETE("/api/v1/session"));

@@ -1,9 +1,9 @@
-/** The command palette; its code comes when it is opened first. */
+/** The command palette; its code is loaded when it is first opened. */
 
 import { create } from "zustand";
 
 interface Palette {
-  /** How often it was opened. */
+  /** Counts how often it was opened. */
   asked: number;
   open: () => void;
 }

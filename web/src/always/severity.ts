@@ -10,12 +10,12 @@ export const MOODS: Record<Alarm["severity"], Mood> = {
   low: "waiting",
 };
 
-/** The gravest first, and of equals the youngest. */
+/** Highest severity first, then newest first. */
 export function bySeverity(alarms: readonly Alarm[]): Alarm[] {
   return alarms.toReversed().sort((one, other) => ORDER.indexOf(one.severity) - ORDER.indexOf(other.severity));
 }
 
-/** The gravest severity; undefined where there is no alarm. */
+/** The highest severity; undefined without alarms. */
 export function gravest(alarms: readonly Alarm[]): Alarm["severity"] | undefined {
   return ORDER.find((severity) => alarms.some((alarm) => alarm.severity === severity));
 }

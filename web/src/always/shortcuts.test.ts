@@ -2,7 +2,7 @@ import { commandOf } from "./shortcuts";
 
 const PLAIN = { code: "", key: "", ctrlKey: false, metaKey: false, altKey: false, shiftKey: false };
 
-test("Ctrl+Shift+Space stops, in a text field, too", () => {
+test("Ctrl+Shift+Space stops, even in a text field", () => {
   expect(commandOf({ ...PLAIN, code: "Space", key: " ", ctrlKey: true, shiftKey: true }, true)).toBe("stop");
 });
 
@@ -13,16 +13,16 @@ test.each([{ shiftKey: true }, { ctrlKey: true }, { altKey: true, shiftKey: true
   },
 );
 
-test("Alt and a digit open a tab, whatever the layout makes of them", () => {
+test("Alt and a digit open a tab in any keyboard layout", () => {
   expect(commandOf({ ...PLAIN, code: "Digit2", key: "™", altKey: true }, true)).toEqual({ tab: "task" });
   expect(commandOf({ ...PLAIN, code: "Digit9", key: "9", altKey: true }, true)).toBeUndefined();
 });
 
-test("AltGr and a digit write a character and open nothing", () => {
+test("AltGr and a digit write a character and open no tab", () => {
   expect(commandOf({ ...PLAIN, code: "Digit2", key: "²", altKey: true, ctrlKey: true }, true)).toBeUndefined();
 });
 
-test("a question mark shows the keys, unless it is written", () => {
+test("a question mark shows the keys, except in a text field", () => {
   expect(commandOf({ ...PLAIN, key: "?", shiftKey: true }, false)).toBe("help");
   expect(commandOf({ ...PLAIN, key: "?", shiftKey: true }, true)).toBeUndefined();
 });

@@ -1,4 +1,4 @@
-/** The keys of the pages: what each does, and how it is said to people. */
+/** The keyboard shortcuts: their commands, and their descriptions for people. */
 
 import { TABS, type Tab } from "../app/address";
 
@@ -7,9 +7,9 @@ export type Command = "stop" | "palette" | "help" | "view3d" | { tab: Tab };
 type Press = Pick<KeyboardEvent, "code" | "key" | "ctrlKey" | "metaKey" | "altKey" | "shiftKey">;
 
 /**
- * Returns the command of a key press; undefined for none.
+ * Returns the command of a key press; undefined if there is none.
  *
- * @param writing - Whether it goes into a text field, where letters alone command nothing.
+ * @param writing - Whether the focus is in a text field, where plain letters are no commands.
  */
 export function commandOf(press: Press, writing: boolean): Command | undefined {
   const control = press.ctrlKey || press.metaKey;
@@ -25,7 +25,7 @@ function withAlt(code: string): Command | undefined {
   return tab && { tab };
 }
 
-/** Names of what keys do in the texts, with the keys, by where they do it; for the list of them. */
+/** Text keys of the shortcuts, with their keys, by the part of the page; for the help dialog. */
 export const SHORTCUTS = {
   everywhere: [
     ["stop", ["Ctrl", "Shift", "Space"]],

@@ -26,7 +26,7 @@ test.each([
   expect(clock(seconds)).toBe(text);
 });
 
-test("a robot moves when any part of it does, and is called by its label", () => {
+test("a robot moves when any of its devices does, and is named by its label", () => {
   const moving = state({});
   moving.devices["arm_1"] = { still: false, state: {}, holds: null };
   expect(movingRobots(moving, ROBOTS)).toBe("Anna");
@@ -35,7 +35,7 @@ test("a robot moves when any part of it does, and is called by its label", () =>
   expect(movingRobots(state({}), ROBOTS)).toBe("");
 });
 
-test("the window's title says what matters most", () => {
+test("the window title shows the most important state", () => {
   const running = state({ tasks: [{ name: "kit-17", status: "running" }] });
   expect(windowTitle(running, false, 0, WORDS)).toBe("● kit-17 running – skiros");
   expect(windowTitle({ ...running, halted: "why" }, false, 0, WORDS)).toBe("■ halted – skiros");

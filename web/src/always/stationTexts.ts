@@ -1,20 +1,20 @@
 import type { StationState } from "../live/station";
 
-/** Seconds as people read them: 75 is "1:15", 3675 is "1:01:15". */
+/** Seconds as a clock: 75 is "1:15", 3675 is "1:01:15". */
 export function clock(seconds: number): string {
   const [hours, minutes] = [Math.floor(seconds / 3600), Math.floor(seconds / 60) % 60];
   const ending = String(Math.floor(seconds) % 60).padStart(2, "0");
   return hours > 0 ? `${hours}:${String(minutes).padStart(2, "0")}:${ending}` : `${minutes}:${ending}`;
 }
 
-/** What it takes to tell whether a robot moves. */
+/** The part of the state that shows whether a robot moves. */
 interface Robot {
   id: string;
   label: string;
   devices: readonly { id: string }[];
 }
 
-/** Names of the robots that move, with commas; as text, so that no change draws nothing again. */
+/** Names of the moving robots, separated by commas; a string, so that equal results cause no rendering. */
 export function movingRobots(state: StationState | null, robots: readonly Robot[]): string {
   if (state === null) return "";
   return robots

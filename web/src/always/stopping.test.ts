@@ -6,7 +6,7 @@ function answer(status: number, body: object): Response {
   return new Response(JSON.stringify(body), { status });
 }
 
-/** Has the server answer in a certain order; what is asked for more often gets the last answer again. */
+/** Makes the server give these answers in order, then repeat the last one. */
 function answers(...all: (Response | Error)[]) {
   const left = [...all];
   return vi.spyOn(globalThis, "fetch").mockImplementation(() => {
@@ -24,7 +24,7 @@ afterEach(() => {
   vi.useRealTimers();
 });
 
-test("a stop that was obeyed says so", async () => {
+test("an effective stop is reported", async () => {
   const fetch = answers(answer(200, { ...INFO, obeyed: true }));
   const stopping = stopAll("a person is in the cell");
   await vi.advanceTimersByTimeAsync(100);
@@ -33,7 +33,7 @@ test("a stop that was obeyed says so", async () => {
   expect(fetch.mock.calls[0]?.[1]).toMatchObject({ method: "POST", keepalive: true });
 });
 
-test("a stop that nobody answers is asked for until somebody does", async () => {
+test("a stop without an answer is repeated until there is one", async () => {
   const fetch = answers(new TypeError("no network"), answer(502, {}), answer(200, { ...INFO, obeyed: true }));
   const stopping = stopAll("why");
   await vi.advanceTimersByTimeAsync(1);
@@ -46,7 +46,7 @@ test("a stop that nobody answers is asked for until somebody does", async () => 
   expect(fetch).toHaveBeenCalledTimes(3);
 });
 
-test("a stop that was heard and not obeyed is no good news until it is", async () => {
+test("a stop that was received but has no effect yet is not reported as a success", async () => {
   answers(
     answer(202, { ...INFO, obeyed: false }),
     answer(200, { ...INFO, obeyed: false }),
@@ -60,7 +60,7 @@ test("a stop that was heard and not obeyed is no good news until it is", async (
   expect(useStopping.getState().verdict).toBe("obeyed");
 });
 
-test("a stop that is refused says what the server says, and is not tried again", async () => {
+test("a refused stop shows the server's reason, and is not repeated", async () => {
   const fetch = answers(answer(403, { title: "Role too low", detail: "that takes the role operator" }));
   const stopping = stopAll("why");
   await vi.advanceTimersByTimeAsync(5000);
@@ -69,7 +69,7 @@ test("a stop that is refused says what the server says, and is not tried again",
   expect(fetch).toHaveBeenCalledTimes(1);
 });
 
-test("a stop that nobody takes, since the login has ended, is asked about after the next one, and sent if still wanted", async () => {
+test("a stop that failed because the login had ended is offered again after the next login", async () => {
   const fetch = answers(
     answer(401, { detail: "send it as 'Authorization: Bearer sk_…'" }),
     answer(200, { ...INFO, obeyed: true }),
@@ -88,12 +88,12 @@ test("a stop that nobody takes, since the login has ended, is asked about after 
   expect(useStopping.getState().verdict).toBe("obeyed");
 });
 
-test("who signs in without having asked for a stop is asked for none", () => {
+test("a login without a pending stop offers none", () => {
   useStopping.getState().signedIn();
   expect(useStopping.getState().verdict).toBeNull();
 });
 
-test("a stop that is withdrawn is tried no more", async () => {
+test("a withdrawn stop is not repeated", async () => {
   const fetch = answers(new TypeError("no network"));
   const stopping = stopAll("why");
   await vi.advanceTimersByTimeAsync(1);
@@ -104,7 +104,7 @@ test("a stop that is withdrawn is tried no more", async () => {
   expect(fetch).toHaveBeenCalledTimes(1);
 });
 
-test("an answer that comes late is one, though it was tried again meanwhile", async () => {
+test("a late answer counts, even after further attempts", async () => {
   let late: (response: Response) => void = () => undefined;
   const fetch = vi.spyOn(globalThis, "fetch").mockReturnValue(new Promise(() => undefined));
   fetch.mockReturnValueOnce(new Promise((resolve) => (late = resolve)));

@@ -1,20 +1,20 @@
-/** Stops everything: past queues, dialogs and caches, and again and again until the server has answered. */
+/** Stops everything: bypasses queues, dialogs and caches, and repeats the request until the server has answered. */
 
 import { create } from "zustand";
 import { BASE, type Schema } from "../api/client";
 import { reconnect } from "../live/connection";
 
-/** How a stop that was asked for here stands. */
+/** The state of a stop requested here. */
 export type Verdict = "asking" | "noAnswer" | "notObeyed" | "refused" | "signedOut" | "unsent" | "obeyed";
 
 interface Stopping {
-  /** Null while no stop was asked for here, or its result has been read. */
+  /** Null if no stop was requested here, or its result was acknowledged. */
   verdict: Verdict | null;
-  /** What the server said besides: why it was refused. */
+  /** The server's text, for example the reason of a refusal. */
   text: string;
-  /** Ends it: a stop without an answer is withdrawn, one with an answer stands. */
+  /** Ends it: withdraws an unanswered stop, acknowledges an answered one. */
   forget: () => void;
-  /** A user signed in again: a stop that could not be sent before is asked about, since it may no longer be wanted. */
+  /** After a new login, asks whether to send a stop that could not be sent: it may no longer be wanted. */
   signedIn: () => void;
 }
 
@@ -28,21 +28,21 @@ export const useStopping = create<Stopping>((set) => ({
   signedIn: () => set(({ verdict }) => ({ verdict: verdict === "signedOut" ? "unsent" : verdict })),
 }));
 
-const NOTICE_AFTER = 1500; // ms without an answer until that is said
-const AGAIN = 2000; // ms between two tries; each goes on while the next begins: any answer is one
-const PATIENCE = 8000; // ms for one try
+const NOTICE_AFTER = 1500; // ms without an answer before it is reported
+const AGAIN = 2000; // ms between two attempts; they overlap, and any answer counts
+const PATIENCE = 8000; // ms for one attempt
 const LOOK = 50; // ms
 const LOOK_AGAIN = 1000; // ms
 
 let round = 0;
 
-/** Asks for a stop until it is answered. A second call while the first one is under way asks at once again. */
+/** Requests a stop until it is answered. A second call meanwhile sends another request at once. */
 export async function stopAll(reason: string): Promise<void> {
   round += 1;
   const mine = round;
   const open = () => mine === round && !isAnswer(useStopping.getState().verdict);
   useStopping.setState(({ verdict }) => ({ verdict: verdict === "noAnswer" ? verdict : "asking", text: "" }));
-  const room = setTimeout(reconnect, NOTICE_AFTER / 2); // several windows may hold all that a browser connects
+  const room = setTimeout(reconnect, NOTICE_AFTER / 2); // several windows may use all connections of the browser
   const notice = setTimeout(() => open() && giveNotice(), NOTICE_AFTER);
   while (open()) {
     void ask(reason).then((answer) => {
@@ -70,7 +70,7 @@ function settle(answer: Answer | null, mine: () => boolean): void {
   if (answer.verdict === "notObeyed") void untilObeyed(mine);
 }
 
-/** Asks once; null without an answer. */
+/** Sends one request; null without an answer. */
 async function ask(reason: string): Promise<Answer | null> {
   try {
     const response = await fetch(`${BASE}/api/v1/stop`, {
@@ -93,12 +93,12 @@ async function meaning(response: Response): Promise<Answer | null> {
     return { verdict: obeyed ? "obeyed" : "notObeyed", text: "" };
   }
   if (response.status === 401) return { verdict: "signedOut", text: "" };
-  if (response.status >= 500) return null; // a proxy without a server, a server that ends
+  if (response.status >= 500) return null; // a proxy without a server, or a server that shuts down
   const problem = (await response.json().catch(() => ({}))) as Partial<Schema<"ProblemDetails">>;
   return { verdict: "refused", text: problem.detail ?? `HTTP ${response.status}` };
 }
 
-/** It was heard, and the robots do not come round: looks until they do. */
+/** The stop was received but the control cycle does not respond: polls until it does. */
 async function untilObeyed(going: () => boolean): Promise<void> {
   while (going()) {
     await pause(LOOK_AGAIN);
@@ -117,7 +117,7 @@ async function isObeyed(): Promise<boolean> {
   }
 }
 
-/** Waits, but no longer than something is open. */
+/** Waits for a time, or until the state is no longer open. */
 async function whileOpen(open: () => boolean, milliseconds: number): Promise<void> {
   const until = Date.now() + milliseconds;
   while (open() && Date.now() < until) await pause(LOOK);

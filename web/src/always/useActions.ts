@@ -14,7 +14,7 @@ import { stopAll } from "./stopping";
 const FOUND = 12;
 const JOBS = 200;
 
-/** What the command palette offers for what was typed: groups of actions. While it is closed nothing is read for it. */
+/** The actions of the command palette for a search text, in groups. Fetches nothing while the palette is closed. */
 export function useActions(searched: string, opened: boolean): SpotlightActionGroupData[] {
   return [useTabs(), useCommands(), useElements(searched, opened), useJobs(opened), useScenes(opened)];
 }
@@ -62,7 +62,7 @@ function useElements(searched: string, opened: boolean): SpotlightActionGroupDat
     id: `element-${id}`,
     label: label || id,
     description: id,
-    keywords: [searched], // the server has found it, whatever in it was meant
+    keywords: [searched], // the server has matched it, in whichever field
     onClick: () => show(id),
   }));
   return { group: t("palette.elements"), actions };

@@ -7,11 +7,11 @@ import { notifyProblem } from "../widgets/problems";
 
 export type Alarm = Schema<"AlarmInfo">;
 
-const ALL = 1000; // no more are kept of those that are over
+const ALL = 1000; // the server keeps no more past alarms
 
 const NONE: readonly Alarm[] = [];
 
-/** The alarms that are active, oldest first, or those that are over. */
+/** The active alarms, oldest first, or the past ones. */
 export function useAlarms(active: boolean): readonly Alarm[] {
   const { data } = useQuery({
     queryKey: keys.alarms(active),
@@ -20,18 +20,18 @@ export function useAlarms(active: boolean): readonly Alarm[] {
   return data?.items ?? NONE;
 }
 
-/** Notes that an alarm was seen. */
+/** Acknowledges an alarm. */
 export function useAcknowledge() {
   return useSingleMutation({
     mutationFn: (alarm: Alarm) =>
       answer(api.POST("/api/v1/alarms/{alarm}/acknowledge", { params: { path: { alarm: alarm.id } } })),
-    // Until it is known what that has made of the alarm, its buttons are not there for a second press.
+    // Pending until the new state is fetched, so that its buttons cannot be pressed twice.
     onSuccess: () => queryClient.invalidateQueries({ queryKey: keys.alarms() }),
     onError: notifyProblem,
   });
 }
 
-/** Answers what an alarm asks: that, and nothing that it may ask by then. */
+/** Answers the question that an alarm asked when it was shown, not a later one. */
 export function useAnswer() {
   return useSingleMutation({
     mutationFn: ({ alarm, choice }: { alarm: Alarm; choice: string }) =>
@@ -41,7 +41,7 @@ export function useAnswer() {
           body: { answer: choice, question: alarm.question ?? null },
         }),
       ),
-    // Until it is known what that has made of the alarm, its buttons are not there for a second press.
+    // Pending until the new state is fetched, so that its buttons cannot be pressed twice.
     onSuccess: () => queryClient.invalidateQueries({ queryKey: keys.alarms() }),
     onError: notifyProblem,
   });

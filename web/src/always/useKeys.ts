@@ -8,7 +8,7 @@ import { usePalette } from "./palette";
 import { type Command, commandOf } from "./shortcuts";
 import { stopAll } from "./stopping";
 
-/** Hears the keys of the pages, before anything else on them does. */
+/** Handles keyboard shortcuts before any other listener. */
 export function useKeys(): void {
   const { t } = useTranslation("always");
   const openTab = useOpenAsLeft();

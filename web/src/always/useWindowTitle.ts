@@ -5,7 +5,7 @@ import { useStation } from "../live/station";
 import { windowTitle } from "./stationTexts";
 import { useAlarms } from "./useAlarms";
 
-/** Has the browser's tab say how things are. */
+/** Shows the state in the title of the browser's tab. */
 export function useWindowTitle(): void {
   const { t } = useTranslation("always");
   const lost = useConnection(({ status }) => status === "lost");
@@ -16,7 +16,8 @@ export function useWindowTitle(): void {
     halted: t("title.halted"),
     running: t("title.running"),
   };
-  const hidden = useDocumentVisibility() === "hidden"; // nothing is followed then: an old state must not look like the present one
+  // Hidden pages are disconnected: an old state must not look like the present one.
+  const hidden = useDocumentVisibility() === "hidden";
   useDocumentTitle(
     useStation(({ state }) => windowTitle(hidden ? null : state, lost && !hidden, hidden ? 0 : questions, words)),
   );

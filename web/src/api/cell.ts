@@ -17,7 +17,7 @@ export function useRobots() {
   });
 }
 
-/** Devices of any kind; read again at an interval [ms] if one is given, because others may open and close them. */
+/** Devices of any kind; polled at an interval [ms] if one is given, because other clients may open and close them. */
 export function useDevices(interval: number | false = false) {
   return useQuery({
     queryKey: keys.robots("devices"),

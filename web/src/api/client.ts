@@ -1,4 +1,4 @@
-/** The REST API, typed by its own description; nothing else of this code speaks HTTP. */
+/** The REST API, typed from its OpenAPI description; the only module that uses HTTP. */
 
 import createClient from "openapi-fetch";
 import type { components, paths } from "./schema";
@@ -6,16 +6,16 @@ import type { components, paths } from "./schema";
 /** The schemas of the API by name: `Schema<"Job">`. */
 export type Schema<Name extends keyof components["schemas"]> = components["schemas"][Name];
 
-/** Where the pages were loaded from, without the slash at its end: the API is beside them, also behind a proxy. */
+/** The address of the pages without its last slash: the API is next to them, even behind a proxy. */
 export const BASE = new URL(".", document.baseURI).href.replace(/\/$/, "");
 
 export const api = createClient<paths>({
   baseUrl: BASE,
-  // Looked up at each request, so that a later replacement counts.
+  // Looked up at each request, so that tests can replace it.
   fetch: (request) => globalThis.fetch(request),
 });
 
-/** What the server says when it refuses something (RFC 9457); its text says what would be right. */
+/** A refusal by the server (RFC 9457); its text says what is wrong and what would be right. */
 export class ApiProblem extends Error {
   readonly status: number;
   readonly code: string;
@@ -30,7 +30,7 @@ export class ApiProblem extends Error {
   }
 }
 
-/** Whether what was asked for is not there (any more). */
+/** Whether the requested resource does not exist (any more). */
 export function isGone(error: unknown): boolean {
   return error instanceof ApiProblem && error.status === 404;
 }
@@ -41,12 +41,12 @@ interface Answered<Data> {
   response: Response;
 }
 
-/** Returns what a call answers, or throws the problem that it answers. */
+/** Returns the answer of a call, or throws its problem. */
 export async function answer<Data>(call: Promise<Answered<Data>>): Promise<NonNullable<Data>> {
   return (await answerWithTag(call)).data;
 }
 
-/** The same with the ETag, which writes have to say in `If-Match`. */
+/** The same with the ETag, which writes must send as `If-Match`. */
 export async function answerWithTag<Data>(
   call: Promise<Answered<Data>>,
 ): Promise<{ data: NonNullable<Data>; tag: string }> {

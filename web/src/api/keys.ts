@@ -1,4 +1,4 @@
-/** Keys of what is read and kept: the first word says what kind of event makes it old (see live/freshness.ts). */
+/** Keys of cached queries: their first word determines which events invalidate them (see live/freshness.ts). */
 
 export const keys = {
   me: ["me"] as const,

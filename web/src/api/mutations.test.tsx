@@ -6,7 +6,7 @@ function Adder({ add, twice }: { add: () => Promise<string>; twice?: boolean }) 
   const { mutate, status } = useSingleMutation({ mutationFn: add });
   const click = () => {
     mutate();
-    if (twice) mutate(); // what a double click does before the page is drawn anew
+    if (twice) mutate(); // a double click sends it before the page is rendered again
   };
   return <button onClick={click}>{status}</button>;
 }
@@ -15,7 +15,7 @@ function show(adder: React.ReactNode) {
   render(<QueryClientProvider client={new QueryClient()}>{adder}</QueryClientProvider>);
 }
 
-test("a double click does it once", async () => {
+test("a double click runs it once", async () => {
   const add = vi.fn(() => Promise.resolve("starter_2"));
   show(<Adder add={add} twice />);
   fireEvent.click(screen.getByRole("button"));
@@ -23,7 +23,7 @@ test("a double click does it once", async () => {
   expect(add).toHaveBeenCalledTimes(1);
 });
 
-test("while it runs it is not begun again, whether or not that is drawn already", async () => {
+test("it is not started again while it runs, even before the page is rendered", async () => {
   let end: (id: string) => void = () => undefined;
   const add = vi.fn(() => new Promise<string>((resolve) => (end = resolve)));
   show(<Adder add={add} />);
@@ -35,7 +35,7 @@ test("while it runs it is not begun again, whether or not that is drawn already"
   expect(add).toHaveBeenCalledTimes(1);
 });
 
-test.each([["success"], ["error"]])("after %s it can be done again", async (ending) => {
+test.each([["success"], ["error"]])("after %s it can run again", async (ending) => {
   const add = vi.fn(() => (ending === "success" ? Promise.resolve("") : Promise.reject(new Error("refused"))));
   show(<Adder add={add} />);
   for (const times of [1, 2, 3]) {

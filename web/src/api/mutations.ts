@@ -1,4 +1,4 @@
-/** Writes: one at a time from one place, however often its button is pressed. */
+/** Writes: one at a time for each button, however often it is pressed. */
 
 import {
   type DefaultError,
@@ -10,9 +10,9 @@ import {
 import { useEffect, useRef } from "react";
 
 /**
- * A mutation that is not begun again while it runs: a double click means one thing, not two.
+ * A mutation that cannot be started again while it runs, so that a double click has one effect.
  *
- * A disabled button is not enough: on a busy machine the second click comes before the page was drawn again.
+ * A disabled button is not enough: on a busy machine the second click arrives before the page is rendered.
  */
 export function useSingleMutation<Data = unknown, Failure = DefaultError, Input = void, Context = unknown>(
   options: UseMutationOptions<Data, Failure, Input, Context>,
@@ -20,7 +20,7 @@ export function useSingleMutation<Data = unknown, Failure = DefaultError, Input 
   const mutation = useMutation(options);
   const busy = useRef(false);
   const { status, submittedAt } = mutation;
-  // Not when it ends, but when that is drawn: until then its dialog may still be there to be clicked at.
+  // Released after rendering, not at its end: until then its dialog may still receive a click.
   useEffect(() => {
     if (status !== "pending") busy.current = false;
   }, [status, submittedAt]);

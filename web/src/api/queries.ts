@@ -1,4 +1,4 @@
-/** One cache of what was read; it asks again when an event says that something is old, not by the clock. */
+/** The cache of queries; they are fetched again after events that invalidate them, not periodically. */
 
 import { QueryClient } from "@tanstack/react-query";
 import { ApiProblem } from "./client";

@@ -7,7 +7,7 @@ import { useLoginEnded, useMe } from "../api/session";
 import { Shell } from "./Shell";
 import { useServer } from "./useServer";
 
-/** The pages, or the login where a key is needed. */
+/** The pages, or the login if a key is required. */
 export function App() {
   const { t } = useTranslation();
   const { data: me, error } = useMe();

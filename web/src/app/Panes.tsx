@@ -12,7 +12,7 @@ const Scene = lazy(() => import("../scene3d/Scene"));
 const BOTH = ["view3d", "tabs"];
 const ONE = ["tabs"];
 
-/** The 3D view, where it is shown, beside the tabs; how wide each is is remembered. */
+/** The 3D view, if shown, next to the tabs; remembers their widths. */
 export function Panes() {
   const { t } = useTranslation();
   const { breakpoints } = useMantineTheme();

@@ -7,7 +7,7 @@ interface Props {
   children: ReactNode;
 }
 
-/** A part of the page that may load late or break without taking the rest, the stop button above all, with it. */
+/** A part of the page that may load late or fail without affecting the rest, above all the stop button. */
 export function Part({ children }: Props) {
   return (
     <QueryErrorResetBoundary>

@@ -3,7 +3,7 @@ import { IconClick } from "@tabler/icons-react";
 import { useTranslation } from "react-i18next";
 import { useSelection } from "../selection/selection";
 
-/** Some form waits for a click on an element: says for what, and lets that be. */
+/** Shows that a form waits for a click on an element, what for, and a button to cancel. */
 export function PickNotice() {
   const { t } = useTranslation();
   const pick = useSelection((selection) => selection.pick);

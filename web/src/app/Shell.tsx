@@ -15,11 +15,11 @@ import { Part } from "./Part";
 
 const Palette = lazy(() => import("../always/Palette"));
 
-/** The one screen: what is always there above, the live 3D view beside the four tabs below. */
+/** The layout of the page: the header above, the live 3D view and the four tabs below. */
 export function Shell() {
   const { t } = useTranslation();
   const paletteAsked = usePalette(({ asked }) => asked > 0);
-  useEffect(keepFocus, []); // first of all that hear keys
+  useEffect(keepFocus, []); // before all other listeners of keys
   useKeys();
   useWindowTitle();
   return (

@@ -58,7 +58,7 @@ export function Tabs() {
   );
 }
 
-/** Puts the focus on the tab that was opened by a key: what had it is gone with the panel of the other one. */
+/** Focuses a tab that was opened by a key, since the focused element disappeared with the other panel. */
 function useFocusOn(tab: Tab, list: RefObject<HTMLElement | null>): void {
   const before = useRef(tab);
   useLayoutEffect(() => {

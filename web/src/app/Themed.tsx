@@ -3,7 +3,7 @@ import { type ReactNode, useMemo } from "react";
 import { useTranslation } from "react-i18next";
 import { colours, theme } from "./theme";
 
-/** Looks of the pages, with the words that the library's own buttons have. */
+/** The theme of the pages, with translations for the library's own buttons. */
 export function Themed({ children }: { children: ReactNode }) {
   const { t } = useTranslation();
   const close = t("close");

@@ -1,10 +1,10 @@
 import { addressOf, readAddress } from "./address";
 
-test("an address names a tab and what is shown in it", () => {
+test("an address names a tab and its content", () => {
   expect(readAddress("/task/kit-17")).toEqual({ tab: "task", detail: "kit-17" });
 });
 
-test.each(["kit/17", "100 %", "ä#?&", "<img src=x>"])("what is shown may have any name: %s", (detail) => {
+test.each(["kit/17", "100 %", "ä#?&", "<img src=x>"])("any content can be named: %s", (detail) => {
   expect(readAddress(addressOf("world", detail))).toEqual({ tab: "world", detail });
 });
 

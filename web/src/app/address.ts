@@ -7,7 +7,7 @@ export function addressOf(tab: Tab, detail: string): string {
   return detail ? `/${tab}/${encodeURIComponent(detail)}` : `/${tab}`;
 }
 
-/** Reads an address that anybody may have typed: what it does not say well is read as it stands. */
+/** Parses an address that may have been typed by a person; malformed parts are used literally. */
 export function readAddress(path: string): { tab: Tab; detail: string } {
   const [, name = "", ...rest] = path.split("/");
   return { tab: TABS.find((known) => known === name) ?? "goal", detail: decoded(rest.join("/")) };

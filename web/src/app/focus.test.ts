@@ -17,20 +17,20 @@ function press(key = "Enter"): void {
   window.dispatchEvent(new KeyboardEvent("keydown", { key }));
 }
 
-/** What a button does that works for a while. */
+/** A button that is disabled while its work runs. */
 async function pressAndDisable(id: string): Promise<void> {
   button("one").focus();
   button(id).focus();
   press();
-  button(id).blur(); // as browsers do with what is disabled
+  button(id).blur(); // as browsers do for disabled elements
   button(id).disabled = true;
   await told();
 }
 
-/** The keeper looks after the present task. */
+/** Lets mutation observers run. */
 const told = () => new Promise((resume) => setTimeout(resume, 10));
 
-test("where what had the focus is gone, it goes back to what had it before", async () => {
+test("when the focused element disappears, the focus returns to the previous one", async () => {
   button("one").focus();
   button("two").focus();
   press();
@@ -39,7 +39,7 @@ test("where what had the focus is gone, it goes back to what had it before", asy
   expect(document.activeElement).toBe(button("one"));
 });
 
-test("it goes past all that are gone", async () => {
+test("elements that have disappeared are skipped", async () => {
   for (const id of ["one", "three", "two"]) button(id).focus();
   press();
   button("three").remove();
@@ -48,7 +48,7 @@ test("it goes past all that are gone", async () => {
   expect(document.activeElement).toBe(button("one"));
 });
 
-test("what took the focus itself keeps it", async () => {
+test("an element that takes the focus itself keeps it", async () => {
   button("one").focus();
   button("two").focus();
   press();
@@ -58,7 +58,7 @@ test("what took the focus itself keeps it", async () => {
   expect(document.activeElement).toBe(button("three"));
 });
 
-test("what was disabled for a while has the focus again afterwards", async () => {
+test("an element that was disabled for a while gets the focus back", async () => {
   await pressAndDisable("two");
   expect(document.activeElement).toBe(document.body);
   button("two").disabled = false;
@@ -66,7 +66,7 @@ test("what was disabled for a while has the focus again afterwards", async () =>
   expect(document.activeElement).toBe(button("two"));
 });
 
-test("for who points nothing is done", async () => {
+test("the focus is not restored for users of a pointer", async () => {
   button("one").focus();
   button("two").focus();
   document.dispatchEvent(new Event("pointerdown"));
@@ -75,19 +75,19 @@ test("for who points nothing is done", async () => {
   expect(document.activeElement).toBe(document.body);
 });
 
-test("on its way from one to the next the focus is not taken back, whatever changes meanwhile", async () => {
+test("the focus is not taken back while it moves from one element to another", async () => {
   button("one").focus();
   press();
   button("one").addEventListener("blur", () => void button("one").setAttribute("disabled", ""));
-  button("one").blur(); // nothing has it now
-  await Promise.resolve(); // an observer would have been told by now
+  button("one").blur(); // nothing has the focus now
+  await Promise.resolve(); // an observer would have run by now
   button("one").removeAttribute("disabled");
   button("three").focus();
   await told();
   expect(document.activeElement).toBe(button("three"));
 });
 
-test("who goes on while it is disabled is not called back to it", async () => {
+test("the focus does not return to a disabled element after the user has moved on", async () => {
   await pressAndDisable("two");
   press(" ");
   button("two").disabled = false;
@@ -95,7 +95,7 @@ test("who goes on while it is disabled is not called back to it", async () => {
   expect(document.activeElement).toBe(document.body);
 });
 
-test("a modifier alone is no work by keyboard", async () => {
+test("a modifier alone does not count as keyboard use", async () => {
   button("two").focus();
   document.dispatchEvent(new Event("pointerdown"));
   button("two").focus();

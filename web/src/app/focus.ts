@@ -1,15 +1,15 @@
-/** Keeps the focus of who works by keyboard: where what had it is gone, it goes back to what had it before. */
+/** Keeps the focus for keyboard users: when the focused element disappears, the focus returns to the previous one. */
 
-const MOST = 20; // things that had it; it is lost with all of them on a jump to another tab only
+const MOST = 20; // elements in the history; all of them disappear only when another tab is opened
 const MODIFIERS = new Set(["Shift", "Control", "Alt", "Meta", "AltGraph"]);
 
-/** Keeps the focus from now on; returns how to end that. */
+/** Starts restoring the focus; returns the function that stops it. */
 export function keepFocus(): () => void {
   const keeper = new Keeper();
   const end = new AbortController();
   const options = { capture: true, signal: end.signal };
   document.addEventListener("focusin", ({ target }) => keeper.remember(target), options);
-  // At the window, and before all others there: what a key closes is gone as soon as the next listener is called.
+  // On the window, before all other listeners: an element closed by a key is gone when the next listener is called.
   window.addEventListener("keydown", (event) => keeper.hear(event), options);
   document.addEventListener("pointerdown", () => keeper.leave(), options);
   const observer = new MutationObserver(() => keeper.look());
@@ -34,11 +34,11 @@ class Keeper {
   hear({ key, repeat }: KeyboardEvent): void {
     if (MODIFIERS.has(key) || repeat) return;
     this.byKeyboard = true;
-    // A key pressed while nothing has the focus ends this: later keys must not go to what comes back.
+    // A key pressed while nothing is focused ends this: later keys must not go to an element that reappears.
     if (nothingHasIt()) this.had = [];
   }
 
-  /** For who points, nothing is lost; and some fields show their lists when they get the focus. */
+  /** Users of a pointer need no focus; and some fields open their lists when focused. */
   leave(): void {
     this.byKeyboard = false;
     this.had = [];
@@ -46,7 +46,7 @@ class Keeper {
     this.timer = undefined;
   }
 
-  /** While the focus goes from one to the next, nothing has it: who looks then would take it back. */
+  /** While the focus moves between elements, nothing is focused; restoring it then would undo the move. */
   look(): void {
     this.timer ??= setTimeout(() => {
       this.timer = undefined;
@@ -57,9 +57,9 @@ class Keeper {
   private restore(): void {
     if (!this.byKeyboard || !nothingHasIt()) return;
     this.had = this.had.filter((one) => one.isConnected);
-    const dialog = document.querySelector("[aria-modal=true]"); // while one is open, nothing behind it is reached
+    const dialog = document.querySelector("[aria-modal=true]"); // makes the rest of the page inert
     const last = this.had.findLast((one) => dialog === null || dialog.contains(one));
-    // What is disabled for a moment, while its work is done, gets the focus back when it is not any more.
+    // An element that is disabled during its work gets the focus back when it is enabled again.
     if (last !== undefined && !last.matches(":disabled")) last.focus({ preventScroll: true });
   }
 }

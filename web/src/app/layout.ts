@@ -1,9 +1,9 @@
-/** Whether the 3D view is shown beside the tabs: by itself where there is room for both. */
+/** Whether the 3D view is shown beside the tabs; by default if there is room for both. */
 
 import { useMediaQuery } from "@mantine/hooks";
 import { create } from "zustand";
 
-/** A low window, or one that is zoomed in; `app.css` has the page scroll there. */
+/** A low window, or one that is zoomed in; `app.css` lets the page scroll there. */
 const LOW = "(max-height: 32rem)";
 const REMEMBERED = { high: "skiros-view3d", low: "skiros-view3d-low" } as const;
 
@@ -30,7 +30,7 @@ export function useView3d(): boolean {
   return useLayout((layout) => (low ? layout.low : layout.high));
 }
 
-/** Shows the 3D view or hides it, and remembers that. */
+/** Shows or hides the 3D view, and remembers the choice. */
 export function toggleView3d(): void {
   useLayout.getState().toggle();
 }

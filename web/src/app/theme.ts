@@ -7,9 +7,9 @@ import {
 } from "@mantine/core";
 
 /**
- * Contrast of text at least 4.5 : 1 in both colour schemes; dense enough for 1024 px.
+ * Text has a contrast of at least 4.5 : 1 in both colour schemes; dense enough for 1024 px.
  *
- * What is brighter than the threshold gets black text, for which white would be too little.
+ * Backgrounds brighter than the threshold get black text, since white would have too little contrast.
  */
 export const theme = createTheme({
   primaryColor: "blue",
@@ -31,7 +31,7 @@ export const theme = createTheme({
   },
 });
 
-/** Colours of text where the library's own have too little contrast. */
+/** Text colours that replace those of the library with too little contrast. */
 export const colours: CSSVariablesResolver = (used) => ({
   variables: {},
   light: {
@@ -50,7 +50,7 @@ export const colours: CSSVariablesResolver = (used) => ({
   },
 });
 
-/** The colour of text in each colour, on the page and on a light ground of that colour. */
+/** The text colour for each colour, on the page and on a light background of that colour. */
 function textOf(used: MantineTheme, choose: (shades: MantineColorsTuple) => string): Record<string, string> {
   const variables = Object.entries(used.colors).flatMap(([name, shades]) =>
     ["light-color", "text", "outline"].map((kind) => [`--mantine-color-${name}-${kind}`, choose(shades)]),

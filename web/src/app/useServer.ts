@@ -6,7 +6,7 @@ import { connect, disconnect } from "../live/connection";
 import { keepFresh } from "../live/freshness";
 import { watch } from "../live/watch";
 
-/** Follows the server while the page is visible and its user signed in; a lost connection heals itself. */
+/** Follows the server while the page is visible and its user logged in; reconnects after a loss. */
 export function useServer(letIn: boolean): void {
   useEffect(() => (letIn ? keepFresh() : undefined), [letIn]);
   useEffect(() => (letIn ? whileSeen(followed) : undefined), [letIn]);
@@ -26,7 +26,7 @@ function askWhoIAm(): void {
   void queryClient.invalidateQueries({ queryKey: keys.me });
 }
 
-/** Does something while the page can be seen; returns how to end that. */
+/** Runs an effect while the page is visible; returns the function that ends it. */
 function whileSeen(begin: () => () => void): () => void {
   let end: (() => void) | undefined;
   const look = () => {
@@ -46,7 +46,7 @@ function whileSeen(begin: () => () => void): () => void {
   };
 }
 
-/** A key that was revoked shows in any answer: then we ask who we are, and the place to show a key appears. */
+/** After any refusal for a revoked key, fetches the session, so that the login form appears. */
 function askAgainWhenRefused(): () => void {
   const look = (error: unknown) => {
     const known = queryClient.getQueryState(keys.me)?.error;

@@ -10,13 +10,13 @@ beforeEach(() => {
   window.location.hash = "#/goal";
 });
 
-test("a tab is opened with what was looked at in it last", () => {
+test("a tab reopens with its last content", () => {
   leave("world", "kit_1");
   opened()("world");
   expect(window.location.hash).toBe("#/world/kit_1");
 });
 
-test("a tab may say itself what it is opened with, and whether its button leads from that while it is open", () => {
+test("a tab can define the content it opens with, and whether its button leaves the present content", () => {
   leave("task", "kit-1");
   comesBackTo("task", (isOpen) => (isOpen ? "" : "kit-2"));
   opened()("task");

@@ -10,7 +10,7 @@ interface Props {
   onAdd: (word: ConditionWord) => void;
 }
 
-/** Chooses a word for a new condition, by its sentence, its name or what it means. */
+/** Chooses the condition to add, by sentence, name or meaning. */
 export function AddCondition({ words, onAdd }: Props) {
   const { t } = useTranslation("goal");
   const piecesOf = useSentence();

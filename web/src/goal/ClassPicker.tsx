@@ -9,7 +9,7 @@ interface Props {
   onChange: (class_: string) => void;
 }
 
-/** Chooses a class below another: a kind of part. */
+/** Chooses a subclass of a class, such as a kind of part. */
 export function ClassPicker({ label, class_, value, onChange }: Props) {
   const { data: tree } = useQuery(classTree(class_));
   const options = tree

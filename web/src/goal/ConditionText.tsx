@@ -2,7 +2,7 @@ import { Text } from "@mantine/core";
 import { type CheckedCondition, rowOf } from "./goals";
 import { RowText } from "./RowText";
 
-/** A condition to be read only. */
+/** A condition, read-only. */
 export function ConditionText({ condition }: { condition: CheckedCondition }) {
   return (
     <Text size="sm">

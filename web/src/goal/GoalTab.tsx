@@ -16,7 +16,7 @@ import { TemplateForm } from "./TemplateForm";
 import { type Template, templateOrder, useTemplates } from "./templates";
 import { useFreshWords } from "./words";
 
-/** The goal: stated, checked, planned, ordered, followed. */
+/** The Goal tab: state, check, plan, order and follow a goal. */
 export default function GoalTab() {
   const { t } = useTranslation();
   const scene = useSceneName();
@@ -53,7 +53,7 @@ function Goal() {
   );
 }
 
-/** What the draft orders, and what the server says of its conditions. */
+/** The order that the draft makes, and the server's verdict on its conditions. */
 function useWanted(draft: Draft) {
   const templates = useTemplates();
   const template: Template | undefined = templates.find(({ name }) => name === draft.template?.name);

@@ -3,13 +3,13 @@ import { readRow } from "./goals";
 import { RowText } from "./RowText";
 
 interface Props {
-  /** Conditions as the server writes them, all of which are wanted. */
+  /** Conditions in the server's notation, all required. */
   goal: readonly string[];
-  /** Its names cannot be clicked: it stands within something that can be. */
+  /** Its names are not clickable, since it is part of a clickable element. */
   plain?: boolean;
 }
 
-/** What is wanted, in words. */
+/** The goal as text. */
 export function GoalText({ goal, plain = false }: Props) {
   return goal.map((text, index) => (
     <Fragment key={text}>

@@ -1,7 +1,7 @@
 import { Gone } from "../world/details/Gone";
 import { useRemoval } from "../world/details/removal";
 
-/** Says of those elements of a condition that were removed who did it, and offers to bring them back. */
+/** For removed elements of a condition, shows who removed them, and offers to restore them. */
 export function GoneThings({ ids }: { ids: readonly string[] }) {
   return ids.map((id) => <GoneThing key={id} id={id} />);
 }

@@ -23,7 +23,7 @@ interface Props {
   onClose: () => void;
 }
 
-/** The job that was ordered last: what it does, how far it is, what came of it. */
+/** The last job that was ordered: its activity, progress and result. */
 export function JobPanel({ id, onClose }: Props) {
   const { t } = useTranslation("goal");
   const [, open] = useTab();
@@ -66,7 +66,7 @@ export function JobPanel({ id, onClose }: Props) {
   );
 }
 
-/** Details that the state says already; others are shown beside it. */
+/** Details that repeat the state; others are shown next to it. */
 const SAID = new Set(["", "queued", "planning", "running", "paused", "waits for leave to start"]);
 
 function Course({ job }: { job: Job }) {

@@ -12,7 +12,7 @@ import { usePlaces } from "./pieces";
 import type { ConditionWord } from "./sentence";
 import { Verdict } from "./Verdict";
 
-/** The condition that puts a thing into a place, and the one whose second argument is a kit. */
+/** The condition that puts an object into a place, and the one whose second argument is a kit. */
 const PUT = "ObjectAtLocation";
 const KIT = "InKit";
 
@@ -21,7 +21,7 @@ interface Props {
   verdicts: readonly Check[];
 }
 
-/** A kit's bill of parts: the part for each of its places. It shows the same conditions in another form. */
+/** A kit's bill of parts: the part for each of its places. It shows the same conditions as a table. */
 export function KitTable({ words, verdicts }: Props) {
   const { t } = useTranslation("goal");
   const { draft, change } = useDraft();
@@ -82,7 +82,7 @@ export function KitTable({ words, verdicts }: Props) {
   );
 }
 
-/** Chooses the kit where there is only one. */
+/** Selects the kit if there is only one. */
 function useOnlyKit(kitClass: string): void {
   const { draft, change } = useDraft();
   const { data } = useQuery({
@@ -96,12 +96,12 @@ function useOnlyKit(kitClass: string): void {
   });
 }
 
-/** Whether a row names the part for a place. */
+/** Whether a row defines the part for a place. */
 function puts(row: Row, place: string): boolean {
   return row.kind === "word" && row.word === PUT && !row.not && row.arguments[1] === place;
 }
 
-/** The rows with another part in a place; null for none. */
+/** The rows with another part for a place; null for none. */
 export function withPart(rows: readonly Row[], place: string, part: string | null): Row[] {
   if (part === null) return rows.filter((row) => !puts(row, place));
   const put = { kind: "word", word: PUT, arguments: [part, place], not: false } as const;

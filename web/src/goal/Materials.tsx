@@ -19,7 +19,7 @@ interface Props {
 const PART = "sk:Manipulatable";
 const PLACE = "sk:Container";
 
-/** The bill of parts that a template asks for: a row a part. */
+/** The bill of parts that a template requires, one row per part. */
 export function Materials({ content, filled, words, onChange }: Props) {
   const { t } = useTranslation("goal");
   const { materials } = filled;
@@ -47,7 +47,7 @@ export function Materials({ content, filled, words, onChange }: Props) {
         </Table.Thead>
         <Table.Tbody>
           {materials.map((piece, index) => (
-            // Rows have nothing of their own that would tell them apart.
+            // Rows have no identity of their own.
             <Table.Tr key={index}>
               {fields.map((field) => (
                 <Table.Td key={field}>

@@ -15,14 +15,14 @@ interface Props {
   preview: Preview | undefined;
   planning: boolean;
   lost: boolean;
-  /** Whether it is about what is wanted now. */
+  /** Whether the plan belongs to the present goal. */
   fits: boolean;
   conditions: readonly CheckedCondition[];
-  /** Plans again; for another goal where one is given. */
+  /** Plans again, for another goal if one is given. */
   again: (order?: GoalOrder | null) => void;
 }
 
-/** The plan in words, or why there is none. */
+/** The plan in words, or the reasons why there is none. */
 export function PreviewPanel({ preview, planning, lost, fits, conditions, again }: Props) {
   const { t } = useTranslation("goal");
   return (
@@ -55,7 +55,7 @@ export function PreviewPanel({ preview, planning, lost, fits, conditions, again 
   );
 }
 
-/** Says that a plan was made for a world that is another one now. */
+/** Reports that the world has changed since the plan was made. */
 function Older({ planned, again }: { planned: number; again: () => void }) {
   const { t } = useTranslation("goal");
   const { data } = useWorldInfo();
@@ -109,7 +109,7 @@ function Plan({ preview: { steps, wall, planner, notes } }: { preview: Preview }
   );
 }
 
-/** Whether a step does not simply follow the one before it. */
+/** Whether a step has other predecessors than the step before it. */
 function isBeside(after: readonly number[], index: number): boolean {
   return index > 0 && !(after.length === 1 && after[0] === index - 1);
 }

@@ -6,7 +6,7 @@ import { keys } from "../api/keys";
 import { doneOf } from "./steps";
 import { StepText } from "./StepText";
 
-/** How far a job is in its plan, and what is done for it just now; nothing until it is worked at. */
+/** Progress of a job in its plan and its current steps; empty before it starts. */
 export function Progress({ job }: { job: string }) {
   const { t } = useTranslation("goal");
   const { data: task } = useQuery({ queryKey: keys.tasks("of job", job), queryFn: () => taskOf(job) });
@@ -32,7 +32,7 @@ export function Progress({ job }: { job: string }) {
   );
 }
 
-/** The task that carries a job out, by the same name; null of one that waits, which it does after a restart, too. */
+/** The task with the same id that executes a job; null while the job waits, for example after a restart. */
 async function taskOf(job: string): Promise<Schema<"TaskInfo"> | null> {
   try {
     return await answer(api.GET("/api/v1/tasks/{name}", { params: { path: { name: job } } }));

@@ -8,11 +8,11 @@ import { Said } from "./Said";
 
 interface Props {
   cause: Preview["causes"][number];
-  /** The conditions that are wanted. */
+  /** The conditions of the goal. */
   conditions: readonly CheckedCondition[];
 }
 
-/** One reason: what kind of thing is in the way, of which conditions, and why. */
+/** One cause: its kind, the conditions it affects, and its explanation. */
 export function Reason({ cause: data, conditions }: Props) {
   const { t } = useTranslation("goal");
   const cause = causeOf(data);

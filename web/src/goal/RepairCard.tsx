@@ -17,12 +17,12 @@ interface Props {
   preview: string;
   repair: Repair;
   conditions: readonly CheckedCondition[];
-  /** What the causes are about: it may be spoken of. */
+  /** The elements and classes that the causes mention. */
   named: readonly string[];
   again: (order?: GoalOrder | null) => void;
 }
 
-/** A change that would help, with a button that makes it. */
+/** A repair, with a button that applies it. */
 export function RepairCard({ preview, repair, conditions, named, again }: Props) {
   return (
     <Card withBorder padding="xs" role="group" aria-label={repair.text}>
@@ -34,7 +34,7 @@ export function RepairCard({ preview, repair, conditions, named, again }: Props)
   );
 }
 
-/** What it changes, each by itself. */
+/** Each of its changes. */
 function Changes({ repair, conditions, named }: Pick<Props, "repair" | "conditions" | "named">) {
   const { t } = useTranslation("goal");
   const { edits, without, instead, elements, text } = repair;
@@ -84,9 +84,9 @@ function Make({ preview, repair, conditions, again }: Omit<Props, "named">) {
       ),
     onMutate: present,
     onSuccess: ({ world }, _, pressedAt) => {
-      // Of a change of the goal nothing is said: it is not taken back with the world.
+      // A change of the goal shows no message: undo applies only to the world.
       notifyChange(t("repair.done", { text: [...new Set(repair.edits)].join(", ") }), world);
-      if (isUntouched(pressedAt, present())) want(); // who has gone on with the goal keeps it
+      if (isUntouched(pressedAt, present())) want(); // keeps later edits of the goal
     },
     onError: notifyProblem,
   });

@@ -6,11 +6,11 @@ import { useSentence, useWords } from "./words";
 
 interface Props {
   row: NewRow;
-  /** Its names cannot be clicked: it stands within something that can be. */
+  /** Its names are not clickable, since it is part of a clickable element. */
   plain?: boolean;
 }
 
-/** A condition in words: a sentence where it is one word that the present robots know, else as text. */
+/** A condition in words: a sentence if the present robots know its single word, otherwise as text. */
 export function RowText({ row, plain = false }: Props) {
   const { t } = useTranslation("goal");
   const { words } = useWords();

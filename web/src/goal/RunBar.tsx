@@ -12,13 +12,13 @@ import type { GoalOrder } from "./goals";
 import { jobOrder, useOrder } from "./order";
 
 interface Props {
-  /** What is wanted; null while something is missing. */
+  /** The goal; null while it is incomplete. */
   order: GoalOrder | null;
   planning: boolean;
   onPreview: () => void;
 }
 
-/** Preview, run, and how. */
+/** Preview, run, and their options. */
 export function RunBar({ order, planning, onPreview }: Props) {
   const { t } = useTranslation("goal");
   const { draft } = useDraft();

@@ -6,13 +6,13 @@ import { namedIn } from "./causes";
 
 interface Props {
   text: string;
-  /** Names of classes that it may speak of, and of elements that are nowhere to be seen. */
+  /** Names that the text may mention: classes, and elements that are not visible anywhere. */
   named?: readonly string[];
 }
 
 const NONE: readonly string[] = [];
 
-/** A sentence of the server in which things are called as people call them, and can be clicked. */
+/** A sentence by the server, with elements and classes replaced by clickable labels. */
 export function Said({ text, named = NONE }: Props) {
   const classes = useClassLabels();
   const elements = useLiveView(({ view }) => view?.elements);

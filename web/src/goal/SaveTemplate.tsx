@@ -24,7 +24,7 @@ interface Props {
   conditions: readonly CheckedCondition[];
 }
 
-/** Keeps the present conditions as a template; what it asks for each time is chosen here. */
+/** Saves the present conditions as a template, with a choice of its parameters. */
 export function SaveTemplate({ opened, onClose, conditions }: Props) {
   const { t } = useTranslation("goal");
   return (

@@ -20,12 +20,12 @@ interface Write {
   tag: string;
 }
 
-/** The goals that go with the scene: taken as a beginning, and saved. */
+/** The goals stored with the scene: load and save them. */
 export function SceneGoals() {
   const { t } = useTranslation("goal");
   const { draft, setRows } = useDraft();
   const { data } = useQuery({ queryKey: KEY, queryFn: () => answerWithTag(api.GET("/api/v1/goals")) });
-  const [seen, setSeen] = useState<string>(); // the version that was looked at, whatever came after it
+  const [seen, setSeen] = useState<string>(); // the version that was displayed, regardless of later ones
   if (seen === undefined && data !== undefined) setSeen(data.tag);
   const take = useSingleMutation({
     mutationFn: ({ goals }: { goals: readonly string[]; tag: string }) => understood(goals.join("\n")),

@@ -13,14 +13,14 @@ import { useSentence } from "./words";
 
 interface Props {
   row: Row;
-  /** What its word means; undefined where no robot can do anything for it (any more). */
+  /** Meaning of its word; undefined if no robot can do anything for it (any more). */
   word: ConditionWord | undefined;
   verdict: Check;
   onChange: (row: Row) => void;
   onRemove: () => void;
 }
 
-/** One condition of the goal, to be read and to be filled in. */
+/** One condition of the goal, for reading and editing. */
 export function SentenceRow({ row, word, verdict, onChange, onRemove }: Props) {
   const { t } = useTranslation("goal");
   const name = textOf(row);
@@ -98,7 +98,7 @@ function Sentence({ row, word, onChange }: SentenceProps) {
   );
 }
 
-/** What is wanted has to be what robots can bring about; what is not wanted may be anything. */
+/** Required conditions must be reachable by robots; forbidden ones may be any. */
 function classAt({ roles }: ConditionWord, slot: number, not: boolean): string {
   const role = roles[slot];
   return (not ? role?.class : role?.reached) ?? "sk:Element";

@@ -14,7 +14,7 @@ import { useWords } from "./words";
 
 type View = "sentences" | "table" | "text";
 
-/** The goal as a list of sentences, as a table of a kit's places, or as text. */
+/** The goal as a list of sentences, a table of a kit's places, or text. */
 export function Sentences({ verdicts }: { verdicts: readonly Verdict[] }) {
   const { t } = useTranslation("goal");
   const { draft, addRows, setRows, setRow, removeRow, change } = useDraft();

@@ -4,7 +4,7 @@ import type { Schema } from "../api/client";
 import { ElementName } from "../widgets/ElementName";
 import { stepPieces } from "./steps";
 
-/** A step of a plan as a sentence; its elements can be clicked. */
+/** A step of a plan as a sentence with clickable elements. */
 export function StepText({ step }: { step: Pick<Schema<"PlannedStep">, "skill" | "arguments"> }) {
   const { t } = useTranslation("goal");
   const skill = useSkills().get(step.skill);

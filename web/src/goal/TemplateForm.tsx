@@ -25,7 +25,7 @@ interface Props {
   verdict: Check;
 }
 
-/** A goal template to be filled in: its parameters by type, and the parts as a table. */
+/** The form of a goal template: parameters by type, and the parts as a table. */
 export function TemplateForm({ template, filled, verdict }: Props) {
   const { t } = useTranslation("goal");
   const { change, setRows } = useDraft();

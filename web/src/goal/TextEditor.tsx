@@ -12,7 +12,7 @@ interface Props {
   onCancel: () => void;
 }
 
-/** The conditions as text, one a line, for those who know the language of goals. */
+/** The conditions as text, one per line, for users who know the goal language. */
 export function TextEditor({ rows, onDone, onCancel }: Props) {
   const { t } = useTranslation(["goal", "common"]);
   const [text, setText] = useState(rows.map(textOf).join("\n"));
@@ -43,7 +43,7 @@ export function TextEditor({ rows, onDone, onCancel }: Props) {
   );
 }
 
-/** Lets the server read the text; what it understands as one word becomes a sentence again. */
+/** Lets the server parse the text; conditions of a single word become sentences. */
 export async function understood(text: string): Promise<NewRow[]> {
   const goal = text.split("\n").filter((line) => line.trim() !== "");
   if (goal.length === 0) return [];

@@ -14,7 +14,7 @@ const LOOKS: Record<Check["state"], { icon: TablerIcon; color: string }> = {
   wrong: { icon: IconAlertTriangle, color: "var(--mantine-color-red-text)" },
 };
 
-/** Whether a condition holds already, and why or why not. */
+/** Whether a condition already holds, and the reason. */
 export function Verdict({ verdict: { state, why, conditions } }: { verdict: Check }) {
   const { t } = useTranslation("goal");
   const { icon: Icon, color } = LOOKS[state];

@@ -9,13 +9,13 @@ import { RepairCard } from "./RepairCard";
 
 interface Props {
   preview: Preview;
-  /** The conditions that are wanted now. */
+  /** The conditions of the present goal. */
   conditions: readonly CheckedCondition[];
   /** Plans again. */
   again: (order?: GoalOrder | null) => void;
 }
 
-/** Why there is no plan, and what would help. */
+/** Why there is no plan, and possible repairs. */
 export function WhyNot({ preview, conditions, again }: Props) {
   const { t } = useTranslation("goal");
   const named = preview.causes.flatMap((cause) => causeOf(cause).named);

@@ -1,6 +1,6 @@
 import { causeOf, namedIn } from "./causes";
 
-test("names in a sentence are found, classes without their prefix, and nothing within other words", () => {
+test("names in a sentence are found, classes without prefix, but not inside other words", () => {
   const isElement = (word: string) => word === "kit_1_a";
   expect(namedIn("kit_1_a takes one Starter, not kit_1_ab.", ["kitting:Starter"], isElement)).toEqual([
     { name: "kit_1_a" },
@@ -12,7 +12,7 @@ test("names in a sentence are found, classes without their prefix, and nothing w
   expect(namedIn("", ["a"], isElement)).toEqual([]);
 });
 
-test("a cause of a kind that is not known yet, or without its heart, says all of its text", () => {
+test("a cause of an unknown kind, or without a core, shows its whole text", () => {
   const cause = causeOf({ kind: "bad weather", text: "It rains.", elements: [1, "hall"] });
   expect(cause).toEqual({ kind: null, text: "It rains.", why: "It rains.", conditions: [], named: ["hall"] });
 });

@@ -1,8 +1,8 @@
-/** Why there is no plan, as the server's data says it. */
+/** The reasons why there is no plan, from the server's data. */
 
 import type { Preview } from "./preview";
 
-/** The kinds of causes for which there is a headline. */
+/** The kinds of causes that have a headline. */
 const KINDS = [
   "no skill",
   "missing fact",
@@ -15,18 +15,18 @@ const KINDS = [
 ] as const;
 
 export interface Cause {
-  /** Null for one of a later server. */
+  /** Null for a kind introduced by a later server. */
   kind: (typeof KINDS)[number] | null;
-  /** The whole of it. */
+  /** The complete text. */
   text: string;
-  /** The heart of it; empty where the conditions say all. */
+  /** The core of the text; empty if the conditions say everything. */
   why: string;
   conditions: readonly string[];
-  /** Ids of elements and names of classes that it speaks of. */
+  /** Ids of elements and names of classes that it mentions. */
   named: readonly string[];
 }
 
-/** Reads a cause; what is not there is empty. */
+/** Parses a cause; missing fields become empty. */
 export function causeOf(data: Preview["causes"][number]): Cause {
   const text = textOf(data.text);
   return {
@@ -46,16 +46,16 @@ function textsOf(value: unknown): string[] {
   return Array.isArray(value) ? value.filter((one) => typeof one === "string") : [];
 }
 
-/** The things that a sentence names, and the words between them. */
+/** The names in a sentence, and the text between them. */
 export type Piece = { text: string } | { name: string };
 
 const WORD = /[\p{L}\p{N}_#]+(?:[.-][\p{L}\p{N}_#]+)*/gu;
 
 /**
- * Takes a sentence to pieces at the names in it: ids, and classes without the prefix of their ontology.
+ * Splits a sentence at the names in it: ids, and classes without prefix.
  *
- * @param names - Those that it may speak of.
- * @param isElement - Tells of any other word whether it is an id.
+ * @param names - The names to look for.
+ * @param isElement - Whether any other word is an id.
  */
 export function namedIn(sentence: string, names: readonly string[], isElement: (word: string) => boolean): Piece[] {
   const known = new Map(names.map((name) => [name.slice(name.lastIndexOf(":") + 1), name]));

@@ -1,4 +1,4 @@
-/** Whether conditions hold already: asked of the server when they change, and when the world does. */
+/** Whether conditions already hold: asked again when they or the world change. */
 
 import { useQueries, useQuery } from "@tanstack/react-query";
 import { answer, api, ApiProblem } from "../api/client";
@@ -8,7 +8,7 @@ import { type CheckedCondition, type GoalOrder, goalOf, type Row, whyAlone } fro
 
 export interface Verdict {
   state: "incomplete" | "asking" | "holds" | "open" | "wrong";
-  /** What decides that, or what is wrong, in the words of the server. */
+  /** The deciding reason, or the fault, in the server's words. */
   why: string;
   conditions: readonly CheckedCondition[];
 }
@@ -40,7 +40,7 @@ export function useVerdicts(rows: readonly Row[]): Verdict[] {
   return asked.map((one, index) => (orders[index] === null ? INCOMPLETE : verdict(one)));
 }
 
-/** Returns the verdict on a whole order, such as a template that is filled in. */
+/** Returns the verdict on a whole order, such as a filled-in template. */
 export function useVerdict(order: GoalOrder | null): Verdict {
   const asked = useQuery(check(order));
   return order === null ? INCOMPLETE : verdict(asked);

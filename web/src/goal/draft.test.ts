@@ -9,14 +9,14 @@ function draft() {
 
 beforeEach(() => useDrafts.getState().change("kitting", { ...NEW, rows: ROWS }));
 
-test("what became of an order does not touch what the draft wants", () => {
+test("the state of an order does not change the goal of the draft", () => {
   const before = draft();
   useDrafts.getState().change("kitting", { job: "kit-1", pending: { key: "k", body: "b" } });
   expect(draft()).not.toBe(before);
   expect(isUntouched(before, draft())).toBe(true);
 });
 
-test("another row, another word in one, or a template are another goal", () => {
+test("a changed row, word or template makes another goal", () => {
   const before = draft();
   useDrafts.getState().change("kitting", ({ rows }) => ({ rows: rows.map((row) => ({ ...row, text: "at_rest" })) }));
   expect(isUntouched(before, draft())).toBe(false);

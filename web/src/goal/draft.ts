@@ -1,4 +1,4 @@
-/** What an operator is about to want: kept over changes of the tab and reloads of the page, for each scene. */
+/** The goal being edited: survives changes of the tab and reloads, one for each scene. */
 
 import { useQuery } from "@tanstack/react-query";
 import { create } from "zustand";
@@ -14,7 +14,7 @@ export interface Filled {
   materials: Piece[];
 }
 
-/** A row of the bill of parts; all fields are texts, empty for "does not matter". */
+/** A row of the bill of parts; all fields are texts, empty for "any". */
 export interface Piece {
   class: string;
   quantity: number;
@@ -33,16 +33,16 @@ export interface Options {
 
 export interface Draft {
   rows: Row[];
-  /** The goal template that is filled in instead; null for the rows. */
+  /** The goal template used instead of the rows; null for none. */
   template: Filled | null;
   options: Options;
   /** The kit whose places are shown as a table; null for none. */
   kit: string | null;
-  /** The plan that was asked for last: its id and time (ids start again with the server), and for which order. */
+  /** The last requested plan: its id, the order it is for, and the time (ids restart with the server). */
   preview: { id: string; asked: string; order: string } | null;
-  /** An order that is on its way: sent again under the same key, it makes no second job. */
+  /** An order being sent: repeated under the same key, it creates no second job. */
   pending: { key: string; body: string } | null;
-  /** Id of the job that was ordered last. */
+  /** Id of the last ordered job. */
   job: string | null;
 }
 
@@ -82,20 +82,20 @@ export const useDrafts = create<Drafts>()(
 /** The name of the present scene; undefined until it is known. */
 export function useSceneName(): string | undefined {
   const { data } = useQuery({
-    queryKey: keys.station("scene"), // not of the scenes: each change of the world makes those old
+    queryKey: keys.station("scene"), // not "scenes", which every change of the world invalidates
     queryFn: () => answer(api.GET("/api/v1/scene")),
   });
   return data?.name;
 }
 
-/** The draft of the present scene, and how to change it. */
+/** The draft of the present scene, and a function to change it. */
 export function useDraft() {
   const scene = useSceneName() ?? "";
   const draft = useDrafts(({ drafts }) => drafts[scene]) ?? NEW;
   const change = (next: Change) => useDrafts.getState().change(scene, next);
   return {
     draft,
-    /** The draft of this very moment, however long ago the page was drawn. */
+    /** The present draft, which may be newer than the rendered one. */
     present: () => useDrafts.getState().drafts[scene] ?? NEW,
     change,
     addRows: (rows: readonly NewRow[]) => change((now) => ({ rows: [...now.rows, ...keyed(rows)] })),
@@ -105,7 +105,7 @@ export function useDraft() {
   };
 }
 
-/** Whether the goals are still those that a draft was made from. */
+/** Whether a draft still has the goals from which a result was made. */
 export function isUntouched(before: Draft | undefined, now: Draft): boolean {
   return before?.rows === now.rows && before.template === now.template;
 }

@@ -1,9 +1,9 @@
-/** Target places of things by the conditions, shown as ghosts in the 3D view. */
+/** Target places of objects according to the conditions, shown as ghosts in the 3D view. */
 
 import type { Ghost } from "../scene3d/ghosts";
 import { type GoalData, isWord } from "./goals";
 
-/** Conditions that want their first argument in the second. */
+/** Conditions whose first argument is to be in the second. */
 const PLACING = new Set(["ObjectAtLocation", "InKit"]);
 
 /** The ghosts of conditions that do not hold yet. */

@@ -1,10 +1,10 @@
-/** A goal as a list of conditions that must hold together: what the operator builds, and what the server is sent. */
+/** A goal as a list of conditions that must hold together: the editor's rows, and the data sent to the server. */
 
 import type { Schema } from "../api/client";
 
 /** A structured condition, as the server reads and writes it. */
 export type GoalData = Record<string, unknown>;
-/** What the server takes for one condition: structured, or as text. */
+/** A condition as the server accepts it: structured, or as text. */
 export type Goal = string | GoalData;
 export type GoalOrder = Schema<"GoalOrder">;
 export type CheckedCondition = Schema<"CheckedCondition">;
@@ -17,7 +17,7 @@ export interface WordRow {
   word: string;
   /** Ids of elements, or classes; null for an empty slot. */
   arguments: (string | null)[];
-  /** Whether it must not hold. */
+  /** Whether it is negated. */
   not: boolean;
 }
 
@@ -30,17 +30,17 @@ export interface TextRow {
 
 export type Row = WordRow | TextRow;
 
-/** A row that has no key yet. */
+/** A row without a key. */
 export type NewRow = Omit<WordRow, "key"> | Omit<TextRow, "key">;
 
 let last = 0;
 
-/** Gives rows their keys, which tell them apart on the page. */
+/** Gives rows the keys that identify them on the page. */
 export function keyed(rows: readonly NewRow[]): Row[] {
   return rows.map((row) => ({ ...row, key: `${Date.now().toString(36)}-${++last}` }));
 }
 
-/** What a row says to the server; null while something is missing. */
+/** The server's form of a row; null while it is incomplete. */
 export function goalOf(row: Row): Goal | null {
   if (row.kind === "text") return row.text.trim() || null;
   if (row.arguments.some((argument) => !argument)) return null;
@@ -48,7 +48,7 @@ export function goalOf(row: Row): Goal | null {
   return row.not ? { not: said } : said;
 }
 
-/** The goal that all rows make; null while there is none, or something is missing. */
+/** The goal of all rows; null while it is empty or incomplete. */
 export function goalOrder(rows: readonly Row[]): GoalOrder | null {
   const goals = rows.map(goalOf);
   const complete = goals.filter((goal) => goal !== null);
@@ -56,7 +56,7 @@ export function goalOrder(rows: readonly Row[]): GoalOrder | null {
   return { goal: complete, work_master: "", parameters: {}, materials: [] };
 }
 
-/** Rows of conditions that the server has understood: a sentence where one word is all, else text. */
+/** Rows for conditions parsed by the server: a sentence for a single word, otherwise text. */
 export function rowOf({ data, text }: Pick<CheckedCondition, "data" | "text">): NewRow {
   const not = "not" in data;
   const inner = not ? data.not : data;
@@ -69,13 +69,13 @@ interface Word {
   arguments: string[];
 }
 
-/** Whether a structured condition is one word with names, and nothing around it. */
+/** Whether a structured condition is a single word with names. */
 export function isWord(data: unknown): data is Word {
   if (typeof data !== "object" || data === null || !("condition" in data && "arguments" in data)) return false;
   return Array.isArray(data.arguments) && data.arguments.every((argument) => typeof argument === "string");
 }
 
-/** The text of a row in the language of goals. */
+/** The text of a row in the goal language. */
 export function textOf(row: NewRow): string {
   if (row.kind === "text") return row.text;
   const names = row.arguments.map((argument) => quoted(argument ?? "?"));
@@ -88,7 +88,7 @@ function quoted(name: string): string {
   return PLAIN.test(name) || name === "?" ? name : `"${name.replaceAll(/["\\]/g, "\\$&")}"`;
 }
 
-/** Reads a condition's text as a row, as far as that can be done here: one word with plain names, or else text. */
+/** Parses a condition's text as far as possible here: a single word with plain names; others stay text. */
 export function readRow(text: string): NewRow {
   const match = /^(not )?(\w+)\(([^()"]*)\)$/.exec(text.trim());
   if (match === null) return { kind: "text", text };
@@ -96,17 +96,17 @@ export function readRow(text: string): NewRow {
   return { kind: "word", word, arguments: names.split(",").map((name) => name.trim()), not: not !== undefined };
 }
 
-/** A condition's text without the prefixes of ontologies, as explanations write it. */
+/** A condition's text without prefixes, as explanations write it. */
 export function shortText(text: string): string {
   return text.replaceAll(/(?<![\w"])[A-Za-z_][\w.-]*:(?=\w)/g, "");
 }
 
-/** The same condition said in short, to compare what different answers write. */
+/** The short form of a condition, for comparing answers of the server. */
 export function isSame(text: string, other: string): boolean {
   return shortText(text).replaceAll(/\s+/g, "") === shortText(other).replaceAll(/\s+/g, "");
 }
 
-/** A condition that the server writes in short, as a row: of one that is wanted, with all that is known of it. */
+/** The row for a condition in short form: completed from a condition of the goal if it is one. */
 export function rowSaid(text: string, conditions: readonly CheckedCondition[]): NewRow {
   const same = conditions.find((one) => isSame(one.text, text));
   if (same !== undefined) return rowOf(same);
@@ -114,18 +114,18 @@ export function rowSaid(text: string, conditions: readonly CheckedCondition[]): 
   return row.kind === "text" ? row : { ...row, arguments: row.arguments.map((name) => wholeName(name, conditions)) };
 }
 
-/** A name with the prefix of its ontology, where one of the conditions says it so. */
+/** A name with its prefix, if one of the conditions contains it so. */
 function wholeName(name: string | null, conditions: readonly CheckedCondition[]): string | null {
   return conditions.flatMap(namesIn).find((one) => shortText(one) === name) ?? name;
 }
 
-/** The elements and classes that a condition names; of more than one word, none is known. */
+/** The elements and classes that a condition names; unknown unless it is a single word. */
 export function namesIn(condition: Pick<CheckedCondition, "data" | "text">): string[] {
   const row = rowOf(condition);
   return row.kind === "word" ? row.arguments.filter((name) => name !== null) : [];
 }
 
-/** Why a condition holds or not, without saying the condition once more. */
+/** The reason why a condition holds or not, without the condition itself. */
 export function whyAlone({ text, why }: Pick<CheckedCondition, "text" | "why">): string {
   const itself = `${shortText(text)}: `;
   return why.startsWith(itself) ? why.slice(itself.length) : why;
@@ -136,7 +136,7 @@ interface Changed {
   instead: readonly { condition: string; by: string }[];
 }
 
-/** What is wanted after a proposal: less, or something else; null where it speaks of what is not wanted any more. */
+/** The goal after applying a proposal; null if the proposal is about a condition that is no longer in the goal. */
 export function repaired(conditions: readonly CheckedCondition[], { without, instead }: Changed): NewRow[] | null {
   const spoken = [...without, ...instead.map(({ condition }) => condition)];
   if (!spoken.every((one) => conditions.some(({ text }) => isSame(text, one)))) return null;

@@ -3,18 +3,18 @@ import { ghostsOf } from "./ghosts";
 import { withPart } from "./KitTable";
 import { keyFor } from "./order";
 
-test("the same order that nobody has answered keeps its key, another one gets its own", () => {
+test("an unanswered order keeps its key, another order gets its own", () => {
   const pending = { key: "k", body: "a" };
   expect(keyFor("a", pending)).toBe("k");
   expect(keyFor("b", pending)).not.toBe("k");
   expect(keyFor("a", null)).not.toBe(keyFor("a", null));
 });
 
-test("a line for the shell keeps quotes of names", () => {
+test("a shell command preserves quotes in names", () => {
   expect(curl("http://x/api/v1/jobs", { goal: "it's" }, false)).toContain(String.raw`-d '{"goal":"it'\''s"}'`);
 });
 
-test("ghosts stand for what shall be in a place and is not yet", () => {
+test("ghosts stand for objects that are not at their place yet", () => {
   const data = { condition: "InKit", arguments: ["kitting:Starter", "kit_1"] };
   expect(ghostsOf([{ data, holds: false }])).toEqual([{ key: "goal-0", like: "kitting:Starter", place: "kit_1" }]);
   expect(ghostsOf([{ data, holds: true }])).toEqual([]);

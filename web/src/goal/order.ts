@@ -1,4 +1,4 @@
-/** Orders a job, once: neither a second click nor an answer that got lost makes a second one. */
+/** Orders a job exactly once, despite double clicks and lost answers. */
 
 import { answer, api, ApiProblem, type Schema } from "../api/client";
 import { keys } from "../api/keys";
@@ -16,12 +16,12 @@ export function jobOrder(order: GoalOrder, options: Options): JobOrder {
   return { ...order, ...options, expires: false };
 }
 
-/** Returns the key under which an order is sent: the same one until it is known whether it has arrived. */
+/** Returns the key of an order: the same one until its arrival is confirmed. */
 export function keyFor(body: string, pending: { key: string; body: string } | null): string {
   return pending?.body === body ? pending.key : newKey();
 }
 
-/** A unique key; randomUUID is there only where the page came over HTTPS or from this machine. */
+/** A unique key; randomUUID exists only on pages served over HTTPS or from this machine. */
 function newKey(): string {
   return Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, "0")).join("");
 }
@@ -46,7 +46,7 @@ export function useOrder() {
   });
 }
 
-/** Sends an order again when no answer came: the key makes that harmless. */
+/** Repeats an order without an answer: the key makes that harmless. */
 async function send(order: JobOrder, key: string): Promise<Schema<"AcceptedJob">> {
   for (let left = TRIES - 1; ; left--) {
     try {

@@ -1,4 +1,4 @@
-/** The places that something is built of: the compartments of a kit. */
+/** The places that an element consists of: the compartments of a kit. */
 
 import { useQuery } from "@tanstack/react-query";
 import { answer, api } from "../api/client";
@@ -12,7 +12,7 @@ export interface Place {
 
 const MOST = 200;
 
-/** The pieces of an element that are of a class; itself where it has none. */
+/** The parts of an element that have a class; the element itself if there are none. */
 export function usePlaces(element: string | null, class_: string) {
   return useQuery({
     queryKey: keys.world("places", element, class_),

@@ -1,4 +1,4 @@
-/** A plan that is asked for and not carried out. */
+/** Previews of plans, which are not executed. */
 
 import { useQuery } from "@tanstack/react-query";
 import { answer, api, ApiProblem, type Schema } from "../api/client";
@@ -9,10 +9,10 @@ import type { GoalOrder } from "./goals";
 
 export type Preview = Schema<"Preview">;
 
-const WAIT = 10; // s: the server answers as soon as it knows
+const WAIT = 10; // s: the server answers as soon as the plan is ready
 const PAUSE = 300; // ms
 
-/** Asks for a plan, and follows it until it is there. */
+/** Requests a plan, and follows it until it is ready. */
 export function usePreview(order: GoalOrder | null) {
   const { draft, change } = useDraft();
   const asked = draft.preview;
@@ -29,13 +29,13 @@ export function usePreview(order: GoalOrder | null) {
     refetchInterval: ({ state }) => (state.data?.state === "planning" ? PAUSE : false),
   });
   return {
-    /** Asks for a plan, of what is wanted now where nothing else is said. */
+    /** Requests a plan, for the present goal unless another is given. */
     ask: (wanted: GoalOrder | null = order) => wanted !== null && ask.mutate(wanted),
     preview: data,
-    /** It is kept no longer. */
+    /** The server no longer keeps it. */
     lost: error instanceof ApiProblem,
     planning: ask.isPending || (asked !== null && isPending) || data?.state === "planning",
-    /** It is the plan for what is wanted now. */
+    /** It is the plan for the present goal. */
     fits: asked !== null && asked.order === JSON.stringify(order),
   };
 }

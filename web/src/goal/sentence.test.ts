@@ -7,7 +7,7 @@ test("a sentence has a slot for each role", () => {
   expect(piecesOf("{object} lies in {location}", [OBJECT, LOCATION])).toEqual([0, " lies in ", 1]);
 });
 
-test("a role that the sentence does not name gets its slot at the end; what it names twice gets one", () => {
+test("a role that the sentence does not name gets a slot at the end, and repeated roles get one slot", () => {
   expect(piecesOf("{object} lies, {object} rests", [OBJECT, LOCATION])).toEqual([
     0,
     " lies, ",
@@ -18,12 +18,12 @@ test("a role that the sentence does not name gets its slot at the end; what it n
   ]);
 });
 
-test("help becomes a sentence by the names of roles, or of their classes", () => {
+test("help text becomes a sentence by the names or classes of its roles", () => {
   const help = "The object lies in the container.";
   expect(sentenceOfHelp({ help, roles: [OBJECT, LOCATION] })).toBe("{object} lies in {location}");
 });
 
-test("help that does not speak of a role makes no sentence", () => {
+test("help text that omits a role makes no sentence", () => {
   const roles = [
     { name: "whole", class: "sk:SpatialThing", reached: "sk:SpatialThing" },
     { name: "part", class: "sk:SpatialThing", reached: "sk:SpatialThing" },

@@ -1,4 +1,4 @@
-/** Conditions as sentences: words with slots between them. */
+/** Conditions as sentences: text with slots. */
 
 import type { Schema } from "../api/client";
 import { localName } from "../widgets/names";
@@ -6,10 +6,10 @@ import { localName } from "../widgets/names";
 export type ConditionWord = Schema<"ConditionWord">;
 type Role = Schema<"Role">;
 
-/** A piece of a sentence: words, or the slot of a role (by its index). */
+/** A part of a sentence: text, or the slot of a role (by its index). */
 export type Piece = string | number;
 
-/** Takes a sentence such as "{object} lies in {location}" to pieces; a slot for each role, those not named at the end. */
+/** Splits a sentence such as "{object} lies in {location}" into text and slots; roles not named are appended. */
 export function piecesOf(sentence: string, roles: readonly Pick<Role, "name">[]): Piece[] {
   const left = new Set(roles.keys());
   const pieces = sentence.split(/(\{\w+\})/).map((part): Piece => {
@@ -22,8 +22,8 @@ export function piecesOf(sentence: string, roles: readonly Pick<Role, "name">[])
 }
 
 /**
- * Makes a sentence with slots of a condition's help: "The object lies in the container." is "{object} lies in
- * {location}", for the container is of the class of the role "location". Null where a role is not spoken of.
+ * Makes a sentence with slots from the help of a condition: "The object lies in the container." becomes "{object} lies
+ * in {location}" if the role "location" has the class Container. Null if a role is not mentioned.
  */
 export function sentenceOfHelp({ help, roles }: Pick<ConditionWord, "help" | "roles">): string | null {
   let sentence = help.trim().replace(/\.$/, "");
@@ -44,7 +44,7 @@ function slotted1(sentence: string, role: string, nouns: readonly string[]): str
   return null;
 }
 
-/** A sentence for a condition that has no other: "Name, first: …, second: …". */
+/** A generic sentence for a condition without one: "Name, first: …, second: …". */
 export function plainSentence({ name, roles }: Pick<ConditionWord, "name" | "roles">): string {
   return [name, ...roles.map((role) => `${role.name}: {${role.name}}`)].join(", ").replace(",", ":");
 }

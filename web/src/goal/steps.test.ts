@@ -7,12 +7,12 @@ function run(step: typeof DRIVE | typeof PICK, ended: string | null = "ended") {
   return { ...step, ended };
 }
 
-test("a step is said by the sentence of its skill", () => {
+test("a step is described by the sentence of its skill", () => {
   const pieces = stepPieces(DRIVE, { drive: "{Robot} drives to {Location}" });
   expect(pieces).toEqual([{ id: "robot_1" }, { text: " drives to " }, { id: "pallet_a" }]);
 });
 
-test("a step without a sentence that fits is said by its arguments, without the devices", () => {
+test("a step without a fitting sentence is described by its arguments, without devices", () => {
   const plain = [
     { text: "drive" },
     { text: " Robot: " },
@@ -29,7 +29,7 @@ test("a step without a sentence that fits is said by its arguments, without the 
   expect(stepPieces(DRIVE, { drive: "{Robot} drives to {Elsewhere}" }, parameters)).toEqual(plain);
 });
 
-test("the skill's description says which parameters are devices, not their names", () => {
+test("devices are recognised by the skill's description, not by parameter names", () => {
   const dock = { skill: "dock", arguments: { Wheels: "omni_1", Base: "plinth_1" } };
   const parameters = [
     { key: "Wheels", kind: "hardware" },
@@ -38,12 +38,12 @@ test("the skill's description says which parameters are devices, not their names
   expect(stepPieces(dock, {}, parameters)).toEqual([{ text: "dock" }, { text: " Base: " }, { id: "plinth_1" }]);
 });
 
-test("a step that was run counts once, a failed or a running one not", () => {
+test("each step that ran counts once; failed and running ones do not count", () => {
   const plan = [DRIVE, PICK, DRIVE];
   expect(doneOf(plan, [run(DRIVE), run(PICK, "failed"), run(DRIVE, null)])).toBe(1);
   expect(doneOf(plan, [run(DRIVE), run(PICK), run(DRIVE)])).toBe(3);
 });
 
-test("seconds are said in minutes", () => {
+test("seconds are written as minutes", () => {
   expect(clock(65.4)).toBe("1:05");
 });

@@ -4,7 +4,7 @@ import type { Schema } from "../api/client";
 
 type Step = Pick<Schema<"PlannedStep">, "skill" | "arguments">;
 
-/** A piece of what is said about a step: words, or the id of an element. */
+/** A part of the description of a step: text, or the id of an element. */
 export type StepPiece = { text: string } | { id: string };
 
 type Parameter = Pick<Schema<"ModuleParameter">, "key" | "kind">;
@@ -12,7 +12,7 @@ type Parameter = Pick<Schema<"ModuleParameter">, "key" | "kind">;
 /**
  * Describes a step by a sentence such as "{Robot} drives to {Location}".
  *
- * Without a sentence, by the skill's name and arguments, apart from the devices of the robot.
+ * Without a sentence, by the skill's name and arguments, except devices of the robot.
  */
 export function stepPieces(
   step: Step,
@@ -37,7 +37,7 @@ function plainPieces({ skill, arguments: given }: Step, parameters: readonly Par
   return [{ text: skill }, ...shown.flatMap(([name, id]): StepPiece[] => [{ text: ` ${name}: ` }, { id }])];
 }
 
-/** Counts how many steps of a plan have been done; each step that was run counts for one of the plan. */
+/** Counts the completed steps of a plan; each step that ran counts for one step of the plan. */
 export function doneOf(plan: readonly Step[], run: readonly RunStep[]): number {
   const left = run.filter(({ ended }) => ended === "ended");
   return plan.filter((step) => {
@@ -47,13 +47,13 @@ export function doneOf(plan: readonly Step[], run: readonly RunStep[]): number {
   }).length;
 }
 
-/** What the plan left open is filled in when a step starts. */
+/** Parameters that the plan left open are filled in when a step starts. */
 function isDone(planned: Step, ran: Step): boolean {
   const given = Object.entries(planned.arguments);
   return planned.skill === ran.skill && given.every(([name, value]) => ran.arguments[name] === value);
 }
 
-/** A step that was run, as a task reports it: ended, failed, cancelled, or null while it runs. */
+/** A step that ran, as a task reports it: ended, failed, cancelled, or null while it runs. */
 type RunStep = Step & Pick<Schema<"TaskStep">, "ended">;
 
 /** Minutes and seconds: "1:05". */

@@ -20,13 +20,13 @@ const CONTENT = {
 };
 const ROW = { ...EMPTY, class: "kitting:Starter", location: "kit_1_a" };
 
-test("the table has the fields that the template speaks of, and counts pieces only where they are not told apart", () => {
+test("the table has the fields that the template uses, and counts pieces only if they need not be told apart", () => {
   expect(fieldsOf(CONTENT)).toEqual(["class", "location"]);
   expect(isCounted(["class", "location"])).toBe(false);
   expect(isCounted(["class", "lot"])).toBe(true);
 });
 
-test("a template is no order before its parameters and all rows are filled in", () => {
+test("a template makes no order before its parameters and all rows are filled in", () => {
   const filled = { name: "fill", parameters: { kit: "kit_1" }, materials: [ROW] };
   expect(templateOrder(filled, CONTENT)).toMatchObject({ work_master: "fill", parameters: { kit: "kit_1" } });
   expect(templateOrder({ ...filled, parameters: {} }, CONTENT)).toBeNull();
@@ -34,12 +34,12 @@ test("a template is no order before its parameters and all rows are filled in", 
   expect(templateOrder({ ...filled, materials: [{ ...ROW, location: "" }] }, CONTENT)).toBeNull();
 });
 
-test("a row without a part wants nothing", () => {
+test("a row without a part has no effect", () => {
   const filled = { name: "fill", parameters: { kit: "kit_1" }, materials: [ROW, { ...EMPTY, location: "kit_1_b" }] };
   expect(templateOrder(filled, CONTENT)?.materials.map(({ location }) => location)).toEqual(["kit_1_a"]);
 });
 
-test("elements may become parameters, named after their roles; classes stay", () => {
+test("elements can become parameters, named after their roles; classes remain", () => {
   const conditions = ["kit_1_a", "kit_1_b"].map((place) => ({
     data: { condition: "ObjectAtLocation", arguments: ["kitting:Starter", place] },
     text: "",

@@ -7,7 +7,7 @@ import type { Filled, Piece } from "./draft";
 import { type CheckedCondition, type GoalData, type GoalOrder, isWord } from "./goals";
 import type { ConditionWord } from "./sentence";
 
-/** What a template says; conditions have placeholders where an order fills in names. */
+/** Content of a template; its conditions contain placeholders for the names in an order. */
 export interface Content {
   description: string;
   parameters: Parameter[];
@@ -43,7 +43,7 @@ function templateOf({ id, revision, data }: Schema<"DocumentInfo">): Template {
   return { name: id, version: revision, content };
 }
 
-/** Writes a template; over the one that was seen, where there is one. */
+/** Creates a template, or replaces the version that was displayed. */
 export function writeTemplate(name: string, content: Content, seen?: Template): Promise<unknown> {
   const header = seen ? { "if-match": `"${seen.version}"` } : {};
   const params = { path: { kind: KIND, id: name }, header };
@@ -57,24 +57,24 @@ export function removeTemplate({ name, version }: Template): Promise<unknown> {
 
 const NONE: readonly Template[] = [];
 
-/** What a material may say, in the order of the table's columns. */
+/** The fields of a material, in the order of the table's columns. */
 export const FIELDS = ["class", "location", "id", "definition", "lot", "use"] as const;
 export type Field = (typeof FIELDS)[number];
 
 export const EMPTY: Piece = { class: "", quantity: 1, id: "", location: "", use: "", definition: "", lot: "" };
 
-/** The fields of materials that a template makes use of; always the class. */
+/** The fields of materials that a template uses; always includes the class. */
 export function fieldsOf({ per_material: each }: Content): Field[] {
   const said = JSON.stringify(each ?? null);
   return FIELDS.filter((field) => field === "class" || said.includes(JSON.stringify({ material: field })));
 }
 
-/** Whether a number of pieces can be said: where each piece is told apart, each has a row. */
+/** Whether rows may have a quantity: if pieces are told apart, each needs its own row. */
 export function isCounted(fields: readonly Field[]): boolean {
   return !fields.includes("location") && !fields.includes("id");
 }
 
-/** The order that a filled template makes; null while something is missing. A row without a part wants nothing. */
+/** The order of a filled-in template; null while it is incomplete. Rows without a part are ignored. */
 export function templateOrder(filled: Filled, content: Content): GoalOrder | null {
   const given = content.parameters.filter(({ name }) => filled.parameters[name]);
   const missing = content.parameters.some(({ name, default: fallback }) => !filled.parameters[name] && !fallback);
@@ -86,7 +86,7 @@ export function templateOrder(filled: Filled, content: Content): GoalOrder | nul
   return { work_master: filled.name, parameters, materials: materials.map((piece) => ({ ...piece, units: "" })) };
 }
 
-/** The class of what a placeholder stands for, read from the word in which it stands. */
+/** The class of a placeholder, derived from the word that contains it. */
 export function classOf(content: Content, placeholder: GoalData, words: readonly ConditionWord[]): string | undefined {
   const wanted = JSON.stringify(placeholder);
   for (const data of inner([...content.goal, content.per_material])) {
@@ -102,21 +102,21 @@ interface Said {
   arguments: unknown[];
 }
 
-/** All words in structured conditions, however deep. */
+/** All words in structured conditions, at any depth. */
 function inner(data: unknown): Said[] {
   if (typeof data !== "object" || data === null) return [];
   if ("condition" in data && "arguments" in data && Array.isArray(data.arguments)) return [data as Said];
   return Object.values(data).flatMap(inner);
 }
 
-/** An element of the conditions that may become a parameter: its id, and what it would be called. */
+/** An element of the conditions that can become a parameter: its id and the proposed name. */
 export interface Variable {
   id: string;
   name: string;
   class: string;
 }
 
-/** The elements that conditions name, each once, with a name for a parameter after the role that they fill. */
+/** The elements named in the conditions, without duplicates, with parameter names derived from their roles. */
 export function variablesOf(conditions: readonly CheckedCondition[], words: readonly ConditionWord[]): Variable[] {
   const found = new Map<string, Variable>();
   for (const said of inner(conditions.map(({ data }) => data))) {
@@ -132,7 +132,7 @@ export function variablesOf(conditions: readonly CheckedCondition[], words: read
   return [...found.values()];
 }
 
-/** Puts placeholders where conditions name what becomes a parameter. */
+/** Replaces the names that become parameters with placeholders. */
 export function withPlaceholders(data: unknown, variables: readonly Variable[]): unknown {
   if (Array.isArray(data)) return data.map((one) => withPlaceholders(one, variables));
   if (typeof data === "object" && data !== null)
@@ -153,7 +153,7 @@ function named(names: unknown, variables: readonly Variable[]): unknown {
   });
 }
 
-/** Whether a template can be called so: its name is a part of its address, which "/" and mere dots would change. */
+/** Whether a template may have this name, which is part of its address: "/" and names of only dots would break it. */
 export function isTemplateName(name: string): boolean {
   return !name.includes("/") && !/^\.{1,2}$/.test(name.trim());
 }

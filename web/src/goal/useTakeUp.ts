@@ -6,7 +6,7 @@ import { goalOrder, keyed } from "./goals";
 import { usePreview } from "./preview";
 import { understood } from "./TextEditor";
 
-/** Takes up the goal of a job: its conditions become the draft, which is planned to see what is wrong. */
+/** Opens the goal of a job: its conditions become the draft and are planned, to show what is wrong. */
 export function useTakeUp() {
   const { draft, change, setRows } = useDraft();
   const [, open] = useTab();

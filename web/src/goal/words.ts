@@ -1,4 +1,4 @@
-/** The words that the present robots can do something for. */
+/** The words for which the present robots have skills. */
 
 import { useQuery } from "@tanstack/react-query";
 import { useEffect } from "react";
@@ -12,7 +12,7 @@ import { type ConditionWord, plainSentence, type Piece, piecesOf, sentenceOfHelp
 const KEY = keys.modules("goal-words");
 const NONE: readonly ConditionWord[] = [];
 
-/** The condition words, and how to ask for them again. */
+/** The condition words, and a function to fetch them again. */
 export function useWords() {
   const { data, refetch, isFetching } = useQuery({
     queryKey: KEY,
@@ -22,7 +22,7 @@ export function useWords() {
   return { words: data ?? NONE, refetch, isFetching, known: data !== undefined };
 }
 
-/** Has the words read again when skill managers may have come or gone; once for all who use them. */
+/** Fetches the words again when skill managers may have changed; once for all users of this hook. */
 export function useFreshWords(): void {
   useEffect(
     () => onEvent((event) => void (mayChangeSkills(event) && queryClient.invalidateQueries({ queryKey: KEY }))),
@@ -30,7 +30,7 @@ export function useFreshWords(): void {
   );
 }
 
-/** Whether an event may mean that a skill manager came or went: its skills are elements, which no job adds or removes. */
+/** Whether skill managers may have changed: skills are elements, which no job adds or removes. */
 function mayChangeSkills({ kind, data }: EventInfo): boolean {
   if (kind === "alarm") return "kind" in data && data.kind === "manager";
   if (kind !== "world" || !Array.isArray(data.edits)) return false;
@@ -39,7 +39,7 @@ function mayChangeSkills({ kind, data }: EventInfo): boolean {
   );
 }
 
-/** Returns what makes a sentence with slots of a condition, in the language of the reader where the words are ours. */
+/** Returns a function that writes a condition as a sentence with slots, translated if we have a translation. */
 export function useSentence(): (word: ConditionWord) => Piece[] {
   const { t } = useTranslation("goal");
   const ours: Record<string, string> = t("words", { returnObjects: true });

@@ -1,4 +1,4 @@
-/** Words in the language of the reader: English, and German where it is wanted. Each part of the pages has a file. */
+/** The texts of the pages in English and German, one file for each part of the pages. */
 
 import i18n from "i18next";
 import { initReactI18next } from "react-i18next";

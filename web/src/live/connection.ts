@@ -19,7 +19,7 @@ interface Connection {
 export const useConnection = create<Connection>(() => ({ status: "connecting", since: null, silent: null }));
 
 const STATE_RATE = 20; // Hz, the maximum of the API
-const REPLAY_LIMIT = 60_000; // ms: after a longer gap fetching all data again is cheaper than receiving all missed events
+const REPLAY_LIMIT = 60_000; // ms: after a longer gap, fetching all data again is cheaper
 
 let closings: Close[] = [];
 let lastSeen = ""; // id of the last event received

@@ -24,7 +24,7 @@ export function onEvent(listener: (event: EventInfo) => void): () => void {
   return () => listeners.delete(listener);
 }
 
-/** Calls a function when events may have been missed, so that all data must be fetched again; returns the unsubscriber. */
+/** Calls a function when events may have been missed, so that all data must be fetched again. */
 export function onReset(listener: () => void): () => void {
   resetListeners.add(listener);
   return () => resetListeners.delete(listener);

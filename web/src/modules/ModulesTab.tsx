@@ -10,7 +10,7 @@ import { detailOf, placeOf, type View, VIEWS } from "./places";
 import { Plugins } from "./plugins/Plugins";
 import { RunHistory } from "./runs/RunHistory";
 
-/** Everything that robots can do, one thing at a time; moving them by hand; and what they were taught (Fig. 6). */
+/** The Modules tab: running single modules, jogging, teaching, devices and plug-ins (Fig. 6 of the paper). */
 export default function ModulesTab() {
   const { t } = useTranslation("modules");
   const [, open, detail] = useTab();

@@ -1,4 +1,4 @@
-/** Arguments as they were filled in, by module: kept while other tabs are shown. */
+/** Unfinished arguments by module, kept while other tabs are shown. */
 
 import { create } from "zustand";
 import type { Arguments } from "../widgets/ArgumentsForm";
@@ -10,7 +10,7 @@ export interface Draft {
 
 interface Drafts {
   drafts: Readonly<Record<string, Draft>>;
-  /** Sets what is filled in for a module of a subsystem. */
+  /** Sets the unfinished arguments of a module of a subsystem. */
   put: (key: string, draft: Draft) => void;
 }
 

@@ -1,4 +1,4 @@
-/** Which modules a list shows. */
+/** Filters the list of modules. */
 
 import type { Summary } from "./queries";
 
@@ -11,7 +11,7 @@ export interface Filter {
 
 export const EVERYTHING: Filter = { text: "", kind: "all", robot: "" };
 
-/** Returns the modules that fit, skills first; all words have to be in name, help or the names of who can do it. */
+/** Returns the matching modules, skills first; all words must occur in name, help or names of subsystems. */
 export function fitting(modules: readonly Summary[], { text, kind, robot }: Filter): Summary[] {
   const words = text.toLowerCase().split(/\s+/).filter(Boolean);
   return modules

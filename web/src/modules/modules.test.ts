@@ -12,20 +12,20 @@ const MODULES: Summary[] = [
 ];
 const names = (found: Summary[]) => found.map(({ name }) => name);
 
-test("skills come first, and every word narrows the list", () => {
+test("skills come first, and all words must match", () => {
   expect(names(fitting(MODULES, EVERYTHING))).toEqual(["drive", "pick", "home"]);
   expect(names(fitting(MODULES, { ...EVERYTHING, text: "ARM fold" }))).toEqual(["home"]);
   expect(names(fitting(MODULES, { ...EVERYTHING, kind: "skill", text: "part" }))).toEqual(["pick"]);
   expect(names(fitting(MODULES, { ...EVERYTHING, robot: "robot_2" }))).toEqual(["home"]);
 });
 
-test("an address names a view, and an unknown one opens the list", () => {
+test("an address names a view, and an unknown view opens the list", () => {
   expect(placeOf(detailOf("try", "arm_1", "pick"))).toEqual({ view: "try", rest: ["arm_1", "pick"] });
   expect(placeOf("nowhere/at/all")).toEqual({ view: "try", rest: [] });
   expect(placeOf("")).toEqual({ view: "try", rest: [] });
 });
 
-test("the command line says values as the command reads them, and hides nothing from the shell", () => {
+test("the command line has the command's own notation of values, quoted for the shell", () => {
   const values = { question: "Is it Anna's; ok?", options: ["red", "blue"], patience: 2 };
   expect(cliCommand({ agent: "arm_1", module: "choose", values, repeat: 3 })).toBe(
     "skiros module run choose --agent arm_1 --param 'question=Is it Anna'\\''s; ok?'" +
@@ -34,7 +34,7 @@ test("the command line says values as the command reads them, and hides nothing 
   expect(quoted("$(rm -rf)")).toBe("'$(rm -rf)'");
 });
 
-test("the request names module and arguments, and a key only where one is needed", () => {
+test("the request contains module and arguments, and a key only if one is required", () => {
   const wanted = { agent: "base_1", module: "drive", values: { Location: "pallet_a" }, repeat: 1 };
   const open = curlCommand(wanted, "http://here:8000", false);
   expect(open).toBe(

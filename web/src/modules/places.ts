@@ -1,4 +1,4 @@
-/** What the address says behind `#/modules/`: "try/arm_1/pick", "jog/robot_1", "runs/3f2a-1", "plugins". */
+/** The address behind `#/modules/`: "try/arm_1/pick", "jog/robot_1", "runs/3f2a-1", "plugins". */
 
 export const VIEWS = ["try", "jog", "devices", "runs", "plugins"] as const;
 export type View = (typeof VIEWS)[number];

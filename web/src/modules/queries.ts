@@ -1,4 +1,4 @@
-/** What the tab reads. */
+/** The queries of the Modules tab. */
 
 import { useQuery } from "@tanstack/react-query";
 import { answer, api, type Schema } from "../api/client";
@@ -21,7 +21,7 @@ export function useModule(agent: string, module: string) {
   });
 }
 
-/** What a module would be run with now; read again when the world changes. */
+/** The arguments that a module would get now; fetched again when the world changes. */
 export function usePanel(agent: string, module: string, values: Arguments) {
   const may = useMay("show_panel");
   return useQuery({

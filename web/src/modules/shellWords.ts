@@ -1,4 +1,4 @@
-/** The same run from a command line. */
+/** A run as a command line. */
 
 import type { Arguments } from "../widgets/ArgumentsForm";
 import { curl, quoted } from "../widgets/shell";
@@ -17,7 +17,7 @@ export function cliCommand({ agent, module, values, repeat }: Wanted): string {
   return ["skiros module run", quoted(module), `--agent ${quoted(agent)}`, ...params, ...times].join(" ");
 }
 
-/** Returns the request that asks the same server for the same. */
+/** Returns the HTTP request for the same run on this server. */
 export function curlCommand({ agent, module, values, repeat }: Wanted, base: string, keysNeeded: boolean): string {
   const url = `${base}/api/v1/modules/${encodeURIComponent(agent)}/${encodeURIComponent(module)}/runs`;
   return curl(url, { arguments: values, repeat }, keysNeeded);

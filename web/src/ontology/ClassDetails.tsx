@@ -15,11 +15,11 @@ const NeighbourGraph = lazy(() => import("./NeighbourGraph"));
 
 type Details = Schema<"ClassDetails">;
 
-/** What the ontology says of a class, and where it is used. */
+/** The ontology's description of a class, and its uses. */
 export function ClassDetails({ name }: { name: string }) {
   const { t } = useTranslation(["ontology", "common"]);
   const { data, error } = useQuery({
-    queryKey: keys.world("class", name), // it counts elements, too
+    queryKey: keys.world("class", name), // its answer contains numbers of elements
     queryFn: () => answer(api.GET("/api/v1/ontology/classes/{name}", { params: { path: { name } } })),
   });
   if (error) return <Text size="sm">{problemText(error)}</Text>;

@@ -13,7 +13,7 @@ import { shownClasses } from "./search";
 const NONE: Classes = new Map();
 const FIRST = [EVERYTHING, "sk:SpatialThing", "sk:Object", "sk:Location"];
 
-/** Classes below their primary parents, with how many things of them there are. */
+/** Classes below their primary parents, with their numbers of elements. */
 export function ClassTree({ search }: { search: string }) {
   const { t } = useTranslation("ontology");
   const classes = useCounted();
@@ -40,7 +40,7 @@ export function ClassTree({ search }: { search: string }) {
   );
 }
 
-/** Counts change with the world, the classes themselves do not. */
+/** Counts change with the world, classes do not. */
 function useCounted(): Classes {
   const { data } = useQuery({
     queryKey: keys.world("classes"),

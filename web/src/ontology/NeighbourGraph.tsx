@@ -10,7 +10,7 @@ import { neighbours } from "./neighbours";
 
 const NONE: RelationInfo[] = [];
 
-/** A class between those above, those below, and those that its relations lead to. */
+/** A class between its parents, its subclasses, and the classes of its relations. */
 export default function NeighbourGraph({ class_ }: { class_: Schema<"ClassDetails"> }) {
   const { t } = useTranslation("ontology");
   const [, , show] = useView();

@@ -17,7 +17,7 @@ const LISTS = ["classes", "relations", "properties"] as const;
 type ListName = (typeof LISTS)[number];
 const SEARCH_PAUSE = 150; // ms
 
-/** What there may be: classes, relations and properties; to be looked at only. */
+/** Browser for the classes, relations and properties of the ontology; read-only. */
 export default function OntologyBrowser() {
   const { t } = useTranslation("ontology");
   return <Split divider={t("divider")} list={<Lists />} details={<Chosen />} />;
@@ -66,7 +66,7 @@ function Properties({ search }: { search: string }) {
   return <TermList label={t("lists.properties")} terms={data ?? []} search={search} />;
 }
 
-/** What the address names: a class, a relation or a property. */
+/** The subject of the address: a class, a relation or a property. */
 function Chosen() {
   const { t } = useTranslation("ontology");
   const [, name] = useView();

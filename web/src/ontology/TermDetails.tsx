@@ -4,7 +4,7 @@ import type { PropertyInfo, RelationInfo } from "../world/queries";
 import { Fact, Facts, Head } from "./Facts";
 import { TermLinks } from "./TermLinks";
 
-/** What the ontology says of a relation. */
+/** The ontology's description of a relation. */
 export function RelationDetails({ relation }: { relation: RelationInfo }) {
   const { t } = useTranslation(["ontology", "common"]);
   const inverse = relation.inverse === null ? [] : [relation.inverse];
@@ -31,7 +31,7 @@ export function RelationDetails({ relation }: { relation: RelationInfo }) {
   );
 }
 
-/** What the ontology says of a property. */
+/** The ontology's description of a property. */
 export function PropertyDetails({ property }: { property: PropertyInfo }) {
   const { t } = useTranslation(["ontology", "common"]);
   return (
@@ -50,7 +50,7 @@ export function PropertyDetails({ property }: { property: PropertyInfo }) {
   );
 }
 
-/** Of each group one class at least. */
+/** At least one class of each group is required. */
 function Groups({ groups }: { groups: readonly (readonly string[])[] }) {
   const { t } = useTranslation(["ontology", "common"]);
   if (groups.length === 0) return t("anything");

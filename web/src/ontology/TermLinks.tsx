@@ -2,7 +2,7 @@ import { Anchor, Group, Text } from "@mantine/core";
 import { useTranslation } from "react-i18next";
 import { useView } from "../world/useView";
 
-/** Names of the ontology as links to what it says of them. */
+/** Names of the ontology as links to their descriptions. */
 export function TermLinks({ names }: { names: readonly string[] }) {
   const { t } = useTranslation();
   const [, , show] = useView();

@@ -16,7 +16,7 @@ interface Props {
   search: string;
 }
 
-/** Relations or properties by name. */
+/** Relations or properties, by name. */
 export function TermList({ label, terms, search }: Props) {
   const [, chosen, show] = useView();
   const found = useMemo(

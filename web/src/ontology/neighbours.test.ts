@@ -16,18 +16,18 @@ const relation = (name: string, computed: boolean) =>
   ({ name, computed, family: "plain", objects: [["sk:Place"]] }) as unknown as RelationInfo;
 const part = { name: "sk:Part", parents: ["sk:Element"], relations_from: ["sk:in", "sk:near"] };
 
-test("of many classes below only some are drawn, and the others are counted", () => {
+test("only some of many subclasses are drawn, and the others are counted", () => {
   const { nodes, left } = neighbours(part, classes, []);
   expect(nodes).toHaveLength(1 + 1 + 8);
   expect(left).toBe(12);
 });
 
-test("a class that a relation leads to is told with the relation; computed ones lead everywhere and are left out", () => {
+test("a class reached by a relation shows the relation; computed relations hold everywhere and are omitted", () => {
   const { nodes, edges } = neighbours(part, classes, [relation("sk:in", false), relation("sk:near", true)]);
   expect(nodes.find(({ id }) => id === "sk:Place")?.subtitle).toBe("sk:in");
   expect(edges).toContainEqual({ from: "sk:Part", to: "sk:Place" });
 });
 
-test("a search shows what it finds with all that is above, so that the tree holds together", () => {
+test("search results are shown with all their ancestors, so that the tree is connected", () => {
   expect(shownClasses(classes, "kind7")).toEqual(new Set(["sk:Kind7", "sk:Part", "sk:Element"]));
 });

@@ -1,4 +1,4 @@
-/** The classes around a class, few enough to be looked at. */
+/** The neighbours of a class, few enough for a readable graph. */
 
 import type { Schema } from "../api/client";
 import type { GraphEdge, GraphNode } from "../widgets/Graph";
@@ -10,11 +10,11 @@ const MOST = 8; // of each kind
 interface Neighbourhood {
   nodes: GraphNode[];
   edges: GraphEdge[];
-  /** How many there are besides. */
+  /** The number of those not drawn. */
   left: number;
 }
 
-/** Returns parents, those directly below, and the classes that relations lead to, which the relations are told with. */
+/** Returns parents, direct subclasses, and the object classes of relations with those relations. */
 export function neighbours(
   class_: Pick<Schema<"ClassDetails">, "name" | "parents" | "relations_from">,
   classes: Classes,
@@ -38,7 +38,7 @@ export function neighbours(
   return { nodes: [...nodes.values()], edges: unique(edges), left: Math.max(0, all - edges.length) };
 }
 
-/** Returns the classes that are objects of its relations, each with those relations; computed ones hold of everything. */
+/** Returns the object classes of its relations, with those relations; omits computed ones, which hold everywhere. */
 function targetsOf(
   { relations_from: from }: { relations_from: readonly string[] },
   relations: readonly RelationInfo[],

@@ -11,7 +11,7 @@ import { type Shape, shapeIn } from "./shapes";
 import { wake } from "./ticker";
 import { useShownView } from "./useShownView";
 
-/** Outlines of what is selected, and of what the pointer is on. */
+/** Outlines of the selected element and of the one under the pointer. */
 export function Highlight({ palette }: { palette: Palette }) {
   const selected = useSelection((state) => state.selected);
   const hovered = useSelection((state) => state.hovered);
@@ -25,7 +25,7 @@ export function Highlight({ palette }: { palette: Palette }) {
   );
 }
 
-// Kept for good: a new one would compile its program again for each thing that is pointed at.
+// Kept permanently: a new material would compile its shader again for each element.
 const STRONG = new LineMaterial({ linewidth: 2.5 });
 const FINE = new LineMaterial({ linewidth: 1.5 });
 

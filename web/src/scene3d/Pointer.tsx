@@ -5,9 +5,9 @@ import { useSelection } from "../selection/selection";
 import { elementAt } from "./pointing";
 
 const STILL = 5; // px: a click that moves farther is a drag
-const PAUSE = 60; // ms between two looks at what is under the pointer
+const PAUSE = 60; // ms between two hit tests
 
-/** Hovers and selects what is pointed at. */
+/** Hovers and selects the element under the pointer. */
 export function Pointer({ among }: { among: RefObject<Group | null> }) {
   const canvas = useThree((three) => three.gl.domElement);
   const camera = useThree((three) => three.camera);
@@ -59,7 +59,7 @@ function hover(id: string | null, canvas: HTMLElement): void {
   canvas.style.cursor = useful ? "pointer" : pick === null ? "" : "crosshair";
 }
 
-/** A click in vain deselects, but does not end a pick. */
+/** A click on nothing deselects, but does not cancel a pick. */
 function choose(id: string | null): void {
   const { pick, choose } = useSelection.getState();
   if (id !== null || pick === null) choose(id);

@@ -18,7 +18,7 @@ import { followView } from "./view";
 
 const KEYS: Record<string, Viewpoint> = { o: "overview", t: "top", r: "follow", f: "selection", Home: "overview" };
 
-/** The live 3D view: robots, things, and what there is to know about where they are. */
+/** The live 3D view: robots, elements, and the uncertainty of their poses. */
 export default function Scene() {
   const { t } = useTranslation("scene3d");
   if (!canDraw()) return <Alert m="md">{t("noWebGL")}</Alert>;
@@ -39,9 +39,9 @@ function Picture() {
   const scheme = useComputedColorScheme();
   const words = useId();
   const { dpr, antialias } = quality();
-  useEffect(followView, []); // here, not in the canvas, whose contents come only when it was measured and made
+  useEffect(followView, []); // here, because the canvas mounts its children only after it was measured
   return (
-    // It is an application of its own: keys turn the view.
+    // The view handles keys itself: they turn the camera.
     // eslint-disable-next-line jsx-a11y/no-noninteractive-element-interactions
     <div
       className={classes.picture}
@@ -68,7 +68,7 @@ function Picture() {
   );
 }
 
-/** Asking whether each program is good would have the page wait for the graphics card, or for who stands in for it. */
+/** Checking each shader program would block the page until the graphics driver, or its software substitute, is done. */
 function trustShaders({ gl }: RootState): void {
   gl.debug.checkShaderErrors = import.meta.env.DEV;
 }

@@ -21,7 +21,7 @@ import { Robots } from "./robots/Robots";
 import { Surroundings } from "./Surroundings";
 import { drawBy, wake } from "./ticker";
 
-/** All that is in the picture. */
+/** The content of the 3D scene. */
 export function Stage({ palette }: { palette: Palette }) {
   const matter = useRef<Group>(null);
   useDrawing();
@@ -50,7 +50,7 @@ export function Stage({ palette }: { palette: Palette }) {
   );
 }
 
-/** Draws when asked to, and gives tests access to the picture. */
+/** Renders on demand, and gives tests access to the view. */
 function useDrawing(): void {
   const get = useThree((three) => three.get);
   const gl = useThree((three) => three.gl);
@@ -58,7 +58,7 @@ function useDrawing(): void {
   useEffect(() => {
     const { invalidate, set } = get();
     drawBy(() => invalidate());
-    set({ invalidate: () => wake() }); // what the libraries ask for, too: all frames keep to one rate
+    set({ invalidate: () => wake() }); // requests of the libraries, too: all frames keep to one rate
     return () => {
       drawBy(null);
       set({ invalidate });

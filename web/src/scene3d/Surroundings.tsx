@@ -6,7 +6,7 @@ import { quality } from "./quality";
 
 const WIDE = 30; // m
 
-/** Light, air, and a grid of one metre on the floor. */
+/** Light, fog, and a grid of one metre on the floor. */
 export function Surroundings({ palette }: { palette: Palette }) {
   const grid = useLayers(({ shown }) => shown.grid);
   return (

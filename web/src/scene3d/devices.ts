@@ -1,11 +1,11 @@
-/** Joints and frames of the devices as they are drawn: between two live states, or in a replay. */
+/** Joints and frames of the devices as drawn: interpolated between live states, or from a replay. */
 
 import { type StationState, useStation } from "../live/station";
 import { useReplay } from "./replay";
 import { framesAt } from "./replayFrames";
 import { wake } from "./ticker";
 
-/** Where devices are, whatever their kinds are. */
+/** Poses of devices of any kind. */
 export interface Devices {
   /** Frames in the map by device: position [m], and a quaternion x, y, z, w. */
   frames: Record<string, number[]>;
@@ -19,9 +19,9 @@ const NONE: Numbers = [];
 const SORTS = ["frames", "joints"] as const;
 const LONGEST = 120; // ms
 const SHORTEST = 30; // ms
-const STILL = 2e-4; // rad or m: less is not visible
+const STILL = 2e-4; // rad or m: smaller changes are not visible
 
-/** As they are drawn now; read only. */
+/** The state as drawn; read only. */
 export const devices: Devices = nothing();
 
 let from: Devices = nothing();
@@ -29,7 +29,7 @@ let to: Devices = nothing();
 let arrived = 0; // ms
 let span = SHORTEST; // ms
 
-/** Follows the stream of states; returns how to end that. */
+/** Follows the stream of states; returns the function that stops it. */
 export function followDevices(): () => void {
   const { state } = useStation.getState();
   if (state !== null) begin(devicesOf(state));
@@ -38,7 +38,7 @@ export function followDevices(): () => void {
   });
 }
 
-/** Brings the devices to where they are at a moment [ms, performance.now()]. */
+/** Updates the devices for a time [ms, performance.now()]. */
 export function moveDevices(now: number): void {
   const { replay, piece, time } = useReplay.getState();
   if (replay !== null && piece !== null) framesAt(piece, time, devices);
@@ -54,7 +54,7 @@ export function devicesOf(state: StationState): Devices {
   return found;
 }
 
-/** Writes what is a share of the way from one to the other. */
+/** Writes interpolated values. */
 export function between(one: Devices, other: Devices, share: number, into: Devices): void {
   for (const sort of SORTS) {
     for (const id in other[sort]) {
@@ -66,7 +66,7 @@ export function between(one: Devices, other: Devices, share: number, into: Devic
 
 const POSE = 7; // numbers: position and quaternion
 
-/** Writes what is a share of the way from some numbers of a device to others; frames turn the short way round. */
+/** Interpolates between two sets of numbers of a device; frames rotate the short way round. */
 export function blend(one: Numbers, other: Numbers, share: number, into: number[]): void {
   const turns = other.length === POSE;
   const sign = turns && dot(one, other) < 0 ? -1 : 1;
@@ -78,7 +78,7 @@ export function blend(one: Numbers, other: Numbers, share: number, into: number[
   if (turns) normalise(into);
 }
 
-/** How much two orientations are alike: below 0, one is written with the other sign. */
+/** Dot product of two orientations: below 0, they have opposite signs. */
 function dot(one: Numbers, other: Numbers): number {
   return [3, 4, 5, 6].reduce((sum, i) => sum + (one[i] ?? 0) * (other[i] ?? 0), 0);
 }

@@ -1,4 +1,4 @@
-/** Where frames are in the picture that is drawn: as devices say, and tools where the robots' models have them. */
+/** Frames in the rendered view: from the states of devices, and tools from the robots' models. */
 
 import { Matrix4, type Object3D } from "three";
 import { devices } from "./devices";
@@ -7,16 +7,16 @@ import { poseMatrix } from "./pose";
 
 const IDENTITY = new Matrix4();
 
-/** The links that are the tools of grippers, of the models that are drawn. */
+/** The tool links of grippers, in the models that are drawn. */
 const tools = new Map<string, Object3D>();
 
-/** Says which link is the tool of a gripper; returns how to take that back. */
+/** Registers the tool link of a gripper; returns the function that removes it. */
 export function bearTool(gripper: string, link: Object3D): () => void {
   tools.set(gripper, link);
   return () => tools.delete(gripper);
 }
 
-/** Writes where a frame is in the map; false where that is unknown. */
+/** Writes the pose of a frame in the map; false if unknown. */
 export function frameInMap(frame: Frame, into: Matrix4): boolean {
   const link = frame.on === "tool" ? tools.get(frame.id) : undefined;
   if (frame.on === "map") into.copy(IDENTITY);
@@ -25,7 +25,7 @@ export function frameInMap(frame: Frame, into: Matrix4): boolean {
   return true;
 }
 
-/** Writes where the frame of a device is in the map; false where that is unknown. */
+/** Writes the pose of a device's frame in the map; false if unknown. */
 export function deviceInMap(id: string, into: Matrix4): boolean {
   const numbers = devices.frames[id];
   if (numbers === undefined) return false;

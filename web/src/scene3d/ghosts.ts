@@ -1,11 +1,11 @@
-/** Targets of goals, shown as ghosts in the 3D view before and while they are pursued. */
+/** Targets of goals, shown as ghosts in the 3D view while the goal is edited and pursued. */
 
 import { create } from "zustand";
 
 export interface Ghost {
-  /** Names it among the ghosts. */
+  /** Its key among the ghosts. */
   key: string;
-  /** Element or class whose shape it has. */
+  /** Element or class that has its shape. */
   like: string;
   /** Element that it is to be in, on or at. */
   place: string;

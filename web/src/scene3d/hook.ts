@@ -1,4 +1,4 @@
-/** What tests and measurements ask about the picture: it is drawn, not in the page's text. */
+/** Access for tests and measurements to the rendered view, which is not in the DOM. */
 
 import { type Camera, Matrix4, Vector3, type WebGLRenderer } from "three";
 import { crowd } from "./elements/crowd";
@@ -8,17 +8,17 @@ import { onPicture, pointOf, type Spot } from "./pointing";
 import { carrierOf, useModels } from "./robots/models";
 
 export interface Hook {
-  /** CSS pixels of an element's middle in the page; null for what is not seen. */
+  /** CSS pixels of the centre of an element in the page; null if it is not visible. */
   screen: (id: string) => Spot | null;
-  /** Ids of all that is drawn. */
+  /** Ids of all drawn elements. */
   shown: () => string[];
-  /** Position and quaternion (x, y, z, w) in the map, as drawn now; null for what is nowhere. */
+  /** Position and quaternion (x, y, z, w) in the map, as drawn now; null if it has no pose. */
   pose: (id: string) => number[] | null;
   /** Joint angles [rad], or lengths [m], by name, as drawn now. */
   joints: (robot: string) => Record<string, number>;
-  /** Frames since the page was opened. */
+  /** Frames rendered since the page was opened. */
   frames: number;
-  /** How long the last frame kept the page busy [ms]. */
+  /** Duration of the last frame on the main thread [ms]. */
   drawMs: number;
   stats: () => { triangles: number; calls: number; geometries: number; textures: number };
 }
@@ -32,7 +32,7 @@ declare global {
 const matrix = new Matrix4();
 const point = new Vector3();
 
-/** Offers the hook on the window; returns how to take it away. */
+/** Adds the hook to the window; returns the function that removes it. */
 export function offerHook(gl: WebGLRenderer, camera: Camera): () => void {
   const hook: Hook = {
     screen: (id) => screenOf(id, gl.domElement, camera),

@@ -1,4 +1,4 @@
-/** What the 3D view shows besides robots and things; remembered in this browser. */
+/** Optional layers of the 3D view; remembered in this browser. */
 
 import { create } from "zustand";
 import { persist } from "zustand/middleware";

@@ -19,13 +19,13 @@ function where(items: ReturnType<typeof laidOut>, id: string): Vector3 {
 const TABLE = element("table", { kind: "place", shape: "table", pose: at(2, 0, 0) });
 
 describe("a layout", () => {
-  it("puts things where they are, in the map or on the base that carries them", () => {
+  it("places elements in the map or on the base that carries them", () => {
     const items = laidOut(TABLE, element("deck", { pose: at(0, 0, 0.3), carrier: "base_1" }));
     expect(items.get("table")?.frame.on).toBe("map");
     expect(items.get("deck")?.frame).toEqual({ on: "carrier", id: "base_1" });
   });
 
-  it("draws a device that carries bodies where its frame is, also while nothing else changes", () => {
+  it("draws a device that carries bodies at its frame, even while nothing else changes", () => {
     const view = viewFrom(world([element("turntable", { kind: "device", shape: "table", pose: at(1, 0, 0) })]));
     const items = layout(
       view,
@@ -35,18 +35,18 @@ describe("a layout", () => {
     expect(items.get("turntable")?.frame).toEqual({ on: "carrier", id: "turntable" });
   });
 
-  it("puts what is held in the hand", () => {
+  it("places held elements in the hand", () => {
     const items = laidOut(element("a", { place: "gripper", held_by: "gripper", in_hand: at(0, 0, -0.02) }));
     expect(items.get("a")).toMatchObject({ frame: { on: "tool", id: "gripper" }, sure: true });
   });
 
-  it("puts a robot on its base", () => {
+  it("places a robot on its base", () => {
     const base = element("base_1", { kind: "device", owner: "robot", pose: at(1, 0, 0) });
     const items = laidOut(element("robot", { kind: "robot", pose: at(1, 0, 0) }), base);
     expect(items.get("robot")?.frame).toEqual({ on: "carrier", id: "base_1" });
   });
 
-  it("lays out above its place, apart from each other, what nobody knows the place of", () => {
+  it("places elements without a known pose above their place, apart from each other", () => {
     const ids = ["a", "b", "c", "d", "e", "f", "g"];
     const items = laidOut(...ids.map((id) => element(id, { place: "table", shape: "part" })), TABLE);
     const boxes = ids.map((id) => boundsOf(SHAPES.part).translate(where(items, id)));
@@ -59,7 +59,7 @@ describe("a layout", () => {
     expect(all.getCenter(new Vector3()).x).toBeCloseTo(2);
   });
 
-  it("does so above stand-ins, too, and comes to an end where places go in a circle", () => {
+  it("does so above such elements, too, and ends if places form a cycle", () => {
     const items = laidOut(
       element("inner", { place: "tray", shape: "part" }),
       element("tray", { place: "table", shape: "table" }),

@@ -1,10 +1,10 @@
-/** Where everything is drawn: in the map, on a device that carries it, in a hand; or above its place where its pose is unknown. */
+/** Where elements are drawn: in the map, on a carrying device, in a hand; above their place if the pose is unknown. */
 
 import { type Box3, Matrix4, Vector3 } from "three";
 import { matrixOf } from "./pose";
 import type { View, ViewElement } from "./view";
 
-/** What something moves with: "map" never moves; the others have the id of a device, such as a base or a gripper. */
+/** The frame of an element: "map" never moves; others are ids of devices, such as a base or a gripper. */
 export interface Frame {
   on: "map" | "carrier" | "tool";
   id: string;
@@ -13,24 +13,24 @@ export interface Frame {
 export interface Item {
   element: ViewElement;
   frame: Frame;
-  /** Its pose in the frame. */
+  /** Pose in the frame. */
   matrix: Matrix4;
-  /** Whether that is where it is; else it stands in for something in its place. */
+  /** Whether the pose is known; otherwise the element is drawn above its place. */
   sure: boolean;
 }
 
 const MAP: Frame = { on: "map", id: "" };
-const ABOVE = 0.08; // m, of stand-ins above their place
-const APART = 0.04; // m between stand-ins
-const SMALL = 0.05; // m, width of what has no shape
+const ABOVE = 0.08; // m, of elements without a known pose above their place
+const APART = 0.04; // m between elements without a known pose
+const SMALL = 0.05; // m, width of elements without a shape
 
 type Bounds = (element: ViewElement) => Box3 | null;
 type Carries = (id: string) => boolean;
 
-/** Lays out a view.
+/** Computes the layout of a view.
  *
- * @param bounds - Returns how large the shape of an element is, in its frame; null for none.
- * @param carries - Returns whether an element is a device that carries bodies: it is drawn where its frame is.
+ * @param bounds - Returns the bounding box of an element's shape, in its frame; null without a shape.
+ * @param carries - Whether an element is a device that carries bodies: it is drawn at its frame.
  */
 export function layout(view: View, bounds: Bounds, carries: Carries = () => false): Map<string, Item> {
   const items = new Map<string, Item>();
@@ -48,7 +48,7 @@ export function layout(view: View, bounds: Bounds, carries: Carries = () => fals
   return items;
 }
 
-/** Places before what is in them, so that stand-ins can have stand-ins. */
+/** Orders places before their content, since an element without a known pose may contain others. */
 function placesInOrder(waiting: ReadonlyMap<string, ViewElement[]>): string[] {
   const inside = new Map([...waiting].flatMap(([place, there]) => there.map(({ id }) => [id, place] as const)));
   const depth = (place: string): number => {
@@ -92,7 +92,7 @@ function standIns(place: Item, elements: readonly ViewElement[], bounds: Bounds)
   });
 }
 
-/** Where things of these sizes go above a place, in its frame: side by side along its longer side, row by row. */
+/** Positions above a place for elements of these sizes, in its frame: in rows along its longer side. */
 export function rows(place: Box3 | null, things: readonly (Box3 | null)[], lift = ABOVE): Vector3[] {
   const size = place?.getSize(new Vector3()) ?? new Vector3();
   const middle = place?.getCenter(new Vector3()) ?? new Vector3();

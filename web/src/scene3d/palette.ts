@@ -1,4 +1,4 @@
-/** Quiet colours, so that what is selected, asked about or wrong stands out. */
+/** Muted colours, so that selected, questioned and faulty elements stand out. */
 
 import { Color } from "three";
 import type { View, ViewElement } from "./view";
@@ -78,7 +78,7 @@ export function paletteOf(scheme: "light" | "dark"): Palette {
   return scheme === "dark" ? DARK : LIGHT;
 }
 
-/** Gives each class of parts a colour, different ones as far as there are some. */
+/** Gives each class of parts a colour, distinct while colours last. */
 export function partColours(view: View): ReadonlyMap<string, Color> {
   const classes = new Set<string>();
   for (const element of view.elements.values()) if (element.kind === "part") classes.add(element.class);

@@ -1,4 +1,4 @@
-/** What is under the pointer, and where something is on the page. */
+/** Hit tests, and positions of elements on the page. */
 
 import { type Camera, type Intersection, type Object3D, Matrix4, Raycaster, Vector2, Vector3 } from "three";
 import { crowd } from "./elements/crowd";
@@ -14,7 +14,7 @@ export interface Spot {
   y: number;
 }
 
-/** Id of the nearest element at a spot of the page that counts as one; null for none. */
+/** Id of the nearest suitable element at a position of the page; null for none. */
 export function elementAt(spot: Spot, canvas: HTMLElement, camera: Camera, among: Object3D): string | null {
   const { left, top, width, height } = canvas.getBoundingClientRect();
   point.set(((spot.x - left) / width) * 2 - 1, 1 - ((spot.y - top) / height) * 2);
@@ -24,12 +24,12 @@ export function elementAt(spot: Spot, canvas: HTMLElement, camera: Camera, among
     const id = idOf(hit);
     if (id === null) continue;
     if (crowd.item(id)?.element.hollow !== true) return floorLast(room, id);
-    room ??= id; // rooms let the pointer through to what is in them
+    room ??= id; // compartments let the pointer through to their content
   }
   return room;
 }
 
-/** A room before the thing that it belongs to; what is in a room before the room. */
+/** A compartment takes precedence over its owner, and content over its compartment. */
 function floorLast(room: string | null, matter: string): string {
   if (room === null) return matter;
   const owner = crowd.item(room)?.element.owner;
@@ -47,7 +47,7 @@ function idOf({ object, instanceId }: Intersection): string | null {
   return null;
 }
 
-/** Writes a point of an element in the map: its middle, or the middle of its upper side; false for what is nowhere. */
+/** Writes a point of an element in the map: its centre, or the centre of its upper side; false without a pose. */
 export function pointOf(id: string, at: "middle" | "top", into: Vector3): boolean {
   if (robotPoint(id, into, at === "top")) return true;
   if (!crowd.poseOf(id, place)) return false;
@@ -59,7 +59,7 @@ export function pointOf(id: string, at: "middle" | "top", into: Vector3): boolea
   return true;
 }
 
-/** Where a point of the map is in the picture [px]; null for what is behind the camera. */
+/** Position of a map point in the view [px]; null behind the camera. */
 export function onPicture(point: Vector3, camera: Camera, width: number, height: number): Spot | null {
   middle.copy(point).project(camera);
   if (middle.z > 1) return null;

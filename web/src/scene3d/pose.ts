@@ -1,4 +1,4 @@
-/** Poses as they come over the wire, as matrices, and as people write them. */
+/** Poses in the API's format, as matrices, and as numbers for people. */
 
 import { Euler, MathUtils, Matrix4, Quaternion, Vector3 } from "three";
 import type { Schema } from "../api/client";
@@ -6,7 +6,7 @@ import type { MapPose } from "./tools";
 
 export type PoseInfo = Schema<"PoseInfo">;
 
-/** What people write: place [m] and turns about the fixed axes x, y, z [degrees]. */
+/** Numbers for people: position [m] and rotations about the fixed axes x, y, z [degrees]. */
 export interface PoseNumbers {
   x: number;
   y: number;
@@ -57,13 +57,13 @@ export function poseFrom(numbers: PoseNumbers): MapPose {
   return { position: [numbers.x, numbers.y, numbers.z], orientation: [x, y, z, w] };
 }
 
-/** A pose of the map, seen from a frame that is itself given in the map; null for the map. */
+/** A map pose relative to a frame given in the map; null for the map itself. */
 export function seenFrom(pose: MapPose, frame: MapPose | null): MapPose {
   if (frame === null) return pose;
   return poseOf(matrixOf(frame).invert().multiply(matrixOf(pose)));
 }
 
-/** A pose in a frame, as the map has it. */
+/** Converts a pose in a frame to the map. */
 export function inMap(pose: MapPose, frame: MapPose | null): MapPose {
   if (frame === null) return pose;
   return poseOf(matrixOf(frame).multiply(matrixOf(pose)));

@@ -1,12 +1,12 @@
-/** How much drawing may cost here: without a graphics card the robot's control needs the processor more than we do. */
+/** Limits the cost of rendering: without a graphics card the robot's control needs the processor more. */
 
 export interface Quality {
-  /** Whether the processor draws. */
+  /** Whether rendering is done in software. */
   software: boolean;
-  /** Pixels of the picture per pixel of the page, at most. */
+  /** Maximum ratio of rendered pixels to CSS pixels. */
   dpr: number;
   antialias: boolean;
-  /** Frames per second, at most. */
+  /** Maximum frame rate [Hz]. */
   rate: number;
 }
 
@@ -14,13 +14,13 @@ const SOFTWARE = /swiftshader|llvmpipe|softpipe|software|basic render/i;
 let known: Quality | undefined;
 let renderer: string | null | undefined;
 
-/** What this machine is fit for; found out once. */
+/** The capability of this machine; determined once. */
 export function quality(): Quality {
   known ??= qualityOf(rendererName() ?? "");
   return known;
 }
 
-/** Whether there is a way to draw in 3D at all. */
+/** Whether 3D rendering is available. */
 export function canDraw(): boolean {
   return rendererName() !== null;
 }
@@ -30,7 +30,7 @@ export function qualityOf(renderer: string): Quality {
   return { software: false, dpr: Math.min(globalThis.devicePixelRatio || 1, 1.5), antialias: true, rate: 30 };
 }
 
-/** The renderer; null for none. Asked once: a context of its own takes long to make, and a browser has few. */
+/** The name of the renderer; null for none. Determined once: contexts take long to create, and browsers limit them. */
 function rendererName(): string | null {
   renderer ??= nameFrom(document.createElement("canvas").getContext("webgl2"));
   return renderer;

@@ -1,4 +1,4 @@
-/** One warning is of no use to anybody here: fiber makes a clock of its own, of a kind that three would replace. */
+/** Suppresses a useless warning: react-three-fiber uses a clock that three.js deprecates. */
 
 import { setConsoleFunction } from "three";
 

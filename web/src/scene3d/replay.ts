@@ -1,19 +1,19 @@
-/** A past job that is shown in the 3D view instead of the present. */
+/** The replay of a past job in the 3D view. */
 
 import { create } from "zustand";
 import { answer, api } from "../api/client";
 import { type Piece, Pieces } from "./replayPieces";
 
 interface Replay {
-  /** What is shown again, read without its middle; null for the present. */
+  /** The replay's data except frames; null in the present. */
   replay: Piece | null;
-  /** What was read last of where the replay is. */
+  /** The last fetched piece around the current time. */
   piece: Piece | null;
-  /** Whether the piece of this moment is still being read. */
+  /** Whether the piece of the current time is being fetched. */
   waits: boolean;
-  /** The moment that is shown [s, run time of the replay]. */
+  /** The time shown [s, run time of the replay]. */
   time: number;
-  /** How fast it goes on; 0 while it stands. */
+  /** Speed of the replay; 0 while it is paused. */
   speed: number;
   set: (change: Partial<Pick<Replay, "replay" | "time" | "speed">>) => void;
 }
@@ -29,7 +29,7 @@ export const useReplay = create<Replay>((set) => ({
 
 let pieces: { replay: Piece; of: Pieces } | null = null;
 
-/** Shows a job again, from its start. */
+/** Starts the replay of a job. */
 export async function showReplay(job: string): Promise<void> {
   const read = async (start: number, end: number) => {
     const params = { path: { id: job }, query: { start, end } };
@@ -41,7 +41,7 @@ export async function showReplay(job: string): Promise<void> {
   useReplay.setState({ replay, piece: replay, time: replay.start, speed: 0 });
 }
 
-/** Keeps the piece that is shown where the time is. */
+/** Keeps the piece of the current time loaded. */
 function follow(): void {
   const { replay, piece, waits, time } = useReplay.getState();
   if (pieces === null || pieces.replay !== replay) {

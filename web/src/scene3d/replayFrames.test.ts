@@ -29,23 +29,23 @@ function devicesAt(time: number): Devices {
 }
 
 describe("devices between two frames of a replay", () => {
-  it("are on the straight way between them", () => {
+  it("are interpolated linearly", () => {
     expect(devicesAt(1.5).joints["robot/shoulder"]).toEqual([0.5]);
     expect(devicesAt(3).joints["robot/shoulder"]).toEqual([2]);
     expect(devicesAt(1.25).joints["robot/left"]?.[0]).toBeCloseTo(0.035);
   });
 
-  it("have the joints of all kinds, with a robot or without one", () => {
+  it("include the joints of all kinds, with or without a robot", () => {
     expect(devicesAt(1.5).joints["table/turn"]).toEqual([1]);
   });
 
-  it("turn the short way round", () => {
+  it("rotate the short way round", () => {
     const [x, , , , , z, w] = devicesAt(1.5).frames["base"] ?? [];
     expect(x).toBeCloseTo(0.5);
     expect(Math.cos(2 * Math.atan2(z ?? 0, w ?? 0))).toBeCloseTo(-1);
   });
 
-  it("of any kind stand and turn where their frames were", () => {
+  it("of any kind have the poses of their frames", () => {
     const [, y, height, , , z, w] = devicesAt(1.5).frames["table"] ?? [];
     expect([y, height]).toEqual([2, 0.5]);
     expect([z, w].map(Math.abs as (part?: number) => number)).toEqual([
@@ -54,7 +54,7 @@ describe("devices between two frames of a replay", () => {
     ]);
   });
 
-  it("stay where they were before the first and after the last", () => {
+  it("keep their poses before the first and after the last frame", () => {
     expect(devicesAt(0).joints["robot/shoulder"]).toEqual([0]);
     expect(devicesAt(9).joints["robot/shoulder"]).toEqual([3]);
   });
@@ -69,7 +69,7 @@ describe("devices while a job was interrupted", () => {
     return into.joints["robot/shoulder"]?.[0];
   };
 
-  it("stay where they were last seen, and then are where they were found", () => {
+  it("keep their last poses, then jump to the next recorded ones", () => {
     expect([1.5, 2, 3, 3.99, 4, 9].map(angleAt)).toEqual([0.5, 1, 1, 1, 3, 3]);
   });
 });
@@ -85,7 +85,7 @@ describe("the world of a replay", () => {
     return times.map((time) => past.at(time).elements.get("a")?.place);
   };
 
-  it("is that of the moment, forwards and backwards", () => {
+  it("follows the time, forwards and backwards", () => {
     expect(places([0, 2, 4.9, 5, 9, 3, 1])).toEqual([
       "pallet",
       "gripper",
@@ -97,7 +97,7 @@ describe("the world of a replay", () => {
     ]);
   });
 
-  it("is that which was found where the job went on: what is not in it is gone, but shapes that came stay", () => {
+  it("is replaced when the job continues: elements missing from the new view are gone, but shapes are kept", () => {
     const beginning = world([element("a"), element("b", { shape: "box" })], { shapes: { box: [] } });
     const view = world([element("b", { shape: "box", place: "floor" }), element("c", { shape: "rod" })], {
       shapes: { rod: [] },

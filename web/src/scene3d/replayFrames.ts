@@ -1,4 +1,4 @@
-/** A replay at one moment: joints and frames of the devices, and the visible world. */
+/** A replay at one time: joints and frames of the devices, and the visible world. */
 
 import type { Schema } from "../api/client";
 import { blend, type Devices } from "./devices";
@@ -7,9 +7,9 @@ import { merged, type View, viewFrom } from "./view";
 type Replay = Schema<"Replay">;
 
 /**
- * Writes the joints and frames of the devices at a moment [s], interpolated between the two recorded frames around it.
+ * Writes the joints and frames of the devices at a time [s], interpolated between the two nearest frames.
  *
- * While the job was held, or no server ran, nothing was recorded: the devices stay where they were, then jump.
+ * Nothing is recorded while the job is held or no server runs: the devices keep their poses, then jump.
  */
 export function framesAt(replay: Replay, time: number, into: Devices): void {
   const { times, joints, frames } = replay.frames;
@@ -26,7 +26,7 @@ export function framesAt(replay: Replay, time: number, into: Devices): void {
   }
 }
 
-const ROUNDED = 1e-4; // s: times of frames are rounded, those of changes are not
+const ROUNDED = 1e-4; // s: times of frames are rounded, times of changes are not
 const gaps = new WeakMap<Replay, readonly number[]>();
 
 /** Times at which the job was continued after it was held or interrupted [s]. */
@@ -46,7 +46,7 @@ function shareOf(start: number, end: number, time: number): number {
   return end > start ? Math.min(Math.max((time - start) / (end - start), 0), 1) : 1;
 }
 
-/** Index of the first of ascending numbers that is greater than one. */
+/** Index of the first element of a sorted array that is greater than a number. */
 export function firstAfter(ascending: readonly number[], value: number): number {
   let [low, high] = [0, ascending.length];
   while (low < high) {
@@ -57,13 +57,13 @@ export function firstAfter(ascending: readonly number[], value: number): number 
   return low;
 }
 
-/** The view after a change; a view of the whole world replaces the one before. */
+/** The view after a change; a complete view replaces the previous one. */
 function changed(view: View, { whole, view: next }: Replay["changes"][number]): View {
   if (!whole) return merged(view, next);
   return { ...viewFrom(next), shapes: { ...view.shapes, ...next.shapes } };
 }
 
-/** Returns the view at a moment; going forward is quick, going back starts at the beginning. */
+/** Returns the view at a time; moving forward is fast, moving back starts at the beginning. */
 export class PastViews {
   private view: View;
   private done = 0;

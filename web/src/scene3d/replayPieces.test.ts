@@ -17,7 +17,7 @@ const settled = () => vi.advanceTimersByTimeAsync(0);
 beforeEach(() => void vi.useFakeTimers());
 afterEach(() => void vi.useRealTimers());
 
-test("only the piece of a moment and the next one are read, once", async () => {
+test("only the pieces of the current time and the next one are fetched, once", async () => {
   const { pieces, starts, onRead } = asked();
   expect(pieces.at(REPLAY.start)).toBeUndefined();
   await settled();
@@ -33,14 +33,14 @@ test("there is no piece after the last one", async () => {
   expect(starts).toEqual([3]);
 });
 
-test("a slider that moves fast has the pieces read where it is, not where it passed", async () => {
+test("while a slider moves fast, only pieces at its present position are fetched", async () => {
   const { pieces, starts } = asked();
   for (const share of [0, 1, 2, 3]) pieces.at(REPLAY.start + share * LENGTH);
   await settled();
   expect(starts).toEqual([0, 3]);
 });
 
-test("what could not be read is asked for again, until the replay is left", async () => {
+test("failed requests are repeated until the replay is closed", async () => {
   let broken = true;
   const { pieces, starts } = asked(() => broken);
   pieces.at(REPLAY.end);

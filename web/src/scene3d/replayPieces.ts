@@ -1,16 +1,16 @@
-/** A replay read by pieces: the one that is shown and the one after it, never the whole of a long job. */
+/** Loads a replay in pieces: the current one and the next one, never the whole of a long job. */
 
 import type { Schema } from "../api/client";
 
-/** The part of a replay in a range of time; it begins with the world at that time. */
+/** The part of a replay in a time range; it begins with the world at that time. */
 export type Piece = Schema<"Replay">;
 
-/** Reads the piece from one run time to another [s]. */
+/** Fetches the piece between two run times [s]. */
 export type Read = (start: number, end: number) => Promise<Piece>;
 
 export const LENGTH = 60; // s of run time
-const MOST = 30; // pieces that are kept
-const AGAIN = 1000; // ms, where reading failed
+const MOST = 30; // pieces kept in memory
+const AGAIN = 1000; // ms, after a failed request
 
 /** The pieces of one replay. */
 export class Pieces {
@@ -24,7 +24,7 @@ export class Pieces {
     private readonly onRead: () => void,
   ) {}
 
-  /** Returns the piece of a moment [s], undefined while it is being read; asks for it and for the next one. */
+  /** Returns the piece at a time [s], undefined while it is being fetched; requests it and the next one. */
   at(time: number): Piece | undefined {
     const last = this.numberOf(this.replay.end);
     const number = Math.min(this.numberOf(time), last);
@@ -33,7 +33,7 @@ export class Pieces {
     return this.known.get(number);
   }
 
-  /** Asks for nothing more. */
+  /** Stops fetching. */
   close(): void {
     this.wanted = [];
   }
@@ -42,7 +42,7 @@ export class Pieces {
     return Math.max(Math.floor((time - this.replay.start) / LENGTH), 0);
   }
 
-  /** Reads one piece after the other, so that a slider that moves fast asks only for where it is. */
+  /** Fetches one piece at a time, so that only pieces at the present position of a fast slider are requested. */
   private async readMissing(): Promise<void> {
     if (this.busy) return;
     this.busy = true;

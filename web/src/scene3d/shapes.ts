@@ -1,4 +1,4 @@
-/** Shapes as geometries: the boxes and cylinders of one in a single piece, made once for each key. */
+/** Shapes as geometries: all boxes and cylinders of a shape merged into one, created once for each key. */
 
 import {
   Box3,
@@ -15,46 +15,46 @@ import type { Block, View, ViewElement } from "./view";
 
 export interface Shape {
   geometry: BufferGeometry;
-  /** The box around it, for a crowd of them that the processor has to draw. */
+  /** The bounding box, used for large batches in software rendering. */
   coarse: BufferGeometry;
   edges: EdgesGeometry;
   bounds: Box3;
 }
 
 const ROUND = 14; // segments of a cylinder
-const EDGE = 25; // degrees: flatter ones are not drawn
-/** Later blocks of a shape are a little darker, so that one sees of what it is built. */
+const EDGE = 25; // degrees: flatter edges are not drawn
+/** Later blocks of a shape are a little darker, so that its structure is visible. */
 const SHADES = [1, 0.82, 0.68, 0.9, 0.75];
-/** What has a place and no shape is a flat mark on it. */
+/** Elements with a place but without a shape are drawn as a flat mark. */
 const MARK: Block[] = [
   { kind: "cylinder", size: [0.05, 0.004], pose: { position: [0, 0, 0.002], orientation: [0, 0, 0, 1] } },
 ];
 
 let known = new Map<string, { blocks: readonly Block[]; shape: Shape }>();
 
-/** The shape of a key; "" for the mark of what has none. */
+/** The shape of a key; "" is the mark for elements without a shape. */
 export function shapeOf(key: string, blocks: readonly Block[] = MARK): Shape {
   const kept = known.get(key);
   if (kept !== undefined && same(kept.blocks, blocks)) return kept.shape;
-  if (kept !== undefined) dispose(kept.shape); // another start of the server, another meaning
+  if (kept !== undefined) dispose(kept.shape); // keys have another meaning after a restart of the server
   const shape = built(blocks);
   known.set(key, { blocks, shape });
   return shape;
 }
 
-/** The shape that an element is drawn with; null for what is no picture of its own: robots, and what is in them. */
+/** The shape of an element; null for elements that are not drawn as such: robots and their parts. */
 export function shapeIn(shapes: View["shapes"], { kind, shape }: ViewElement): Shape | null {
   if (kind === "robot" || (kind === "device" && shape === null)) return null;
   return shape === null ? shapeOf("") : shapeOf(shape, shapes[shape]);
 }
 
-/** Lets go of all of them. */
+/** Releases all shapes. */
 export function forgetShapes(): void {
   for (const { shape } of known.values()) dispose(shape);
   known = new Map();
 }
 
-/** The box around some blocks, in the frame of their shape. */
+/** The bounding box of some blocks, in the frame of their shape. */
 export function boundsOf(blocks: readonly Block[]): Box3 {
   const shape = built(blocks);
   dispose(shape);

@@ -1,4 +1,4 @@
-/** Made-up worlds for tests. */
+/** Example worlds for tests. */
 
 import type { Block, ViewElement, WorldView } from "./view";
 

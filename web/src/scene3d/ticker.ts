@@ -1,15 +1,15 @@
-/** Draws when there is something new to be seen, and no more often than is of use. */
+/** Renders frames on demand, at a limited rate. */
 
 import { quality } from "./quality";
 
-const SOON = 8; // ms: what a click changes comes in several pieces, and a frame is dear
+const SOON = 8; // ms: a click causes several changes, and a frame is expensive
 
 let draw: (() => void) | null = null;
 let until = 0; // ms
 let last = 0; // ms
 let timer: ReturnType<typeof setTimeout> | undefined;
 
-/** Says how a frame is drawn; null when the view is gone. */
+/** Sets the function that renders a frame; null when the view is closed. */
 export function drawBy(how: (() => void) | null): void {
   draw = how;
   if (how === null) clearTimeout(timer);
@@ -17,7 +17,7 @@ export function drawBy(how: (() => void) | null): void {
   if (how !== null) wake();
 }
 
-/** Asks for a frame soon, and for more as long as something moves [ms]. */
+/** Requests a frame soon, and further ones for a duration [ms]. */
 export function wake(duration = 0): void {
   until = Math.max(until, performance.now() + duration);
   if (draw !== null) timer ??= setTimeout(tick, Math.max(SOON, last + pause() - performance.now()));

@@ -1,8 +1,8 @@
-/** What the pointer does in the 3D view besides selecting. */
+/** The pointer tools of the 3D view. */
 
 import { create } from "zustand";
 
-/** `belief` changes what the robots believe (the scene); `body` moves the simulated thing without the robots knowing. */
+/** `belief` changes the scene that the robots believe; `body` moves the simulated body without informing the robots. */
 export type Tool = "select" | "belief" | "body";
 export type GizmoMode = "translate" | "rotate";
 
@@ -15,9 +15,9 @@ export interface MapPose {
 interface Tools {
   tool: Tool;
   mode: GizmoMode;
-  /** Steps of the gizmo [m] and [rad]; 0 for none. */
+  /** Step sizes of the gizmo [m] and [rad]; 0 for none. */
   snap: { translate: number; rotate: number };
-  /** The pose that the gizmo or the numbers have by now, not yet written; null while nothing is moved. */
+  /** The edited pose, not written yet; null while nothing is moved. */
   draft: { element: string; pose: MapPose } | null;
   set: (change: Partial<Omit<Tools, "set">>) => void;
 }

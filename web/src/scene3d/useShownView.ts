@@ -3,7 +3,7 @@ import { useReplay } from "./replay";
 import { PastViews } from "./replayFrames";
 import { useLiveView, type View } from "./view";
 
-/** The world that is drawn: the present, or that of the replay at its moment. */
+/** The drawn world: the present, or that of the replay at its time. */
 export function useShownView(): View | null {
   const live = useLiveView((state) => state.view);
   const piece = useReplay((state) => (state.replay === null ? null : state.piece));

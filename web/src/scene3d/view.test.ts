@@ -8,8 +8,8 @@ function changed(data: object): EventInfo {
   return { ...rest, kind: "world", data: data as EventInfo["data"] };
 }
 
-describe("what an event makes old", () => {
-  it("is what its edits name, once", () => {
+describe("elements to fetch after an event", () => {
+  it("are those named by its edits, without duplicates", () => {
     const edits = [
       { edit: "placement", element: "a" },
       { edit: "property", element: "a" },
@@ -19,27 +19,27 @@ describe("what an event makes old", () => {
     expect(madeOld(changed({ edits }))).toEqual(["a", "b", "c"]);
   });
 
-  it("is everything where it tells only a part", () => {
+  it("are all if it was sent in part", () => {
     expect(madeOld(changed({ edits: [], all_edits: 4000 }))).toBe("all");
   });
 
-  it("is everything when a station opens, and nothing when a job goes on", () => {
+  it("are all when a station opens, and none when a job continues", () => {
     expect(madeOld({ ...changed({}), kind: "system", type: "opened" })).toBe("all");
     expect(madeOld({ ...changed({}), kind: "job" })).toEqual([]);
   });
 });
 
-describe("a view with what was read anew", () => {
+describe("merging fetched elements into a view", () => {
   const before = viewFrom(world([element("a"), element("b")], { shapes: { one: [box(1, 1, 1)] } }));
   const after = merged(before, world([element("b", { place: "c" })], { version: 2, gone: ["a"], shapes: { two: [] } }));
 
-  it("has what changed, lacks what is gone, and knows all shapes", () => {
+  it("adds changes, drops removed elements, and keeps all shapes", () => {
     expect([...after.elements.keys()]).toEqual(["b"]);
     expect(after.elements.get("b")?.place).toBe("c");
     expect(Object.keys(after.shapes)).toEqual(["one", "two"]);
   });
 
-  it("leaves the one before as it was", () => {
+  it("does not modify the previous view", () => {
     expect([...before.elements.keys()]).toEqual(["a", "b"]);
   });
 });
@@ -61,7 +61,7 @@ describe("following the world", () => {
     return asked;
   }
 
-  it("reads everything once, then what events name", async () => {
+  it("fetches everything once, then what events name", async () => {
     const asked = serve(world([element("a", { pose: at(0, 0, 0) })]), world([element("a", { pose: at(1, 0, 0) })]));
     await vi.waitFor(() => expect(useLiveView.getState().view).not.toBeNull());
     emitEvent(changed({ edits: [{ edit: "property", element: "a" }] }));
@@ -69,7 +69,7 @@ describe("following the world", () => {
     expect(asked).toEqual(["", "?element=a"]);
   });
 
-  it("reads everything again when events may have been missed", async () => {
+  it("fetches everything again when events may have been missed", async () => {
     const asked = serve(world([element("a")]), world([element("b")]));
     await vi.waitFor(() => expect(useLiveView.getState().view).not.toBeNull());
     emitReset();

@@ -1,4 +1,4 @@
-/** The visible world, kept up to date by events: only what they name is read again. */
+/** The visible world, updated by events: only elements named in them are fetched again. */
 
 import { create } from "zustand";
 import { answer, api, type Schema } from "../api/client";
@@ -8,7 +8,7 @@ export type ViewElement = Schema<"ViewElement">;
 export type Block = Schema<"Block">;
 export type WorldView = Schema<"WorldView">;
 
-/** A world as it looks at one moment. */
+/** The appearance of a world at one time. */
 export interface View {
   version: number;
   elements: ReadonlyMap<string, ViewElement>;
@@ -17,17 +17,17 @@ export interface View {
 
 interface Live {
   view: View | null;
-  /** Why it cannot be read; null while it can. */
+  /** Why it cannot be fetched; null without a fault. */
   problem: unknown;
 }
 
-/** The present, also while a replay is shown. */
+/** The present, even while a replay is shown. */
 export const useLiveView = create<Live>(() => ({ view: null, problem: null }));
 
-const PAUSE = 100; // ms between two readings
-const FIRST = 15; // ms: what happens at once is read at once
+const PAUSE = 100; // ms between two requests
+const FIRST = 15; // ms: collects simultaneous changes
 const AGAIN = 1000; // ms
-const MOST = 100; // ids in one address
+const MOST = 100; // ids in one URL
 
 export function viewFrom(told: WorldView): View {
   return {
@@ -37,7 +37,7 @@ export function viewFrom(told: WorldView): View {
   };
 }
 
-/** The view with what was read again; the view before is not changed. */
+/** The view merged with fetched elements; the previous view is not modified. */
 export function merged(view: View, told: WorldView): View {
   const elements = new Map(view.elements);
   for (const id of told.gone) elements.delete(id);
@@ -45,7 +45,7 @@ export function merged(view: View, told: WorldView): View {
   return { version: told.version, elements, shapes: { ...view.shapes, ...told.shapes } };
 }
 
-/** Which elements an event makes old: their ids, "all", or none. */
+/** The elements to fetch after an event: their ids, "all", or none. */
 export function madeOld(event: EventInfo): "all" | readonly string[] {
   if (event.kind === "system") return event.type === "opened" ? "all" : [];
   if (event.kind !== "world") return [];
@@ -56,7 +56,7 @@ export function madeOld(event: EventInfo): "all" | readonly string[] {
   return ids.length > MOST ? "all" : ids;
 }
 
-/** Reads the world and follows it; returns how to end that. */
+/** Fetches the world and follows it; returns the function that stops it. */
 export function followView(): () => void {
   const reader = new Reader();
   const endings = [onEvent((event) => reader.ask(madeOld(event))), onReset(() => reader.ask("all"))];
@@ -67,13 +67,13 @@ export function followView(): () => void {
   };
 }
 
-/** Reads one thing after the other, so that nothing older comes after what is newer. */
+/** Sends one request at a time, so that older answers cannot overwrite newer ones. */
 class Reader {
   private readonly ids = new Set<string>();
   private all = false;
   private busy = false;
   private ended = false;
-  private next = 0; // ms, when it may read again
+  private next = 0; // ms, earliest time of the next request
   private timer: ReturnType<typeof setTimeout> | undefined;
 
   ask(old: "all" | readonly string[]): void {

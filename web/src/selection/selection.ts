@@ -1,12 +1,12 @@
-/** What is selected, in the tree, in 3D and in the lists alike; and a pick that some form waits for. */
+/** The selection, shared by tree, 3D view and lists; and the pick for which a form waits. */
 
 import { create } from "zustand";
 
-/** A slot that waits for an element to be clicked, in 3D or in the tree. */
+/** A form field that waits for a click on an element, in 3D or in the tree. */
 export interface Pick {
-  /** What for, to be read by a person: "Kit of InKit". */
+  /** Its purpose, for people: "Kit of InKit". */
   purpose: string;
-  /** Returns whether an element fits. */
+  /** Returns whether an element can be picked. */
   fits: (id: string) => boolean;
   take: (id: string) => void;
 }
@@ -15,10 +15,10 @@ interface Selection {
   selected: string | null;
   hovered: string | null;
   pick: Pick | null;
-  /** Selects an element, or hands it to the slot that waits for a pick. */
+  /** Selects an element, or passes it to the waiting pick. */
   choose: (id: string | null) => void;
   hover: (id: string | null) => void;
-  /** Waits for a click; another wait ends the one before. */
+  /** Waits for a click; replaces an earlier pick. */
   awaitPick: (pick: Pick) => void;
   endPick: () => void;
 }

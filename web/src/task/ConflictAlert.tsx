@@ -12,7 +12,7 @@ interface Props {
   drop: () => void;
 }
 
-/** Another person has changed the sequence: shows the differences, for a decision. */
+/** Another person has changed the sequence: shows the differences and asks what to do. */
 export function ConflictAlert({ conflict, skills, again, drop }: Props) {
   const { t } = useTranslation("task");
   const possible = onto(conflict);
@@ -32,7 +32,7 @@ export function ConflictAlert({ conflict, skills, again, drop }: Props) {
   );
 }
 
-/** The step as it was seen, and as it is now. */
+/** The step as it was displayed, and as it is now. */
 export function Versions({ seen, there, skills }: Pick<Conflict, "seen" | "there"> & Pick<Props, "skills">) {
   const { t } = useTranslation("task");
   return (

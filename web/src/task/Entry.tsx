@@ -10,7 +10,7 @@ interface Props {
   open: () => void;
 }
 
-/** One of a list that can be opened. */
+/** An entry of a list that can be opened. */
 export function Entry({ title, note, state, current, open }: Props) {
   return (
     <UnstyledButton className={classes.entry} aria-current={current || undefined} onClick={open}>

@@ -19,7 +19,7 @@ import { MayButton } from "../widgets/MayButton";
 import { notifyProblem } from "../widgets/problems";
 
 const GRAVE = ["stop", "abort", "cancel", "clear"] as const;
-/** What ends something, and cannot be taken back. */
+/** Commands that end a job and cannot be undone. */
 type Grave = (typeof GRAVE)[number];
 
 const COMMANDS = {
@@ -41,13 +41,13 @@ function isCommand(name: string): name is Command {
 
 interface Props {
   job: Schema<"Job">;
-  /** Called when it was removed. */
+  /** Called after the job was removed. */
   gone?: () => void;
-  /** The one that is shown; all where none is said. */
+  /** The selected one; all if undefined. */
   only?: Command;
 }
 
-/** The commands that a job takes in its state; those that end something are asked for once more. */
+/** The commands for a job in its present state; those that end it need confirmation. */
 export function JobCommands({ job, gone = () => undefined, only }: Props) {
   const { t } = useTranslation("task");
   const [asking, ask] = useState<Grave | null>(null);
@@ -128,13 +128,13 @@ function Sure({ job, command, close, go }: SureProps) {
   );
 }
 
-/** Sends a command to the job as it was seen: one that has gone on meanwhile is not meant. */
+/** Sends a command for the job as displayed; it is refused if the job has changed meanwhile. */
 function useCommand(job: Schema<"Job">, gone: () => void) {
   const client = useQueryClient();
   const readAgain = () => void client.invalidateQueries({ queryKey: keys.jobs() });
   return useSingleMutation({
     mutationFn: ({ name, comment }: { name: Command; comment: string }) => {
-      // All commands have the same form; the address of each is known to be one.
+      // All commands have the same form and a valid address.
       const path = `/api/v1/jobs/{id}/${name}` as "/api/v1/jobs/{id}/pause";
       return answer(api.POST(path, { params: { path: { id: job.id } }, body: { comment } }));
     },

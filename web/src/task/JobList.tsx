@@ -18,7 +18,7 @@ const HEIGHT = 52; // px
 type Kind = "every" | "open" | "good" | "bad";
 const KINDS: Kind[] = ["every", "open", "good", "bad"];
 
-/** Jobs of some time, the latest first. */
+/** The jobs of a period, latest first. */
 export function JobList({ current, open }: ListProps) {
   const { t } = useTranslation("task");
   const [period, setPeriod] = useState<Period>("week");
@@ -64,7 +64,7 @@ interface JobsProps extends ListProps {
 function Jobs({ jobs, current, open }: JobsProps) {
   const { t } = useTranslation("task");
   const scrolled = useRef<HTMLDivElement>(null);
-  // It has functions that cannot be memoized; nothing here is.
+  // The virtualizer returns functions that cannot be memoized; nothing here is.
   // eslint-disable-next-line react-hooks/incompatible-library
   const virtual = useVirtualizer({
     count: jobs.length,
@@ -109,7 +109,7 @@ function JobNote({ job }: { job: Schema<"Job"> }) {
   );
 }
 
-/** What became of it last. */
+/** Its last state. */
 function momentOf({ ended, started }: Schema<"Job">): "ended" | "started" | "ordered" {
   if (ended !== null) return "ended";
   return started !== null ? "started" : "ordered";

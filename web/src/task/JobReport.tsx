@@ -27,7 +27,7 @@ interface Props {
 
 const ID = "job-report";
 
-/** What came of a job: conditions, parts, steps, states; to be read, printed and taken away. */
+/** The report of a job: conditions, parts, steps, states; can be printed and exported. */
 export function JobReport({ job, run, skills }: Props) {
   const { t } = useTranslation("task");
   usePrintedAlone(ID, t("report.title", { id: job.id }));
@@ -93,7 +93,7 @@ function Exports({ job, run, skills }: Props) {
   );
 }
 
-/** What stands above the report on the page, for those who have it on paper. */
+/** Data that the page shows above the report, repeated for the printed version. */
 function Heads({ job }: { job: Schema<"Job"> }) {
   const { t } = useTranslation("task");
   return (
@@ -136,7 +136,7 @@ function Conditions({ job }: { job: Schema<"Job"> }) {
 function Parts({ job }: { job: Schema<"Job"> }) {
   const { t } = useTranslation("task");
   if (job.materials.length === 0) {
-    // What was moved is reported when the job is over.
+    // Moved parts are reported at the end of the job.
     return <Text c="dimmed">{t(job.ended === null ? "report.notYet" : "report.noParts")}</Text>;
   }
   return (

@@ -3,7 +3,7 @@ import { useTranslation } from "react-i18next";
 import type { Schema } from "../api/client";
 import { Moment } from "../widgets/Moment";
 
-/** When a job was ordered, begun and ended. */
+/** The times at which a job was ordered, started and ended. */
 export function JobTimes({ job }: { job: Schema<"Job"> }) {
   const { t } = useTranslation("task");
   return (

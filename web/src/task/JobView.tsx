@@ -114,7 +114,7 @@ function ReplayButton({ job }: { job: string }) {
     mutationFn: () => showReplay(job),
     onError: notifyProblem,
   });
-  // One button for both, not disabled meanwhile, so that who uses the keyboard stays where they are.
+  // One button for both, never disabled, so that it keeps the keyboard focus.
   return (
     <Button
       variant={shown ? "light" : "default"}
@@ -127,7 +127,7 @@ function ReplayButton({ job }: { job: string }) {
   );
 }
 
-/** The controls of a replay of this job; or that another job is replayed. */
+/** The replay controls of this job, or a note that another job is replayed. */
 function Replayed({ job, run, choose }: { job: string; run: Run; choose: (step: string) => void }) {
   const { t } = useTranslation("task");
   const shown = useReplay(({ replay }) => replay?.job);

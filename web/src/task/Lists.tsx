@@ -24,7 +24,7 @@ export interface ListProps {
 
 type Shown = Place["kind"];
 
-/** Jobs, tasks beside them, and sequences, to choose one. */
+/** Lists of jobs, other tasks, and sequences. */
 export function Lists({ current, open }: ListProps) {
   const { t } = useTranslation("task");
   const [shown, show] = useState<Shown>(current?.kind ?? "job");
@@ -46,7 +46,7 @@ export function Lists({ current, open }: ListProps) {
   );
 }
 
-/** The lists where there is no room beside what was chosen. */
+/** The lists in a drawer, if there is no room beside the selected entry. */
 export function ListsDrawer({ current, open }: ListProps) {
   const { t } = useTranslation("task");
   const [opened, { open: show, close }] = useDisclosure(false);

@@ -13,19 +13,19 @@ import { detailOf } from "./address";
 import { Problem } from "./Problem";
 import { type WantedStep, write } from "./sequences";
 
-const LONGEST = 30; // s, for a plan
+const LONGEST = 30; // s, for planning
 
 interface Props {
-  /** Id of a job, whose last plan it takes over; without one it begins empty, or with the plan for a goal. */
+  /** Id of a job whose last plan is copied; without one the sequence starts empty, or with the plan for a goal. */
   job?: string;
-  /** Name that is proposed. */
+  /** The proposed name. */
   title: string;
-  /** Shows it when it was made; else the tab does. */
+  /** Opens the new sequence; by default the tab does. */
   made?: (id: string) => void;
   icon?: TablerIcon;
 }
 
-/** Makes a sequence: empty, of a goal, or of the plan of something. */
+/** Creates a sequence: empty, from a goal, or from a job's plan. */
 export function NewSequenceButton({ job, title, made, icon: Icon = IconPlus }: Props) {
   const { t } = useTranslation("task");
   const [opened, { open, close }] = useDisclosure(false);
@@ -107,7 +107,7 @@ async function planOf(job: string): Promise<readonly WantedStep[]> {
   return (await answer(api.GET("/api/v1/jobs/{id}/plan", { params: { path: { id: job } } }))).steps;
 }
 
-/** The steps of a plan for the goals, one a line; none where there are no goals. */
+/** The steps of a plan for the goals, one per line; empty without goals. */
 async function planned(goal: string): Promise<readonly WantedStep[]> {
   const goals = goal
     .split("\n")

@@ -18,7 +18,7 @@ interface Props {
   close: () => void;
 }
 
-/** The form of a step as it was opened; where another person has changed the sequence since, it says what. */
+/** The form of an opened step; shows if another person has changed the sequence meanwhile. */
 export function OpenStepForm({ form, fate, sequence, skills, pending, edit, close }: Props) {
   const { t } = useTranslation("task");
   const removed = fate.fate === "removed";
@@ -28,7 +28,7 @@ export function OpenStepForm({ form, fate, sequence, skills, pending, edit, clos
       : { kind: "change", at: fate.at, step };
     edit(change, {
       onSettled: (_, refusal) => {
-        if (refusal === null || (removed && isConflict(refusal))) close(); // of an insertion the alert has it
+        if (refusal === null || (removed && isConflict(refusal))) close(); // refused insertions are shown in the alert
       },
     });
   };

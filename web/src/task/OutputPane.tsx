@@ -9,14 +9,14 @@ import { type OutputRow, useOutput } from "./output";
 import { OutputTable } from "./OutputTable";
 
 interface Props {
-  /** Name of what is looked at, for the files. */
+  /** Used in the names of exported files. */
   name: string;
-  /** Only what was said then [ms since 1970]; null for no bound. */
+  /** Time range of the messages [ms since 1970]; null for no limit. */
   from: number | null;
   to: number | null;
 }
 
-/** What all modules said, with a filter, to be read and to be taken away. */
+/** The messages of all modules, with filter and export. */
 export function OutputPane({ name, from, to }: Props) {
   const { t } = useTranslation("task");
   const { rows, failed } = useOutput();

@@ -11,18 +11,18 @@ interface Props {
   rows: readonly OutputRow[];
   label: string;
   height: number | string;
-  /** Shows the last row whenever there is a new one. */
+  /** Scrolls to each new row. */
   follow?: boolean;
 }
 
 const ROW = 28; // px
 const CELL = { paddingBlock: 0, whiteSpace: "nowrap", overflow: "hidden", textOverflow: "ellipsis" } as const;
 
-/** What modules said: the paper's output table. Only the rows that are seen are there. */
+/** The messages of modules, as in the output table of the paper; only visible rows are rendered. */
 export function OutputTable({ rows, label, height, follow = false }: Props) {
   const { t } = useTranslation("task");
   const viewport = useRef<HTMLDivElement>(null);
-  // It has functions that cannot be memoized; nothing here is.
+  // The virtualizer returns functions that cannot be memoized; nothing here is.
   // eslint-disable-next-line react-hooks/incompatible-library
   const virtual = useVirtualizer({
     count: rows.length,

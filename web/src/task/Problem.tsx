@@ -2,7 +2,7 @@ import { Alert, Button, Group, Text } from "@mantine/core";
 import { useTranslation } from "react-i18next";
 import { problemText } from "../widgets/problems";
 
-/** Why something could not be read, with a button to try again. */
+/** A failed request, with a button to retry. */
 export function Problem({ error, again }: { error: unknown; again?: () => unknown }) {
   const { t } = useTranslation();
   return (

@@ -3,7 +3,7 @@ import { Answers } from "../always/Answers";
 import { useAlarms } from "../always/useAlarms";
 import type { Schema } from "../api/client";
 
-/** The question that a job asks a person; nothing while it asks none. */
+/** The question that a job asks a person; empty without one. */
 export function Question({ job }: { job: Schema<"Job"> }) {
   const alarm = useAlarms(true).find((one) => one.job === job.id && one.choices.length > 0);
   if (alarm === undefined || job.choices.length === 0) return null;

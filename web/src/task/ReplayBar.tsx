@@ -16,7 +16,7 @@ const KEY_STEPS: Readonly<Record<string, number>> = {
   PageDown: -10,
 }; // s
 
-/** The time of a replay: play, pause, go anywhere, from step to step; the 3D view shows that moment. */
+/** The time controls of a replay: play, pause, seek, step to step; the 3D view shows that time. */
 export function ReplayBar({ steps, choose }: { steps: readonly Step[]; choose: (step: string) => void }) {
   const { t } = useTranslation("task");
   const { replay, time, waits, speed: going, set } = useReplay();
@@ -29,7 +29,7 @@ export function ReplayBar({ steps, choose }: { steps: readonly Step[]; choose: (
     if (step !== undefined) choose(step.key);
   };
   const go = (to: number) => set({ time: Math.min(Math.max(to, start), end) });
-  // Heard on the way down: the slider would take the arrow and page keys first, with its own steps, those of the mouse.
+  // In the capture phase: otherwise the slider handles the arrow and page keys first, with its own step sizes.
   // Space plays and pauses anywhere in the bar, except on controls that use it themselves.
   const keys = (event: KeyboardEvent) => {
     const by = event.target instanceof Element && event.target.role === "slider" ? KEY_STEPS[event.key] : undefined;

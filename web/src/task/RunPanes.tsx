@@ -19,13 +19,13 @@ interface Props {
   title: string;
   state: GraphNode["state"] & object;
   paused: boolean;
-  /** When it was begun and ended [ms since 1970]; null for not (yet). */
+  /** Start and end [ms since 1970]; null if not known (yet). */
   from: number | null;
   to: number | null;
   report: ReactNode;
-  /** Says why nothing was planned or done, where that is so. */
+  /** Explains why nothing was planned or executed. */
   nothing: string;
-  /** Key of the step that is looked at. */
+  /** Key of the selected step. */
   chosen: string | null;
   choose: (step: string | null) => void;
 }
@@ -36,7 +36,7 @@ const ICONS = { timeline: IconTimeline, tree: IconBinaryTree, output: IconTermin
 type Pane = keyof typeof ICONS;
 const PANES = Object.keys(ICONS) as Pane[];
 
-/** A run in its four panes, with the chosen step. */
+/** A run in its four panes, with the selected step. */
 export function RunPanes({ name, run, skills, title, state, paused, from, to, report, ...rest }: Props) {
   const { chosen, choose } = rest;
   const { t } = useTranslation("task");

@@ -16,7 +16,7 @@ import type { Sequence } from "./sequences";
 
 const MOST = 1_000_000;
 
-/** Runs a sequence, so often as wanted, and goes on to what then runs. */
+/** Runs a sequence repeatedly, and opens the new task. */
 export function RunSequence({ sequence: { id, count, works } }: { sequence: Sequence }) {
   const { t } = useTranslation("task");
   const [, open] = useTab();

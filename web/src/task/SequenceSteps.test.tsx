@@ -29,7 +29,7 @@ function page(there: Sequence, settle: (then: Then) => void) {
   );
 }
 
-/** Presses "down" of the first step, after which there is another version, and says where the focus is then. */
+/** Presses "down" of the first step, renders the next version, and returns the focused element. */
 async function focusAfterMove(refusal: Error | null): Promise<Element | null> {
   const settle = ({ onSettled }: Then) => onSettled(null, refusal);
   const { rerender } = render(page(sequence(1, ["pallet_a", "kit_1", "kit_2"]), settle));
@@ -53,10 +53,10 @@ beforeEach(() => {
   queryClient.setQueryData(keys.me, { operations: ["put_document"] });
 });
 
-test("the focus goes with a step that was moved", async () => {
+test("the focus follows a moved step", async () => {
   expect(await focusAfterMove(null)).toHaveAttribute("data-mover", "down 1");
 });
 
-test("a move that was refused takes the focus nowhere when somebody else changes the sequence later", async () => {
+test("after a refused move, later changes by others do not move the focus", async () => {
   expect(await focusAfterMove(new Error("refused"))).toBe(document.body);
 });

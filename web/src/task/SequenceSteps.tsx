@@ -36,7 +36,7 @@ interface Props {
   forms: StepForms;
 }
 
-/** The steps of a sequence, each with what speaks against it; put in order by mouse, by keys or by buttons. */
+/** The steps of a sequence with their problems; reordered by pointer, keys or buttons. */
 export function SequenceSteps(props: Props) {
   const { sequence, edit, pending } = props;
   const { t } = useTranslation("task");
@@ -57,7 +57,7 @@ export function SequenceSteps(props: Props) {
       },
     );
   };
-  const ids = sequence.steps.map((_, index) => String(index + 1)); // "0" would be no id
+  const ids = sequence.steps.map((_, index) => String(index + 1)); // "0" is not a valid id
   const end = ({ active, over }: DragEndEvent) => {
     if (over === null || active.id === over.id) return;
     move(Number(active.id) - 1, Number(over.id) - 1, "drag");
@@ -84,13 +84,13 @@ export function SequenceSteps(props: Props) {
   );
 }
 
-/** With what a step is moved. */
+/** The control that moved the step. */
 type Mover = "drag" | "up" | "down";
 type Move = (at: number, to: number, by: Mover) => void;
 
 /**
- * Returns what has the focus go with a step that is moved, once the new order is drawn: it can be moved on from there.
- * What was not moved must be ended, or the focus would go there when another person changes the sequence.
+ * Returns functions that let the focus follow a moved step after rendering, so that it can be moved further.
+ * A refused move must be ended, or the focus would move when another person changes the sequence.
  */
 function useFocusFollowing(list: RefObject<HTMLElement | null>, version: number, pending: boolean) {
   const wanted = useRef<{ at: number; by: Mover; version: number } | null>(null);
@@ -107,14 +107,14 @@ function useFocusFollowing(list: RefObject<HTMLElement | null>, version: number,
   };
 }
 
-/** The steps, and below each its form while that is open; at the end those of steps that are gone. */
+/** The steps with their open forms; forms of removed steps are at the end. */
 function Rows({ sequence, skills, pending, edit, forms, move }: Props & { move: Move }) {
   const opened = forms.forms.map((form) => ({ form, fate: fateOf(form, sequence) }));
   const formsOf = (index: number | null) =>
     opened.filter(({ fate }) => (fate.fate === "removed" ? null : fate.at) === index);
   const drawn = ({ form, fate }: (typeof opened)[number]) => (
     <OpenStepForm
-      key={`form ${form.key}`} // beside the rows, so that it stays what it is wherever its step goes
+      key={`form ${form.key}`} // a sibling of the rows, so that it keeps its state wherever its step moves
       form={form}
       fate={fate}
       sequence={sequence}
@@ -129,7 +129,7 @@ function Rows({ sequence, skills, pending, edit, forms, move }: Props & { move: 
     const closeAll = () => own.forEach(({ form }) => forms.close(form.key));
     return [
       <StepRow
-        // Its place and what it is: after each edit all rows are those of the new version.
+        // Position and content: after each edit all rows belong to the new version.
         key={`${sequence.version} ${index}`}
         step={step}
         index={index}
@@ -155,7 +155,7 @@ interface RowProps extends Pick<Props, "skills" | "pending"> {
   index: number;
   count: number;
   move: Move;
-  /** Opens its form, or closes it. */
+  /** Opens or closes its form. */
   change: () => void;
   changing: boolean;
   remove: () => void;

@@ -18,7 +18,7 @@ import { StepForm } from "./StepForm";
 import { useStepForms } from "./stepForms";
 import { type Skills, useSkills } from "../api/cell";
 
-/** A sequence of steps that a person puts together, changes and runs. */
+/** A sequence of steps that a person creates, edits and runs. */
 export default function SequenceView({ id }: { id: string }) {
   const { data: sequence, error, refetch } = useSequence(id);
   const skills = useSkills();
@@ -86,7 +86,7 @@ function NewStep({ skills, pending, insert }: NewStepProps) {
     );
   }
   const close = () => setOpened(false);
-  // What was filled in stays where it was refused; of a conflict the alert has it.
+  // A refused form keeps its input; conflicts are shown in the alert.
   const save = (step: WantedStep) =>
     insert(step, (_, refusal) => {
       if (refusal === null || isConflict(refusal)) close();

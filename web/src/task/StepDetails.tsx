@@ -24,7 +24,7 @@ interface Props {
   close: () => void;
 }
 
-/** All that is known of one step: with what it ran, what was true, what it changed in the world, what it said. */
+/** Everything about one step: inputs, conditions, changes of the world, messages. */
 export function StepDetails({ name, step, run, skills, close }: Props) {
   const { t } = useTranslation("task");
   const title = stepTitle(step, skills);
@@ -60,7 +60,7 @@ export function StepDetails({ name, step, run, skills, close }: Props) {
   );
 }
 
-/** In a replay: shows the moment at which the step began. */
+/** In a replay: jumps to the start of the step. */
 function ReplayFrom({ name, step }: { name: string; step: Step }) {
   const { t } = useTranslation("task");
   const shown = useReplay(({ replay }) => replay?.job === name);
@@ -115,7 +115,7 @@ function Conditions({ rows, running }: { rows: readonly ConditionRow[]; running:
     <Table verticalSpacing={2}>
       <Table.Tbody>
         {rows.map((row, index) => (
-          // Their order never changes, and none of them has a name.
+          // They have no id, and their order never changes.
           <Table.Tr key={`${row.kind} ${row.condition} ${index}`}>
             <Table.Td w={80}>
               <Badge variant="default" tt="none">
@@ -148,7 +148,7 @@ function Changes({ numbers }: { numbers: readonly number[] }) {
   const { t } = useTranslation("task");
   const changes = useQueries({
     queries: numbers.map((number) => ({
-      queryKey: ["changes", number], // what was once written stays as it is
+      queryKey: ["changes", number], // recorded changes are immutable
       queryFn: () => answer(api.GET("/api/v1/world/changes/{number}", { params: { path: { number } } })),
     })),
   });

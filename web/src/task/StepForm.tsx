@@ -8,7 +8,7 @@ import type { WantedStep } from "./sequences";
 
 interface Props {
   skills: Skills;
-  /** The step that is changed; none for a new one. */
+  /** The edited step; undefined for a new one. */
   step?: WantedStep;
   label: string;
   pending: boolean;
@@ -18,7 +18,7 @@ interface Props {
 
 type Skill = Schema<"SkillInfo">;
 
-/** A step: first the robot, then one of its skills, then what that is done with. */
+/** A step: robot, skill, and its arguments. */
 export function StepForm({ skills, step, label, pending, save, cancel }: Props) {
   const { t } = useTranslation("task");
   const { t: common } = useTranslation();
@@ -94,13 +94,13 @@ function robotOf(skills: Skills, step: WantedStep | undefined): string | undefin
   return (skill.agents.find((one) => one.agent === agent) ?? skill.agents[0])?.robot;
 }
 
-/** Who does it is what was chosen with the robot. */
+/** The subsystem follows from the chosen robot. */
 function forRobot(skill: Skill | undefined, robot: string | null): Arguments {
   const agent = skill && agentFor(skill, robot);
   return skill === undefined || agent === undefined ? {} : { [skill.agent]: agent };
 }
 
-/** What a step was given, without what is inferred for planning: that is inferred again. */
+/** The given arguments of a step, without those inferred for planning, which are inferred again. */
 function given(skills: Skills, step: WantedStep | undefined): Arguments {
   const parameters = (step && skills.get(step.skill)?.parameters) ?? [];
   const inferred = new Set(parameters.filter(({ planning }) => planning).map(({ key }) => key));

@@ -4,7 +4,7 @@ import { useTranslation } from "react-i18next";
 import { useTakeUp } from "../goal/useTakeUp";
 import { ConfirmDialog } from "../widgets/ConfirmDialog";
 
-/** Opens the goal of a job in the Goal tab, where is said what would help; asks before a draft there is lost. */
+/** Opens the goal of a job in the Goal tab, which shows repairs; asks before it replaces a draft. */
 export function TakeUp({ goal }: { goal: readonly string[] }) {
   const { t } = useTranslation("task");
   const [asking, setAsking] = useState(false);

@@ -16,7 +16,7 @@ const ICONS = {
 };
 type Command = keyof typeof ICONS;
 
-/** Pauses a task that is of no job, goes on with it, or with one step of it, or stops it. */
+/** Pauses, resumes, steps or stops a task that belongs to no job. */
 export function TaskCommands({ task }: { task: Schema<"TaskInfo"> }) {
   const { t } = useTranslation("task");
   const client = useQueryClient();

@@ -16,12 +16,12 @@ import { TaskView } from "./TaskView";
 import { useTask } from "./useRun";
 
 const SequenceView = lazy(() => import("./SequenceView"));
-const ROOM = 700; // px: with less the list is behind a button
+const ROOM = 700; // px: in narrower windows the list is behind a button
 
-// Who comes back finds what was looked at before; the button of the tab leads from that to what is under way.
+// Returning to the tab shows its last content; its button leads from there to the running task.
 comesBackTo("task", (isOpen) => (isOpen ? "" : comeBack(underWay())));
 
-/** What the robots do and did, and sequences of steps that people put together (Fig. 4 of the paper). */
+/** Past and running tasks, and sequences of steps created by people (Fig. 4 of the paper). */
 export default function TaskTab() {
   const { ref, width } = useWidth();
   const [, openTab, detail] = useTab();
@@ -48,7 +48,7 @@ export default function TaskTab() {
   );
 }
 
-/** How wide an element is, or was before it was hidden, as the page is while a part of it is printed [px]. */
+/** Width of an element; its last one while hidden, as the page is while a part of it is printed [px]. */
 function useWidth() {
   const { ref, width } = useElementSize();
   const [last, setLast] = useState(width);
@@ -56,12 +56,12 @@ function useWidth() {
   return { ref, width: last };
 }
 
-/** Name of what is under way; null for nothing. */
+/** The running task; null for none. */
 function underWay({ state } = useStation.getState()): string | null {
   return state?.tasks[0]?.name ?? null;
 }
 
-/** Name of what is under way, and after its end still of that, so that it can be looked at. */
+/** The running task, or the last one after its end, so that it stays visible. */
 function usePresent(): string | null {
   const present = useStation(underWay);
   const [last, setLast] = useState(present ?? lastTask());
@@ -69,7 +69,7 @@ function usePresent(): string | null {
   return present ?? last;
 }
 
-/** Nothing was chosen: what is under way is what people want to see. */
+/** By default, the running task is shown. */
 function Nothing({ present }: { present: string | null }) {
   return present === null ? <Idle /> : <Present name={present} />;
 }
@@ -84,7 +84,7 @@ function Idle() {
   );
 }
 
-/** What is under way now: of a job the job, to which the commands belong. */
+/** The running task, or its job, which has the commands. */
 function Present({ name }: { name: string }) {
   const { data: task, error, refetch } = useTask(name);
   if (task === undefined) {
@@ -94,7 +94,7 @@ function Present({ name }: { name: string }) {
   return task.job === "" ? <TaskView key={name} name={name} /> : <JobView key={name} id={task.job} />;
 }
 
-/** Whether the server does not know it any more: it was restarted. */
+/** Whether the server no longer knows it, after a restart. */
 function isForgotten(error: Error): boolean {
   return error instanceof ApiProblem && error.status === 404;
 }

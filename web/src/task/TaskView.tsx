@@ -16,7 +16,7 @@ import { useTask, useTaskRun } from "./useRun";
 import { useSkills } from "../api/cell";
 import { taskMood } from "./words";
 
-/** A task without a job: a sequence that runs, or a goal that was started directly. */
+/** A task without a job: a running sequence, or a goal started directly. */
 export function TaskView({ name }: { name: string }) {
   const { data: task, error, refetch } = useTask(name);
   if (error !== null && task === undefined) return <Problem error={error} again={refetch} />;

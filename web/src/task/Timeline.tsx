@@ -21,7 +21,7 @@ interface Props {
   run: Run;
   skills: Skills;
   paused: boolean;
-  /** Says why there is nothing, where that is so. */
+  /** Explains why the timeline is empty. */
   nothing: string;
   chosen: string | null;
   choose: (step: string) => void;
@@ -31,7 +31,7 @@ const NAME = 16; // px, of the line with the name of a lane
 const AXIS = 20; // px
 const GAP = 6; // px
 
-/** What was planned against what was done, subsystem by subsystem; while it goes on, with the present and the end. */
+/** Plan and execution by subsystem; while running, with the present and the expected end. */
 export function Timeline({ run, ...rest }: Props) {
   if (run.end === null) return <LiveTimeline run={run} {...rest} />;
   return <DrawnTimeline run={run} now={run.end} {...rest} />;
@@ -136,7 +136,7 @@ interface PictureProps extends Pick<Props, "name" | "chosen" | "choose"> {
   layout: TimelineLayout;
   zoom: Zoom;
   origin: number;
-  /** The present [s, run time]; null for what is over. */
+  /** The present [s, run time]; null for ended runs. */
   now: number | null;
 }
 
@@ -190,7 +190,7 @@ function Picture({ name, layout, zoom, origin, now, chosen, choose }: PicturePro
   );
 }
 
-/** Where each lane begins, and where the last one ends [px]. */
+/** Top of each lane, and bottom of the last one [px]. */
 function laneTops(lanes: readonly Lane[]): number[] {
   const tops = [GAP];
   for (const lane of lanes) tops.push((tops.at(-1) ?? 0) + NAME + lane.rows * ROW + GAP);
@@ -229,7 +229,7 @@ function DrawnLane({ lane, top, scale, chosen, choose }: LaneProps) {
   );
 }
 
-const THIN_ROW = 12; // px: plans are thin, so the attempts begin higher
+const THIN_ROW = 12; // px: plans are thin, so attempts start higher
 
 function rowTop(top: number, bar: Bar): number {
   return top + NAME + (bar.row === 0 ? 0 : THIN_ROW + (bar.row - 1) * ROW);
@@ -253,15 +253,15 @@ function Axis({ scale, height, origin }: { scale: ScaleLinear<number, number>; h
   );
 }
 
-const LABEL = 18; // px: half a label of the axis is not wider
+const LABEL = 18; // px: half the width of an axis label at most
 
-/** Keeps the labels at the ends within the picture. */
+/** Keeps the outer labels within the drawing. */
 function anchor(x: number, right: number): "start" | "middle" | "end" {
   if (x < LABEL) return "start";
   return x > right - LABEL ? "end" : "middle";
 }
 
-/** The moment of a replay of this job; only it is drawn again while that goes on. */
+/** The current time of this job's replay; a component of its own, since it changes often. */
 function Cursor({ name, ...drawn }: Pick<Props, "name"> & Pick<MarkProps, "scale" | "height">) {
   const { t } = useTranslation("task");
   const at = useReplay(({ replay, time }) => (replay?.job === name ? time : null));

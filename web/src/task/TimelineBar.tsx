@@ -5,7 +5,7 @@ import classes from "./Timeline.module.css";
 import type { Bar } from "./timelineLayout";
 
 export const ROW = 20; // px
-const PLAN = 9; // px: a plan is thinner than what was really done
+const PLAN = 9; // px: plans are thinner than executed steps
 
 const COLORS: Record<Mood, MantineColor> = {
   waiting: "gray",
@@ -28,7 +28,7 @@ const SIGNS: Record<Mood, string> = {
   warning: "!",
 };
 
-/** Hatches of bars, by their state, so that colours are not needed to distinguish them. */
+/** Hatching of bars by state, so that they can be told apart without colours. */
 export function Hatches() {
   return (
     <defs>
@@ -75,7 +75,7 @@ export function TimelineBar({ bar, x, y, width, chosen, choose }: Props) {
       )}
     </>
   );
-  if (choose === undefined) return <g aria-hidden>{drawn}</g>; // the table says it in words
+  if (choose === undefined) return <g aria-hidden>{drawn}</g>; // the table has the same content as text
   return (
     <g
       role="button"

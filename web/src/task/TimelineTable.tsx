@@ -11,7 +11,7 @@ interface Props {
   choose: (step: string) => void;
 }
 
-/** The timeline in words and figures. */
+/** The timeline as a table. */
 export function TimelineTable({ run, layout, chosen, choose }: Props) {
   const { t } = useTranslation("task");
   const rows = rowsOf(layout);
@@ -58,7 +58,7 @@ function Title({ bar, choose }: { bar: Bar; choose: (step: string) => void }) {
   );
 }
 
-/** What was done, what is still to come, and what was given up, by time; of a plan that is followed only that. */
+/** Executed, planned and abandoned steps by time; of the present plan, only those not started. */
 function rowsOf(layout: TimelineLayout): { agent: string; bar: Bar }[] {
   return layout.lanes
     .flatMap(({ agent, bars }) => bars.filter(({ kind }) => kind !== "plan").map((bar) => ({ agent, bar })))

@@ -18,13 +18,13 @@ interface Props {
   skills: Skills;
   title: string;
   state: GraphNode["state"] & object;
-  /** Says why there is nothing, where that is so. */
+  /** Explains why the tree is empty. */
   nothing: string;
   chosen: string | null;
   choose: (step: string) => void;
 }
 
-/** The live tree of a task: its steps, or what the chosen (else the running) step is doing. */
+/** The live tree of a task: its steps, or the nodes of the selected (otherwise running) step. */
 export default function TreePane({ run, skills, title, state, nothing, chosen, choose }: Props) {
   const { t } = useTranslation("task");
   const [shown, show] = useState<"task" | "skill">("task");

@@ -1,8 +1,8 @@
-/** What the address of the tab names: a job by its id alone, so that links to jobs are short; or something else. */
+/** The address of the tab: a job by its id alone, for short links, or another entry. */
 
 export type Place = { kind: "job" | "task" | "sequence"; id: string };
 
-const PREFIXES = { task: "tasks/", sequence: "sequences/" } as const; // ids of jobs have no "/"
+const PREFIXES = { task: "tasks/", sequence: "sequences/" } as const; // ids of jobs contain no "/"
 
 export function placeOf(detail: string): Place | null {
   if (detail === "") return null;

@@ -1,7 +1,7 @@
-/** Changes of the world in a few words; the names in them are those of the ontology. */
+/** Short descriptions of changes of the world, with the names of the ontology. */
 
 export interface EditText {
-  /** Id of the element that it is about; empty for none. */
+  /** Id of the changed element; empty for none. */
   element: string;
   says: string;
 }

@@ -1,6 +1,6 @@
-/** Tables that the page hands out. */
+/** Exported tables. */
 
-/** Writes a table as CSV (RFC 4180); cells that a spreadsheet would take for formulas are made text. */
+/** Writes a table as CSV (RFC 4180); cells that a spreadsheet would evaluate as formulas become text. */
 export function asCsv(heads: readonly string[], rows: readonly (readonly (string | number)[])[]): string {
   return [heads, ...rows].map((row) => `${row.map(cell).join(",")}\r\n`).join("");
 }

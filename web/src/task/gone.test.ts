@@ -13,7 +13,7 @@ function isGone(job: string): boolean {
   return result.current;
 }
 
-test("a job that somebody removes is gone, with its replay, until another one gets its id", () => {
+test("a job removed by another person is gone, with its replay, until its id is used again", () => {
   useReplay.setState({ replay: { job: "kit-1" } as Schema<"Replay">, speed: 2 });
   tell("Removed", "kit-2");
   expect([isGone("kit-1"), isGone("kit-2"), useReplay.getState().replay?.job]).toEqual([false, true, "kit-1"]);

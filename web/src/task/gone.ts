@@ -1,4 +1,4 @@
-/** Jobs that were removed while this page was open: they are not read again, and views of them end. */
+/** Jobs removed while this page is open: they are not fetched again, and their views close. */
 
 import { create } from "zustand";
 import { onEvent, onReset } from "../live/events";
@@ -20,7 +20,7 @@ export function forget(job: string): void {
   if (replay?.job === job) set({ replay: null, speed: 0 });
 }
 
-/** Another job may get the id of one that was removed. */
+/** A new job may reuse the id of a removed one. */
 function isThere(job: string): void {
   if (!useGone.getState().jobs.has(job)) return;
   useGone.setState(({ jobs }) => ({ jobs: new Set([...jobs].filter((one) => one !== job)) }));

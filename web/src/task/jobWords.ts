@@ -12,7 +12,7 @@ const OUTCOMES = [
   "expired",
 ] as const;
 
-/** What a job does, or what came of it. */
+/** The activity or result of a job in words. */
 export function jobState(t: TFunction<"task">, job: Schema<"Job">): string {
   if (job.outcome !== null) return outcomeText(t, job.outcome);
   const said = t(`jobStates.${job.state.text}`);
@@ -21,9 +21,9 @@ export function jobState(t: TFunction<"task">, job: Schema<"Job">): string {
 }
 
 /**
- * Says why nothing was planned or done of a job or a task.
+ * Explains why nothing was planned or executed in a job or a task.
  *
- * @param outcome - What came of it; null while it is not over.
+ * @param outcome - Its result; null while it runs.
  */
 export function nothingDone(t: TFunction<"task">, outcome: string | null): string {
   if (outcome === null) return t("nothingDone.yet");

@@ -1,4 +1,4 @@
-/** The jobs of some time, the latest first: read once, then only what has changed since. */
+/** The jobs of a period, latest first: fetched once, then only changes. */
 
 import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { useEffect } from "react";
@@ -27,14 +27,14 @@ export function useJobs(period: Period) {
   });
 }
 
-/** Puts what was read last in the place of what was known of the same jobs; the latest order comes first. */
+/** Merges newly fetched jobs into the known ones; latest order first. */
 export function merged(known: readonly Job[], read: readonly Job[]): Job[] {
   const jobs = new Map(known.map((job) => [job.id, job]));
   for (const job of read) jobs.set(job.id, job);
   return [...jobs.values()].sort((one, other) => other.number - one.number).slice(0, MOST);
 }
 
-/** The latest moment that jobs tell of, by the server's clock: whatever changed after they were read is younger. */
+/** The latest time mentioned in jobs, by the server's clock: later changes must still be fetched. */
 export function lastMoment(jobs: readonly Job[]): string | undefined {
   const moments = jobs.flatMap(({ ordered, started, ended }) => [ordered, started, ended]);
   return moments.filter((moment) => moment !== null).reduce<string | undefined>(later, undefined);
@@ -49,7 +49,7 @@ function beginning(period: Period): string | undefined {
   return seconds === null ? undefined : new Date(Date.now() - seconds * 1000).toISOString();
 }
 
-/** Reads what changed since then, as many as are shown at most, the latest orders first. */
+/** Fetches the changes since a time, latest orders first, up to the number shown. */
 async function newest(since: string | undefined): Promise<Job[]> {
   const jobs: Job[] = [];
   let cursor: string | undefined;

@@ -1,17 +1,17 @@
 import { comeBack, remember } from "./lately";
 
-test("what was looked at comes back while nothing else has begun", () => {
+test("the last selection is restored if nothing has started since", () => {
   remember({ detail: "kit-1", task: "kit-2" });
   expect(comeBack(null)).toBe("kit-1");
   expect(comeBack("kit-2")).toBe("kit-1");
 });
 
-test("what has begun since comes first", () => {
+test("a task that has started since takes precedence", () => {
   remember({ detail: "kit-1", task: "kit-2" });
   expect(comeBack("kit-3")).toBe("");
 });
 
-test("who had closed what was chosen gets what is under way", () => {
+test("after closing the selection the running task is shown", () => {
   remember({ detail: "", task: "kit-2" });
   expect(comeBack(null)).toBe("");
 });

@@ -1,9 +1,9 @@
-/** What was looked at in the tab last: it comes back with the tab, but what has begun meanwhile comes first. */
+/** The last selection of the tab, restored on return unless another task has started meanwhile. */
 
 interface Look {
-  /** What the address named; empty for nothing. */
+  /** The selection in the address; empty for none. */
   detail: string;
-  /** What was under way then, or last before; null for nothing. */
+  /** The task running then, or the last one before; null for none. */
   task: string | null;
 }
 
@@ -13,12 +13,12 @@ export function remember(look: Look): void {
   last = look;
 }
 
-/** What was under way when the list was last shown. */
+/** The task that ran when the list was last shown. */
 export function lastTask(): string | null {
   return last.task;
 }
 
-/** What to come back to while `task` is under way: empty for that, or for nothing. */
+/** The selection to restore while `task` runs: empty for the task itself, or for none. */
 export function comeBack(task: string | null): string {
   return task === null || task === last.task ? last.detail : "";
 }

@@ -7,18 +7,18 @@ function row(number: number, more: Partial<OutputRow> = {}): OutputRow {
   return { ...rowOf({ ...told, id: `1f2e3d4c-${number}`, at: "2026-11-20T09:30:00Z", data }), ...more };
 }
 
-test("messages come in their order and none twice, whoever told of them first", () => {
+test("messages are in order and without duplicates, regardless of their source", () => {
   const rows = added([row(3), row(10)], [row(4), row(3), row(9)]);
   expect(rows.map(({ id }) => id)).toEqual(["1f2e3d4c-3", "1f2e3d4c-4", "1f2e3d4c-9", "1f2e3d4c-10"]);
 });
 
-test("of too many messages the last are kept", () => {
+test("only the latest messages are kept", () => {
   const many = Array.from({ length: MOST_ROWS + 5 }, (_, number) => row(number));
   expect(added([], many)).toHaveLength(MOST_ROWS);
   expect(added([], many)[0]?.id).toBe("1f2e3d4c-5");
 });
 
-test("a table as CSV quotes what would break it, and begins no cell with a formula", () => {
+test("a CSV table quotes special characters, and no cell begins with a formula", () => {
   const text = asCsv(
     ["module", "text"],
     [

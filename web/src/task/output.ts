@@ -1,12 +1,12 @@
-/** What the modules say, the last of it: read once, then followed while it is shown. */
+/** The latest messages of modules: fetched once, then followed while they are shown. */
 
 import { create } from "zustand";
 import { answer, api } from "../api/client";
 import { type EventInfo, onEvent, onReset } from "../live/events";
 
-/** One message of a module (the paper's fields, and where it comes from). */
+/** One message of a module (the paper's fields, and its origin). */
 export interface OutputRow {
-  /** Names it; it begins with what names the start of the server. */
+  /** Unique id, which begins with the id of the server's run. */
   id: string;
   /** Run time [s]. */
   time: number;
@@ -19,15 +19,15 @@ export interface OutputRow {
   code: number;
   text: string;
   agent: string;
-  /** The module that it is part of; empty for the one that was started. */
+  /** The parent module; empty for the one that was started. */
   caller: string;
-  /** Label of the way in which a skill is done; null for a primitive, and where that is not known. */
+  /** Label of the skill's implementation; null for primitives, and if unknown. */
   implementation: string | null;
-  /** Id of the run that it is of. */
+  /** Id of its run. */
   run: string;
-  /** Id of the outermost run: the step of a task, or the module that was started by itself. */
+  /** Id of the outermost run: the step of a task, or a single module. */
   root: string;
-  /** Which node: the module that was started, and the keys down to it. */
+  /** Path of its node: the started module, and the keys down to the node. */
   path: string;
 }
 
@@ -63,7 +63,7 @@ export function rowOf(event: EventInfo): OutputRow {
   };
 }
 
-/** Adds rows that are not there yet, in the order of their numbers; of too many the oldest go. */
+/** Inserts new rows in order, and drops the oldest if there are too many. */
 export function added(rows: readonly OutputRow[], more: readonly OutputRow[]): readonly OutputRow[] {
   const known = new Set(rows.map((row) => row.id));
   const fresh = more.filter((row) => !known.has(row.id));
@@ -78,7 +78,7 @@ function number(row: OutputRow): number {
 let followers = 0;
 let end: (() => void) | undefined;
 
-/** Follows the modules until the function that it returns is called. */
+/** Follows the messages of modules until the returned function is called. */
 export function followOutput(): () => void {
   followers += 1;
   if (followers === 1) end = begin();
@@ -116,7 +116,7 @@ async function recent(): Promise<OutputRow[]> {
   return (await since(await somewhatBefore())) ?? (await since(undefined)) ?? [];
 }
 
-/** Reads what came after a place; null where some of it is not kept any more. */
+/** Fetches the events after a position; null if some of them are no longer kept. */
 async function since(place: string | undefined): Promise<OutputRow[] | null> {
   const rows: OutputRow[] = [];
   let after = place;
@@ -130,7 +130,7 @@ async function since(place: string | undefined): Promise<OutputRow[] | null> {
   }
 }
 
-/** Names a place not long ago: who asks for what comes after an unknown event is told where the events end. */
+/** A recent position: a request for events after an unknown id is answered with the end of the log. */
 async function somewhatBefore(): Promise<string | undefined> {
   const page = await answer(api.GET("/api/v1/events/recent", { params: { query: { after: "unknown", limit: 1 } } }));
   const end = page.reset?.id ?? page.next;

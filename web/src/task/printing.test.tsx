@@ -6,12 +6,12 @@ function Report() {
   return <p id="report">all went well</p>;
 }
 
-test("what is printed is the report alone in light colours, and then all is as it was", () => {
+test("only the report is printed, in light colours, and the page is restored afterwards", () => {
   const root = document.documentElement;
   root.setAttribute("data-mantine-color-scheme", "dark");
   const { unmount } = render(<Report />);
   window.dispatchEvent(new Event("beforeprint"));
-  window.dispatchEvent(new Event("beforeprint")); // browsers may tell it twice
+  window.dispatchEvent(new Event("beforeprint")); // browsers may send it twice
   const copies = document.querySelectorAll(".print-only");
   expect([...copies].map(({ textContent }) => textContent)).toEqual(["Report of kitall went well"]);
   expect(root.getAttribute("data-mantine-color-scheme")).toBe("light");

@@ -1,4 +1,4 @@
-/** Prints one part of the page alone: what is around it is no part of a report. */
+/** Prints one part of the page without the rest. */
 
 import { useEffect } from "react";
 import "./printing.css";
@@ -6,7 +6,7 @@ import "./printing.css";
 const PRINTED = "print-only";
 const SCHEME = "data-mantine-color-scheme";
 
-/** While the element is there, whatever is printed from the page is that, below a title. */
+/** While the component is mounted, only its element is printed, below a title. */
 export function usePrintedAlone(id: string, title: string): void {
   useEffect(() => {
     let restore: (() => void) | undefined;
@@ -28,7 +28,7 @@ export function usePrintedAlone(id: string, title: string): void {
   }, [id, title]);
 }
 
-/** Puts a copy beside all else, in the colours of paper; returns how to take it away again. */
+/** Adds a printable copy in light colours; returns the function that removes it. */
 function putAlone(id: string, title: string): (() => void) | undefined {
   const element = document.getElementById(id);
   if (element === null) return undefined;

@@ -1,4 +1,4 @@
-/** The report of a job as text that people can put elsewhere. */
+/** The report of a job as text for use elsewhere. */
 
 import type { Schema } from "../api/client";
 import type { Skills } from "../api/cell";
@@ -19,7 +19,7 @@ export interface ReportWords {
   gone: string;
 }
 
-/** Writes a report as Markdown; what people named themselves cannot break it. */
+/** Writes a report as Markdown, with user-defined names escaped. */
 export function asMarkdown(job: Schema<"Job">, run: Run, skills: Skills, words: ReportWords): string {
   const parts = job.materials.map(
     ({ element, label, origin, place }) =>

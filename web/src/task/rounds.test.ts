@@ -13,12 +13,12 @@ function step(number: number, end = "ended"): TraceEntry[] {
   ];
 }
 
-test("rounds are counted when all their steps worked, attempts one by one", () => {
+test("a round counts if all its steps succeeded; attempts count individually", () => {
   const run = readRun([...step(1), ...step(2), ...step(3, "failed"), ...step(4)]);
   expect(roundsOf(run, 2)).toEqual({ done: 1, tried: 4, worked: 3 });
 });
 
-test("the plan of a round begins where the round before it ended", () => {
+test("the plan of a round starts at the end of the previous round", () => {
   expect(withRound(readRun(step(1)), STEPS).plans[0]?.at).toBe(10);
   expect(withRound(readRun([...step(1), ...step(2)]), STEPS).plans[0]?.at).toBe(10);
   expect(withRound(readRun([...step(1), ...step(2), ...step(3)]), STEPS).plans[0]?.at).toBe(29);

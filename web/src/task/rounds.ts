@@ -1,11 +1,11 @@
-/** The rounds of a sequence that is run over and over: its steps come one after the other, again and again. */
+/** The rounds of a repeated sequence, whose steps run one after another. */
 
 import type { PlannedStep, Run } from "./trace";
 
 export interface Rounds {
-  /** Rounds in which all steps worked. */
+  /** Rounds in which all steps succeeded. */
   done: number;
-  /** Attempts at steps, and how many of them worked. */
+  /** Number of attempts, and of successful ones. */
   tried: number;
   worked: number;
 }
@@ -20,6 +20,6 @@ export function roundsOf(run: Run, steps: number): Rounds {
 export function withRound(run: Run, steps: readonly PlannedStep[]): Run {
   if (run.plans.length > 0 || steps.length === 0) return run;
   const ends = run.steps.filter(({ ended }) => ended === "ended").map(({ end }) => end ?? run.begun);
-  const before = steps.length * Math.floor((ends.length - 1) / steps.length); // the last round stays when it is done
+  const before = steps.length * Math.floor((ends.length - 1) / steps.length); // after its end, the last round stays
   return { ...run, plans: [{ at: ends[before - 1] ?? run.begun, steps: [...steps] }] };
 }

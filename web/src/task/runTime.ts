@@ -1,16 +1,16 @@
-/** Run time that goes on over restarts of the server: it starts at zero each time. */
+/** Run time made continuous over restarts of the server, at which it starts at zero. */
 
 import type { TraceEntry } from "./trace";
 
-/** From which moment on [s] times are later than run time was, and by how much [s]: in order, as replays tell it. */
+/** Offsets of the replay's times from run time [s], each with the time from which it applies [s], in order. */
 export type Shifts = readonly (readonly [since: number, by: number])[];
 
-const SAME = 0.1; // s: the beginning is told with the state of the cycle before
+const SAME = 0.1; // s: the first entry has the time of the preceding cycle
 
 /**
- * Returns entries with times that never step back.
+ * Returns entries with non-decreasing times.
  *
- * @param shifts - Those of a replay: the entries get its times. Without them run time goes on without a gap.
+ * @param shifts - The offsets of a replay, whose times are used. Without them, run time continues without a gap.
  */
 export function evened(told: readonly TraceEntry[], shifts: Shifts = []): TraceEntry[] {
   const clock = new Clock(shifts);
@@ -27,13 +27,13 @@ class Clock {
   /** Returns the time of the next entry, which may be the first one after a restart. */
   read(entry: TraceEntry, later: boolean): number {
     if (later && (this.isNext(entry) || entry.time + this.shift < this.last - SAME)) this.goOn(entry);
-    // Of what a crash took from the replay nothing may come after that which follows.
+    // Entries that the replay lost in a crash must not come after later ones.
     const end = this.known[this.passed]?.[0] ?? Number.POSITIVE_INFINITY;
     this.last = Math.max(this.last, Math.min(entry.time + this.shift, end));
     return this.last;
   }
 
-  /** Whether it is the beginning of the next part of the replay. */
+  /** Whether the next part of the replay begins. */
   private isNext({ what, time }: TraceEntry): boolean {
     const next = this.known[this.passed];
     return what === "begun" && next !== undefined && Math.abs(time - (next[0] - next[1])) < SAME;

@@ -1,4 +1,4 @@
-/** Which steps of a plan have been done by which steps that ran, and when the rest will be. */
+/** Assigns executed steps to the steps of a plan, and predicts the times of the rest. */
 
 import type { Skills } from "../api/cell";
 import type { Plan, PlannedStep, Step } from "./trace";
@@ -9,17 +9,17 @@ export interface Span {
   end: number;
 }
 
-/** A step of a plan, with what has become of it. */
+/** A step of a plan with its state. */
 export interface Slot {
   index: number;
   step: PlannedStep;
-  /** Id of the subsystem that is to do it; empty where it is unknown. */
+  /** Id of the executing subsystem; empty if unknown. */
   agent: string;
   planned: Span;
-  /** The attempts at it, in order. */
+  /** Its attempts, in order. */
   runs: Step[];
   done: boolean;
-  /** When it was, is or will be. */
+  /** Actual or predicted times. */
   expected: Span;
 }
 
@@ -30,7 +30,7 @@ export function agentOf(step: PlannedStep, skills: Skills): string {
   return (parameter !== undefined && step.arguments[parameter]) || "";
 }
 
-/** Returns the steps of a plan in the light of what ran since it was made, `now` in run time [s]. */
+/** Returns the steps of a plan, updated with the steps executed since; `now` in run time [s]. */
 export function schedule(plan: Plan, ran: readonly Step[], skills: Skills, now: number): Slot[] {
   const slots = planned(plan, skills);
   for (const step of ran) if (step.start >= plan.at) take(slots, step);
@@ -38,7 +38,7 @@ export function schedule(plan: Plan, ran: readonly Step[], skills: Skills, now: 
   return slots;
 }
 
-/** When the last step of a plan will have ended [s, run time]; null where there is none. */
+/** Predicted end of the last step of a plan [s, run time]; null without steps. */
 export function finish(slots: readonly Slot[]): number | null {
   return slots.length === 0 ? null : Math.max(...slots.map((slot) => slot.expected.end));
 }
@@ -54,7 +54,7 @@ function planned(plan: Plan, skills: Skills): Slot[] {
   return slots;
 }
 
-/** Gives a step that ran to the first one of the plan that it can be an attempt at. */
+/** Assigns an executed step to the first matching step of the plan. */
 function take(slots: readonly Slot[], ran: Step): void {
   const slot = slots.find((one) => !one.done && isAttempt(one.step, ran) && !one.runs.some((run) => run.end === null));
   if (slot === undefined) return;
@@ -62,7 +62,7 @@ function take(slots: readonly Slot[], ran: Step): void {
   slot.done = ran.ended === "ended";
 }
 
-/** What the plan left open is filled in when a step starts. */
+/** Parameters that the plan left open are filled in when a step starts. */
 function isAttempt(step: PlannedStep, ran: Step): boolean {
   return (
     step.skill === ran.skill && Object.entries(step.arguments).every(([key, value]) => ran.arguments[key] === value)

@@ -13,16 +13,16 @@ function conflict(edit: Conflict["edit"], there: string[]): Conflict {
   return { edit, seen: SEEN, there: sequence(2, there) };
 }
 
-test("a change that came too late is made to the step that was meant, wherever it is by now", () => {
+test("an outdated edit is applied to the intended step at its present position", () => {
   const removal = conflict({ kind: "remove", at: 1 }, ["pallet_b", "pallet_a", "kit_1"]);
   expect(onto(removal)).toEqual({ kind: "remove", at: 2 });
 });
 
-test("a change of a step that somebody else has changed or removed cannot be made any more", () => {
+test("an edit of a step that another person has changed or removed cannot be applied", () => {
   expect(onto(conflict({ kind: "move", at: 0, to: 1 }, ["kit_1"]))).toBeNull();
 });
 
-test("what is inserted never comes behind the end", () => {
+test("steps are never inserted behind the end", () => {
   expect(onto(conflict({ kind: "insert", at: 2, step: STEP }, ["kit_1"]))).toEqual({
     kind: "insert",
     at: 1,
@@ -30,7 +30,7 @@ test("what is inserted never comes behind the end", () => {
   });
 });
 
-test("a step whose form is open is found where somebody else moved it, the nearest of several", () => {
+test("the step of an open form is found where another person moved it; of several, the nearest", () => {
   expect(fateOf({ seen: SEEN, at: 1 }, sequence(2, ["pallet_b", "pallet_a", "kit_1"]))).toEqual({
     fate: "stays",
     at: 2,
@@ -42,12 +42,12 @@ test("a step whose form is open is found where somebody else moved it, the neare
   });
 });
 
-test("a step that somebody else has changed or removed meanwhile is told to be so", () => {
+test("a step changed or removed by another person is reported as such", () => {
   expect(fateOf({ seen: SEEN, at: 0 }, sequence(2, ["pallet_b", "kit_1"]))).toEqual({ fate: "changed", at: 0 });
   expect(fateOf({ seen: SEEN, at: 0 }, sequence(2, ["kit_1"]))).toEqual({ fate: "removed" });
 });
 
-test("a step that somebody else has changed is found though steps were added, and moved with them", () => {
+test("a changed step is found even if steps were added or it was moved", () => {
   const three = sequence(1, ["pallet_a", "kit_1", "kit_2"]);
   const appended = sequence(2, ["pallet_b", "kit_1", "kit_2", "kit_3"]);
   expect(fateOf({ seen: three, at: 0 }, appended)).toEqual({ fate: "changed", at: 0 });
@@ -55,7 +55,7 @@ test("a step that somebody else has changed is found though steps were added, an
   expect(fateOf({ seen: three, at: 1 }, before)).toEqual({ fate: "changed", at: 2 });
 });
 
-test("another step that came to the place of a removed one is not what that was changed to", () => {
+test("a step that takes the place of a removed one is not mistaken for a changed one", () => {
   const three = sequence(1, ["pallet_a", "kit_1", "kit_2"]);
   const appended = sequence(2, ["kit_1", "kit_2", "pallet_b"]);
   expect(fateOf({ seen: three, at: 0 }, appended)).toEqual({ fate: "removed" });
@@ -82,7 +82,7 @@ test("a sequence is a document with the problems and the subsystem of each step"
   ]);
 });
 
-test("an edit is made in the steps that were seen", () => {
+test("an edit is applied to the displayed steps", () => {
   const steps = ["a", "b", "c"].map((Location) => ({ skill: "drive", arguments: { Location } }));
   const places = (edit: Parameters<typeof edited>[1]) => edited(steps, edit).map((step) => step.arguments?.Location);
   expect(places({ kind: "insert", at: 1, step: STEP })).toEqual(["a", "pallet_b", "b", "c"]);

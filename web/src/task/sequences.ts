@@ -1,4 +1,4 @@
-/** A sequence and the changes of it: each is based on the version that was seen. */
+/** A sequence and its edits, each based on the displayed version. */
 
 import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
@@ -11,7 +11,7 @@ export type WantedStep = Schema<"WantedStep">;
 
 export interface Step extends WantedStep {
   arguments: Record<string, string>;
-  /** The subsystem that would do it now; empty if there is none. */
+  /** The subsystem that would execute it now; empty if there is none. */
   agent: string;
   works: boolean;
   problems: string[];
@@ -22,12 +22,12 @@ export interface Sequence {
   title: string;
   version: number;
   count: number;
-  /** Whether it has steps, and nothing is known that speaks against one. */
+  /** Whether it has steps, and no step has known problems. */
   works: boolean;
   steps: Step[];
 }
 
-/** What a document of this kind says. */
+/** Content of a sequence document. */
 interface Content {
   title?: string;
   steps?: WantedStep[];
@@ -55,7 +55,7 @@ export function useSequences() {
   });
 }
 
-/** Writes a sequence; a new one where no version is given. */
+/** Writes a sequence; creates one if no version is given. */
 export async function write(id: string, content: Content, version?: number): Promise<Sequence> {
   const header = version === undefined ? {} : { "if-match": `"${version}"` };
   const params = { path: { kind: KIND, id }, header };
@@ -74,15 +74,15 @@ export type Edit =
   | { kind: "remove"; at: number }
   | { kind: "move"; at: number; to: number };
 
-/** A change that was not made, because another person had changed the sequence; of a step its form says so. */
+/** A refused edit, because another person has changed the sequence; shown in the step's form if it has one. */
 export interface Conflict {
   edit: Exclude<Edit, { kind: "change" }>;
-  /** What it was based on, and what is there now. */
+  /** The version on which it was based, and the present one. */
   seen: Sequence;
   there: Sequence;
 }
 
-/** Also old when the world changes: each step is checked against that. */
+/** Also invalidated by changes of the world, against which each step is checked. */
 function keyOf(id: string) {
   return keys.world("sequence", id);
 }
@@ -96,7 +96,7 @@ async function read(id: string): Promise<Sequence> {
   return sequenceOf(await answer(api.GET("/api/v1/documents/{kind}/{id}", { params })));
 }
 
-/** @param made - Called with what there is after a change that was made from here. */
+/** @param made - Called with the new version after an edit made here. */
 export function useEdits(sequence: Sequence, made: (there: Sequence) => void) {
   const client = useQueryClient();
   const [conflict, setConflict] = useState<Conflict | null>(null);
@@ -144,7 +144,7 @@ export function edited(steps: readonly WantedStep[], edit: Edit): WantedStep[] {
   }
 }
 
-/** What an edit would do, once more, to what is there now; null where that step is not the same any more. */
+/** The edit applied to the present version; null if its step has changed. */
 export function onto({ edit, seen, there }: Conflict): Conflict["edit"] | null {
   if (edit.kind === "insert") return { ...edit, at: Math.min(edit.at, there.steps.length) };
   const at = sameStep({ seen, at: edit.at }, there);
@@ -152,14 +152,14 @@ export function onto({ edit, seen, there }: Conflict): Conflict["edit"] | null {
   return edit.kind === "move" ? { ...edit, at, to: Math.min(edit.to, there.steps.length - 1) } : { ...edit, at };
 }
 
-/** A step as it was shown. */
+/** A step as displayed. */
 export interface SeenStep {
   seen: Sequence;
   /** From 0. */
   at: number;
 }
 
-/** Where a step is by now that is the same as it was; of several the nearest; null where there is none. */
+/** Present index of an unchanged step; of several, the nearest; null for none. */
 function sameStep({ seen, at }: SeenStep, there: Sequence): number | null {
   const meant = seen.steps[at];
   if (meant === undefined) return null;
@@ -167,7 +167,7 @@ function sameStep({ seen, at }: SeenStep, there: Sequence): number | null {
   return same.sort((one, other) => Math.abs(one - at) - Math.abs(other - at))[0] ?? null;
 }
 
-/** What has become of a step since it was shown; removed is also what cannot be told from that. */
+/** The change of a step since it was displayed; undecidable changes count as removal. */
 export type Fate = { fate: "stays" | "changed"; at: number } | { fate: "removed" };
 
 export function fateOf(step: SeenStep, there: Sequence): Fate {
@@ -178,7 +178,7 @@ export function fateOf(step: SeenStep, there: Sequence): Fate {
   return changed === null ? { fate: "removed" } : { fate: "changed", at: changed };
 }
 
-/** Where a new step stands between the steps that a step stood between; null where there is none: that one is gone. */
+/** Present index of a step between its former neighbours; null if there is none: it was removed. */
 function changedStep({ seen, at }: SeenStep, there: Sequence): number | null {
   const follows = (index: number, beside: number) => isSameOrNone(there.steps[index + beside], seen.steps[at + beside]);
   const isNew = (step: WantedStep) => !seen.steps.some((known) => isSame(known, step));

@@ -1,4 +1,4 @@
-/** The forms that are open on steps of a sequence: they stay open when others change it. */
+/** The open forms of a sequence's steps: they stay open when others change it. */
 
 import { useState } from "react";
 import { fateOf, type SeenStep, type Sequence } from "./sequences";
@@ -11,7 +11,7 @@ export interface StepForms {
   forms: readonly OpenForm[];
   open: (step: SeenStep) => void;
   close: (key: number) => void;
-  /** Takes note of what there is after a change that was made from here, which needs no notice. */
+  /** Registers the version after an edit made here, which needs no notice. */
   follow: (there: Sequence) => void;
 }
 

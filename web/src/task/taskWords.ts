@@ -4,7 +4,7 @@ import type { Schema } from "../api/client";
 const OUTCOMES = ["reached", "held already", "partly reached", "not reached", "no plan", "stopped"] as const;
 const STATES = ["planning", "running", "paused", "waiting", "ended"] as const;
 
-/** What a task does, or what came of it. */
+/** The activity or result of a task in words. */
 export function taskState(t: TFunction<"task">, { status, report }: Schema<"TaskInfo">): string {
   const outcome = OUTCOMES.find((one) => one === report?.outcome);
   if (outcome !== undefined) return t(`taskOutcomes.${outcome}`);

@@ -27,7 +27,7 @@ function planOf(run: Run): Plan {
 }
 const GOOD = [entry(10, "begun"), plan(12), step(12, "started", 1, DRIVE), step(30, "ended", 1, DRIVE)];
 
-test("a run has the steps that were started, with their ends", () => {
+test("a run contains the started steps with their ends", () => {
   const run = readRun([...GOOD, step(30, "started", 2, PICK)]);
   expect(run.steps.map(({ key, start, end, ended }) => [key, start, end, ended])).toEqual([
     ["1.1", 12, 30, "ended"],
@@ -35,7 +35,7 @@ test("a run has the steps that were started, with their ends", () => {
   ]);
 });
 
-test("run time goes on after a restart of the server, and what ran then was cancelled", () => {
+test("run time continues after a restart of the server, and steps running then were cancelled", () => {
   const run = readRun([...GOOD, step(30, "started", 2, PICK), entry(2, "begun"), step(5, "started", 1, PICK)]);
   expect(run.steps.map(({ key, start, end, ended }) => [key, start, end, ended])).toEqual([
     ["1.1", 12, 30, "ended"],
@@ -45,14 +45,14 @@ test("run time goes on after a restart of the server, and what ran then was canc
   expect(run.shift).toBe(28);
 });
 
-test("what is written down and what is remembered are joined without doubles", () => {
+test("stored and live entries are merged without duplicates", () => {
   const lately = [...GOOD, entry(31, "finished")];
   expect(joined(GOOD, lately)).toEqual(lately);
   expect(joined([entry(1, "begun"), ...GOOD], lately)).toHaveLength(lately.length + 1);
   expect(joined(GOOD, [])).toEqual(GOOD);
 });
 
-test("a step that failed and is done again is two attempts at the same step of the plan", () => {
+test("a step that failed and is repeated makes two attempts at the same step of the plan", () => {
   const retried = [step(30, "started", 2, PICK), step(35, "failed", 2, PICK), step(36, "started", 3, PICK)];
   const run = readRun([...GOOD, ...retried]);
   const slots = schedule(planOf(run), run.steps, SKILLS, 38);
@@ -67,20 +67,20 @@ test("a step that failed and is done again is two attempts at the same step of t
   ]);
 });
 
-test("the end is expected from what remains, not from when it should have been", () => {
+test("the expected end follows from the remaining steps, not from the original plan", () => {
   const run = readRun([entry(10, "begun"), plan(12), step(12, "started", 1, DRIVE)]);
   expect(finish(schedule(planOf(run), run.steps, SKILLS, 20))).toBe(12 + 20 + 6);
-  expect(finish(schedule(planOf(run), run.steps, SKILLS, 100))).toBe(100 + 6); // it drives longer than planned
+  expect(finish(schedule(planOf(run), run.steps, SKILLS, 100))).toBe(100 + 6); // driving takes longer than planned
 });
 
-test("of a plan that was given up only what was never begun stays, as old", () => {
+test("of an abandoned plan only the steps that never started are shown", () => {
   const run = readRun([...GOOD, entry(30, "replans"), plan(31, [DRIVE, DRIVE])]);
   const bars = layOut(run, SKILLS, 31, false).lanes.flatMap((lane) => lane.bars);
   expect(bars.filter(({ kind }) => kind === "old").map(({ title }) => title)).toEqual(["pick"]);
   expect(layOut(run, SKILLS, 31, false).replanned).toEqual([31]);
 });
 
-test("what was given up makes a timeline no longer than what was done instead", () => {
+test("abandoned steps do not extend the timeline", () => {
   const other = { skill: "drive", arguments: { Base: "base_1", Location: "kit_1" } };
   const run = readRun([...GOOD, plan(31, [other]), entry(35, "finished")]);
   const late = [...GOOD.slice(0, 1), plan(12, [DRIVE, PICK, DRIVE, PICK, DRIVE]), ...GOOD.slice(2)];
@@ -88,6 +88,6 @@ test("what was given up makes a timeline no longer than what was done instead", 
   expect(layOut(longer, SKILLS, 35, false).end).toBe(layOut(run, SKILLS, 35, false).end);
 });
 
-test("a timeline that is over has no expected end", () => {
+test("an ended timeline has no expected end", () => {
   expect(layOut(readRun([...GOOD, entry(31, "finished")]), SKILLS, 99, false).eta).toBeNull();
 });

@@ -1,4 +1,4 @@
-/** Where the bars of a timeline are: a lane for each subsystem, in it rows for the plan, the attempts, and old plans. */
+/** The positions of bars in a timeline: a lane for each subsystem, with rows for plan, attempts and old plans. */
 
 import type { Mood } from "../widgets/Status";
 import type { Skills } from "../api/cell";
@@ -12,11 +12,11 @@ export interface Bar extends Span {
   title: string;
   state: StepState;
   mood: Mood;
-  /** Key of the step that ran; null for what has not. */
+  /** Key of the executed step; null if it has not started. */
   step: string | null;
-  /** From 0, below the name of the lane. */
+  /** Row in the lane, from 0. */
   row: number;
-  /** Which attempt at the same step it is, from 1. */
+  /** Number of the attempt at the same step, from 1. */
   attempt: number;
 }
 
@@ -28,14 +28,14 @@ export interface Lane {
 
 export interface TimelineLayout extends Span {
   lanes: Lane[];
-  /** When the rest of the plan will have been done [s, run time]; null when it is over or unknown. */
+  /** Expected end of the plan [s, run time]; null if ended or unknown. */
   eta: number | null;
-  /** When it was planned again [s, run time]. */
+  /** Times of replanning [s, run time]. */
   replanned: number[];
   slots: Slot[];
 }
 
-const SHORTEST = 10; // s of a timeline in which nothing happened yet
+const SHORTEST = 10; // s, minimum length of a timeline
 
 export function layOut(run: Run, skills: Skills, now: number, paused: boolean): TimelineLayout {
   const present = run.plans.at(-1);
@@ -43,7 +43,7 @@ export function layOut(run: Run, skills: Skills, now: number, paused: boolean): 
   const eta = run.end === null ? finish(slots) : null;
   const bars = [...planBars(slots, skills), ...oldBars(run, skills), ...actualBars(run, skills, now, paused)];
   if (run.end === null) bars.push(...expectedBars(slots, skills));
-  const shown = bars.filter(({ bar }) => bar.kind !== "old"); // what was given up may have been planned for long after
+  const shown = bars.filter(({ bar }) => bar.kind !== "old"); // abandoned steps may have been planned for much later
   const end = Math.max(run.end ?? now, ...shown.map(({ bar }) => bar.end), run.begun + SHORTEST);
   return {
     start: run.begun,
@@ -75,7 +75,7 @@ function planBars(slots: readonly Slot[], skills: Skills): Placed[] {
   }));
 }
 
-/** What is still to come, where it is by now to be expected. */
+/** Steps to come, at their expected times. */
 function expectedBars(slots: readonly Slot[], skills: Skills): Placed[] {
   return slots
     .filter((slot) => !slot.done && slot.runs.at(-1)?.end !== null)
@@ -100,7 +100,7 @@ function about(slot: Slot, skills: Skills): Pick<Bar, "title" | "state" | "mood"
   return { title: stepTitle(slot.step, skills), state, mood: STEP_MOODS[state] };
 }
 
-/** Of plans that were given up: what of them was never begun. */
+/** The steps of abandoned plans that never started. */
 function oldBars(run: Run, skills: Skills): Placed[] {
   return run.plans.slice(0, -1).flatMap((plan, index) => {
     const until = run.plans[index + 1]?.at ?? plan.at;
@@ -127,7 +127,7 @@ function actualBars(run: Run, skills: Skills, now: number, paused: boolean): Pla
   return run.steps.map((step) => {
     const same = `${step.agent} ${step.skill} ${JSON.stringify(step.arguments)}`;
     const attempt = (tried.get(same) ?? 0) + 1;
-    tried.set(same, step.ended === "ended" ? 0 : attempt); // done once more later on it is no retry
+    tried.set(same, step.ended === "ended" ? 0 : attempt); // repeating a successful step later is not a retry
     const state = step.end === null && paused ? "paused" : stepState(step);
     return { agent: step.agent, bar: actual(step, state, attempt, stepTitle(step, skills), now) };
   });
@@ -139,7 +139,7 @@ function actual(step: Step, state: StepState, attempt: number, title: string, no
   return { key: step.key, kind: "actual", title, state, mood, step: step.key, start: step.start, end, row: 1, attempt };
 }
 
-/** Puts bars into lanes and rows: the plan above, each attempt below the one before, old plans at the bottom. */
+/** Arranges bars in lanes and rows: the plan on top, each attempt below the previous one, old plans at the bottom. */
 function lanes(placed: readonly Placed[]): Lane[] {
   const agents = [...new Set(placed.map(({ agent }) => agent))].sort();
   return agents.map((agent) => {

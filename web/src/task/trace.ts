@@ -1,4 +1,4 @@
-/** What happened in a task, read from the entries of its trace. */
+/** The history of a task, from the entries of its trace. */
 
 import type { Schema } from "../api/client";
 import { evened, type Shifts } from "./runTime";
@@ -6,11 +6,11 @@ import { evened, type Shifts } from "./runTime";
 export type PlannedStep = Schema<"PlannedStep">;
 
 export interface TraceEntry {
-  /** Id of the step or task that it is about. */
+  /** Id of its step or task. */
   id: string;
-  /** Run time [s]; after {@link evened} it never steps back. */
+  /** Run time [s]; non-decreasing after {@link evened}. */
   time: number;
-  /** How much later that is than the server said [s]. */
+  /** Offset from the server's time [s]. */
   shift: number;
   what: string;
   text: string;
@@ -21,7 +21,7 @@ export interface TraceEntry {
   data: Record<string, unknown>;
 }
 
-/** A condition of a step as it was when it was checked. */
+/** A condition of a step with its result. */
 export interface ConditionRow {
   kind: string;
   condition: string;
@@ -31,16 +31,16 @@ export interface ConditionRow {
 
 export type StepEnd = "ended" | "failed" | "cancelled";
 
-/** One step that was started; what is done once more is another one. */
+/** One started step; a repetition is another one. */
 export interface Step {
-  /** Its id at the server: the root of what its modules say. */
+  /** Its id in the server: the root of its modules' messages. */
   id: string;
-  /** Names it in its task, over restarts of the server, too. */
+  /** Key in the task, unique across restarts of the server. */
   key: string;
   number: number;
   skill: string;
   arguments: Record<string, string>;
-  /** All its parameters with what was inferred; only what it was given while it runs. */
+  /** The given arguments; from its end on, all of them with the inferred ones. */
   inputs: Record<string, unknown>;
   agent: string;
   /** Run time [s]. */
@@ -48,31 +48,31 @@ export interface Step {
   /** Run time [s]; null while it runs. */
   end: number | null;
   ended: StepEnd | null;
-  /** What came of it, or that it starts. */
+  /** The text of its start or its result. */
   text: string;
   conditions: ConditionRow[];
-  /** Label of the implementation that ran, known at its end; null where that is unknown. */
+  /** Label of the implementation, known at its end; null if unknown. */
   implementation: string | null;
-  /** Numbers of the changes of the world that it made. */
+  /** Numbers of its changes of the world. */
   changes: number[];
-  /** How much later its times are than the server said [s]. */
+  /** Offset of its times from the server's time [s]. */
   shift: number;
 }
 
 export interface Plan {
-  /** Run time when it was there [s]. */
+  /** Run time of the plan [s]. */
   at: number;
   steps: PlannedStep[];
 }
 
 export interface Run {
   begun: number;
-  /** Run time of its end [s]; null while it goes on. */
+  /** Run time of its end [s]; null while it runs. */
   end: number | null;
-  /** How much later its times are than those that the server says now [s]: run time starts again with each start. */
+  /** Offset of its times from the server's present run time [s], which starts again with each run of the server. */
   shift: number;
   steps: Step[];
-  /** All plans, the last one is the present one. */
+  /** All plans, the present one last. */
   plans: Plan[];
   entries: TraceEntry[];
 }
@@ -81,7 +81,7 @@ export const NO_RUN: Run = { begun: 0, end: null, shift: 0, steps: [], plans: []
 
 const ENDS: readonly string[] = ["ended", "failed", "cancelled"];
 
-/** Reads entries of the API: plain data, of which only the names are guaranteed. */
+/** Parses entries of the API: plain data, of which only the names are guaranteed. */
 export function readEntry(raw: Record<string, unknown>): TraceEntry {
   return {
     time: typeof raw.time === "number" ? raw.time : 0,
@@ -98,9 +98,9 @@ export function readEntry(raw: Record<string, unknown>): TraceEntry {
 }
 
 /**
- * Joins what is written down of a job with what its present task remembers.
+ * Merges a job's stored entries with those of its running task.
  *
- * The first is older by up to a second and holds all attempts, the second only the present one.
+ * The former lag by up to a second and contain all attempts, the latter only the present one.
  */
 export function joined(kept: readonly TraceEntry[], lately: readonly TraceEntry[]): TraceEntry[] {
   const first = lately[0];
@@ -110,9 +110,9 @@ export function joined(kept: readonly TraceEntry[], lately: readonly TraceEntry[
 }
 
 /**
- * Reads what happened.
+ * Builds the history from entries.
  *
- * @param shifts - Those of a replay of it, where one is shown: then both have the same times.
+ * @param shifts - The time offsets of a replay, if one is shown: then both use the same times.
  */
 export function readRun(told: readonly TraceEntry[], shifts: Shifts = []): Run {
   const entries = evened(told, shifts);
@@ -133,9 +133,9 @@ export function readRun(told: readonly TraceEntry[], shifts: Shifts = []): Run {
 }
 
 /**
- * Ends what was under way when the server stopped.
+ * Ends the steps that ran when the server stopped.
  *
- * @param until - As far as a replay knows it [s]; else it is known up to its last entry.
+ * @param until - The end of the replay [s]; otherwise the last entry counts.
  */
 export function cutOff(run: Run, until = 0): Run {
   const last = run.entries.at(-1);
@@ -178,7 +178,7 @@ function end(steps: Step[], entry: TraceEntry): void {
   step.changes = [...step.changes, ...numbers(entry.data.changes)];
 }
 
-/** What ran when the server ended was not ended by anybody. */
+/** Steps that ran when the server stopped have no end of their own. */
 function breakOff(steps: Step[], time: number): void {
   for (const step of steps) {
     if (step.end !== null) continue;

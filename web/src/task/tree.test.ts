@@ -34,7 +34,7 @@ function states(messages: OutputRow[]) {
   return Object.fromEntries(nodes.map(({ id, state }) => [id, state?.text]));
 }
 
-test("what a skill does is drawn with the arrows that the server tells, rings and labels among them", () => {
+test("a skill is drawn with the server's edges, including loops and labels", () => {
   expect(skillTree(ROOT, "pick", WAY, [], SAID).edges).toEqual([
     { from: "skill", to: "body" },
     { from: "body", to: "body/0" },
@@ -44,7 +44,7 @@ test("what a skill does is drawn with the arrows that the server tells, rings an
   ]);
 });
 
-test("two branches of one module and the rounds of a loop are told apart by their paths", () => {
+test("two branches of one module and the rounds of a loop are distinguished by their paths", () => {
   const loop = [
     message(1, "pick/body/0/0", "started", "r1"),
     message(2, "pick/body/1", "started", "r2"),
@@ -61,11 +61,11 @@ test("two branches of one module and the rounds of a loop are told apart by thei
   });
 });
 
-test("a node that has not run is to come, whatever its module did elsewhere", () => {
+test("a node that has not run is still to come, even if its module ran elsewhere", () => {
   expect(states([message(1, "pick/body/1", "terminated")])["body/0/0"]).toBe("to come");
 });
 
-test("the messages of a step are those whose root it is, in the time of this start of the server", () => {
+test("the messages of a step are those with its id as root, since the start of this server", () => {
   const started = { time: 10, what: "started", step: 1, skill: "pick", agent: "arm_1", id: STEP };
   const run = readRun([readEntry({ time: 50, what: "begun" }), readEntry(started)]);
   const rows = [message(12, "pick/body/1", "started"), message(13, "pick/body/1", "started", "r9", "kit#2")];
@@ -90,7 +90,7 @@ function own(time: number, implementation: string) {
   return { ...message(time, "pick", "running"), implementation };
 }
 
-test("a step shows the way in which it is done now, with what that way said alone", () => {
+test("a running step shows its present implementation, with the messages of that one only", () => {
   const rows = [
     own(10, "by vision"),
     message(11, "pick/body/0", "error"),
@@ -102,16 +102,16 @@ test("a step shows the way in which it is done now, with what that way said alon
   expect(said.map(({ time }) => time)).toEqual([12, 13]);
 });
 
-test("a step that is over shows the way that its trace names, also where its messages are gone", () => {
+test("an ended step shows the implementation named in its trace, even if its messages are gone", () => {
   expect(wayOf(picked("by hand"), WAYS, [])[0]?.label).toBe("by hand");
 });
 
-test("a step of which nobody says how it is done shows the way that is tried first", () => {
+test("a step with an unknown implementation shows the one that is tried first", () => {
   const rows = [message(11, "pick/body/0", "started")];
   expect(wayOf(picked(), WAYS, rows)).toEqual([WAYS[0], rows]);
 });
 
-test("steps hang on those that they wait for, without what those wait for themselves", () => {
+test("steps are connected to their direct predecessors only", () => {
   const slots = [[], [0], [0, 1]].map((after, index): Slot => {
     const step = { text: "", skill: `s${index}`, arguments: {}, after, start: null };
     const span = { start: 0, end: 1 };
@@ -125,7 +125,7 @@ test("steps hang on those that they wait for, without what those wait for themse
   ]);
 });
 
-test("steps of plans that were given up hang one below the other as they were done", () => {
+test("steps of abandoned plans are chained in the order of execution", () => {
   const told = [10, 20].flatMap((time, index) => [
     readEntry({ time, what: "started", step: index + 1, skill: "pick", agent: "arm_1" }),
     readEntry({ time: time + 5, what: "failed", step: index + 1, skill: "pick", agent: "arm_1" }),

@@ -1,4 +1,4 @@
-/** The tree of a task: its steps in their order, and below each the parts of its skill, with what they do. */
+/** The tree of a task: its steps in order, and below each the nodes of its skill with their states. */
 
 import type { Schema } from "../api/client";
 import type { GraphEdge, GraphNode } from "../widgets/Graph";
@@ -10,7 +10,7 @@ import type { Step } from "./trace";
 import { STEP_MOODS, stepState, stepTitle, type StepState } from "./words";
 
 export interface Said {
-  /** Says a state: for steps and for modules. */
+  /** The text of a state, for steps and for modules. */
   step: (state: StepState) => string;
   module: (status: string) => string;
 }
@@ -30,16 +30,16 @@ export function moduleMood(status: string): Mood {
 }
 
 /**
- * Returns the messages of the parts of a step while it ran (or runs).
+ * Returns the messages of a step's modules while it ran (or runs).
  *
- * @param shift - How much later the times of the present are than those that the server says now [s].
+ * @param shift - Offset of the present run times from the server's [s].
  */
 export function messagesOf(step: Step, rows: readonly OutputRow[], shift: number): OutputRow[] {
-  if (step.shift !== shift) return []; // it ran before a restart of the server, and messages are not kept so long
+  if (step.shift !== shift) return []; // it ran before a restart of the server, whose messages are not kept
   return rows.filter((row) => row.root === step.id);
 }
 
-/** Returns in which way a step is (or was) done, and what the parts of that way said. */
+/** Returns the implementation of a step, and the messages of its modules. */
 export function wayOf(
   step: Step,
   ways: readonly Way[],
@@ -58,11 +58,11 @@ export interface Task {
   title: string;
   state: { mood: Mood; text: string };
   slots: readonly Slot[];
-  /** Steps that ran and belong to no present plan: of plans that were given up. */
+  /** Executed steps of abandoned plans. */
   others: readonly Step[];
 }
 
-/** Draws the task and its steps; each after those that it waits for. */
+/** Draws the task and its steps, each connected to its predecessors. */
 export function taskTree(task: Task, skills: Skills, said: Said): { nodes: GraphNode[]; edges: GraphEdge[] } {
   const nodes: GraphNode[] = [{ id: "task", title: task.title, state: task.state }];
   const edges: GraphEdge[] = [];
@@ -92,16 +92,16 @@ export function taskTree(task: Task, skills: Skills, said: Said): { nodes: Graph
   return { nodes, edges };
 }
 
-/** What a step waits for, without what those wait for themselves. */
+/** The direct predecessors of a step. */
 function reduced(slot: Slot, slots: readonly Slot[]): number[] {
   const implied = new Set(slot.step.after.flatMap((other) => slots[other]?.step.after ?? []));
   return slot.step.after.filter((other) => !implied.has(other));
 }
 
 /**
- * Draws what a skill does below its step, with the last thing that each node said.
+ * Draws the nodes of a skill below its step, with their last messages.
  *
- * @param skill - The skill: the paths of its nodes follow its own in what they say.
+ * @param skill - The skill: its name precedes the paths of its nodes in messages.
  */
 export function skillTree(
   root: GraphNode,
@@ -121,7 +121,7 @@ export function skillTree(
   return { nodes: [root, ...own], edges };
 }
 
-/** What the last run of a node said last: of a node in a loop that of the present round. */
+/** The last message of a node's last run: for a node in a loop, that of the present round. */
 function stateOf(path: string, messages: readonly OutputRow[], said: Said): GraphNode["state"] & object {
   const last = messages.findLast((row) => row.path === path && row.status !== "event");
   if (last === undefined) return { mood: "waiting", text: said.module("") };

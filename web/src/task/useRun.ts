@@ -1,4 +1,4 @@
-/** What is known of a job or a task: read once, and again when an event says that there is more. */
+/** The data of a job or a task: fetched once, and again after events. */
 
 import { useQuery } from "@tanstack/react-query";
 import { useMemo } from "react";
@@ -9,9 +9,9 @@ import { useReplay } from "../scene3d/replay";
 import { cutOff, joined, NO_RUN, readEntry, readRun, type Run, type TraceEntry } from "./trace";
 
 const PAGE = 1000;
-const FORGOTTEN_AFTER = 30_000; // ms: they are long, and quickly read again
+const FORGOTTEN_AFTER = 30_000; // ms: they are long, and quickly fetched again
 const MOST_PAGES = 10;
-const TICKS = 2; // per second of run time: how often what moves with time is drawn
+const TICKS = 2; // per second of run time: rendering rate of moving parts
 
 export function useJob(id: string) {
   return useQuery({
@@ -27,11 +27,11 @@ export function useTask(name: string) {
   });
 }
 
-/** What happened for a job, in the time of its replay while that is shown; of one that is over it is read once. */
+/** The history of a job, in the time of its replay while that is shown; ended jobs are fetched once. */
 export function useJobRun({ id, number, ended }: Schema<"Job">) {
   const over = ended !== null;
   const query = useQuery({
-    queryKey: over ? ["past trace", id, number] : keys.tasks("trace of job", id), // no event makes the past old
+    queryKey: over ? ["past trace", id, number] : keys.tasks("trace of job", id), // no event invalidates the past
     queryFn: () => (over ? pastOf(id) : happenings(id)),
     placeholderData: (before) => before,
     gcTime: FORGOTTEN_AFTER,
@@ -43,7 +43,7 @@ export function useJobRun({ id, number, ended }: Schema<"Job">) {
 
 interface Happenings {
   entries: TraceEntry[];
-  /** Whether a task of the running server works on it; false for what a restart cut off. */
+  /** Whether a task of the running server executes it; false after an interruption by a restart. */
   inHand: boolean;
 }
 
@@ -84,7 +84,7 @@ async function entriesOfJob(id: string): Promise<TraceEntry[]> {
   return entries;
 }
 
-/** What a task remembers; nothing where it was forgotten just now. */
+/** The trace of a running task; empty if it has just been removed. */
 async function entriesOfTask(name: string): Promise<TraceEntry[]> {
   try {
     const trace = await answer(api.GET("/api/v1/tasks/{name}/trace", { params: { path: { name } } }));
@@ -95,7 +95,7 @@ async function entriesOfTask(name: string): Promise<TraceEntry[]> {
   }
 }
 
-/** Run time [s], some times a second; what uses it draws itself so often. */
+/** Run time [s], updated a few times a second; components that use it render at that rate. */
 export function useNow(): number {
   return useStation((station) => Math.floor((station.state?.time ?? 0) * TICKS) / TICKS);
 }

@@ -1,4 +1,4 @@
-/** The part of a timeline that is looked at: all of it, a window that follows the present, or a chosen range. */
+/** The visible part of a timeline: all of it, a window that follows the present, or a selected range. */
 
 import { useCallback, useEffect, useRef, useState } from "react";
 import type { Span } from "./schedule";
@@ -8,7 +8,7 @@ const STEP = 1.5;
 const AHEAD = 0.7; // share of the window before the present
 
 export interface Zoom extends Span {
-  /** Whether the window goes on with the present. */
+  /** Whether the window follows the present. */
   follows: boolean;
   zoom: (factor: number, around?: number) => void;
   move: (share: number) => void;
@@ -16,7 +16,7 @@ export interface Zoom extends Span {
   follow: (on: boolean) => void;
 }
 
-/** Returns the window onto a timeline of `whole`, with the present at `now` [s]. */
+/** Returns the visible window of the timeline `whole`, with the present at `now` [s]. */
 export function useZoom(whole: Span, now: number): Zoom {
   const [chosen, choose] = useState<Span | null>(null);
   const [follows, setFollows] = useState(false);
@@ -50,12 +50,12 @@ function windowOf(whole: Span, chosen: Span | null, follows: boolean, now: numbe
   return { start: now - AHEAD * wide, end: now + (1 - AHEAD) * wide };
 }
 
-/** Returns a window that is `factor` times as narrow, in which a moment stays where it was. */
+/** Returns a window narrower by `factor`, in which one time keeps its position. */
 export function zoomed(window_: Span, factor: number, around: number): Span {
   return { start: around - (around - window_.start) / factor, end: around + (window_.end - around) / factor };
 }
 
-/** Zooms by the wheel (with Ctrl, or a pinch, so that the page can still be scrolled) around the pointer. */
+/** Zooms around the pointer with Ctrl and the wheel, or by pinching; the wheel alone scrolls the page. */
 export function useWheelZoom<E extends Element>(momentAt: (x: number) => number, zoom: Zoom["zoom"]) {
   const element = useRef<E>(null);
   const turn = useRef<(event: WheelEvent) => void>(() => undefined);
@@ -63,7 +63,7 @@ export function useWheelZoom<E extends Element>(momentAt: (x: number) => number,
     turn.current = (event) => {
       if (!event.ctrlKey && !event.metaKey && !event.shiftKey) return;
       event.preventDefault();
-      const turned = event.deltaY || event.deltaX; // Shift makes browsers turn sideways
+      const turned = event.deltaY || event.deltaX; // with Shift, browsers scroll sideways
       const left = element.current?.getBoundingClientRect().left ?? 0;
       zoom(turned < 0 ? STEP : 1 / STEP, momentAt(event.clientX - left));
     };
@@ -71,13 +71,13 @@ export function useWheelZoom<E extends Element>(momentAt: (x: number) => number,
   const listen = useCallback((event: Event) => turn.current(event as WheelEvent), []);
   useEffect(() => {
     const drawn = element.current;
-    drawn?.addEventListener("wheel", listen, { passive: false }); // React's own cannot keep the page from scrolling
+    drawn?.addEventListener("wheel", listen, { passive: false }); // React's own listener cannot prevent scrolling
     return () => drawn?.removeEventListener("wheel", listen);
   }, [listen]);
   return element;
 }
 
-/** Zooms and moves by the keys that people try: + − 0 and the arrows. */
+/** Zooms and moves with the usual keys: + − 0 and the arrows. */
 export function zoomByKey(key: string, zoom: Zoom): boolean {
   const actions: Record<string, () => void> = {
     "+": () => zoom.zoom(STEP),

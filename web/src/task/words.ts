@@ -1,4 +1,4 @@
-/** How steps and states are said, in a few words. */
+/** Short texts for steps and states. */
 
 import type { Mood } from "../widgets/Status";
 import type { Schema } from "../api/client";
@@ -21,7 +21,7 @@ export function stepState(step: Step | undefined): StepState {
   return step.ended ?? "running";
 }
 
-/** "pick starter_1": a skill with the things that it is about; hardware and what planners fill in is left out. */
+/** "pick starter_1": a skill with its objects; omits devices and parameters for planning. */
 export function stepTitle(step: { skill: string; arguments: Record<string, string> }, skills: Skills): string {
   const parameters = skills.get(step.skill)?.parameters;
   const about =
@@ -67,7 +67,7 @@ export function taskMood({ status, report }: Schema<"TaskInfo">): Mood {
   return report?.reached === true ? "good" : "bad";
 }
 
-/** "1 min 05 s" of seconds. */
+/** Seconds as "1 min 05 s". */
 export function span(seconds: number): string {
   const whole = Math.max(0, Math.round(seconds));
   if (whole < 60) return `${whole} s`;

@@ -52,7 +52,7 @@ test.each(Object.keys(MODULES))("the form of %s has a field for each parameter t
   }
 });
 
-test("numbers are numbers, a minus sign may be written first, and what is cleared is left out", async () => {
+test("numbers are parsed, a minus sign may be typed first, and cleared fields are omitted", async () => {
   const said = vi.fn();
   show("jog_base", said);
   const field = screen.getByLabelText(/^dx/);
@@ -63,13 +63,13 @@ test("numbers are numbers, a minus sign may be written first, and what is cleare
   expect(said).toHaveBeenLastCalledWith({});
 });
 
-test("what is wrong is said beside its field", async () => {
+test("faults are shown at their fields", async () => {
   show("jog_joints");
   await userEvent.type(screen.getByLabelText(/^deltas/), "0.1 x");
   expect(screen.getByText(/not of the right kind/)).toBeInTheDocument();
 });
 
-test("lists of texts grow by Enter", async () => {
+test("Enter adds a text to a list", async () => {
   const said = vi.fn();
   show("choose", said);
   await userEvent.type(screen.getByPlaceholderText("Write one and press Enter"), "red{Enter}blue{Enter}");

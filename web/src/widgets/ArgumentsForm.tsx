@@ -21,13 +21,13 @@ interface Props {
   parameters: readonly Parameter[];
   value: Arguments;
   onChange: (value: Arguments) => void;
-  /** Planning parameters are inferred and not shown, unless asked for. */
+  /** Planning parameters are inferred, and hidden unless requested. */
   hidePlanning?: boolean;
-  /** More about a parameter, by key: what would be inferred, why it is still open. It is not marked as required then. */
+  /** Notes on parameters, by key: the inferred value, or why there is none. These are not marked as required. */
   notes?: Readonly<Record<string, string>>;
 }
 
-/** The arguments of a module: an input for each parameter by its schema, with help, unit, default and what is wrong. */
+/** The arguments of a module: an input for each parameter by its schema, with help, unit, default and fault. */
 export function ArgumentsForm({ parameters, value, onChange, hidePlanning = true, notes = {} }: Props) {
   const { t } = useTranslation("modules");
   const { said, spare } = useMemo(() => shownParameters(parameters, hidePlanning), [parameters, hidePlanning]);
@@ -79,7 +79,7 @@ function Field({ parameter, note, fault, value, onChange }: FieldProps) {
   );
 }
 
-/** In the words for what the server finds, where that is found there too. */
+/** In the same words as faults found by the server. */
 function wordsFor(t: TFunction<"modules">, { keyword, limit, text }: Fault): string {
   if (keyword === "required" || keyword === "type") return t(`form.faults.${keyword}`);
   return typeof limit === "number" ? faultText({ message: text, kind: keyword, limit }) : text;

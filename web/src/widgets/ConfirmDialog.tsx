@@ -9,7 +9,7 @@ interface Props {
   onClose: () => void;
 }
 
-/** Asks before something that no undo brings back. */
+/** Asks for confirmation of an action that cannot be undone. */
 export function ConfirmDialog({ title, text, action, onConfirm, onClose }: Props) {
   const { t } = useTranslation();
   const confirm = () => {

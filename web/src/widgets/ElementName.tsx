@@ -5,11 +5,11 @@ import { useClassLabels, useElementName } from "./names";
 
 interface Props {
   id: string;
-  /** It cannot be clicked: it stands within something that can be. */
+  /** Not clickable, because it is part of a clickable element. */
   plain?: boolean;
 }
 
-/** An element by name, which a click selects in the 3D view and in the tree; a class as "any …". */
+/** The name of an element, which selects it when clicked; a class is shown as "any …". */
 export function ElementName({ id, plain = false }: Props) {
   const { t } = useTranslation();
   const name = useElementName(id);

@@ -20,20 +20,20 @@ import { notifyProblem } from "./problems";
 
 interface Props {
   label: string;
-  /** Only elements of this class are offered ("sk:Container"). */
+  /** Class of the offered elements ("sk:Container"). */
   class_: string;
   value: string | null;
   onChange: (id: string | null) => void;
-  /** Offers abstract individuals and classes, too: "any starter". */
+  /** Also offers abstract individuals and classes: "any starter". */
   abstract?: boolean;
   required?: boolean;
   error?: string | undefined;
-  /** What is said below the field. */
+  /** Text below the field. */
   description?: string | undefined;
   disabled?: boolean;
-  /** Stands in a line of text: its label is not shown, only read by screen readers. */
+  /** In a line of text: the label is hidden, except from screen readers. */
   inline?: boolean;
-  /** Stands in a table: its label is only read by screen readers, and it takes the width there is. */
+  /** In a table: the label is hidden, except from screen readers, and the field fills the cell. */
   hideLabel?: boolean;
 }
 
@@ -67,7 +67,7 @@ export function ElementPicker(props: Props) {
     described: t("pick.described"),
     more: t("pick.more"),
   };
-  // The server has searched already; only the chosen one, which is always there for its name, may not be meant.
+  // The server has filtered already; only the chosen option, which is always included, may not match.
   const found = (options: ComboboxParsedItem[]) =>
     asked === "" ? options : options.filter((one) => !isAlone(one, value));
   const data = grouped({ candidates, titles, any: (kind) => t("pick.any", { class: kind }) });
@@ -106,7 +106,7 @@ export function ElementPicker(props: Props) {
   );
 }
 
-/** Returns what the chosen one is called, in the words of the list. */
+/** Returns the label of the chosen option. */
 function useChosen(value: string | null): string {
   const { t } = useTranslation();
   const name = useElementName(value);
@@ -130,7 +130,7 @@ function Offer({ option, kind }: { option: ComboboxItem; kind: string | undefine
 
 interface Offered {
   candidates: Candidates;
-  /** What a group of candidates is called. */
+  /** The heading of a group of candidates. */
   titles: { kinds: string; here: string; described: string; more: string };
   /** "any starter". */
   any: (class_: string) => string;
@@ -147,14 +147,14 @@ function grouped({ candidates, titles, any }: Offered): ComboboxData {
   return groups.length > 1 ? groups : (groups[0]?.items ?? []);
 }
 
-/** The chosen one has to be among the options, or its name could not be shown. */
+/** The chosen value must be among the options, or its label could not be shown. */
 function withValue(data: ComboboxData, value: string | null, label: string): ComboboxData {
   if (!value || listed(data).some((one) => one.value === value)) return data;
   const missing = { value, label };
   return [{ group: "", items: [missing] }, ...data];
 }
 
-/** Whether this is the chosen one that stands for itself, see withValue. */
+/** Whether this is the option added for the chosen value, see withValue. */
 function isAlone(option: ComboboxParsedItem, value: string | null): boolean {
   return "group" in option && option.group === "" && option.items.some((one) => "value" in one && one.value === value);
 }
@@ -170,7 +170,7 @@ interface PickButtonProps {
   disabled?: boolean | undefined;
 }
 
-/** Waits for a click on something of the class; pressed again, it waits no longer. */
+/** Waits for a click on an element of the class; pressing it again cancels. */
 function PickButton({ label, class_, take, disabled }: PickButtonProps) {
   const { t } = useTranslation();
   const [mine, setMine] = useState<Pick | null>(null);
@@ -179,7 +179,7 @@ function PickButton({ label, class_, take, disabled }: PickButtonProps) {
   useEffect(() => () => endPick(mine), [mine]);
   const begin = async () => {
     const ids = await idsOf(class_);
-    if (latest.current === null) return; // the form is gone
+    if (latest.current === null) return; // the form was closed
     const pick = { purpose: label, fits: (id: string) => ids.has(id), take: (id: string) => latest.current?.(id) };
     setMine(pick);
     useSelection.getState().awaitPick(pick);
@@ -200,7 +200,7 @@ function PickButton({ label, class_, take, disabled }: PickButtonProps) {
   );
 }
 
-/** Keeps what is to be called in the end: what else was filled in meanwhile stays. */
+/** Calls the latest callback, so that later input in the form is kept. */
 function useLatest<Action>(action: Action) {
   const latest = useRef<Action | null>(null);
   useEffect(() => {

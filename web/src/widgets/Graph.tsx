@@ -19,16 +19,16 @@ import { type Mood, Status } from "./Status";
 export interface GraphNode {
   id: string;
   title: string;
-  /** One more line, in smaller letters. */
+  /** Second line, in smaller type. */
   subtitle?: string;
-  /** What it does, shown by icon, colour and text; left out for what has no state. */
+  /** Its state, shown by icon, colour and text; omitted for nodes without one. */
   state?: { mood: Mood; text: string };
 }
 
 export interface GraphEdge {
   from: string;
   to: string;
-  /** What is written on it. */
+  /** Label of the edge. */
   label?: string;
 }
 
@@ -45,7 +45,7 @@ const WIDTH = 190; // px
 const HEIGHT = 62; // px
 const MARGIN = 0.08;
 
-/** A graph to be looked at: laid out by itself, moved and zoomed by hand, its nodes chosen by click and by keyboard. */
+/** A read-only graph: automatic layout, pan and zoom, nodes selectable by pointer and keyboard. */
 export function Graph(props: Props) {
   return (
     <ReactFlowProvider>
@@ -106,7 +106,7 @@ function Drawn({ label, nodes, edges, direction = "down", chosen = null, onChoos
   );
 }
 
-/** Shows all of a graph whenever it grows, until it is moved by hand. */
+/** Fits the view whenever the graph grows, until the user moves it. */
 function useFitted(shape: string) {
   const { fitView } = useReactFlow();
   const touched = useRef(false);

@@ -4,9 +4,9 @@ import { useTranslation } from "react-i18next";
 import { type Operation, useMay } from "../api/session";
 
 interface Props extends Omit<ButtonProps, "loading">, Omit<ComponentPropsWithoutRef<"button">, keyof ButtonProps> {
-  /** What it does; those who may not do that see it disabled, and why. */
+  /** The operation of the button; it is disabled, with the reason, for users without permission. */
   operation: Operation;
-  /** Whether that is being done: it cannot be pressed again until then. */
+  /** Whether the operation runs: the button is disabled meanwhile. */
   loading?: boolean;
 }
 

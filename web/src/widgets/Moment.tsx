@@ -2,7 +2,7 @@ import { useTranslation } from "react-i18next";
 
 const DAY = 86_400_000; // ms
 
-/** A moment as people say it: the time, and the day where that was another one. */
+/** A point in time: the time of day, and the date if it is not today. */
 export function Moment({ at }: { at: string | number | null | undefined }) {
   const { i18n } = useTranslation();
   if (at === null || at === undefined) return null;
@@ -18,7 +18,7 @@ export function momentText(moment: Date, language: string, now = Date.now()): st
   );
 }
 
-/** The language as it is written where the reader lives, if the browser knows: it sets how times and days are written. */
+/** The language with the browser's region, if known: it determines the format of times and dates. */
 function regional(language: string): string {
   const known = navigator.languages.find((one) => one.startsWith(`${language}-`));
   return known ?? (language === "en" ? "en-GB" : language);

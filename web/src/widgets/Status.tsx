@@ -11,7 +11,7 @@ import {
   type TablerIcon,
 } from "@tabler/icons-react";
 
-/** What a state means for people: icon and text distinguish them, the colour only helps. */
+/** The mood of a state: icon and text distinguish them, the colour only supports them. */
 export type Mood = "waiting" | "running" | "paused" | "asking" | "good" | "bad" | "stopped" | "warning";
 
 const LOOKS: Record<Mood, { icon: TablerIcon; color: MantineColor }> = {

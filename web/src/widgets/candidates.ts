@@ -1,4 +1,4 @@
-/** What may fill a slot: elements of a class, found by the server; and, where a kind will do, classes. */
+/** Candidates for a slot: elements of a class, searched by the server; and classes, if any element will do. */
 
 import { keepPreviousData, useQuery } from "@tanstack/react-query";
 import { answer, api } from "../api/client";
@@ -8,7 +8,7 @@ import { classesOf, classTree, localName, nameOf } from "./names";
 export interface Candidate {
   value: string;
   label: string;
-  /** Its class, in words. */
+  /** Label of its class. */
   kind: string;
 }
 
@@ -16,14 +16,14 @@ export interface Candidates {
   classes: Candidate[];
   elements: Candidate[];
   described: Candidate[];
-  /** Whether there are more elements than these. */
+  /** Whether there are further elements. */
   more: boolean;
 }
 
-const SHOWN = 50; // longer lists are not read: one types another letter
+const SHOWN = 50; // longer lists are not read: users type another letter instead
 const PAGE = 1000;
 
-/** Finds candidates by a text in id, label or class. */
+/** Searches candidates by a text in id, label or class. */
 export function useCandidates(class_: string, abstract: boolean, text: string, enabled: boolean) {
   const elements = useQuery({
     queryKey: keys.world("candidates", class_, text),
@@ -62,13 +62,13 @@ function candidateOf({ name, label }: { name: string; label: string }): Candidat
   return { value: name, label: label || localName(name), kind: "" };
 }
 
-/** Returns a test whether a candidate has a text in its name, as the server does for elements. */
+/** Returns a predicate for candidates whose name contains a text, with the server's rules. */
 function says(text: string): (candidate: Candidate) => boolean {
   const wanted = text.toLowerCase();
   return ({ value, label }) => value.toLowerCase().includes(wanted) || label.toLowerCase().includes(wanted);
 }
 
-/** Returns the ids of all elements of a class: those that a click may choose. */
+/** Returns the ids of all elements of a class, which can be picked by a click. */
 export async function idsOf(class_: string): Promise<Set<string>> {
   const ids = new Set<string>();
   let cursor: string | null = null;

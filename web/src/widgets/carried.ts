@@ -3,7 +3,7 @@ import { classesOf, classTree } from "./names";
 
 const CARRIED = "sk:Manipulatable";
 
-/** Returns a test whether things of a class can be carried: only of those does it not matter which one it is. */
+/** Returns a predicate for portable classes: only for those any element of the class will do. */
 export function useIsCarried(): (class_: string) => boolean {
   const { data } = useQuery({
     ...classTree(CARRIED),

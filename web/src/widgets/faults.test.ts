@@ -12,12 +12,12 @@ const SAME = [
   ["maxItems", "too_long"],
 ] as const;
 
-test.each(SAME)("what a form finds (%s) is said as what the server finds (%s)", (keyword, kind) => {
+test.each(SAME)("a fault found by the form (%s) has the same text as one found by the server (%s)", (keyword, kind) => {
   const said = faultText({ message: "of the validator", kind: keyword, limit: 3 });
   expect(said).toBe(faultText({ message: "of the server", kind, limit: 3 }));
   expect(said).toMatch(/\b3\b/);
 });
 
-test("a fault that the page has no words for is said as it was told", () => {
+test("a fault without a translation shows the server's text", () => {
   expect(faultText({ message: "must be even", kind: "multipleOf", limit: 2 })).toBe("must be even");
 });

@@ -1,17 +1,17 @@
-/** What is wrong with a field, in the language of the page where it has words for that. */
+/** Faults of fields, translated if possible. */
 
 import i18n from "../i18n";
 
-/** As the server sends it. */
+/** A fault in the server's format. */
 export interface FieldFault extends Faulty {
   field: string;
 }
 
 interface Faulty {
   message: string;
-  /** The kind of fault, for programs: as the server names it, or the keyword of a JSON schema that is not fulfilled. */
+  /** The kind of fault: the server's name, or the violated keyword of a JSON schema. */
   kind?: string;
-  /** The bound that is broken, where it is one. */
+  /** The violated limit, if any. */
   limit?: number;
 }
 
@@ -46,7 +46,7 @@ const OURS = {
   maxItems: "most",
 } as const;
 
-/** Says what is wrong, to be read after the name of the field. */
+/** The text of a fault, to be shown after the name of the field. */
 export function faultText({ message, kind, limit }: Faulty): string {
   if (kind === undefined || !isOurs(kind)) return message;
   return i18n.t(`fault.${OURS[kind]}`, { limit, count: limit });

@@ -1,4 +1,4 @@
-/** A ref that scrolls what has just appeared to where it is seen. */
+/** A ref that scrolls a new element into view. */
 export function intoView(element: HTMLElement | null): void {
   element?.scrollIntoView?.({ block: "nearest" });
 }

@@ -1,4 +1,4 @@
-/** What people call elements and classes, short but never ambiguous. */
+/** Names of elements and classes for people, short but unambiguous. */
 
 import { useQuery } from "@tanstack/react-query";
 import { answer, api, type Schema } from "../api/client";
@@ -6,12 +6,12 @@ import { keys } from "../api/keys";
 
 export type ClassNode = Schema<"ClassNode">;
 
-/** Returns a name without the prefix of its ontology: "Starter" of "kitting:Starter". */
+/** Returns a name without prefix: "Starter" for "kitting:Starter". */
 export function localName(name: string): string {
   return name.slice(name.lastIndexOf(":") + 1);
 }
 
-/** Joins label and id so that both are said, but nothing twice: "pallet A", "relay_box_2", "compartment A (kit_1_a)". */
+/** Joins label and id without repetition: "pallet A", "relay_box_2", "compartment A (kit_1_a)". */
 export function nameOf(id: string, label: string): string {
   const said = spelt(label);
   const meant = spelt(localName(id));
@@ -27,14 +27,14 @@ function spelt(text: string): string {
     .toLowerCase();
 }
 
-/** The class with those below it, as a list; the upper one first. */
+/** A class and its subclasses as a list, the class first. */
 export function classesOf(root: ClassNode): ClassNode[] {
   return [root, ...root.children.flatMap(classesOf)];
 }
 
 const WHOLE = 50; // levels
 
-/** A class with all classes below it. */
+/** A class with all its subclasses. */
 export function classTree(class_: string) {
   return {
     queryKey: keys.ontology("classes", class_),
@@ -44,7 +44,7 @@ export function classTree(class_: string) {
 
 const ELEMENT = "sk:Element";
 
-/** The labels of all classes by name, also without prefix, as conditions say them; empty until they are known. */
+/** The labels of all classes by name, also without prefix, as in conditions; empty until they are known. */
 export function useClassLabels(): ReadonlyMap<string, string> {
   const { data } = useQuery({ ...classTree(ELEMENT), select: labelsOf });
   return data ?? NONE;
@@ -57,7 +57,7 @@ function labelsOf(root: ClassNode): ReadonlyMap<string, string> {
   return new Map([...classes, ...classes.map(([name, label]): [string, string] => [localName(name), label])]);
 }
 
-/** What an element is called; its id until that is known. Of a class or of nothing: null. */
+/** The name of an element; its id until its label is known. Null for a class or no element. */
 export function useElementName(id: string | null): string | null {
   const labels = useClassLabels();
   const wanted = id !== null && id !== "" && !labels.has(id);

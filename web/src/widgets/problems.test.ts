@@ -6,14 +6,14 @@ function problem(status: number, code: string, detail: string): ApiProblem {
   return new ApiProblem(status, { type: "", title: "", status, detail, code, instance: "", errors: [] } as never);
 }
 
-test("what nobody answered is not called refused", () => {
+test("a request without an answer is not reported as refused", () => {
   expect(problemTitle(new TypeError("Failed to fetch"))).toMatch(/it is not known whether it was done/);
   expect(problemTitle(problem(502, "", "bad gateway"), "It was not loaded")).toMatch(/it is not known/);
   expect(problemTitle(problem(412, "StaleVersion", "changed"), "It was not loaded")).toBe("It was not loaded");
   expect(isUnanswered(problem(503, "Busy", "ask again later"))).toBe(false);
 });
 
-test("what is unknown is named, without all that is known", () => {
+test("an unknown name is reported without the list of known names", () => {
   const detail = "unknown element 'starter_3' in InKit, argument 1 (object). Did you mean 'Starter'? Known: a, b.";
   expect(problemText(problem(422, "UnknownName", detail))).toBe(
     "unknown element 'starter_3' in InKit, argument 1 (object). Did you mean 'Starter'?",
@@ -21,6 +21,6 @@ test("what is unknown is named, without all that is known", () => {
   expect(problemText(problem(409, "WrongState", "halted. Known: why"))).toBe("halted. Known: why");
 });
 
-test("an ended login is said in words for people, not for programs", () => {
+test("the end of a login is reported in words for people", () => {
   expect(problemText(problem(401, "KeyNeeded", "send it as 'Authorization: Bearer sk_…'"))).toMatch(/login has ended/);
 });

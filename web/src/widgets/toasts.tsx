@@ -5,12 +5,12 @@ import i18n from "../i18n";
 const SHOWN = 6000; // ms
 const SHOWN_WITH_UNDO = 12_000; // ms
 
-let offered: string | null = null; // the toast that offers to take something back: only the last change can be
+let offered: string | null = null; // the toast that offers an undo: only the last change can be undone
 
 /**
- * Says that something was done.
+ * Reports that an action was done.
  *
- * @param undo - Takes it back; offered as a button where it is given, until something else can be taken back.
+ * @param undo - Undoes it; offered as a button until another change can be undone.
  */
 export function notifyDone(message: string, undo?: () => void): void {
   const id = crypto.randomUUID?.() ?? String(Math.random());
@@ -39,7 +39,7 @@ export function notifyDone(message: string, undo?: () => void): void {
   });
 }
 
-/** Ends the offer to take something back: it was taken back, or something else can be now. */
+/** Withdraws the offer to undo: the change was undone, or another one is the last now. */
 export function withdrawUndo(): void {
   if (offered !== null) notifications.hide(offered);
   offered = null;

@@ -1,4 +1,4 @@
-/** Taking back what was just written to the world. */
+/** Undo of the last change of the world. */
 
 import { answer, api } from "../api/client";
 import { queryClient } from "../api/queries";
@@ -6,15 +6,15 @@ import { notifyProblem } from "./problems";
 import { notifyDone } from "./toasts";
 
 /**
- * Says that the world was changed, and offers to take that very change back.
+ * Reports a change of the world, and offers to undo it.
  *
- * @param change - Its number; null where everything was so already.
+ * @param change - Its number; null if nothing changed.
  */
 export function notifyChange(message: string, change: number | null | undefined): void {
   notifyDone(message, change ? () => void undo(change).catch(notifyProblem) : undefined);
 }
 
-/** Takes back a change, as long as it is still the last one of a person; what was read of the world is old then. */
+/** Undoes a change if it is still the last one by a person; invalidates the queries of the world. */
 export async function undo(change: number): Promise<void> {
   await answer(api.POST("/api/v1/world/undo", { body: { change } }));
   for (const word of ["world", "scenes"]) void queryClient.invalidateQueries({ queryKey: [word] });
@@ -24,7 +24,7 @@ interface Versioned {
   version: number;
 }
 
-/** The number of the change that made an element what it is now; null where it still is as it was seen. */
+/** Number of the last change of an element since it was displayed; null if there is none. */
 export function changeSince(seen: Versioned, now: Versioned): number | null {
-  return now.version === seen.version ? null : now.version; // the version of an element is its last change's number
+  return now.version === seen.version ? null : now.version; // the version is the number of the last change
 }

@@ -1,7 +1,7 @@
 import { Anchor } from "@mantine/core";
 import { useView } from "./useView";
 
-/** Names a class; leads to what the ontology says of it. */
+/** Link from a class to its description in the ontology. */
 export function ClassLink({ name }: { name: string }) {
   const [, , open] = useView();
   return (

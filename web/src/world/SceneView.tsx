@@ -18,7 +18,7 @@ import classes from "./World.module.css";
 
 const SEARCH_PAUSE = 60; // ms
 
-/** The scene as a tree, beside the details of what is selected. */
+/** The scene as a tree, beside the details of the selected element. */
 export function SceneView() {
   const { t } = useTranslation("world");
   return <Split divider={t("tree.divider")} list={<TreePane />} details={<ElementDetails />} />;

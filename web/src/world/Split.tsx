@@ -4,15 +4,15 @@ import { Group, Panel, Separator } from "react-resizable-panels";
 import classes from "./World.module.css";
 
 interface Props {
-  /** Names the divider. */
+  /** Label of the divider. */
   divider: string;
   list: ReactNode;
   details: ReactNode;
 }
 
-const WIDE = 760; // px: from here on both have room beside each other
+const WIDE = 760; // px: wide enough for both side by side
 
-/** A list or tree with the details of what is chosen in it: beside each other, or below where it is narrow. */
+/** A list or tree with the details of the selected entry: side by side, or stacked in narrow windows. */
 export function Split({ divider, list, details }: Props) {
   const { ref, width } = useElementSize();
   const wide = width >= WIDE;

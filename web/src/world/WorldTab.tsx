@@ -15,7 +15,7 @@ const CONTENTS = {
   scenes: lazy(() => import("./scenes/ScenesView")),
 };
 
-/** What there is: the scene, the ontology, questions about both, and scenes that can be loaded. */
+/** The World tab: the scene, the ontology, queries, and the scenes that can be loaded. */
 export default function WorldTab() {
   const { t } = useTranslation("world");
   const [view, , open] = useView();

@@ -11,7 +11,7 @@ export interface ClassInfo {
   label: string;
   comment: string;
   parents: readonly string[];
-  /** Those below whose primary parent it is. */
+  /** Classes with this one as primary parent. */
   children: readonly string[];
   instances: number;
 }
@@ -33,7 +33,7 @@ export function classesOf(top: ClassNode): Classes {
   return found;
 }
 
-/** Returns a class and everything above it, the nearest first. */
+/** Returns a class and its ancestors, nearest first. */
 export function ancestors(classes: Classes, name: string): string[] {
   const found = new Set([name]);
   for (const one of found) classes.get(one)?.parents.forEach((parent) => found.add(parent));

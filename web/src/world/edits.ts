@@ -1,4 +1,4 @@
-/** The edits of a change, in a line each. */
+/** The edits of a change, one line each. */
 
 import type { Edit } from "./tree/concerned";
 import { written } from "./values";
@@ -10,7 +10,7 @@ export function isAbout(edit: Edit, element: string): boolean {
   return [edit.element, edit.subject, edit.object].includes(element);
 }
 
-/** Writes an edit as the server writes differences: what came (+), went (-), became another (~). */
+/** Writes an edit in the notation of differences: added (+), removed (-), changed (~). */
 export function editLine(edit: Edit, words: Words): string {
   const { element = "", subject = "", relation = "", object = "", property = "" } = edit;
   if (edit.edit === "element") return edit.new === null ? `- ${nameOf(edit.old)}` : `+ ${nameOf(edit.new)}`;

@@ -1,4 +1,4 @@
-/** What kind of thing an element is, as far as people tell things apart at a glance. */
+/** Broad categories of elements, each with an icon. */
 
 import {
   IconBolt,
@@ -38,7 +38,7 @@ const ICONS: Readonly<Record<string, TablerIcon>> = {
   "sk:LearnedDuration": IconSchool,
 };
 
-/** The icon of a class, for the eye only: its name is said beside it. */
+/** The icon of a class, hidden from screen readers, since its name is next to it. */
 export function KindIcon({ class_ }: { class_: string }) {
   const icon = iconOf(useClasses(), class_);
   return createElement(icon, { size: 15, "aria-hidden": true, style: STYLE });
@@ -46,7 +46,7 @@ export function KindIcon({ class_ }: { class_: string }) {
 
 const STYLE = { flex: "none", color: "var(--mantine-color-dimmed)" } as const;
 
-/** Returns the icon of the nearest known class at or above one. */
+/** Returns the icon of a class or its nearest ancestor with one. */
 function iconOf(classes: Classes, name: string): TablerIcon {
   for (const one of ancestors(classes, name)) {
     const icon = ICONS[one];

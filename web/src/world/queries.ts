@@ -1,10 +1,10 @@
-/** What the World tab reads of the server. */
+/** The queries of the World tab. */
 
 import { useQuery } from "@tanstack/react-query";
 import { answer, answerWithTag, api, type Schema } from "../api/client";
 import { keys } from "../api/keys";
 
-/** An element with the tag that a write based on it has to say. */
+/** An element with its ETag, which writes based on it must send. */
 export type Tagged = Awaited<ReturnType<typeof readElement>>;
 export type Details = Tagged["data"];
 export type Placement = Schema<"Placement">;

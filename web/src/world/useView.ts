@@ -3,7 +3,7 @@ import { useTab } from "../app/useTab";
 export const VIEWS = ["scene", "ontology", "query", "scenes"] as const;
 export type View = (typeof VIEWS)[number];
 
-/** Which part of the World tab the address names (`#/world/ontology/sk:Robot`), what of it, and how to open one. */
+/** The view of the World tab and its subject in the address (`#/world/ontology/sk:Robot`), and how to open one. */
 export function useView(): [view: View, about: string, open: (view: View, about?: string) => void] {
   const [, openTab, detail] = useTab();
   const [name = "", ...rest] = detail.split("/");

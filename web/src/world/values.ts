@@ -1,4 +1,4 @@
-/** Values of properties: what kind they are of, and how they are written for people. */
+/** Values of properties: their kinds, and their notation for people. */
 
 import { numbersOf } from "../scene3d/pose";
 import { localName } from "../widgets/names";
@@ -26,7 +26,7 @@ export function kindOf(datatype: string): ValueKind {
 type Three = [number, number, number];
 type Four = [number, number, number, number];
 
-/** A pose; with a frame only where that may be chosen. */
+/** A pose; with a frame only if it can be chosen. */
 export interface PoseValue {
   position: Three;
   orientation: Four;
@@ -37,7 +37,7 @@ export function isPose(value: unknown): value is PoseValue {
   return typeof value === "object" && value !== null && "position" in value && "orientation" in value;
 }
 
-/** Writes a value in one line. */
+/** Formats a value in one line. */
 export function written(value: unknown, words: { yes: string; no: string; none: string }): string {
   if (value === null || value === undefined) return words.none;
   if (typeof value === "boolean") return value ? words.yes : words.no;
@@ -60,7 +60,7 @@ function objectText(value: object): string {
   return JSON.stringify(value);
 }
 
-/** Reads numbers separated by blanks or commas; what is none of that stays a text, which the server explains. */
+/** Parses numbers separated by blanks or commas; other input stays text, which the server refuses with a reason. */
 export function vectorOf(text: string): number[] | string {
   const numbers = text
     .trim()

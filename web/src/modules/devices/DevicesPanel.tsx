@@ -17,9 +17,9 @@ import { extended, type Signal, type Traces } from "./traces";
 type Show = (view: View, ...rest: string[]) => void;
 
 const READ_EVERY = 500; // ms
-const MOST = 200; // signals that are read at once
+const MOST = 200; // signals fetched at once
 
-/** All devices of the cell with their signals, whatever their kinds are, and the signals that are computed or set. */
+/** All devices of the cell, of any kind, with their signals; and all other signals. */
 export function DevicesPanel({ show }: { show: Show }) {
   const { t } = useTranslation("modules");
   const { data: devices } = useDevices(5000);
@@ -57,7 +57,7 @@ export function DevicesPanel({ show }: { show: Show }) {
   );
 }
 
-/** Reads signals several times a second while they are shown. */
+/** Polls the values of signals while they are shown. */
 function useTraces(signals: readonly Signal[]): Traces | undefined {
   const client = useQueryClient();
   const names = signals.slice(0, MOST).map(({ name }) => name);
@@ -167,7 +167,7 @@ interface ByHandProps {
   show: Show;
 }
 
-/** Opens what moves a device by hand or teaches with it, as its kind says; nothing where no skill manager offers it. */
+/** Opens jogging or teaching for a device; hidden if no skill manager offers a module for it. */
 function ByHand({ device, name, show }: ByHandProps) {
   const { t } = useTranslation("modules");
   const { module, agent } = device[name][0] ?? { agent: null };

@@ -18,9 +18,6 @@ const FORCE: Signal = {
 beforeAll(() => {
   vi.stubGlobal("matchMedia", () => ({ matches: false, addEventListener() {}, removeEventListener() {} }));
 });
-afterAll(() => {
-  vi.unstubAllGlobals();
-});
 
 function show(signal: Signal) {
   const reading = { value: 12, cycle: 1, source: signal.source, reason: "" };

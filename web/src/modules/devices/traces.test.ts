@@ -9,7 +9,7 @@ function tracesOf(...readings: ReturnType<typeof at>[]): Traces {
   return readings.reduce<Traces | undefined>(extended, undefined) as Traces;
 }
 
-test("numbers and vectors are kept for the last seconds, truth values are not", () => {
+test("numbers and vectors are kept for the last seconds, booleans are not", () => {
   expect(tracesOf(at(0, 1), at(5, 2), at(21, [3, 4])).points["one"]).toEqual([
     { time: 5, values: [2] },
     { time: 21, values: [3, 4] },
@@ -17,23 +17,23 @@ test("numbers and vectors are kept for the last seconds, truth values are not", 
   expect(tracesOf(at(0, true)).points["one"]).toEqual([]);
 });
 
-test("a signal that has no value leaves a gap and says why", () => {
+test("a signal without a value leaves a gap and shows the reason", () => {
   const traces = tracesOf(at(0, 1), at(1, null));
   expect(traces.points["one"]).toHaveLength(1);
   expect(traces.signals["one"]?.reason).toBe("off");
 });
 
-test("the same cycle read twice is one point, and a new run starts a new line", () => {
+test("the same cycle fetched twice makes one point, and a new run starts a new line", () => {
   expect(tracesOf(at(4, 1), at(4, 1)).points["one"]).toHaveLength(1);
   expect(tracesOf(at(4, 1), at(0.5, 7)).points["one"]).toEqual([{ time: 0.5, values: [7] }]);
 });
 
-test("each component of a vector is a line, in one scale", () => {
+test("each component of a vector is a line, all on one scale", () => {
   const { points } = tracesOf(at(0, [0, 1]), at(20, [2, 1]));
   expect(paths(points["one"] ?? [], 100, 20)).toEqual(["M0.0 20.0L100.0 0.0", "M0.0 10.0L100.0 10.0"]);
 });
 
-test("a value that does not change is a line in the middle", () => {
+test("a constant value is a line in the middle", () => {
   expect(paths(tracesOf(at(10, 5), at(20, 5)).points["one"] ?? [], 100, 20)).toEqual(["M50.0 10.0L100.0 10.0"]);
 });
 

@@ -1,4 +1,4 @@
-/** The latest values of signals, kept for a line of the last seconds. */
+/** The recent values of signals, for their plots. */
 
 import type { Schema } from "../../api/client";
 import type { Parameter } from "../../widgets/arguments/schemas";
@@ -9,7 +9,7 @@ export type Reading = Schema<"SignalReading">;
 export interface Point {
   /** Run time [s]. */
   time: number;
-  /** One number, or those of a vector. */
+  /** One number, or the components of a vector. */
   values: readonly number[];
 }
 
@@ -23,7 +23,7 @@ export interface Traces {
 const SPAN = 20; // s of run time
 const MOST = 120; // points
 
-/** Adds new values to the traces; they start again when the clock of the run does. */
+/** Appends new values to the traces; they restart when the clock of the run does. */
 export function extended(before: Traces | undefined, { time, cycle, signals }: Schema<"SignalReadings">): Traces {
   const known = before !== undefined && before.time <= time ? before.points : {};
   const points = Object.entries(signals).map(([name, { value }]) => {
@@ -34,7 +34,7 @@ export function extended(before: Traces | undefined, { time, cycle, signals }: S
   return { time, cycle, signals, points: Object.fromEntries(points) };
 }
 
-/** Returns an SVG path for each component of a signal, all in one scale, as wide as the span of time. */
+/** Returns an SVG path for each component of a signal, on a common scale, as wide as the time span. */
 export function paths(points: readonly Point[], width: number, height: number): string[] {
   const end = points.at(-1)?.time ?? 0;
   const all = points.flatMap(({ values }) => values);

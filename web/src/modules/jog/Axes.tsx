@@ -10,14 +10,14 @@ export type Vector = [number, number, number];
 const AXES = ["x", "y", "z"] as const;
 
 interface Props {
-  /** Moves along an axis, by one step times the vector. */
+  /** Translates along an axis, by one step times the vector. */
   move: (along: Vector) => Step;
-  /** Turns about an axis. */
+  /** Rotates about an axis. */
   turn: (about: Vector) => Step;
   disabled: boolean;
 }
 
-/** Buttons for each axis of a frame: along it and back, about it and back. */
+/** Buttons for translation along and rotation about each axis of a frame. */
 export function Axes({ move, turn, disabled }: Props) {
   const { t } = useTranslation("modules");
   return (

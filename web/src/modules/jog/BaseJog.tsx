@@ -21,7 +21,7 @@ interface Props {
   disabled: boolean;
 }
 
-/** Ways as (dx, dy, dyaw), in the order of the buttons. */
+/** Motions as (dx, dy, dyaw), in the order of the buttons. */
 const WAYS = [
   { name: "turnLeft", icon: IconRotate2, way: [0, 0, 1] },
   { name: "ahead", icon: IconArrowUp, way: [1, 0, 0] },

@@ -8,18 +8,18 @@ import { jogger, jog } from "./robotJogger";
 
 interface Props {
   gripper: string;
-  /** Greatest distance between the fingers [m]. */
+  /** Maximum distance between the fingers [m]. */
   maxGap: number;
   disabled: boolean;
 }
 
-/** The fingers: open, closed on what is between them, or so far apart. */
+/** The fingers: open, close on an object, or move to a distance. */
 export function GripperJog({ gripper, maxGap, disabled }: Props) {
   const { t } = useTranslation("modules");
   const [wanted, setWanted] = useState<number>();
   const most = maxGap * 1000; // mm
   const move = (millimetres: number) => jogger.once(jog(gripper, "gripper_control", { gap: millimetres / 1000 }));
-  const sound = wanted !== undefined && wanted >= 0 && wanted <= most; // NaN is not, either
+  const sound = wanted !== undefined && wanted >= 0 && wanted <= most; // false for NaN
   return (
     <Stack gap="xs">
       <Fingers gripper={gripper} />

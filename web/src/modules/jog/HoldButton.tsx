@@ -5,14 +5,14 @@ import type { Step } from "./jogger";
 import { jogger } from "./robotJogger";
 
 interface Props extends ButtonProps {
-  /** One step; the next follows while the button, or Enter or Space on it, is held. */
+  /** Starts a step; the next one follows while the button, or Enter or Space on it, is held. */
   step: Step;
-  /** What it does, for those who cannot see where it is. */
+  /** The label for screen readers. */
   name: string;
   children: ReactNode;
 }
 
-/** Moves while it is held: a click is one step; whatever takes the finger or the focus away ends it. */
+/** Moves while it is held: a click is one step; losing the pointer or the focus ends the motion. */
 export function HoldButton({ step, name, children, ...rest }: Props) {
   const held = useRef(false);
   const press = () => {
@@ -38,7 +38,7 @@ export function HoldButton({ step, name, children, ...rest }: Props) {
   };
   const keyDown = (event: KeyboardEvent) => {
     if (event.key !== "Enter" && event.key !== " ") return;
-    if (event.ctrlKey || event.metaKey || event.altKey) return; // those keys mean something else
+    if (event.ctrlKey || event.metaKey || event.altKey) return; // other shortcuts
     event.preventDefault();
     if (!event.repeat) press();
   };
@@ -56,7 +56,7 @@ export function HoldButton({ step, name, children, ...rest }: Props) {
       onKeyDown={keyDown}
       onKeyUp={release}
       onBlur={release}
-      onClick={(event) => event.detail === 0 && jogger.once(step)} // by assistive technology, without any press
+      onClick={(event) => event.detail === 0 && jogger.once(step)} // from assistive technology, without a press
     >
       {children}
     </Button>

@@ -15,7 +15,7 @@ interface Props {
   show: (view: View, ...rest: string[]) => void;
 }
 
-/** Moving a robot by hand, and teaching it where it stands. */
+/** Jogging a robot, and teaching at its present pose. */
 export function JogPanel({ chosen, show }: Props) {
   const { t } = useTranslation("modules");
   const { data: robots = [] } = useRobots();

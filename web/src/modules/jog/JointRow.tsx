@@ -13,7 +13,7 @@ interface Props {
   joint: Device["joints"][number];
   /** Position of the slider [rad]; undefined while it follows the joint. */
   target: number | undefined;
-  /** Where the joint stood last [rad]. */
+  /** The last position of the joint at rest [rad]. */
   rest: number;
   setTarget: (angle: number) => void;
   step: (sign: 1 | -1) => Step;
@@ -22,7 +22,7 @@ interface Props {
 
 const EVERYWHERE = Math.PI;
 
-/** One joint: back and forth by steps, its angle now on the way between its limits, and a slider for its target. */
+/** One joint: buttons for steps in both directions, its angle between its limits, and a slider for its target. */
 export function JointRow({ robot, joint, target, rest, setTarget, step, disabled }: Props) {
   const { t } = useTranslation("modules");
   const { name } = joint;

@@ -10,10 +10,10 @@ import { jogger, jog, teach } from "./robotJogger";
 
 interface Props {
   device: Device;
-  /** One of the modules that the device's kind names for this. */
+  /** One of the modules that the device's kind names. */
   module: Device["jog"][number];
   verb: "jog" | "teach";
-  /** What it does, for people; the module's own help where it is missing. */
+  /** Its title for people; the module's help if missing. */
   hint?: string | undefined;
   disabled: boolean;
 }
@@ -23,7 +23,7 @@ const DOES = {
   teach: { step: teach, operation: "teach_device" },
 } as const;
 
-/** The parameters of a module that moves a device or teaches with it, without the device itself. */
+/** The form of a module that jogs or teaches with a device, without the device parameter. */
 export function ModuleForm({ device, module: { module, agent }, verb, hint, disabled }: Props) {
   const { t } = useTranslation("modules");
   const { data: details } = useModule(agent ?? "", module);

@@ -18,7 +18,7 @@ const FRAMES = ["tool", "base", "map", "element"] as const;
 type Frame = (typeof FRAMES)[number];
 const NONE: Vector = [0, 0, 0];
 
-/** The tool of an arm, along and about the axes of a frame. */
+/** Jogs the tool of an arm along and about the axes of a frame. */
 export function ToolJog({ arm, disabled }: Props) {
   const { t } = useTranslation("modules");
   const [frame, setFrame] = useState<Frame>("tool");
@@ -75,7 +75,7 @@ function times([x, y, z]: Vector, size: number): Vector {
   return [x * size, y * size, z * size];
 }
 
-/** Where the tool is in the map. */
+/** The pose of the tool in the map. */
 function ToolPose({ arm }: { arm: string }) {
   const { t } = useTranslation("modules");
   const text = useLive<HTMLSpanElement>((element, state) => {

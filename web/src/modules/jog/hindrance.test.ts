@@ -7,13 +7,13 @@ const state = (part: Partial<StationState>) =>
   ({ halted: "", modules: [], tasks: [], ...part }) as unknown as StationState;
 const running = (agent: string, status = "running") => [{ agent, module: "pick", status }];
 
-test("a robot that stands may be moved, one that nobody hears of or that is halted may not", () => {
+test("a robot at rest can be jogged, one without a known state or one that is halted cannot", () => {
   expect(hindranceOf(state({}), ROBOT, false, true)).toBeNull();
   expect(hindranceOf(null, ROBOT, false, true)).toEqual({ why: "unknown" });
   expect(hindranceOf(state({ halted: "stop-all" }), ROBOT, true, true)).toEqual({ why: "halted", text: "stop-all" });
 });
 
-test("modules of this robot are in the way, unless this hand started them; those of another are not", () => {
+test("modules running on this robot prevent jogging, except jog steps; those on other robots do not", () => {
   const busy = state({ modules: running("arm_1") });
   expect(hindranceOf(busy, ROBOT, false, true)).toEqual({ why: "atWork", modules: ["pick (arm_1)"] });
   expect(hindranceOf(busy, ROBOT, true, true)).toBeNull();
@@ -21,14 +21,14 @@ test("modules of this robot are in the way, unless this hand started them; those
   expect(hindranceOf(state({ modules: running("arm_1", "ended") }), ROBOT, false, true)).toBeNull();
 });
 
-test("of work that is paused neither waiting nor pausing helps, and it says so", () => {
+test("for paused work the text proposes neither waiting nor pausing", () => {
   const paused = state({ modules: running("arm_1", "paused") });
   expect(hindranceOf(paused, ROBOT, false, true)).toEqual({ why: "paused", modules: ["pick (arm_1)"] });
   const also = state({ modules: [...running("arm_1", "paused"), ...running("base_1")] });
   expect(hindranceOf(also, ROBOT, false, true)).toMatchObject({ why: "atWork" });
 });
 
-test("a task that goes on is in the way of an only robot; a paused or waiting one is not", () => {
+test("a running task prevents jogging of the only robot; a paused or waiting task does not", () => {
   const at = (status: string) => state({ tasks: [{ name: "kit-17", status }] });
   expect(hindranceOf(at("running"), ROBOT, false, true)).toEqual({ why: "task", tasks: ["kit-17"] });
   expect(hindranceOf(at("running"), ROBOT, false, false)).toBeNull();

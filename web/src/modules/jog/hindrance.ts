@@ -1,4 +1,4 @@
-/** Why a robot cannot be moved by hand just now. */
+/** The reasons for which a robot cannot be jogged. */
 
 import type { StationState } from "../../live/station";
 import type { RobotInfo as Robot } from "../../api/cell";
@@ -10,10 +10,10 @@ export type Hindrance =
   | { why: "task"; tasks: string[] };
 
 /**
- * Returns the reason from the latest state; null where there is none.
+ * Returns the reason, from the latest state; null if there is none.
  *
- * @param own - Whether what runs on it was started by this hand.
- * @param alone - Whether it is the only robot: then a task that goes on is one of its.
+ * @param own - Whether the running module is a jog step started here.
+ * @param alone - Whether it is the only robot: then every running task is its task.
  */
 export function hindranceOf(state: StationState | null, robot: Robot, own: boolean, alone: boolean): Hindrance | null {
   if (state === null) return { why: "unknown" };

@@ -1,9 +1,9 @@
-/** Numbers of the robots' state, twenty times a second, without rendering again. */
+/** Live numbers of the robots' state, 20 times a second, without rendering. */
 
 import { type RefObject, useEffect, useRef, useState } from "react";
 import { type StationState, useStation } from "../../live/station";
 
-/** Calls a function with each state, to write a number straight into an element of the page. */
+/** Calls a function with each state, to write numbers directly into DOM elements. */
 export function useLive<E extends HTMLElement>(show: (element: E, state: StationState) => void): RefObject<E | null> {
   const element = useRef<E>(null);
   const latest = useRef(show);
@@ -21,9 +21,9 @@ export function useLive<E extends HTMLElement>(show: (element: E, state: Station
 }
 
 const NOTHING: readonly number[] = [];
-const SMALL = 0.0015; // rad: a standing joint trembles by less
+const SMALL = 0.0015; // rad: the noise of a joint at rest
 
-/** Returns the positions of joints ("robot/joint") as they stood last; they stay the same while they move. */
+/** Returns the last positions at rest of joints ("robot/joint"); unchanged while they move. */
 export function useRest(names: readonly string[]): readonly number[] {
   const [rest, setRest] = useState(NOTHING);
   const key = names.join(" ");

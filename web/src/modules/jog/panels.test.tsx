@@ -26,14 +26,14 @@ function titles(one: Device): string[] {
   return panelsOf({ device: one, disabled: false, t }).map(({ title }) => title);
 }
 
-test("the modules that a kind names say which panels move a device", () => {
+test("the jog modules that a kind names determine the panels of a device", () => {
   expect(titles(device(["jog_joints", "jog_tool", "home"], { joints: [JOINT] }))).toEqual(["jog.joints", "jog.tool"]);
   expect(titles(device(["gripper_control"], { description: { max_gap: 0.08 } }))).toEqual(["jog.gripper"]);
   expect(titles(device(["jog_base"], { kind: "omni" }))).toEqual(["jog.base"]);
   expect(titles(device([]))).toEqual([]);
 });
 
-test("a module without a panel, or whose panel does not fit the device, has a form", () => {
+test("a module without a panel, or with a panel that does not fit the device, has a form", () => {
   expect(titles(device(["turn_table"]))).toEqual(["jog.device"]);
-  expect(titles(device(["gripper_control"]))).toEqual(["jog.device"]); // it names no greatest gap
+  expect(titles(device(["gripper_control"]))).toEqual(["jog.device"]); // it has no maximum gap
 });

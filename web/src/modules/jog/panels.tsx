@@ -16,14 +16,14 @@ interface Moved {
 export interface Panel {
   value: string;
   title: string;
-  /** Id of the device that it moves. */
+  /** Id of the jogged device. */
   device: string;
   content: ReactNode;
 }
 
 type Made = { title: string; content: ReactNode } | null;
 
-/** Panels with buttons and sliders, by the module that they start; null for a device that such a panel does not fit. */
+/** Panels with buttons and sliders, by the module that they start; null if the panel does not fit the device. */
 const PANELS: Readonly<Record<string, (moved: Moved) => Made>> = {
   jog_joints: ({ device, disabled, t }) =>
     device.joints.length > 0 && device.robot !== null
@@ -49,10 +49,10 @@ const PANELS: Readonly<Record<string, (moved: Moved) => Made>> = {
   }),
 };
 
-/** The module that brings a device home: it has a button of its own. */
+/** The module that moves a device home: it has its own button. */
 export const HOME = "home";
 
-/** Returns the panels that move a device: where there is none for a module, its form. */
+/** Returns the panels of a device: for a module without a panel, its form. */
 export function panelsOf(moved: Moved): Panel[] {
   const { device, disabled, t } = moved;
   return device.jog

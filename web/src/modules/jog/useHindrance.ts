@@ -4,7 +4,7 @@ import type { RobotInfo as Robot } from "../../api/cell";
 import { hindranceOf } from "./hindrance";
 import { jogger } from "./robotJogger";
 
-/** Returns in words why a robot cannot be moved by hand just now; empty where it can. */
+/** Returns the text that tells why a robot cannot be jogged; empty if it can. */
 export function useHindrance(robot: Robot, alone: boolean): string {
   const { t } = useTranslation("modules");
   const own = jogger.useState(({ moving }) => moving);

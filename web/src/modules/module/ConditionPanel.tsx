@@ -15,7 +15,7 @@ interface Props {
 
 const KINDS = ["pre", "hold", "post"] as const;
 
-/** Whether a module could run now, and of each condition whether it holds and why (not). */
+/** Whether a module could run now, and whether each of its conditions holds, with the reason. */
 export function ConditionPanel({ panel, problem, waiting }: Props) {
   const { t } = useTranslation("modules");
   const may = useMay("show_panel");
@@ -41,7 +41,7 @@ export function ConditionPanel({ panel, problem, waiting }: Props) {
   );
 }
 
-/** Whether it could run now: nothing can while everything is halted, whatever its conditions are. */
+/** Whether it could run now: nothing can while everything is halted, regardless of conditions. */
 function Readiness({ ready }: { ready: boolean }) {
   const { t } = useTranslation("modules");
   const halted = useStation(({ state }) => Boolean(state?.halted));
@@ -98,7 +98,7 @@ const MARKS = {
   later: { icon: IconX, color: "gray" },
 } as const;
 
-/** One condition; that an effect does not hold yet is nothing bad. */
+/** One condition; a postcondition that does not hold yet is not an error. */
 function Row({ row }: { row: Schema<"PanelRow"> }) {
   const { t } = useTranslation("modules");
   const verdict = row.holds === null ? "open" : row.holds ? "yes" : row.kind === "post" ? "later" : "no";

@@ -6,7 +6,7 @@ import { useMe } from "../../api/session";
 import classes from "../modules.module.css";
 import { cliCommand, curlCommand, type Wanted } from "../shellWords";
 
-/** The same run as a command, shown and to be copied. */
+/** The same run as a command to copy. */
 export function CopyAs({ wanted }: { wanted: Wanted }) {
   const { t } = useTranslation("modules");
   const { data: me } = useMe();

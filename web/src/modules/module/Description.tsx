@@ -2,7 +2,7 @@ import { Accordion, Code, List, Stack, Text } from "@mantine/core";
 import { useTranslation } from "react-i18next";
 import type { Schema } from "../../api/client";
 
-/** What is known of a module before it runs: its conditions in words, and the ways of doing it. */
+/** The description of a module: its conditions in words, and its implementations. */
 export function Description({ details }: { details: Schema<"ModuleDetails"> }) {
   const { t } = useTranslation("modules");
   if (details.kind === "primitive") return <Outputs outputs={details.outputs} />;

@@ -22,9 +22,9 @@ interface Props {
   show: (view: View, ...rest: string[]) => void;
 }
 
-const PAUSE = 250; // ms without typing, then the conditions are looked at again
+const PAUSE = 250; // ms without typing before the conditions are checked again
 
-/** One module of one subsystem: its form, its conditions, running it, and its runs. */
+/** One module of one subsystem: form, conditions, run commands and past runs. */
 export function ModulePage({ module, agent, choose, back, show }: Props) {
   const { t } = useTranslation("modules");
   const { data: details } = useModule(agent, module.name);
@@ -55,7 +55,7 @@ export function ModulePage({ module, agent, choose, back, show }: Props) {
   );
 }
 
-/** Says below each field what would be inferred for it, or why it stays open. */
+/** For each field, the value that would be inferred, or the reason why none is. */
 function useNotes(panel: ReturnType<typeof usePanel>["data"], given: Arguments): Record<string, string> {
   const { t } = useTranslation("modules");
   return useMemo(() => {

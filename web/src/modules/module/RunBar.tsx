@@ -20,13 +20,13 @@ interface Props {
   module: string;
   draft: Draft;
   change: (change: Partial<Draft>) => void;
-  /** Whether the arguments can be sent at all. */
+  /** Whether the arguments are valid. */
   sound: boolean;
 }
 
 const MOST = 1000;
 
-/** Runs a module once or N times, and makes it fit again after a fault. */
+/** Runs a module once or N times, and resets it after a fault. */
 export function RunBar({ agent, module, draft, change, sound }: Props) {
   const { t } = useTranslation("modules");
   const path = { agent, module };
@@ -41,7 +41,7 @@ export function RunBar({ agent, module, draft, change, sound }: Props) {
           body: { arguments: draft.values, repeat: draft.repeat },
         }),
       ),
-    // Until the run is known, the button is not there for a second press.
+    // Pending until the run is fetched, so that the button cannot be pressed twice.
     onSuccess: () => queryClient.invalidateQueries({ queryKey: keys.moduleRuns() }),
     onError: notifyProblem,
   });

@@ -11,7 +11,7 @@ interface Props {
   show: (view: View, ...rest: string[]) => void;
 }
 
-/** The modules, and the one that is chosen. */
+/** The list of modules, and the chosen one. */
 export function TryModules({ place, show }: Props) {
   const { t } = useTranslation("modules");
   const { data: modules = [], isPending } = useModules();

@@ -7,7 +7,7 @@ import { answer, api, type Schema } from "../../api/client";
 import { keys } from "../../api/keys";
 import { Status } from "../../widgets/Status";
 
-/** What is installed, and first of all what is wrong with it. */
+/** The installed plug-ins, broken ones first. */
 export function Plugins() {
   const { t } = useTranslation("modules");
   const { data } = useQuery({

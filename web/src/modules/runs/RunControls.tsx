@@ -19,7 +19,7 @@ const ICONS = {
   stop: IconHandStop,
 } as const;
 
-/** Pause, resume, one control cycle while it is paused, stop. */
+/** Pause, resume, step by one control cycle, stop. */
 export function RunControls({ run }: { run: Run }) {
   const { t } = useTranslation("modules");
   const command = useSingleMutation({

@@ -14,7 +14,7 @@ interface Props {
   show: (view: View, ...rest: string[]) => void;
 }
 
-/** What was started by itself since the server started, the youngest first. */
+/** The single runs since the start of the server, newest first. */
 export function RunHistory({ chosen, show }: Props) {
   const { t } = useTranslation("modules");
   const { data: runs = [] } = useRuns();

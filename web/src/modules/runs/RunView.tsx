@@ -11,7 +11,7 @@ import { changeLines, shown } from "./changes";
 import { RunControls } from "./RunControls";
 import { isOver, MOODS, successRate } from "./states";
 
-/** One run: how far it is, what it reported, how each round ended, what it wrote into the world. */
+/** One run: progress, reports, results of its rounds, and changes of the world. */
 export function RunView({ id }: { id: string }) {
   const { t } = useTranslation("modules");
   const { data: run, error } = useRun(id);

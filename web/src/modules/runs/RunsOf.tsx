@@ -10,7 +10,7 @@ interface Props {
   show: (view: View, ...rest: string[]) => void;
 }
 
-/** The last run of a module, and the way to those before it. */
+/** The last run of a module, and a link to earlier ones. */
 export function RunsOf({ agent, module, show }: Props) {
   const { t } = useTranslation("modules");
   const { data: runs = [] } = useRuns();

@@ -1,6 +1,6 @@
 import { changeLines, shown } from "./changes";
 
-test("each edit of each change is a line that names its element", () => {
+test("each edit of each change is one line with the name of its element", () => {
   const place = (relation: string, where: string) => ({ relation, place: where });
   const lines = changeLines([
     {
@@ -18,7 +18,7 @@ test("each edit of each change is a line that names its element", () => {
   expect(new Set(lines.map(({ key }) => key)).size).toBe(2);
 });
 
-test("a change without edits makes no line, and poses are short", () => {
+test("a change without edits makes no line, and poses are shortened", () => {
   expect(changeLines([{ number: 1 }])).toEqual([]);
   expect(shown({ position: [1, 0.12345678, 0] })).toBe("(1, 0.1235, 0)");
 });

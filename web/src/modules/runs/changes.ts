@@ -1,10 +1,10 @@
-/** What a run wrote into the world, in lines for people. */
+/** The changes of the world by a run, as lines of text. */
 
 import type { Run } from "../queries";
 
 export interface ChangeLine {
   key: string;
-  /** Element that was changed; empty where it is about none. */
+  /** The changed element; empty if there is none. */
   element: string;
   text: string;
 }
@@ -14,7 +14,7 @@ interface Edit {
   [field: string]: unknown;
 }
 
-/** Returns a line for each edit, the youngest last. */
+/** Returns a line for each edit, oldest first. */
 export function changeLines(changes: Run["changes"]): ChangeLine[] {
   return changes.flatMap((change) => {
     const edits = Array.isArray(change["edits"]) ? (change["edits"] as Edit[]) : [];
@@ -31,7 +31,7 @@ function what(edit: Edit): string {
   return words.filter((word) => typeof word === "string").join(" ");
 }
 
-/** Returns a value of an edit in few words: numbers rounded, parts one after the other. */
+/** Returns a short text for a value: numbers rounded, components in a row. */
 export function shown(value: unknown): string {
   if (value === null || value === undefined) return "–";
   if (typeof value === "number") return String(Math.round(value * 1e4) / 1e4);

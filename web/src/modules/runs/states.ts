@@ -15,9 +15,9 @@ export function isOver({ status }: Run): boolean {
 }
 
 /**
- * Returns how many of the rounds that have come to an end worked [%]; null before the first.
+ * Returns the share of completed rounds that succeeded [%]; null before the first.
  *
- * A run that was stopped says nothing about the module.
+ * Stopped rounds do not count.
  */
 export function successRate(run: Pick<Run, "cut_off" | "done" | "succeeded">): number | null {
   const ended = run.done - (run.cut_off ? 1 : 0);

@@ -16,7 +16,7 @@ type Lesson = Schema<"Learned">;
 
 const MANY = 500;
 
-/** What robots were taught and keep, with a way to have it forgotten. */
+/** The learned concepts, with a button to forget each. */
 export function Learned() {
   const { t } = useTranslation("modules");
   const [doomed, setDoomed] = useState<Lesson | null>(null);
@@ -65,7 +65,7 @@ function Entry({ lesson, forget }: { lesson: Lesson; forget: () => void }) {
   );
 }
 
-/** Asks for confirmation, then forgets it, unless it was taught again meanwhile. */
+/** Asks for confirmation, then forgets the concept unless it was taught again meanwhile. */
 function Forget({ lesson, close }: { lesson: Lesson | null; close: () => void }) {
   const { t } = useTranslation("modules");
   const forget = useSingleMutation({

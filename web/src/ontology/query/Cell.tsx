@@ -8,7 +8,7 @@ import { useView } from "../../world/useView";
 import { useWords } from "../../world/useWords";
 import { written } from "../../world/values";
 
-/** What a text in an answer may name. */
+/** The names that a text in an answer may be. */
 export interface Known {
   elements: ReadonlySet<string>;
   classes: { has: (name: string) => boolean };
@@ -17,7 +17,7 @@ export interface Known {
 const PAGE = 1000;
 const NONE: ReadonlySet<string> = new Set();
 
-/** Answers give names and texts alike as strings: what is a name has to be looked up. */
+/** Answers contain names and texts alike as strings: whether one is a name must be looked up. */
 export function useKnown(): Known {
   const classes = useClasses();
   const { data } = useQuery({ queryKey: keys.world("ids"), queryFn: readIds });
@@ -35,7 +35,7 @@ async function readIds(): Promise<ReadonlySet<string>> {
   return ids;
 }
 
-/** A value of an answer; what it names can be followed. */
+/** A value of an answer; names are links. */
 export function Cell({ value, known }: { value: unknown; known: Known }) {
   const words = useWords();
   const [, , show] = useView();

@@ -14,13 +14,13 @@ interface Props {
   onChange: (value: string) => void;
   /** Ctrl or Cmd and Enter. */
   onRun: () => void;
-  /** Names that are offered while one writes. */
+  /** Names for completion. */
   names: readonly string[];
-  /** Where an error is; the cursor goes there. */
+  /** Position of the error; the cursor goes there. */
   error: { line: number; column: number } | null;
 }
 
-/** Takes a question in SPARQL. */
+/** An editor for SPARQL queries. */
 export function Editor({ label, value, onChange, onRun, names, error }: Props) {
   const host = useRef<HTMLDivElement>(null);
   const view = useRef<EditorView>(null);

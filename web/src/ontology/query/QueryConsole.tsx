@@ -17,7 +17,7 @@ import { type Answer, Result } from "./Result";
 
 const [USUAL_LIMIT, LONGEST] = [5, 60]; // s
 
-/** Questions in SPARQL over ontology, scene and what was learned; they cannot change anything. */
+/** SPARQL queries over ontology, scene and learned concepts; read-only. */
 export default function QueryConsole() {
   const { t } = useTranslation("ontology");
   const [query, setQuery] = useState<string>(() => history()[0] ?? EXAMPLES.where);

@@ -20,7 +20,7 @@ interface Props {
   limit: number;
 }
 
-/** What a question was answered. */
+/** The answer to a query. */
 export function Result({ result, ...asked }: Props) {
   const { t } = useTranslation("ontology");
   switch (result.form) {
@@ -61,7 +61,7 @@ function Turtle({ turtle, count }: { turtle: string; count: number }) {
 }
 
 const FEW = 200;
-const COLUMN = 110; // px: narrower, words fall to pieces
+const COLUMN = 110; // px: narrower columns would break words
 
 function Rows({ result, ...asked }: { result: SelectAnswer } & Omit<Props, "result">) {
   const { t } = useTranslation("ontology");
@@ -115,7 +115,7 @@ interface HeadingProps {
   sort: (order: Order | null) => void;
 }
 
-/** The name of a column; pressed, it sorts by it: rising, falling, as it came. */
+/** The header of a column; pressing it sorts ascending, descending, or not at all. */
 function Heading({ name, order, sort }: HeadingProps) {
   const mine = order?.column === name ? order : null;
   const next = mine === null ? { column: name, falling: false } : mine.falling ? null : { ...mine, falling: true };
@@ -129,7 +129,7 @@ function Heading({ name, order, sort }: HeadingProps) {
   );
 }
 
-/** The server writes the file: it knows how values are written in CSV. */
+/** The server writes the file, since it knows the CSV notation of values. */
 function CsvButton({ query, entailed, limit }: Omit<Props, "result">) {
   const { t } = useTranslation("ontology");
   const fetch = useMutation({

@@ -1,4 +1,4 @@
-/** Colours of what a question is made of, legible on light and on dark. */
+/** Syntax colours, legible on light and dark backgrounds. */
 
 import { HighlightStyle } from "@codemirror/language";
 import { tags } from "@lezer/highlight";

@@ -1,9 +1,9 @@
-/** Helpers of the console: where an error is, what was asked before, rows as links. */
+/** Helpers of the query console: position of errors, history, sorting of rows. */
 
 const REMEMBERED = "skiros-queries";
 const MOST = 20;
 
-/** Returns the place in a question of which an error speaks; lines and columns count from 1. */
+/** Returns the position in the query to which an error refers; lines and columns start at 1. */
 export function placeOf(detail: string): { line: number; column: number } | null {
   const found = /line (\d+)(?:,?\s*(?:column|col)\s*(\d+))?/i.exec(detail) ?? /at (\d+):(\d+)/.exec(detail);
   if (found === null) return null;
@@ -11,9 +11,9 @@ export function placeOf(detail: string): { line: number; column: number } | null
 }
 
 /**
- * Names of an answer's columns in the order in which the question says them.
+ * Names of an answer's columns in the order in which the query mentions them.
  *
- * `SELECT *` leaves the order to the server; who asks expects that of the question.
+ * The server chooses the order for `SELECT *`; users expect that of the query.
  */
 export function columns(query: string, variables: readonly string[]): string[] {
   const at = (name: string) => {
@@ -25,7 +25,7 @@ export function columns(query: string, variables: readonly string[]): string[] {
     : [...variables];
 }
 
-/** Rows sorted by a column, numbers by what they are worth; as they came for no column. */
+/** Rows sorted by a column, numbers by value; without a column, in the original order. */
 export function sorted<Row extends Record<string, unknown>>(rows: readonly Row[], by: Order | null): readonly Row[] {
   if (by === null) return rows;
   const compare = (one: Row, other: Row) => compared(one[by.column], other[by.column]);
@@ -48,7 +48,7 @@ function textOf(value: unknown): string {
   return typeof value === "string" ? value : JSON.stringify(value ?? "");
 }
 
-/** Questions that were asked in this browser, the latest first. */
+/** The queries asked in this browser, latest first. */
 export function history(): string[] {
   try {
     const kept: unknown = JSON.parse(localStorage.getItem(REMEMBERED) ?? "[]");

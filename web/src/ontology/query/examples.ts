@@ -1,4 +1,4 @@
-/** Questions to begin with; the names are keys of their texts. */
+/** Example queries; the names are keys of their texts. */
 export const EXAMPLES = {
   where:
     "SELECT ?thing ?relation ?place {\n  ?thing ?relation ?place .\n  ?relation rdfs:subPropertyOf sk:placement .\n}\nORDER BY ?place",
@@ -13,5 +13,5 @@ export const EXAMPLES = {
 
 export type ExampleName = keyof typeof EXAMPLES;
 
-/** Declared by the server in each question. */
+/** The prefixes that the server declares for each query. */
 export const PREFIXES = ["sk:", "kitting:", "scene:", "learned:", "rdf:", "rdfs:", "owl:", "xsd:"];

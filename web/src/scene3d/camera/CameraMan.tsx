@@ -12,7 +12,7 @@ import { fly, flyOn, land, shift } from "./flight";
 import { type Orbit, useOrbitKeys } from "./useOrbitKeys";
 import { viewing } from "./viewpoints";
 
-/** Moves the camera: by mouse and keys, to a viewpoint, with a robot. */
+/** Moves the camera: by pointer and keys, to a viewpoint, or with a robot. */
 export function CameraMan() {
   const controls = useRef<Orbit>(null);
   useFlights(controls);
@@ -34,11 +34,11 @@ function useFlights(controls: RefObject<Orbit | null>): void {
     const to = viewing(viewpoint, camera, focusOf(viewpoint));
     if (to === null) return;
     const from = { position: camera.position.clone(), target: controls.current.target.clone() };
-    wake(fly(from, to, wishes === 0 || calm())); // no flight at first
+    wake(fly(from, to, wishes === 0 || calm())); // the first view is not animated
   }, [ready, wishes, camera, controls]);
 }
 
-/** Which element a viewpoint is about: a robot to follow, or what is selected. */
+/** The subject of a viewpoint: a robot to follow, or the selected element. */
 function focusOf(viewpoint: Viewpoint): string | null {
   const { selected } = useSelection.getState();
   if (viewpoint === "selection") return selected;
@@ -53,7 +53,7 @@ function calm(): boolean {
 const here = new Vector3();
 const step = new Vector3();
 
-/** Goes with a robot while that is wished, in whatever direction people look. */
+/** Follows a robot while requested, in any viewing direction. */
 function useFollowing(controls: RefObject<Orbit | null>): void {
   const following = useCamera((state) => state.viewpoint === "follow");
   const before = useRef<Vector3 | null>(null);

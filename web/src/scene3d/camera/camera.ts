@@ -1,4 +1,4 @@
-/** Where people want to look from. */
+/** The requested viewpoint. */
 
 import { create } from "zustand";
 
@@ -7,7 +7,7 @@ export type Viewpoint = (typeof VIEWPOINTS)[number];
 
 interface Camera {
   viewpoint: Viewpoint;
-  /** Counts the wishes, so that the same one can be wished again. */
+  /** Counts the requests, so that the same one can be repeated. */
   wishes: number;
   look: (viewpoint: Viewpoint) => void;
 }

@@ -1,4 +1,4 @@
-/** The camera's way to a viewpoint: a short one, so that people see where they go. */
+/** The animated motion of the camera to a viewpoint; short, so that users keep their orientation. */
 
 import type { Vector3 } from "three";
 import type { Orbit } from "./useOrbitKeys";
@@ -18,7 +18,7 @@ interface Eye {
 
 let flight: Flight | null = null;
 
-/** Begins a flight; returns how long it takes [ms]. */
+/** Starts the motion; returns its duration [ms]. */
 export function fly(from: Viewing, to: Viewing, atOnce: boolean): number {
   flight = { from, to, begun: atOnce ? -DURATION : performance.now() };
   return atOnce ? 0 : DURATION;
@@ -28,7 +28,7 @@ export function land(): void {
   flight = null;
 }
 
-/** Brings the camera to where it is on its way by now. */
+/** Updates the camera during the motion. */
 export function flyOn(eye: Eye, orbit: Orbit): void {
   if (flight === null) return;
   const share = Math.min((performance.now() - flight.begun) / DURATION, 1);
@@ -39,7 +39,7 @@ export function flyOn(eye: Eye, orbit: Orbit): void {
   if (share === 1) flight = null;
 }
 
-/** Goes by a step, or where the flight goes to. */
+/** Moves the camera and its target by a step, or to the end of the motion. */
 export function shift(way: Vector3, eye: Eye, orbit: Orbit): void {
   if (way.lengthSq() === 0) return;
   const points = flight === null ? [eye.position, orbit.target] : [flight.to.position, flight.to.target];

@@ -17,7 +17,7 @@ const TURNS: Record<string, (orbit: Orbit) => void> = {
   "-": (orbit) => come(orbit, 1 / NEARER),
 };
 
-/** Turns the view by arrow keys and comes nearer by + and -, while the picture has the focus. */
+/** Turns the view with the arrow keys and zooms with + and -, while the view has the focus. */
 export function useOrbitKeys(controls: RefObject<Orbit | null>): void {
   const picture = useThree((three) => three.gl.domElement.closest<HTMLElement>("[data-picture]"));
   useEffect(() => {

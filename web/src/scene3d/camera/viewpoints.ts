@@ -1,4 +1,4 @@
-/** Works out where a camera has to be to see something. */
+/** Computes camera positions. */
 
 import { Box3, MathUtils, Matrix4, type PerspectiveCamera, Vector3 } from "three";
 import { crowd } from "../elements/crowd";
@@ -13,14 +13,14 @@ export interface Viewing {
 const ASKEW = new Vector3(0.45, -0.85, 0.75).normalize();
 const ABOVE = new Vector3(0, -0.001, 1).normalize();
 const UP = new Vector3(0, 0, 1);
-const FULL = 0.88; // of the picture is filled
+const FULL = 0.88; // share of the view that is filled
 const CLOSEST = 0.4; // m
-const ROUNDS = 3; // of moving the middle; it hardly moves after that
-const NEAR = 0.4; // m: length of what is looked at closely, at least
-const ROBOT = 2; // m: length that is seen around a robot
-const SPOT = new Box3(new Vector3(-0.5, -0.5, 0), new Vector3(0.5, 0.5, 1)); // around what has no shape
+const ROUNDS = 3; // iterations for the centre, after which it hardly moves
+const NEAR = 0.4; // m: minimum length of the region shown for an element
+const ROBOT = 2; // m: length of the region shown around a robot
+const SPOT = new Box3(new Vector3(-0.5, -0.5, 0), new Vector3(0.5, 0.5, 1)); // stands in for elements without a shape
 
-/** Where to look from; null where there is nothing to look at. */
+/** Camera position for some elements; null if there is nothing to look at. */
 export function viewing(wish: Viewpoint, camera: PerspectiveCamera, focus: string | null): Viewing | null {
   if (wish === "overview") return from(ASKEW, everything(), camera);
   if (wish === "top") return from(ABOVE, everything(), camera);
@@ -38,7 +38,7 @@ function from(direction: Vector3, what: readonly Vector3[], camera: PerspectiveC
   return { position: eye(frame, what, target), target };
 }
 
-/** Directions of a picture, and the tangents of half its angles as far as it is to be filled. */
+/** Axes of the view, and the tangents of half its angles, scaled by the share to fill. */
 interface Frame {
   direction: Vector3;
   aside: Vector3;
@@ -54,7 +54,7 @@ function frameFrom(direction: Vector3, camera: PerspectiveCamera): Frame {
   return { direction, aside, upward, wide: high * camera.aspect, high };
 }
 
-/** Where one has to be to see all points around a target. */
+/** Camera position from which all points around a target are visible. */
 function eye({ direction, aside, upward, wide, high }: Frame, points: readonly Vector3[], target: Vector3): Vector3 {
   const away = points.reduce((most, point) => {
     const there = new Vector3().subVectors(point, target);
@@ -64,7 +64,7 @@ function eye({ direction, aside, upward, wide, high }: Frame, points: readonly V
   return target.clone().addScaledVector(direction, away);
 }
 
-/** How far a target is from the middle of the picture that the points make: what is far away looks smaller. */
+/** Offset of the target from the centre of the projected points: distant points look smaller. */
 function offCentre(frame: Frame, points: readonly Vector3[], target: Vector3): Vector3 {
   const from = eye(frame, points, target);
   const away = from.distanceTo(target);
@@ -82,7 +82,7 @@ function corners({ min, max }: Box3): Vector3[] {
   return [min.x, max.x].flatMap((x) => [min.y, max.y].flatMap((y) => [min.z, max.z].map((z) => new Vector3(x, y, z))));
 }
 
-/** The corners of what stands around; the floor may be larger than all of it. */
+/** The corners of everything that stands on the floor, which may be larger than all of it. */
 function everything(): Vector3[] {
   const pose = new Matrix4();
   return [...crowd.items()].flatMap(({ element }) => {

@@ -1,4 +1,4 @@
-/** All elements of one shape and look in a single draw. */
+/** All elements of one shape and material in a single draw call. */
 
 import {
   type BufferGeometry,
@@ -12,10 +12,10 @@ import {
 import { quality } from "../quality";
 import type { Shape } from "../shapes";
 
-/** How something is drawn: as matter, as matter that a robot bears, as room, as one whose pose is unknown. */
+/** How an element is drawn: solid, solid and part of a robot, compartment, or with an unknown pose. */
 export type Look = "solid" | "borne" | "room" | "unsure";
 
-/** Before all else at the same depth: the robot's model shows its deck, too, and both would flicker through each other. */
+/** Drawn before everything else at the same depth: the robot's model contains its deck, too, and both would flicker. */
 const IN_FRONT = { polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -4 };
 
 const MATERIALS: Record<Look, Material> = {
@@ -25,7 +25,7 @@ const MATERIALS: Record<Look, Material> = {
   unsure: new MeshLambertMaterial({ vertexColors: true, transparent: true, opacity: 0.45, depthWrite: false }),
 };
 const ROOM_TO_GROW = 1.5;
-const MANY = 36_000; // corners of triangles: what the processor draws in some 20 ms
+const MANY = 36_000; // triangle vertices, which software rendering draws in some 20 ms
 
 export class Batch {
   readonly mesh: InstancedMesh;
@@ -33,7 +33,7 @@ export class Batch {
 
   constructor(shape: Shape, look: Look, count: number) {
     this.mesh = new InstancedMesh(geometryFor(shape, count), MATERIALS[look], Math.ceil(count * ROOM_TO_GROW));
-    this.mesh.frustumCulled = false; // it is all over the place
+    this.mesh.frustumCulled = false; // its instances are everywhere
     this.mesh.instanceMatrix.setUsage(DynamicDrawUsage);
     this.mesh.userData["ids"] = this.ids;
     this.mesh.renderOrder = MATERIALS[look].transparent ? 1 : 0;
@@ -49,7 +49,7 @@ export class Batch {
     this.mesh.count = 0;
   }
 
-  /** Adds one; returns its number. */
+  /** Adds an instance; returns its number. */
   add(id: string): number {
     this.mesh.count = this.ids.push(id);
     return this.mesh.count - 1;
@@ -58,7 +58,7 @@ export class Batch {
   move(number: number, matrix: Matrix4): void {
     this.mesh.setMatrixAt(number, matrix);
     this.mesh.instanceMatrix.needsUpdate = true;
-    this.mesh.boundingSphere = null; // computed again when it is pointed at
+    this.mesh.boundingSphere = null; // computed again for the next hit test
   }
 
   paint(number: number, colour: Color): void {
@@ -72,7 +72,7 @@ export class Batch {
   }
 }
 
-/** Where the processor draws, many are drawn as boxes: else every turn of the view would take half a second. */
+/** With software rendering, large batches are drawn as boxes: otherwise each turn of the view takes half a second. */
 function geometryFor({ geometry, coarse }: Shape, count: number): BufferGeometry {
   const corners = count * (geometry.index?.count ?? geometry.getAttribute("position").count);
   return corners > MANY && quality().software ? coarse : geometry;

@@ -11,11 +11,11 @@ import { useShownView } from "../useShownView";
 import type { ViewElement } from "../view";
 import { crowd } from "./crowd";
 
-const DIM = 0.72; // of what does not fit, towards the background
-const LIT = 0.5; // of what fits
-const TINT = 0.55; // of what is selected
+const DIM = 0.72; // towards the background, of elements that cannot be picked
+const LIT = 0.5; // of elements that can be picked
+const TINT = 0.55; // of the selected element
 
-/** All elements that are not robots. */
+/** All elements except robots. */
 export function Elements({ palette }: { palette: Palette }) {
   const view = useShownView();
   const carriers = useStation(({ state }) => Object.keys(state?.platforms ?? {}).join(" "));

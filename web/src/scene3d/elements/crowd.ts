@@ -1,4 +1,4 @@
-/** The elements of a view as they are drawn: few draws for many, and only what rides or is held moves by itself. */
+/** The elements of a view as drawn: few draw calls; only carried and held elements are updated each frame. */
 
 import { Box3, type Color, Group, Matrix4 } from "three";
 import { create } from "zustand";
@@ -24,7 +24,7 @@ class Crowd {
   private riders: Drawn[] = [];
   private shapes: View["shapes"] = {};
 
-  /** Shows a view. Hidden elements have a pose but are not drawn; carriers are devices, drawn where their frames are. */
+  /** Shows a view. Hidden elements have a pose but are not drawn; carriers are devices, drawn at their frames. */
   show(view: View, hidden: (element: ViewElement) => boolean, carriers: ReadonlySet<string>): void {
     this.shapes = view.shapes;
     const bounds = (element: ViewElement) => this.shape(element)?.bounds ?? null;
@@ -38,7 +38,7 @@ class Crowd {
     useShowings.setState((count) => count + 1, true);
   }
 
-  /** Brings what moves with a robot to where that is. */
+  /** Updates the elements that move with a robot. */
   follow(): void {
     for (const one of this.riders) this.place(one);
   }
@@ -61,7 +61,7 @@ class Crowd {
     })(this.drawn.values());
   }
 
-  /** Writes where an element is drawn now; false for what is not. */
+  /** Writes the pose of an element as drawn; false if it is not drawn. */
   poseOf(id: string, into: Matrix4): boolean {
     const one = this.drawn.get(id);
     if (one === undefined || !frameInMap(one.item.frame, into)) return false;
@@ -74,7 +74,7 @@ class Crowd {
     return one === undefined ? null : this.shape(one.item.element);
   }
 
-  /** The box in the map around an element as it is drawn now; null for what has no shape. */
+  /** The bounding box in the map of an element as drawn; null without a shape. */
   boundsOf(id: string): Box3 | null {
     const bounds = this.shapeOf(id)?.bounds;
     return bounds !== undefined && this.poseOf(id, pose) ? new Box3().copy(bounds).applyMatrix4(pose) : null;
@@ -141,8 +141,8 @@ function keyOf(item: Item): string {
   return `${lookOf(item)} ${item.element.shape ?? ""}`;
 }
 
-/** How many views were shown: positions are looked up again with each. */
+/** Counts the views shown: cached positions are invalid after each. */
 export const useShowings = create<number>(() => 0);
 
-/** There is one view, and one crowd in it. */
+/** The one instance, for the one view. */
 export const crowd = new Crowd();

@@ -10,7 +10,7 @@ import { useRobots } from "../../api/cell";
 
 const LONG = 0.25; // m
 
-/** Axes of the map, of robots and their tools, and of what is selected: x red, y green, z blue. */
+/** Axes of the map, of robots and their tools, and of the selected element: x red, y green, z blue. */
 export function Axes() {
   const shown = useLayers((layers) => layers.shown.axes);
   const selected = useSelection((state) => state.selected);

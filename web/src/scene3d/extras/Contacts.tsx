@@ -17,10 +17,10 @@ import { wake } from "../ticker";
 import { useShownView } from "../useShownView";
 
 const SIZE = 64; // px of the texture
-const SPREAD = 1.35; // how much farther than what stands there
-const LOW = 0.02; // m: what is higher above the floor casts none
+const SPREAD = 1.35; // size of the shadow relative to the element
+const LOW = 0.02; // m: elements higher above the floor cast none
 
-/** Soft shadows under what stands on the floor, painted once: real ones cost too much here. */
+/** Soft shadows under elements on the floor, painted once: real shadows cost too much here. */
 export function Contacts({ palette }: { palette: Palette }) {
   const view = useShownView();
   const mesh = useMemo(() => shadows(palette.shade), [palette]);
@@ -32,7 +32,7 @@ export function Contacts({ palette }: { palette: Palette }) {
   return <primitive object={mesh} />;
 }
 
-/** Of more, the largest: many small ones side by side cost more than they tell. */
+/** Only the largest: many small ones cost more than they help. */
 const most = () => (quality().software ? 64 : 256);
 
 function shadows(opacity: number): InstancedMesh {
@@ -59,11 +59,11 @@ interface Standing {
   bounds: Box3;
 }
 
-/** What stands on the floor, the largest first. */
+/** The elements on the floor, largest first. */
 function standing(): Standing[] {
   const found: Standing[] = [];
   for (const { element, frame, matrix, sure } of crowd.items()) {
-    const bounds = element.shape === null ? undefined : crowd.shapeOf(element.id)?.bounds; // no mark casts any
+    const bounds = element.shape === null ? undefined : crowd.shapeOf(element.id)?.bounds; // flat marks cast none
     if (bounds === undefined || !sure || frame.on !== "map" || element.kind === "floor") continue;
     if (Math.abs((matrix.elements[14] ?? 0) + bounds.min.z) <= LOW) found.push({ pose: matrix.clone(), bounds });
   }
@@ -74,7 +74,7 @@ function area({ min, max }: Box3): number {
   return (max.x - min.x) * (max.y - min.y);
 }
 
-/** Dark in the middle, nothing at the rim. */
+/** Dark in the middle, transparent at the edge. */
 function blur(): DataTexture {
   const data = new Uint8Array(SIZE * SIZE * 4);
   for (let i = 0; i < SIZE * SIZE; i++) {

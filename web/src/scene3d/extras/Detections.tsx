@@ -10,7 +10,7 @@ import { boundsOf } from "../shapes";
 
 type Seen = Schema<"Seen">;
 
-/** Boxes around what was made out in a look, with the names of what it is. */
+/** Boxes around detections of the last look, with their classes. */
 export function Detections({ seen, palette }: { seen: readonly Seen[]; palette: Palette }) {
   const shapes = useLiveView((state) => state.view?.shapes);
   const boxes = useMemo(() => seen.map((one) => boxOf(one, shapes?.[one.type ?? ""])), [seen, shapes]);
@@ -23,7 +23,7 @@ export function Detections({ seen, palette }: { seen: readonly Seen[]; palette: 
   return points.length > 0 && <Line segments points={points} color={palette.seen} lineWidth={2} />;
 }
 
-/** The box of a shape that is known, in its own frame; else one of the size that was seen. */
+/** The box of a known shape, in its own frame; otherwise one of the detected size. */
 function boxOf({ size }: Seen, blocks: Parameters<typeof boundsOf>[0] | undefined): Box3 {
   if (blocks !== undefined) return boundsOf(blocks);
   return new Box3().setFromCenterAndSize(new Vector3(), new Vector3(...size));

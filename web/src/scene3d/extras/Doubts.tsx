@@ -10,7 +10,7 @@ import { useShownView } from "../useShownView";
 const SIZE = 18; // px
 const ABOVE = 0.05; // m
 
-/** A question mark above each thing whose exact pose is unknown. */
+/** A question mark above each element whose exact pose is unknown. */
 export function Doubts({ palette }: { palette: Palette }) {
   const view = useShownView();
   const points = useMemo(() => marks(palette), [palette]);
@@ -57,7 +57,7 @@ function sign(colour: string): HTMLCanvasElement {
 
 type Marks = Points<BufferGeometry, PointsMaterial>;
 
-/** Makes room for as many marks as there are doubts. */
+/** Allocates enough marks. */
 function number({ geometry, userData }: Marks): void {
   userData["ids"] = [...crowd.items()].filter((item) => !item.sure).map((item) => item.element.id);
   userData["moving"] = [...crowd.items()].some((item) => !item.sure && item.frame.on !== "map");

@@ -17,7 +17,7 @@ import { ghostsOf } from "./goals";
 
 const MOST = 60;
 
-/** Targets of the goal that is being written and of the jobs that run. */
+/** Ghosts at the targets of the edited goal and of running jobs. */
 export function Ghosts({ palette }: { palette: Palette }) {
   const shown = useLayers((layers) => layers.shown.ghosts);
   const past = useReplay((state) => state.replay !== null);

@@ -23,15 +23,15 @@ interface Camera {
   vertical_fov: number;
 }
 
-const FEW = 5000; // points, where the processor draws: all of a look would take as long as the rest of the picture
-const LASTS = 20; // s of run time, after which what was seen may be elsewhere
-const REACH = 0.35; // m, of the pyramid that stands for a camera's view
+const FEW = 5000; // points, with software rendering: a full cloud would double the frame time
+const LASTS = 20; // s of run time, after which detections may be outdated
+const REACH = 0.35; // m, length of the pyramid that shows a camera's view
 
-/** The last look of each camera, for a while: from where, what it saw, and what was made out in it. */
+/** The last look of each camera, for a while: viewpoint, point cloud and detections. */
 export function Looks({ palette }: { palette: Palette }) {
   const { data: robots } = useRobots();
   const past = useReplay((state) => state.replay !== null);
-  if (past) return null; // they belong to the present
+  if (past) return null; // looks belong to the present
   return robots?.flatMap(({ id, devices }) =>
     devices
       .flatMap(cameraOf)
@@ -39,7 +39,7 @@ export function Looks({ palette }: { palette: Palette }) {
   );
 }
 
-/** A device that says what it sees. */
+/** A device that can look. */
 function cameraOf({ id, description }: Schema<"DeviceInfo">): Camera[] {
   const [width, height, vertical_fov] = ["width", "height", "vertical_fov"].map((name) => Number(description[name]));
   return width && height && vertical_fov ? [{ id, width, height, vertical_fov }] : [];
@@ -90,7 +90,7 @@ function Frustum({ pose, camera, palette }: { pose: Schema<"PoseInfo">; camera: 
   return <Line segments points={points} color={palette.seen} lineWidth={1.5} />;
 }
 
-/** Edges of the pyramid that a camera sees, z forward. */
+/** Edges of a camera's field of view, z forward. */
 function pyramid({ width, height, vertical_fov }: Camera, pose: Matrix4): Vector3[] {
   const y = REACH * Math.tan(vertical_fov / 2);
   const x = (y * width) / height;

@@ -15,7 +15,7 @@ type Motion = Schema<"RobotMotion">;
 
 const FLOOR = 0.015; // m: above the grid
 
-/** Where robots are about to go, while they work. */
+/** Planned motions of robots, while they move. */
 export function Motions({ palette }: { palette: Palette }) {
   const { data: robots } = useRobots();
   const shown = useLayers((layers) => layers.shown.paths);

@@ -3,10 +3,10 @@ import { useEffect } from "react";
 import { useReplay } from "../replay";
 import { wake } from "../ticker";
 
-const SHORT = 200; // ms: how long frames are asked for at once
-const MOST = 0.25; // s: a page that was away does not jump
+const SHORT = 200; // ms: duration for which frames are requested
+const MOST = 0.25; // s: a page that was hidden does not jump
 
-/** Lets a replay go on, waits for what is still being read, and stops at the end. */
+/** Advances a replay, waits for pieces that are being fetched, and stops at the end. */
 export function ReplayClock() {
   const replay = useReplay((state) => state.replay);
   const time = useReplay((state) => state.time);

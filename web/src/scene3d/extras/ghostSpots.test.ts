@@ -28,11 +28,11 @@ const anchors = (...likes: string[]) =>
   ).map(({ anchor }) => anchor);
 
 describe("ghosts", () => {
-  it("go into free compartments, one each, and on the kit when there are no more", () => {
+  it("go into free compartments, one each, and onto the kit if there are none left", () => {
     expect(anchors("Starter", "test:Starter")).toEqual(["kit_b", "kit"]);
   });
 
-  it("are not shown of what is there already, nor of what has no shape", () => {
+  it("are not shown for elements already at their place, nor for elements without a shape", () => {
     expect(anchors("starter_1", "Screw")).toEqual([]);
   });
 });
@@ -41,11 +41,11 @@ describe("goals of a job", () => {
   const job = { id: "kit-1", conditions: [], order: { goal: ["InKit(Starter, kit)"] } };
   const told = (rest: object) => ghostsOf({ ...job, ...rest } as unknown as Parameters<typeof ghostsOf>[0], VIEW);
 
-  it("are what shall be where", () => {
+  it("are derived from target places", () => {
     expect(told({})).toMatchObject([{ like: "Starter", place: "kit" }]);
   });
 
-  it("are those that are not yet reached", () => {
+  it("are those not reached yet", () => {
     const conditions = [
       { condition: "InKit(Starter, kit)", reached: true, reason: "" },
       { condition: "InKit(starter_2, kit)", reached: false, reason: "" },

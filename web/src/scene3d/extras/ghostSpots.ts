@@ -1,4 +1,4 @@
-/** Where ghosts are drawn: in free rooms of their place, or on it. */
+/** The poses of ghosts: in free compartments of their place, or on it. */
 
 import { type Box3, Matrix4, Vector3 } from "three";
 import type { Ghost } from "../ghosts";
@@ -9,14 +9,14 @@ export interface GhostSpot {
   ghost: Ghost;
   /** Key of the shape. */
   shape: string;
-  /** What it moves with, and where it is in the frame of that. */
+  /** The frame that it moves with, and its pose in that frame. */
   anchor: string;
   matrix: Matrix4;
 }
 
 type Bounds = (shape: string) => Box3 | null;
 
-/** Finds a spot for each ghost whose shape and place are known. */
+/** Finds a pose for each ghost whose shape and place are known. */
 export function ghostSpots(ghosts: readonly Ghost[], view: View, bounds: Bounds): GhostSpot[] {
   const taken = new Set<string>();
   const onPlace = new Map<string, { ghost: Ghost; shape: string }[]>();
@@ -33,7 +33,7 @@ export function ghostSpots(ghosts: readonly Ghost[], view: View, bounds: Bounds)
   return spots;
 }
 
-/** Key of the shape of an element, or of a class by its name with or without its prefix. */
+/** Key of the shape of an element, or of a class by its name with or without prefix. */
 export function shapeLike(like: string, view: View): string | null {
   const element = view.elements.get(like);
   if (element !== undefined) return element.shape;
@@ -45,7 +45,7 @@ function isThere({ like, place }: Ghost, view: View): boolean {
   return element !== undefined && (element.place === place || view.elements.get(element.place ?? "")?.owner === place);
 }
 
-/** The place itself if it is a room, else a free room that belongs to it; null for none. */
+/** The place itself if it is a compartment, otherwise a free one that belongs to it; null for none. */
 function roomIn(place: string, view: View, taken: ReadonlySet<string>): ViewElement | null {
   const itself = view.elements.get(place);
   if (itself?.hollow === true) return itself;

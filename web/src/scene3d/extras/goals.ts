@@ -1,4 +1,4 @@
-/** Goals of a job as ghosts, as far as they say where something is to be. */
+/** The goals of a job as ghosts, if they name a target place. */
 
 import type { Schema } from "../../api/client";
 import type { Ghost } from "../ghosts";
@@ -6,7 +6,7 @@ import type { View } from "../view";
 
 const CONDITION = /^\s*([\w:.-]+)\s*\(\s*([^,()]+?)\s*,\s*([^,()]+?)\s*\)\s*$/;
 
-/** What the goals that are not yet reached want to be where: `InKit(Starter, kit_1)`. */
+/** The target places of goals not reached yet: `InKit(Starter, kit_1)`. */
 export function ghostsOf(job: Schema<"Job">, view: View): Ghost[] {
   const texts =
     job.conditions.length > 0

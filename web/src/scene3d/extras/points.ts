@@ -1,4 +1,4 @@
-/** Points of a camera as the API gives them. */
+/** Point clouds of cameras in the API's format. */
 
 import { Color, SRGBColorSpace } from "three";
 import type { Schema } from "../../api/client";
@@ -6,11 +6,11 @@ import type { Schema } from "../../api/client";
 export interface Cloud {
   /** x, y, z [m] of each point. */
   places: Float32Array;
-  /** Red, green, blue of each point, linear from 0 to 1; null for none. */
+  /** Red, green, blue of each point, linear from 0 to 1; null without colours. */
   colours: Float32Array | null;
 }
 
-/** How bright a byte of a picture is, linear. */
+/** Linear brightness of a byte of an image. */
 const LINEAR = Float32Array.from({ length: 256 }, (_, i) => new Color().setRGB(i / 255, 0, 0, SRGBColorSpace).r);
 
 export function cloudOf(look: Schema<"Look">): Cloud {
@@ -20,7 +20,7 @@ export function cloudOf(look: Schema<"Look">): Cloud {
   return { places, colours: Float32Array.from(bytes, (byte) => LINEAR[byte] ?? 0) };
 }
 
-/** The cloud with so many points at most: every second one, every third. */
+/** The cloud thinned to a number of points: every second point, every third, …. */
 export function thinned({ places, colours }: Cloud, most: number): Cloud {
   const step = Math.ceil(places.length / 3 / most);
   if (step <= 1) return { places, colours };

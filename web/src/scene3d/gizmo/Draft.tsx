@@ -4,7 +4,7 @@ import { crowd } from "../elements/crowd";
 import { matrixOf } from "../pose";
 import type { MapPose } from "../tools";
 
-/** Where something would be, before it is written. */
+/** The element at its edited pose, before it is written. */
 export function Draft({ id, pose, colour }: { id: string; pose: MapPose; colour: Color }) {
   const matrix = useMemo(() => matrixOf(pose), [pose]);
   const shape = crowd.shapeOf(id);

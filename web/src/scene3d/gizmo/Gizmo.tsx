@@ -11,7 +11,7 @@ import { Draft } from "./Draft";
 import { startOf, useBodies, useElement, useObstacle } from "./useMovable";
 import { TrueBodies } from "./TrueBodies";
 
-/** Handles on what is selected, to move what is believed of it or its simulated body. */
+/** Handles on the selected element, which move its believed pose or its simulated body. */
 export function Gizmo({ palette }: { palette: Palette }) {
   const tool = useTools((tools) => tools.tool);
   const selected = useSelection((state) => state.selected);

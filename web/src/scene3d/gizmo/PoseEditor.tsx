@@ -12,14 +12,14 @@ import { PoseNumbersForm } from "./PoseNumbersForm";
 import { startOf, useBodies, useElement } from "./useMovable";
 import { type Mover, useWriter } from "./useWriter";
 
-const FAR = 0.3; // m from the box around a place
+const FAR = 0.3; // m from the bounding box of a place
 
-/** Numbers of where something is to be, and whether that is written. */
+/** Edits a pose as numbers, and writes it. */
 export function PoseEditor({ tool, element }: { tool: Mover; element: ViewElement }) {
   const { t } = useTranslation("scene3d");
   const { draft, set } = useTools();
   const bodies = useBodies();
-  useShowings(); // the numbers are those of where it is drawn
+  useShowings(); // the numbers follow the pose as drawn
   const [frame, setFrame] = useState<string | null>(null);
   const [sound, setSound] = useState(true);
   const mine = draft?.element === element.id ? draft : null;
@@ -63,7 +63,7 @@ export function PoseEditor({ tool, element }: { tool: Mover; element: ViewElemen
   );
 }
 
-/** That something is believed to be at a place, and would be away from it. */
+/** Warns that an element would be far from the place where it is believed to be. */
 function Farness({ pose, place }: { pose: MapPose; place: string | null }) {
   const { t } = useTranslation("scene3d");
   const label = useElement(place)?.label ?? place;
@@ -76,7 +76,7 @@ function Farness({ pose, place }: { pose: MapPose; place: string | null }) {
   );
 }
 
-/** What was refused; where another person changed it first, what that means and how to go on. */
+/** A refusal; after a concurrent edit, an explanation and the possible actions. */
 function Refusal({ problem, again }: { problem: Error; again: () => void }) {
   const { t } = useTranslation("scene3d");
   const conflict = problem instanceof ApiProblem && problem.status === 412;

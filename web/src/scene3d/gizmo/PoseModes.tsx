@@ -6,13 +6,13 @@ import { type GizmoMode, useTools } from "../tools";
 const MODES: Record<GizmoMode, typeof IconRotate> = { translate: IconArrowsMove, rotate: IconRotate };
 
 interface Props {
-  /** Where the element is: its numbers may be shown in the frame of that. */
+  /** Place of the element, whose frame the numbers may use. */
   place: string | null;
   frame: string | null;
   setFrame: (id: string | null) => void;
 }
 
-/** Whether the handles shift or turn, in which steps, and in which frame the numbers are. */
+/** Settings of the handles: translate or rotate, step size, and the frame of the numbers. */
 export function PoseModes({ place, frame, setFrame }: Props) {
   const { t } = useTranslation("scene3d");
   const { mode, snap, set } = useTools();

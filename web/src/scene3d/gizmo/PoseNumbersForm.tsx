@@ -10,16 +10,16 @@ const FIELDS = ["x", "y", "z", "roll", "pitch", "yaw"] as const;
 type Field = keyof PoseNumbers;
 
 interface Props {
-  /** In the map. */
+  /** Pose in the map. */
   pose: MapPose;
   /** Element in whose frame the numbers are; null for the map. */
   frame: string | null;
   onChange: (pose: MapPose) => void;
-  /** Called with whether all that is written are numbers; while not, the pose stays as it was. */
+  /** Called with whether all fields contain numbers; otherwise the pose is unchanged. */
   onSound: (sound: boolean) => void;
 }
 
-/** A pose in numbers: metres, and degrees about the fixed axes. */
+/** A pose as numbers: metres, and degrees about the fixed axes. */
 export function PoseNumbersForm({ pose, frame, onChange, onSound }: Props) {
   const { t } = useTranslation("scene3d");
   const [typed, setTyped] = useState<{ field: Field; number: number | undefined } | null>(null);

@@ -10,7 +10,7 @@ import classes from "./PosePanel.module.css";
 import { useElement, useObstacle } from "./useMovable";
 import type { Mover } from "./useWriter";
 
-/** The panel of the tool: what it moves, by numbers, and whether that is written. */
+/** The panel of the move tool: its element, its pose as numbers, and buttons to write it. */
 export function PosePanel() {
   const { t } = useTranslation("scene3d");
   const { tool, set } = useTools();

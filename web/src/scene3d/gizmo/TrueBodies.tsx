@@ -14,7 +14,7 @@ type Body = Schema<"SimulatedBody">;
 
 const point = new Vector3();
 
-/** Outlines of everything where it really is in the simulation. */
+/** Outlines of all bodies at their true poses in the simulation. */
 export function TrueBodies({ palette }: { palette: Palette }) {
   const bodies = useBodies();
   const view = useLiveView((state) => state.view);

@@ -9,19 +9,19 @@ import { poseOf } from "../pose";
 import { type MapPose, type Tool, useTools } from "../tools";
 import { useLiveView, type ViewElement } from "../view";
 
-/** What is wrong with moving something: key of a text; null where nothing is. */
+/** Checks whether an element can be moved: key of the text that tells why not; null if it can. */
 export type Obstacle = "robot" | "held" | "works" | "noBody" | "noSimulator" | "mayNot" | "replayed" | null;
 
-/** An element as it is read to be moved. */
+/** An element with the data needed to move it. */
 export interface Movable {
-  /** Element in whose frame its pose is kept; null for the map. */
+  /** Element in whose frame its pose is stored; null for the map. */
   frame: string | null;
-  /** Version on which an edit is based; as a number, and as it is sent. */
+  /** Version on which an edit is based: as a number, and as an ETag. */
   version: number;
   tag: string;
 }
 
-/** Reads what the belief about an element's pose hangs on. */
+/** Fetches the elements on which the believed pose of an element depends. */
 export function useMovable(id: string, wanted: boolean) {
   return useQuery({
     queryKey: keys.world("movable", id),
@@ -35,7 +35,7 @@ export function useMovable(id: string, wanted: boolean) {
   });
 }
 
-/** Whether a simulator runs, which alone has bodies. */
+/** Whether there is a simulator, and therefore bodies. */
 export function useSimulates(): boolean {
   const { data } = useQuery({
     queryKey: keys.station("simulation"),
@@ -44,9 +44,9 @@ export function useSimulates(): boolean {
   return data?.simulates ?? false;
 }
 
-const BODIES_EVERY = 500; // ms: there are no events for the truth
+const BODIES_EVERY = 500; // ms: the simulator's truth has no events
 
-/** Where everything really is; read only while bodies are being moved. */
+/** The true poses of bodies; polled only while bodies are moved. */
 export function useBodies(): readonly Schema<"SimulatedBody">[] {
   const simulates = useSimulates();
   const wanted = useTools(({ tool }) => tool === "body") && simulates;
@@ -76,19 +76,19 @@ export function useObstacle(tool: Tool, element: ViewElement | undefined): Obsta
   return works ? "works" : null;
 }
 
-/** Where an element is drawn in the map at this moment; null for nowhere. */
+/** The pose in the map of an element as drawn; null if it is not drawn. */
 export function poseInMap(id: string): MapPose | null {
   const matrix = new Matrix4();
   return crowd.poseOf(id, matrix) ? poseOf(matrix) : null;
 }
 
-/** Where a tool finds an element: as believed, or as it really is. */
+/** The pose that a tool edits: the believed or the true one. */
 export function startOf(tool: Tool, id: string, bodies: readonly Schema<"SimulatedBody">[]): MapPose | null {
   const body = tool === "body" ? bodies.find((one) => one.id === id) : undefined;
   return body === undefined ? poseInMap(id) : (body as unknown as MapPose);
 }
 
-/** The element that is selected, as it is believed to be. */
+/** The selected element with its believed pose. */
 export function useElement(id: string | null): ViewElement | undefined {
   return useLiveView(({ view }) => (id === null ? undefined : view?.elements.get(id)));
 }

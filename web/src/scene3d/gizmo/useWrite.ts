@@ -8,7 +8,7 @@ import { type Movable, poseInMap } from "./useMovable";
 
 const DIGITS = 6;
 
-/** Writes where an element is believed to be; changes of others are not overwritten. */
+/** Writes the believed pose of an element, unless another person has changed it. */
 export function useWriteBelief(id: string) {
   const { t } = useTranslation("scene3d");
   return useSingleMutation({
@@ -28,7 +28,7 @@ export function useWriteBelief(id: string) {
   });
 }
 
-/** Moves the simulated body; no robot knows of it. */
+/** Moves the simulated body without informing the robots. */
 export function useMoveBody(id: string) {
   return useSingleMutation({
     mutationFn: async (pose: MapPose) => {

@@ -5,11 +5,11 @@ import { useMoveBody, useWriteBelief } from "./useWrite";
 
 export type Mover = Exclude<Tool, "select">;
 
-/** Writes where something is to be: what is believed of it, or its simulated body. */
+/** Writes a new pose: the believed one, or that of the simulated body. */
 export function useWriter(tool: Mover, id: string, drafted: boolean) {
   const { data: now, refetch } = useMovable(id, tool === "belief");
   const [based, setBased] = useState<Movable | undefined>();
-  if (!drafted && now !== based) setBased(now); // an edit is based on what was there when it began
+  if (!drafted && now !== based) setBased(now); // an edit is based on the version at its start
   const belief = useWriteBelief(id);
   const body = useMoveBody(id);
   const current = tool === "body" ? body : belief;

@@ -5,7 +5,7 @@ import { useCompass } from "./compassAxes";
 const COLOURS = { x: "#e03131", y: "#2f9e44", z: "#1c7ed6" } as const;
 const AXES = ["x", "y", "z"] as const;
 
-/** Which way the axes of the map go. */
+/** Directions of the map's axes. */
 export function Compass() {
   const picture = useRef<SVGSVGElement>(null);
   useCompass(picture);

@@ -6,10 +6,10 @@ import { labelNodes, type Whereabouts } from "./labelNodes";
 
 const point = new Vector3();
 const LINE = 20; // px
-const WIDEST = 234; // px, with its padding
+const WIDEST = 234; // px, including padding
 const taken: { x: number; y: number; half: number }[] = [];
 
-/** Turns the compass, and moves the labels to where their elements are drawn; those that would cover others go above them. */
+/** Turns the compass, and moves labels to their elements; overlapping labels are moved up. */
 export function LabelMover() {
   useFrame(({ camera, size }) => {
     turnCompass(camera);
@@ -30,13 +30,13 @@ function move(
   const visibility = there ? "visible" : "hidden";
   if (node.style.visibility !== visibility) node.style.visibility = visibility;
   if (!there) return;
-  const half = Math.min(WIDEST, node.textContent.length * 6.5 + 14) / 2; // measured is too slow, every frame
-  const x = Math.max(half, Math.min(spot.x, width - half)); // long ones stay in the picture
+  const half = Math.min(WIDEST, node.textContent.length * 6.5 + 14) / 2; // measuring is too slow for every frame
+  const x = Math.max(half, Math.min(spot.x, width - half)); // long labels stay within the view
   const transform = `translate(${Math.round(x)}px, ${Math.round(free(x, spot.y, half))}px)`;
   if (node.style.transform !== transform) node.style.transform = transform;
 }
 
-/** The lowest line at or above a spot that no other label has. */
+/** The lowest free line at or above a position. */
 function free(x: number, y: number, half: number): number {
   let line = y;
   for (let tries = 0; tries < 2 * taken.length && taken.some((one) => covers(one, x, line, half)); tries++)

@@ -11,9 +11,9 @@ import { type FloatingLabel, useFloating } from "./floating";
 import { hold } from "./labelNodes";
 import classes from "./Labels.module.css";
 
-const MOST = 40; // labels, of what is not selected
+const MOST = 40; // labels of elements that are not selected
 
-/** Names over robots, places, and what is selected or pointed at. */
+/** Labels of robots, places, and the selected or hovered element. */
 export function Labels() {
   const view = useShownView();
   const shown = useLayers((layers) => layers.shown.labels);
@@ -23,7 +23,7 @@ export function Labels() {
   const ids = [...new Set([selected, hovered, ...named])];
   const elements = ids.flatMap((id) => view?.elements.get(id ?? "") ?? []);
   const seen = useFloating((state) => state.labels);
-  useEffect(() => wake()); // new ones have to be put in their places
+  useEffect(() => wake()); // new labels need positions
   return (
     <div className={classes.labels} aria-hidden>
       {elements.map((element) => (
@@ -44,7 +44,7 @@ function worthALabel(view: View): string[] {
 function Label({ element, strong }: { element: ViewElement; strong: boolean }) {
   const { t } = useTranslation("scene3d");
   const { id, kind, label, pose, place, held_by } = element;
-  const at = kind === "place" && !strong ? "middle" : "top"; // what lies on a place must stay visible
+  const at = kind === "place" && !strong ? "middle" : "top"; // objects on a place must stay visible
   const unsure = pose === null && place !== null && held_by === null;
   return (
     <div

@@ -11,9 +11,9 @@ import { useReplay } from "../replay";
 import { useLiveView } from "../view";
 import classes from "./Overlay.module.css";
 
-const SOON = 700; // ms: what is there by then needs no words
+const SOON = 700; // ms: faster loading needs no message
 
-/** What one has to know about the picture: that it is the past, that a click is awaited, that it is not up to date. */
+/** Notices about the view: it shows a replay, waits for a click, or is outdated. */
 export function Notices() {
   return (
     <div className={classes.notices}>
@@ -79,7 +79,7 @@ function ProblemNotice() {
   );
 }
 
-/** That a robot is not drawn yet as it is: the server prepares its model once, which takes a while. */
+/** Shows that the server is still preparing the models of robots, which takes a while the first time. */
 function ModelNotice() {
   const { t } = useTranslation("scene3d");
   const robots = useIsFetching({ queryKey: keys.robotModels() });

@@ -2,7 +2,7 @@ import { VisuallyHidden } from "@mantine/core";
 import { useTranslation } from "react-i18next";
 import { useShownView } from "../useShownView";
 
-/** What the picture shows, in words. */
+/** The content of the view in words. */
 export function Summary({ id }: { id: string }) {
   const { t } = useTranslation("scene3d");
   const view = useShownView();

@@ -39,7 +39,7 @@ const LAYER_ICONS: Record<Layer, TablerIcon> = {
   grid: IconGrid4x4,
 };
 
-/** Where to look from, and what to show. */
+/** Viewpoints and layers. */
 export function Toolbar() {
   const { t } = useTranslation("scene3d");
   return (

@@ -1,4 +1,4 @@
-/** Turns the compass with the camera, once a frame and past React. */
+/** Turns the compass with the camera, once a frame and without React. */
 
 import { type RefObject, useEffect } from "react";
 import { type Camera, Matrix4 } from "three";

@@ -1,11 +1,11 @@
-/** Labels of what is no element: what a camera made out. */
+/** Labels of detections, which are not elements. */
 
 import type { Vector3 } from "three";
 import { create } from "zustand";
 
 export interface FloatingLabel {
   key: string;
-  /** A class; null for what fits none. */
+  /** A class; null if no class fits. */
   type: string | null;
   point: Vector3;
 }

@@ -9,11 +9,11 @@ import { addModel } from "./models";
 interface Props {
   id: string;
   model: URDFRobot;
-  /** Writes its pose in the map; false where that is unknown. */
+  /** Writes its pose in the map; false if unknown. */
   where: (into: Matrix4) => boolean;
 }
 
-/** The model of a robot, or of a device without a robot, with its joints in their live or replayed positions. */
+/** The model of a robot, or of a device without a robot, with live or replayed joint positions. */
 export function DrawnModel({ id, model, where }: Props) {
   useEffect(() => {
     const remove = addModel(id, model);

@@ -8,17 +8,17 @@ import { headingOf, poseOf } from "../pose";
 import { robotInMap } from "./models";
 import type { RobotInfo } from "../../api/cell";
 
-const HEIGHT = 0.35; // m, of a robot of which only the outline is known
+const HEIGHT = 0.35; // m, of a robot whose model is missing
 const MARGIN = 1.2;
 
 interface Props {
   robot: RobotInfo;
   palette: Palette;
-  /** Draws a body, for a robot without a model, or until it is there. */
+  /** Draws a body, for a robot whose model is missing or not loaded yet. */
   solid: boolean;
 }
 
-/** The outline of a robot on the floor: shows that it is selected, and stands in for its model. */
+/** The footprint of a robot: marks the selection, and replaces a missing model. */
 export function Footprint({ robot, palette, solid }: Props) {
   const group = useRef<Group>(null);
   const selected = useSelection((state) => state.selected === robot.id);

@@ -8,7 +8,7 @@ import { DrawnModel } from "./DrawnModel";
 import { useModel } from "./model";
 import { noteCarrier, robotInMap } from "./models";
 
-/** A robot as its model draws it, moving live; its outline where there is no model. */
+/** A robot with its live model, or its footprint without a model. */
 export function Robot({ robot, palette }: { robot: RobotInfo; palette: Palette }) {
   const model = useModel(robot.id, robot.model);
   useEffect(() => bearTools(robot, model), [robot, model]);
@@ -21,7 +21,7 @@ export function Robot({ robot, palette }: { robot: RobotInfo; palette: Palette }
   );
 }
 
-/** Lets what a device holds follow the link of the device that it is mounted on. */
+/** Lets objects held by a device follow the link on which the device is mounted. */
 function bearTools({ devices }: RobotInfo, model: URDFRobot | null): () => void {
   const endings = devices.map(({ id, mounted_on }) => {
     const link = model?.links[devices.find((one) => one.id === mounted_on)?.frames[0] ?? ""];

@@ -5,7 +5,7 @@ import { DrawnModel } from "./DrawnModel";
 import { useModel } from "./model";
 import { Robot } from "./Robot";
 
-/** All robots of the station, and all devices that have a model of their own. */
+/** All robots of the station, and all devices with a model of their own. */
 export function Robots({ palette }: { palette: Palette }) {
   const { data: robots = [] } = useRobots();
   const { data: devices = [] } = useDevices();

@@ -1,4 +1,4 @@
-/** A robot's model from its URDF, with few draws: what belongs to one link is one mesh. */
+/** Loads a robot's model from its URDF, with few draw calls: one mesh for each link. */
 
 import { useQuery } from "@tanstack/react-query";
 import {
@@ -17,12 +17,12 @@ import URDFLoader, { type URDFRobot } from "urdf-loader";
 import { ApiProblem, BASE } from "../../api/client";
 import { keys } from "../../api/keys";
 
-const CREASE = 0.6; // rad: sharper edges stay edges
+const CREASE = 0.6; // rad: sharper edges are not smoothed
 const UNPREPARED = [202, 503];
 const MOST_TRIES = 60;
 const MATERIAL = new MeshLambertMaterial({ vertexColors: true });
 
-/** Returns the model of a robot, or of a device without a robot; null until it is loaded, and where there is none. */
+/** Returns the model of a robot, or of a device without a robot; null while loading, and without a model. */
 export function useModel(id: string, name: string): URDFRobot | null {
   const { data } = useQuery({ queryKey: keys.robotModels(id, name), queryFn: () => loadModel(id), gcTime: 0 });
   return data ?? null;
@@ -35,11 +35,11 @@ async function loadModel(id: string): Promise<URDFRobot | null> {
   if (!response.ok) throw new ApiProblem(response.status, undefined);
   const model = await parsed(await response.text(), address.replace(/[^/]*$/, ""));
   for (const link of Object.values(model.links)) condense(link);
-  for (const joint of Object.values(model.joints)) joint.ignoreLimits = true; // it is where it is
+  for (const joint of Object.values(model.joints)) joint.ignoreLimits = true; // joints show the measured position
   return model;
 }
 
-/** Asks until the model is prepared, which takes seconds the first time. */
+/** Polls until the model is prepared, which takes seconds the first time. */
 async function prepared(address: string): Promise<Response> {
   for (let tries = 0; ; tries++) {
     const response = await fetch(address);
@@ -56,7 +56,7 @@ function parsed(urdf: string, folder: string): Promise<URDFRobot> {
     loader.loadMeshCb = (path, _manager, material, done) => {
       new STLLoader(manager).load(path, (geometry) => done(new Mesh(smooth(geometry), material)), undefined, reject);
     };
-    manager.itemStart(folder); // so that it does not end before it has begun
+    manager.itemStart(folder); // so that loading does not end before it has started
     loader.workingPath = folder;
     const model = loader.parse(urdf);
     manager.onLoad = () => resolve(model);
@@ -70,7 +70,7 @@ function smooth(geometry: BufferGeometry): BufferGeometry {
   return smoothed;
 }
 
-/** Makes one mesh of all that is seen of a link. */
+/** Merges the visual geometries of a link into one mesh. */
 function condense(link: Object3D): void {
   const visuals = link.children.filter((child) => "isURDFVisual" in child);
   const pieces = visuals.flatMap((visual) => piecesOf(visual, link));
@@ -93,7 +93,7 @@ function piecesOf(visual: Object3D, link: Object3D): BufferGeometry[] {
   return pieces;
 }
 
-/** The geometry with what all have: places and normals. */
+/** The geometry reduced to common attributes: positions and normals. */
 function plain(geometry: BufferGeometry): BufferGeometry {
   const flat = geometry.index === null ? geometry.clone() : geometry.toNonIndexed();
   geometry.dispose();
@@ -110,7 +110,7 @@ function coloured(geometry: BufferGeometry, colour: Color): BufferGeometry {
   return geometry.setAttribute("color", new BufferAttribute(colours, 3));
 }
 
-/** Lets go of what a model holds on the graphics card. */
+/** Releases a model's resources on the graphics card. */
 export function disposeModel(model: Object3D): void {
   model.traverse((object) => {
     if (object instanceof Mesh) (object.geometry as BufferGeometry).dispose();

@@ -1,4 +1,4 @@
-/** The models that are drawn, and the poses of their robots. */
+/** The drawn models, and the poses of their robots. */
 
 import { Matrix4, type Vector3 } from "three";
 import type { URDFRobot } from "urdf-loader";
@@ -8,10 +8,10 @@ import { matrixOf } from "../pose";
 import { disposeModel } from "./model";
 import type { RobotInfo } from "../../api/cell";
 
-/** The drawn models by the id of the robot, or of the device without a robot. */
+/** Drawn models by the id of the robot, or of the device without a robot. */
 export const useModels = create<Readonly<Record<string, URDFRobot>>>(() => ({}));
 
-/** Adds a model that is drawn; returns how to take it away. */
+/** Registers a drawn model; returns the function that removes it. */
 export function addModel(id: string, model: URDFRobot): () => void {
   useModels.setState({ [id]: model });
   return () => {
@@ -21,27 +21,27 @@ export function addModel(id: string, model: URDFRobot): () => void {
   };
 }
 
-/** The devices that move robots through the map, by the robots' ids. */
+/** The devices that move robots through the map, by robot id. */
 export const carrierOf = new Map<string, string>();
 
-/** Notes the device that moves a robot through the map; returns how to undo that. */
+/** Registers the device that moves a robot through the map; returns the function that removes it. */
 export function noteCarrier({ id, carrier }: RobotInfo): () => void {
   if (carrier !== null) carrierOf.set(id, carrier);
   return () => carrierOf.delete(id);
 }
 
-/** Writes where a robot is in the map; false where that is unknown. */
+/** Writes the pose of a robot in the map; false if unknown. */
 export function robotInMap({ carrier, place }: RobotInfo, into: Matrix4): boolean {
   if (carrier !== null) return deviceInMap(carrier, into);
   if (place) matrixOf(place, into);
   return place !== null;
 }
 
-const MIDDLE = 0.45; // m: of robots only the footprint is known
+const MIDDLE = 0.45; // m: only the footprint of a robot is known
 const TOP = 1.1; // m
 const here = new Matrix4();
 
-/** Writes a point of a robot in the map; false for what is no robot that moves. */
+/** Writes a point of a robot in the map; false if it is not a mobile robot. */
 export function robotPoint(robot: string, into: Vector3, top: boolean): boolean {
   const carrier = carrierOf.get(robot);
   if (carrier === undefined || !deviceInMap(carrier, here)) return false;

@@ -4,7 +4,7 @@ import { answer, api, type Schema } from "../../api/client";
 import { keys } from "../../api/keys";
 import type { InputProps } from "./Input";
 
-/** The name of a class; all there are are offered. */
+/** Chooses any class by name. */
 export function ClassInput({ label, help, error, value, onChange, placeholder, required }: InputProps) {
   const { data = [] } = useQuery({
     queryKey: keys.ontology("classes", "names"),

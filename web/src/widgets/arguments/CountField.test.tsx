@@ -19,7 +19,7 @@ function Rounds({ first }: { first: number }) {
   );
 }
 
-test("who clears the field and types a number gets that number", async () => {
+test("clearing the field and typing a number gives that number", async () => {
   const user = userEvent.setup();
   render(<Rounds first={1} />);
   const field = screen.getByLabelText("Rounds");
@@ -32,7 +32,7 @@ test("who clears the field and types a number gets that number", async () => {
   expect(screen.getByRole("status")).toHaveTextContent(/^-12$/);
 });
 
-test("a field that was left empty shows what holds", async () => {
+test("a field left empty shows the value in force", async () => {
   const user = userEvent.setup();
   render(<Rounds first={7} />);
   const field = screen.getByLabelText("Rounds");
@@ -41,7 +41,7 @@ test("a field that was left empty shows what holds", async () => {
   expect(field).toHaveValue("7");
 });
 
-test("what is beyond the limits becomes the limit", async () => {
+test("a value beyond the limits becomes the limit", async () => {
   const user = userEvent.setup();
   render(<Rounds first={1} />);
   await user.type(screen.getByLabelText("Rounds"), "234");

@@ -8,9 +8,9 @@ interface Props extends Omit<ComponentProps<typeof NumberField>, "value" | "onCh
   onChange: (value: number) => void;
 }
 
-/** A whole number that always is one: while its field is empty it stays what it was, so that another can be typed. */
+/** An input for an integer that is always valid: the value is kept while the field is empty. */
 export function CountField({ value, min, max, onChange, ...rest }: Props) {
-  const [unfit, setUnfit] = useState<{ written: number | undefined } | null>(null); // empty, or no whole number
+  const [unfit, setUnfit] = useState<{ written: number | undefined } | null>(null); // empty, or not an integer
   const take = (next: number | undefined) => {
     const fits = next !== undefined && !Number.isNaN(next);
     setUnfit(fits ? null : { written: next });

@@ -10,12 +10,12 @@ export interface InputProps {
   label: string;
   help?: string | undefined;
   error?: string | undefined;
-  /** What it is where nothing is said. */
+  /** The default. */
   placeholder?: string;
   required?: boolean;
   shape: Shape;
   value: unknown;
-  /** Undefined leaves it out. */
+  /** Undefined omits the value. */
   onChange: (value: unknown) => void;
 }
 
@@ -35,7 +35,7 @@ const INPUTS: Record<InputKind, (props: InputProps) => ReactNode> = {
   json: Json,
 };
 
-/** The input that fits a value of that shape. */
+/** The input for a value of that shape. */
 export function Input(props: InputProps) {
   const Fitting = INPUTS[inputKind(props.shape)];
   return <Fitting {...props} />;
@@ -86,7 +86,7 @@ function OneText({ label, help, error, placeholder, required, value, onChange }:
   );
 }
 
-/** Yes, no, or nothing said; a switch could not say the third. */
+/** Yes, no, or undefined, which a switch could not express. */
 function YesOrNo({ label, help, error, placeholder, required, value, onChange }: InputProps) {
   const { t } = useTranslation("modules");
   return (
@@ -143,7 +143,7 @@ function ManyTexts({ label, help, error, required, value, onChange }: InputProps
   );
 }
 
-/** Any number of numbers, written one after the other. */
+/** A list of numbers in one text field. */
 function ManyNumbers({ label, help, error, required, value, onChange }: InputProps) {
   const { t } = useTranslation("modules");
   const [draft, setDraft] = useState("");
@@ -167,7 +167,7 @@ function ManyNumbers({ label, help, error, required, value, onChange }: InputPro
   );
 }
 
-/** A number where it is one, else the text itself, which the check then refuses. */
+/** A number if it is one, otherwise the text, which the check then rejects. */
 function numeral(word: string): number | string {
   const number = Number(word.replace(",", "."));
   return Number.isFinite(number) ? number : word;
@@ -181,7 +181,7 @@ function namesOf(many: number): string[] {
   return many === 3 ? ["x", "y", "z"] : Array.from({ length: many }, (_, index) => String(index + 1));
 }
 
-/** So many numbers, each with its name; left out while none is said. */
+/** A fixed number of named numbers; omitted while all are empty. */
 function Numbers({ label, help, error, shape, value, onChange, names }: InputProps & { names: readonly string[] }) {
   const numbers: unknown[] = Array.isArray(value) ? value : [];
   const defaults: unknown[] = Array.isArray(shape.schema.default) ? shape.schema.default : [];
@@ -225,7 +225,7 @@ function Below({ help, error }: Pick<InputProps, "help" | "error">) {
   );
 }
 
-/** A value that has parts of its own. */
+/** A value with fields. */
 function Parts({ label, help, error, shape, value, onChange }: InputProps) {
   const parts: Arguments = typeof value === "object" && value !== null ? (value as Arguments) : {};
   const take = (key: string, part: unknown) => {
@@ -257,7 +257,7 @@ function Parts({ label, help, error, shape, value, onChange }: InputProps) {
   );
 }
 
-/** Returns what a field shows while nothing is said in it. */
+/** Returns the placeholder of a field, which shows its default. */
 export function placeholderOf(standard: unknown): string {
   if (standard === undefined || standard === null) return "";
   return typeof standard === "object" ? JSON.stringify(standard) : String(standard);

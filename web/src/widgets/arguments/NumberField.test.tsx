@@ -23,21 +23,21 @@ function show(first: number | undefined) {
   return { field: screen.getByLabelText("x"), value: screen.getByRole("status") };
 }
 
-test.each([undefined, 0.4, 1.5])("what is put in at once is the same as typed, whatever was there (%s)", (first) => {
+test.each([undefined, 0.4, 1.5])("inserting a number equals typing it (field contained %s)", (first) => {
   const { field, value } = show(first);
   fireEvent.change(field, { target: { value: "1,5" } });
   expect(value).toHaveTextContent(/^1.5$/);
   expect(field).toHaveValue("1,5");
 });
 
-test("what is pasted is the same as typed", async () => {
+test("pasting equals typing", async () => {
   const { field, value } = show(undefined);
   await userEvent.click(field);
   await userEvent.paste("-1,25");
   expect(value).toHaveTextContent(/^-1.25$/);
 });
 
-test("what is no number is said beside the field, and is not another number", () => {
+test("a text that is not a number shows a fault and yields no other number", () => {
   const { field, value } = show(0.4);
   fireEvent.change(field, { target: { value: "1e999" } });
   expect(value).toHaveTextContent("NaN");
@@ -46,7 +46,7 @@ test("what is no number is said beside the field, and is not another number", ()
   expect(screen.getByText(/1e999/)).toBeInTheDocument();
 });
 
-test("the arrow keys step, and an emptied field is empty", async () => {
+test("the arrow keys step, and a cleared field is empty", async () => {
   const { field, value } = show(0.4);
   await userEvent.type(field, "{ArrowUp}{ArrowUp}{ArrowDown}");
   expect(value).toHaveTextContent(/^0.41$/);

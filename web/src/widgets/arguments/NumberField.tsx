@@ -5,11 +5,11 @@ import { isNoNumber, numberIn, stepped } from "./numerals";
 
 interface Props extends Omit<TextInputProps, "value" | "onChange" | "defaultValue" | "min" | "max" | "step"> {
   value: number | undefined;
-  /** Undefined where nothing is written, NaN where that is no number (yet). */
+  /** Undefined if empty, NaN if it is not a number (yet). */
   onChange: (value: number | undefined) => void;
   allowDecimal?: boolean;
   unit?: string | undefined;
-  /** By how much the arrow keys change it, and how far. */
+  /** Step size of the arrow keys, and their limits. */
   step?: number;
   min?: number | undefined;
   max?: number | undefined;
@@ -17,7 +17,7 @@ interface Props extends Omit<TextInputProps, "value" | "onChange" | "defaultValu
 
 const ARROWS: Readonly<Record<string, number>> = { ArrowUp: 1, ArrowDown: -1 };
 
-/** A number, or nothing; what is half written ("-", "1,") stays while it is being written, also what is pasted. */
+/** An optional number; partial input ("-", "1,") is kept while typing, also after pasting. */
 export function NumberField({ value, onChange, allowDecimal = true, unit, step = 1, min, max, ...rest }: Props) {
   const { t } = useTranslation();
   const [draft, setDraft] = useState(() => textOf(value));

@@ -1,7 +1,7 @@
 import dumped from "./parameters.testdata.json";
 import { argumentFaults, inputKind, type Parameter, shapeOf, shownParameters, withArgument, within } from "./schemas";
 
-/** The parameters of all modules that a server of the kitting scene has. */
+/** The parameters of all modules of the kitting scene. */
 const MODULES = dumped as unknown as Record<string, Parameter[]>;
 const all = Object.values(MODULES).flat();
 
@@ -15,7 +15,7 @@ function made(json_schema: Record<string, unknown>, type = "Thing"): Parameter {
   return { key: "it", type, kind: "online", help: "", unit: "", required: true, planning: false, json_schema };
 }
 
-test("every parameter of every module has an input of its own, none is left to raw JSON", () => {
+test("every parameter of every module has its own input, none needs raw JSON", () => {
   expect(all.length).toBeGreaterThan(50);
   expect(all.filter((one) => inputKind(shapeOf(one)) === "json")).toEqual([]);
 });
@@ -33,13 +33,13 @@ test.each([
   expect(inputKind(shapeOf(parameter(module, key)))).toBe(kind);
 });
 
-test("six numbers are a pose only where the parameter says so", () => {
+test("six numbers are a pose only if the parameter says so", () => {
   const six = { type: "array", items: { type: "number" }, minItems: 6, maxItems: 6 };
   expect(inputKind(shapeOf(made(six, "pose")))).toBe("pose");
   expect(inputKind(shapeOf(made(six, "number")))).toBe("vector");
 });
 
-test("parameters for planning are not shown, and what people say comes first", () => {
+test("parameters for planning are hidden, and required ones come first", () => {
   for (const parameters of Object.values(MODULES)) {
     const { said, spare } = shownParameters(parameters);
     expect([...said, ...spare].some((one) => one.planning)).toBe(false);
@@ -48,14 +48,14 @@ test("parameters for planning are not shown, and what people say comes first", (
   expect(shownParameters(MODULES["pick"] ?? []).said.map((one) => one.key)).toEqual(["Container", "Object"]);
 });
 
-test("a default is never at fault, nor is what is left out", () => {
+test("defaults and omitted values are valid", () => {
   for (const one of all) {
     expect(argumentFaults([one], {})).toEqual({});
     expect(argumentFaults([one], { [one.key]: one.default ?? null })).toEqual({});
   }
 });
 
-test("a half-filled vector, a broken number and a number beyond its limit are at fault", () => {
+test("partial vectors, malformed numbers and numbers beyond a limit are faults", () => {
   const translation = parameter("jog_tool", "translation");
   expect(argumentFaults([translation], { translation: [1, null, 3] })["translation"]?.keyword).toBe("type");
   expect(argumentFaults([translation], { translation: [1, 2] })["translation"]).toMatchObject({
@@ -68,7 +68,7 @@ test("a half-filled vector, a broken number and a number beyond its limit are at
   expect(argumentFaults([limited], { it: 3 })["it"]).toMatchObject({ keyword: "maximum", limit: 2 });
 });
 
-describe("a value of an author's own class", () => {
+describe("a value of a plug-in's own class", () => {
   const way = made({
     type: "object",
     properties: {
@@ -80,7 +80,7 @@ describe("a value of an author's own class", () => {
     $defs: { Gait: { enum: ["walk", "run"] } },
   });
 
-  test("has parts, whose references and optional values are looked through", () => {
+  test("has fields, with references and optional values resolved", () => {
     const shape = shapeOf(way);
     expect(inputKind(shape)).toBe("object");
     const properties = shape.schema.properties as Record<string, object>;
@@ -88,14 +88,14 @@ describe("a value of an author's own class", () => {
     expect(kinds).toEqual(["number", "choice", "integer"]);
   });
 
-  test("is at fault where a part is missing or wrong", () => {
+  test("is at fault if a field is missing or wrong", () => {
     expect(argumentFaults([way], { it: { gait: "walk" } })["it"]?.keyword).toBe("required");
     expect(argumentFaults([way], { it: { speed: 1, gait: "fly" } })["it"]?.keyword).toBe("enum");
     expect(argumentFaults([way], { it: { speed: 1, gait: "run", rest: null } })).toEqual({});
   });
 });
 
-test("a value that is taken back is left out", () => {
+test("a cleared value is omitted", () => {
   expect(withArgument({ a: 1, b: 2 }, "a", undefined)).toEqual({ b: 2 });
   expect(withArgument({ a: 1 }, "b", null)).toEqual({ a: 1, b: null });
 });

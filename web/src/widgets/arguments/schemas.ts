@@ -1,11 +1,11 @@
-/** Parameters of modules as a form sees them: which input fits a value, and what is wrong with one. */
+/** Parameters of modules as form fields: the input for each, and the validation of values. */
 
 import { type Schema as JsonSchema, Validator } from "@cfworker/json-schema";
 import type { Schema } from "../../api/client";
 
 export type Parameter = Schema<"ModuleParameter">;
 
-/** Values by parameter key; a key that is not there is left out, so that it is inferred or its default. */
+/** Values by parameter key; missing keys are inferred or get their defaults. */
 export type Arguments = Record<string, unknown>;
 
 export type { JsonSchema };
@@ -25,10 +25,10 @@ export type InputKind =
   | "object"
   | "json";
 
-/** What a value is made of, with its own definitions at hand: those stand only at the top of a parameter's schema. */
+/** A JSON schema with the definitions of its parameter, which only the outermost schema contains. */
 export interface Shape {
   schema: JsonSchema;
-  /** Type of the parameter where it says more than the schema ("class", "pose"); else empty. */
+  /** Type of the parameter, if more specific than the schema ("class", "pose"); otherwise empty. */
   type: string;
   definitions: Record<string, JsonSchema>;
 }
@@ -39,7 +39,7 @@ export function shapeOf({ type, json_schema }: Parameter): Shape {
   return within({ schema, type, definitions: { ...items.$defs, ...schema.$defs } }, schema);
 }
 
-/** Returns the shape of a part of a value: references resolved, "or nothing" taken away. */
+/** Returns the shape of a part of a value: references resolved, optional types reduced. */
 export function within(whole: Shape, part: JsonSchema, type = whole.type): Shape {
   const name = part.$ref?.match(/^#\/\$defs\/(.+)$/)?.[1];
   const target = name === undefined ? undefined : whole.definitions[name];
@@ -52,7 +52,7 @@ export function within(whole: Shape, part: JsonSchema, type = whole.type): Shape
 
 const LIST_KINDS: Record<string, InputKind> = { number: "numbers", integer: "numbers", string: "texts" };
 
-/** Returns which input fits; "json" for what has no better one. */
+/** Returns the kind of input; "json" if there is none more specific. */
 export function inputKind({ schema, type }: Shape): InputKind {
   if (typeof schema.class === "string") return "element";
   if (schema.enum !== undefined || schema.const !== undefined) return "choice";
@@ -70,18 +70,18 @@ function listKind(schema: JsonSchema, type: string): InputKind {
   return kind === "numbers" && count(schema) > 0 ? "vector" : kind;
 }
 
-/** Returns how many values a list has to have; 0 where that is free. */
+/** Returns the fixed length of a list; 0 if it may vary. */
 export function count({ minItems, maxItems }: JsonSchema): number {
   return minItems !== undefined && minItems === maxItems ? minItems : 0;
 }
 
-/** Returns the values with one set; undefined leaves it out. */
+/** Returns the values with one replaced; undefined removes it. */
 export function withArgument(values: Arguments, key: string, value: unknown): Arguments {
   const rest = Object.fromEntries(Object.entries(values).filter(([name]) => name !== key));
   return value === undefined ? rest : { ...rest, [key]: value };
 }
 
-/** Parameters that a form shows: first what people say, then what may be left out; those for planning never. */
+/** Parameters shown in a form: required ones first, then optional ones; never those for planning. */
 export function shownParameters(parameters: readonly Parameter[], hidePlanning = true) {
   const shown = parameters.filter((parameter) => !(hidePlanning && parameter.planning));
   return {
@@ -90,17 +90,17 @@ export function shownParameters(parameters: readonly Parameter[], hidePlanning =
   };
 }
 
-/** What is wrong with a value. */
+/** A fault of a value. */
 export interface Fault {
-  /** Keyword of the schema that it does not fulfil. */
+  /** The keyword of the schema that is violated. */
   keyword: string;
-  /** What that keyword says: the limit, the number of items. */
+  /** The value of the keyword: the limit, the number of items. */
   limit: unknown;
-  /** The same in the words of the validator. */
+  /** The validator's message. */
   text: string;
 }
 
-/** Returns what is wrong with a value; null where it fits, is left out, or only the server can tell. */
+/** Returns the fault of a value; null if it is valid, omitted, or can only be checked by the server. */
 export function faultOf(schema: JsonSchema, value: unknown): Fault | null {
   if (value === undefined || value === null) return null;
   const { valid, errors } = validated(schema, value);
@@ -110,7 +110,7 @@ export function faultOf(schema: JsonSchema, value: unknown): Fault | null {
   return { keyword, limit: schema[keyword], text: error };
 }
 
-/** Returns what is wrong with values, by key. */
+/** Returns the faults of values, by key. */
 export function argumentFaults(parameters: readonly Parameter[], values: Arguments): Record<string, Fault> {
   const faults: Record<string, Fault> = {};
   for (const { key, json_schema } of parameters) {
@@ -124,11 +124,11 @@ function validated(schema: JsonSchema, value: unknown) {
   try {
     return new Validator(schema, "2020-12", false).validate(withoutNaN(value));
   } catch {
-    return { valid: true, errors: [] }; // a schema that this validator cannot read: the server checks in any case
+    return { valid: true, errors: [] }; // a schema that this validator cannot handle: the server checks anyway
   }
 }
 
-/** NaN is a number to the validator, and none to the server: it stands for what was written and is none. */
+/** NaN marks invalid input; the validator accepts it as a number, the server does not. */
 function withoutNaN(value: unknown): unknown {
   if (Array.isArray(value)) return value.map(withoutNaN);
   return Number.isNaN(value) ? "NaN" : value;

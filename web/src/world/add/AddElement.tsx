@@ -13,18 +13,18 @@ import { useOptions } from "./options";
 import { type Adding, useAdding } from "./useAdding";
 
 interface Props {
-  /** On what it is put, to begin with; null for nothing in particular. */
+  /** Proposed place; null for none. */
   parent: Details | null;
-  /** What it is a copy of. */
+  /** The element that is copied. */
   like?: Details;
   onClose: () => void;
 }
 
-/** Adds an element below another: of a class that may be put there, or a copy. */
+/** Adds an element at a place: of a class that fits there, or a copy. */
 export function AddElement({ parent, like, onClose }: Props) {
   const { t } = useTranslation(["world", "common"]);
   const adding = useAdding(parent, like, onClose);
-  const picking = useSelection(({ pick }) => pick !== null); // steps aside, so that the place can be clicked at
+  const picking = useSelection(({ pick }) => pick !== null); // makes room for picking the place
   const title = like ? t("add.copyOf", { label: like.label }) : t("add.title");
   const submit = (event: SyntheticEvent) => {
     event.preventDefault();

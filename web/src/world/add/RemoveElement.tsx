@@ -17,7 +17,7 @@ interface Props {
   onClose: () => void;
 }
 
-/** Asks before an element is removed; says what goes with it, and what stays. */
+/** Asks for confirmation before an element is removed; lists what is removed with it, and what moves. */
 export function RemoveElement({ tagged: { data, tag }, onClose }: Props) {
   const { t } = useTranslation(["world", "common"]);
   const remove = useWrite(
@@ -97,7 +97,7 @@ function Names({ nodes }: { nodes: readonly Node[] }) {
   );
 }
 
-/** Sorts what hangs on a node: pieces, which go with it, and what was put there or at a piece, which stays. */
+/** Sorts the children of a node: parts, which are removed with it, and elements placed at it, which stay. */
 function hanging(node: Node, relations: readonly RelationInfo[]): { pieces: Node[]; guests: Node[] } {
   const structure = new Set(relations.filter(({ family }) => family === "structure").map(({ name }) => name));
   const pieces = node.children.filter(({ relation }) => structure.has(relation));

@@ -10,13 +10,13 @@ interface Option {
 
 export interface Options {
   classes: Option[];
-  /** Abstract individuals, which are copied with their pieces. */
+  /** Abstract individuals, which are copied with their parts. */
   copies: Option[];
-  /** The class of what was chosen. */
+  /** The class of the chosen option. */
   classOf: (value: string | null) => string | null;
 }
 
-/** What may be added at a place: classes by the ontology, and abstract individuals of such classes. */
+/** Candidates for adding at a place: classes that the ontology permits, and abstract individuals of such classes. */
 export function useOptions(parent: Details | null): Options {
   const classes = useClasses();
   const { data: relations } = useRelations();

@@ -17,9 +17,9 @@ import { isPose } from "../values";
 const POSE = "sk:pose";
 const ASIDE = 0.1; // m: a copy must not stand inside its original
 
-/** Something that is being added. */
+/** The form of an element to add. */
 export interface Adding {
-  /** The class, or the abstract individual that is copied. */
+  /** The class, or the abstract individual to copy. */
   what: string | null;
   class_: string | null;
   choose: (what: string | null, class_: string | null) => void;
@@ -27,7 +27,7 @@ export interface Adding {
   setDraft: (draft: Draft) => void;
   reason: string;
   setReason: (reason: string) => void;
-  /** Fields in which a number is missing or none: then nothing is added. */
+  /** Fields with missing or malformed numbers, which prevent saving. */
   unfit: readonly string[];
   saving: boolean;
   save: () => void;

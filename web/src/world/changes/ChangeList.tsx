@@ -17,11 +17,11 @@ const FEW = 8;
 
 interface Props {
   query: UseInfiniteQueryResult<InfiniteData<Schema<"ChangePage">>>;
-  /** Only the edits about this element are shown. */
+  /** Shows only the edits of this element. */
   about?: string;
 }
 
-/** Changes with author, reason and what they did; the one that comes next can be taken back. */
+/** Changes with author, reason and edits; the next one to undo has a button. */
 export function ChangeList({ query, about }: Props) {
   const { t } = useTranslation("world");
   if (query.error) return <Text size="sm">{problemText(query.error)}</Text>;

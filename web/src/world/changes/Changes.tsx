@@ -5,7 +5,7 @@ import { ChangeList } from "./ChangeList";
 
 const PAGE = 30;
 
-/** All changes of the world, the latest first. */
+/** All changes of the world, latest first. */
 export function Changes() {
   const query = useInfiniteQuery({
     queryKey: keys.world("changes"),

@@ -6,7 +6,7 @@ import { withdrawUndo } from "../../widgets/toasts";
 import { useWrite } from "../edit/useWrite";
 import { useWorldInfo } from "../queries";
 
-/** Takes back the last edit by a person, and says which that is; with `only`, it is there for that change alone. */
+/** Undoes the last edit by a person, and describes it; with `only`, it is shown for that change alone. */
 export function UndoButton({ only }: { only?: number }) {
   const { t } = useTranslation("world");
   const { data } = useWorldInfo();

@@ -29,7 +29,7 @@ interface Props {
   onEdit: () => void;
 }
 
-/** What may be done with the selected element. */
+/** Actions on the selected element. */
 export function Actions({ tagged, onEdit }: Props) {
   const { t } = useTranslation("world");
   const [dialog, setDialog] = useState<Dialog>(null);
@@ -73,7 +73,7 @@ export function Actions({ tagged, onEdit }: Props) {
   );
 }
 
-/** Waits for a click on the new place, in the tree or in the 3D view: what dragging does, by keyboard, too. */
+/** Waits for a click on the new place, in the tree or in the 3D view: the keyboard's equivalent of dragging. */
 function MoveButton({ tagged: { data } }: { tagged: Tagged }) {
   const { t } = useTranslation("world");
   const move = useMove();
@@ -99,7 +99,7 @@ function MoveButton({ tagged: { data } }: { tagged: Tagged }) {
   );
 }
 
-/** Switches the tool of the 3D view: beliefs, or the simulated body, without the robots knowing. */
+/** Activates a tool of the 3D view: moves the belief, or the simulated body without informing the robots. */
 function ToolButtons() {
   const { t } = useTranslation("world");
   const { data } = useQuery({

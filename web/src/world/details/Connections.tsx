@@ -12,7 +12,7 @@ import type { Tagged } from "../queries";
 
 type Relation = Schema<"Relation">;
 
-/** What is stated of an element, in both directions. */
+/** The relations of an element, in both directions. */
 export function Connections({ tagged }: { tagged: Tagged }) {
   const { t } = useTranslation("world");
   const { relations, relations_total: total } = tagged.data;

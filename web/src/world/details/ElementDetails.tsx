@@ -15,7 +15,7 @@ import { History } from "./History";
 import { Properties } from "./Properties";
 import { Whereabouts } from "./Whereabouts";
 
-/** Everything about the selected element, and what may be done with it. */
+/** The details of the selected element, and the actions on it. */
 export function ElementDetails() {
   const { t } = useTranslation("world");
   const selected = useSelection((selection) => selection.selected);

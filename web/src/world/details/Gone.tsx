@@ -4,7 +4,7 @@ import { Moment } from "../../widgets/Moment";
 import { UndoButton } from "../changes/UndoButton";
 import { useRemoval } from "./removal";
 
-/** Says of an element that was there that it is gone: who removed it, and how it comes back. */
+/** Shows who removed an element that existed before, and how to restore it. */
 export function Gone({ id }: { id: string }) {
   const { t } = useTranslation("world");
   const { data: removal } = useRemoval(id);

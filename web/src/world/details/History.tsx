@@ -5,7 +5,7 @@ import { ChangeList } from "../changes/ChangeList";
 
 const PAGE = 20;
 
-/** The changes that touched an element, the latest first. */
+/** The changes of an element, latest first. */
 export function History({ element }: { element: string }) {
   const query = useInfiniteQuery({
     queryKey: keys.world("history", element),

@@ -13,7 +13,7 @@ type Origin = Property["origin"];
 const ICONS: Record<Origin, TablerIcon> = { own: IconUser, taught: IconSchool, class: IconBooks };
 const LONG = 120; // characters
 
-/** The values of an element, each with where it comes from. */
+/** The values of an element with their origins. */
 export function Properties({ element }: { element: Details }) {
   const { t } = useTranslation("world");
   const { data } = useClass(element.class);
@@ -87,7 +87,7 @@ function Value({ value, unit }: { value: unknown; unit: string }) {
   );
 }
 
-/** Says by icon and word whose value it is. */
+/** The origin of a value, as an icon and text. */
 function OriginMark({ property: { origin, taught_by } }: { property: Property }) {
   const { t } = useTranslation("world");
   const Icon = ICONS[origin];

@@ -5,7 +5,7 @@ import type { Details } from "../queries";
 import { useWords } from "../useWords";
 import { written } from "../values";
 
-/** Where an element is, and whose piece. */
+/** The place, owner and pose of an element. */
 export function Whereabouts({ element }: { element: Details }) {
   const { t } = useTranslation("world");
   const words = useWords();

@@ -7,13 +7,13 @@ import type { Edit } from "../tree/concerned";
 
 type Change = Schema<"Change">;
 
-/** Returns the change by which an element went, where that is the last one that touched it. */
+/** Returns the change that removed an element, if it is the last one of that element. */
 export function removalIn([last]: readonly Change[], id: string): Change | null {
   const went = ({ edit, element, new: now }: Edit) => edit === "element" && element === id && now === null;
   return last !== undefined && (last.edits as unknown as Edit[]).some(went) ? last : null;
 }
 
-/** The change by which an element went; null where it did not, or that is unknown. */
+/** The change that removed an element; null if it was not removed, or unknown. */
 export function useRemoval(id: string, asked = true) {
   return useQuery({
     queryKey: keys.world("removal", id),
@@ -27,7 +27,7 @@ async function read(id: string): Promise<Change | null> {
   try {
     return removalIn((await answer(api.GET("/api/v1/elements/{element}/history", { params }))).items, id);
   } catch (error) {
-    if (isGone(error)) return null; // it was never there
+    if (isGone(error)) return null; // it never existed
     throw error;
   }
 }

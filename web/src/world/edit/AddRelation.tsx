@@ -12,7 +12,7 @@ import { useWrite } from "./useWrite";
 
 type Direction = "from" | "to";
 
-/** States a relation of an element to another: those that the ontology allows it, in either direction. */
+/** Adds a relation between elements: those that the ontology permits, in either direction. */
 export function AddRelation({ tagged }: { tagged: Tagged }) {
   const { t } = useTranslation(["world", "common"]);
   const [open, setOpen] = useState(false);

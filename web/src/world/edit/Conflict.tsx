@@ -13,7 +13,7 @@ interface Props {
   onDone: () => void;
 }
 
-/** Another person changed it meanwhile: shows both versions and asks. */
+/** Another person has changed the element meanwhile: shows both versions and asks what to do. */
 export function Conflict({ editing, theirs, onDone }: Props) {
   const { t } = useTranslation("world");
   const found = differences(editing.before, draftOf(theirs.data), editing.draft);

@@ -19,7 +19,7 @@ interface Props {
   onDone: () => void;
 }
 
-/** Edits an element; others cannot meanwhile, and what they wrote before is shown, never overwritten. */
+/** Edits an element, with a lock; earlier changes by others are shown, never overwritten. */
 export function EditForm({ tagged, onDone }: Props) {
   const { t } = useTranslation(["world", "common"]);
   const editing = useEditing(tagged, onDone);

@@ -3,7 +3,7 @@ import { useTranslation } from "react-i18next";
 import { Status } from "../../widgets/Status";
 import type { Move } from "./useMove";
 
-/** Asks how to place something where it was dropped, or says why it cannot be. */
+/** Asks how to place an element where it was dropped, or explains why it cannot be placed there. */
 export function MoveDialog({ move }: { move: Move }) {
   const { t } = useTranslation(["world", "common"]);
   const { question, close, put } = move;

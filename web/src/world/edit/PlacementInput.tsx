@@ -10,7 +10,7 @@ import { type Placement, useRelations } from "../queries";
 import { askFits, type Guest, placeEnd, placementsFor } from "./placements";
 
 interface Props {
-  /** What is placed. */
+  /** The element to place. */
   guest: Guest;
   /** Its class. */
   class_: string;
@@ -19,7 +19,7 @@ interface Props {
   error?: ReactNode;
 }
 
-/** Takes where something is; says of the place whether it would take it, and why not. */
+/** Chooses relation and place, and shows whether the place accepts the element, and why not. */
 export function PlacementInput({ guest, class_, value, onChange, error }: Props) {
   const { t } = useTranslation("world");
   const classes = useClasses();

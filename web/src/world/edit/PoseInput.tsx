@@ -13,20 +13,20 @@ interface Props {
   error?: ReactNode;
   value: PoseValue;
   onChange: (value: PoseValue) => void;
-  /** Whether the frame may be chosen; else the property says in which one it is. */
+  /** Whether the frame can be chosen; otherwise the property determines it. */
   framed: boolean;
 }
 
 const LENGTHS = ["x", "y", "z"] as const;
 const ANGLES = ["roll", "pitch", "yaw"] as const;
 
-/** A pose as it is being written; undefined and NaN where a number is missing. */
+/** A pose being edited; missing numbers are undefined or NaN. */
 type Written = Record<keyof PoseNumbers, number | undefined>;
 
-/** Takes a pose in metres and degrees; what lacks a number of it is NaN, and not to be saved. */
+/** Edits a pose in metres and degrees; incomplete poses contain NaN and cannot be saved. */
 export function PoseInput({ label, description, error, value, onChange, framed }: Props) {
   const { t } = useTranslation("world");
-  // Kept as they are typed: a quaternion does not tell which of several angles was meant.
+  // Angles are kept as typed: a quaternion does not determine them uniquely.
   const [numbers, setNumbers] = useState<Written>(() => numbersOf(value));
   const take = (change: Partial<Written>) => {
     const next = { ...numbers, ...change };

@@ -9,7 +9,7 @@ import { ValueInput } from "./ValueInput";
 
 interface Props {
   class_: string;
-  /** Own values by property; other fields of the draft are left alone. */
+  /** Own values by property; other fields of the draft are unchanged. */
   draft: Draft;
   onChange: (draft: Draft) => void;
   errors: Readonly<Record<string, string>>;
@@ -26,7 +26,7 @@ const FIRST: Readonly<Record<ValueKind, unknown>> = {
   text: "",
 };
 
-/** The own values of an element: change, take away, add those that its class may have. */
+/** Edits the own values of an element: change, remove, and add those that its class permits. */
 export function PropertyFields({ class_, draft, onChange, errors }: Props) {
   const { t } = useTranslation("world");
   const { data } = useClass(class_);
@@ -56,7 +56,7 @@ export function PropertyFields({ class_, draft, onChange, errors }: Props) {
   );
 }
 
-/** A value to begin with: what the class gives, if it gives one. */
+/** The initial value: that of the class, if any. */
 function beginning(known: readonly (PropertyInfo & { value?: unknown })[], name: string): unknown {
   const info = known.find((one) => one.name === name);
   return info?.value ?? FIRST[kindOf(info?.datatype ?? "")];

@@ -2,7 +2,7 @@ import { Alert } from "@mantine/core";
 import { useTranslation } from "react-i18next";
 import { intoView } from "../../widgets/intoView";
 
-/** What a refusal says of no field in particular; brought into view, since Save may be far below. */
+/** Refusals that concern no single field; scrolled into view, since the Save button may be far below. */
 export function Refused({ lines }: { lines: readonly string[] }) {
   const { t } = useTranslation("world");
   if (lines.length === 0) return null;

@@ -2,7 +2,7 @@ import { Text } from "@mantine/core";
 import { useTranslation } from "react-i18next";
 import { useClass } from "../queries";
 
-/** Says why nothing can be saved yet: in which fields a number is missing, or is none. */
+/** Explains why the form cannot be saved yet: fields with missing or malformed numbers. */
 export function Unfit({ fields, class_ }: { fields: readonly string[]; class_: string | null }) {
   const { t } = useTranslation("world");
   const { data } = useClass(class_);

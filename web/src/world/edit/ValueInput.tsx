@@ -14,7 +14,7 @@ export interface ValueInputProps {
   error?: ReactNode;
 }
 
-/** Takes a value of a property, by its data type; what the server does not like it says beside it. */
+/** Edits a value of a property by its data type, and shows the server's faults. */
 export function ValueInput(props: ValueInputProps) {
   switch (kindOf(props.info.datatype)) {
     case "number":
@@ -35,7 +35,7 @@ export function ValueInput(props: ValueInputProps) {
 
 function useCommon({ info, error }: ValueInputProps) {
   const description = info.comment || info.says;
-  // Angles of a pose are written in degrees here, whatever the server takes.
+  // The form shows angles in degrees, independent of the server's unit.
   return { label: info.label, description: description.replace("[m, rad]", "[m, °]"), error };
 }
 
@@ -45,7 +45,7 @@ function NumberValue(props: ValueInputProps) {
     <NumberField
       {...useCommon(props)}
       value={typeof value === "number" ? value : undefined}
-      onChange={(number) => onChange(number ?? "")} // NaN where it is no number: then nothing is saved
+      onChange={(number) => onChange(number ?? "")} // NaN prevents saving
       allowDecimal={kindOf(info.datatype) === "number"}
       unit={info.unit || undefined}
     />

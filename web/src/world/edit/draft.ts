@@ -1,4 +1,4 @@
-/** Unsaved edits of an element, merged with changes that others made meanwhile. */
+/** Unsaved edits of an element, merged with concurrent changes by others. */
 
 import type { Schema } from "../../api/client";
 import type { Details, Placement } from "../queries";
@@ -11,7 +11,7 @@ export const LABEL = "rdfs:label";
 export const PLACEMENT = "sk:placement";
 const POSE = "sk:pose";
 
-/** What may be edited: label, placement, and own values by property; what is not there is no own value. */
+/** The editable data: label, placement, and own values by property; missing keys have no own value. */
 export type Draft = Readonly<Record<string, unknown>>;
 
 export function draftOf(element: Details): Draft {
@@ -27,13 +27,13 @@ export function without(draft: Draft, field: string): Draft {
   return Object.fromEntries(Object.entries(draft).filter(([name]) => name !== field));
 }
 
-/** Returns the fields that are not the same in both. */
+/** Returns the fields that differ. */
 export function changedFields(before: Draft, after: Draft): string[] {
   const fields = new Set([...Object.keys(before), ...Object.keys(after)]);
   return [...fields].filter((field) => !same(before[field], after[field]));
 }
 
-/** Returns the request that turns one into the other. */
+/** Returns the request that turns one version into the other. */
 export function patchOf(before: Draft, after: Draft, reason: string): Patch {
   const fields = changedFields(before, after);
   const properties = fields.filter((field) => field !== LABEL && field !== PLACEMENT);
@@ -47,15 +47,15 @@ export function patchOf(before: Draft, after: Draft, reason: string): Patch {
   };
 }
 
-/** Returns a value as the server takes it: null takes the own one away. */
+/** Returns a value in the server's format: null removes the own value. */
 export function given(name: string, value: unknown): GivenValue {
   if (value === undefined || value === "") return null;
-  // Without a frame it would stay the one that it is in, and none is the map here.
+  // Without a frame the server keeps the old one, but here a missing frame means the map.
   const told = name === POSE && isPose(value) ? { ...value, frame: value.frame ?? null } : value;
   return told as GivenValue;
 }
 
-/** Returns the fields that cannot be saved as they are: a number in them is missing, or is none. */
+/** Returns the fields that cannot be saved, because a number is missing or malformed. */
 export function unfitFields(draft: Draft): string[] {
   return Object.keys(draft).filter((field) => hasNaN(draft[field]));
 }
@@ -65,19 +65,19 @@ function hasNaN(value: unknown): boolean {
   return Number.isNaN(value);
 }
 
-/** A field that I or others changed since I began. */
+/** A field that I or others have changed since I began. */
 export interface Difference {
   field: string;
   was: unknown;
   theirs: unknown;
   mine: unknown;
-  /** I changed it: what I did not stays as the others have it. */
+  /** I changed it; otherwise the others' value is kept. */
   byMe: boolean;
-  /** Both of us changed it, and not to the same. */
+  /** Both changed it, to different values. */
   clash: boolean;
 }
 
-/** Compares what I want with what others made of the element meanwhile. */
+/** Compares my edits with the changes that others made meanwhile. */
 export function differences(before: Draft, theirs: Draft, mine: Draft): Difference[] {
   const byThem = new Set(changedFields(before, theirs));
   const byMe = new Set(changedFields(before, mine));
@@ -91,7 +91,7 @@ export function differences(before: Draft, theirs: Draft, mine: Draft): Differen
   }));
 }
 
-/** Puts my changes on top of what others made of it. */
+/** Applies my edits to the others' version. */
 export function onTop(before: Draft, mine: Draft, theirs: Draft): Draft {
   return changedFields(before, mine).reduce(
     (draft, field) => (mine[field] === undefined ? without(draft, field) : { ...draft, [field]: mine[field] }),
@@ -99,7 +99,7 @@ export function onTop(before: Draft, mine: Draft, theirs: Draft): Draft {
   );
 }
 
-/** Returns what a refusal says of each field, and what it says besides. */
+/** Returns the refusals of each field, and the remaining ones. */
 export function reasons(
   detail: string,
   fields: readonly string[],

@@ -24,12 +24,12 @@ const isIn = relation("sk:in", "object", [["sk:Part"]], [["sk:Location"]]);
 const holds = relation("sk:holds", "subject", [["sk:Box"]], [["sk:Part"]]);
 const near = relation("sk:near", null, [["sk:Part"]], [["sk:Location"]]);
 
-test("a part may be put by relations of placement that take its class, whichever end the place is", () => {
+test("a part can be placed by placement relations that accept its class, whichever end is the place", () => {
   const found = placementsFor(classes, [isIn, holds, near], "sk:Part");
   expect(found.map(({ name }) => name)).toEqual(["sk:in", "sk:holds"]);
 });
 
-test("the most usual relation comes first, and to be held by a gripper last", () => {
+test("the most common relation comes first, and "held by" last", () => {
   const relations = ["sk:heldBy", "sk:beside", "sk:at", "sk:on", "sk:in"].map((name) =>
     relation(name, "object", [["sk:Part"]], [["sk:Location"]]),
   );
@@ -37,15 +37,15 @@ test("the most usual relation comes first, and to be held by a gripper last", ()
   expect(found).toEqual(["sk:in", "sk:on", "sk:at", "sk:beside", "sk:heldBy"]);
 });
 
-test("a class counts as what any of its parents is, not the primary one alone", () => {
+test("all parents of a class count, not only the primary one", () => {
   expect(placementsFor(classes, [isIn], "sk:Box", "sk:Box")).toEqual([isIn]);
 });
 
-test("a place of the wrong class takes nothing", () => {
+test("a place of the wrong class accepts nothing", () => {
   expect(placementsFor(classes, [isIn, holds], "sk:Part", "sk:Part")).toEqual([]);
 });
 
-test("the cursor before an id is smaller than it, and larger than what comes before", () => {
+test("the cursor before an id is smaller than it, and larger than the preceding id", () => {
   const cursor = justBefore("kit_1_b");
   expect(cursor < "kit_1_b").toBe(true);
   expect(cursor > "kit_1_a_long_name").toBe(true);

@@ -1,4 +1,4 @@
-/** What may be put where, by the ontology alone; and what the server says of one place. */
+/** Possible placements, by the ontology alone; and the server's check of one place. */
 
 import { answer, api, type Schema } from "../../api/client";
 import { ancestors, type Classes } from "../classes";
@@ -6,10 +6,10 @@ import type { RelationInfo } from "../queries";
 
 type Ends = readonly (readonly string[])[];
 
-/** What is to be put somewhere: an element, or a new thing of a class. */
+/** The guest of a placement: an element, or a new one of a class. */
 export type Guest = { element: string } | { class: string };
 
-/** Returns whether a class may be an end of a relation: of each group one class at least is it or above it. */
+/** Returns whether a class may be an end of a relation: at least one class of each group must be it or an ancestor. */
 export function fitsEnd(classes: Classes, name: string, end: Ends): boolean {
   const above = new Set(ancestors(classes, name));
   return end.every((group) => group.some((one) => above.has(one)));
@@ -23,14 +23,14 @@ export function placeEnd(relation: RelationInfo): Ends {
   return relation.place_end === "subject" ? relation.subjects : relation.objects;
 }
 
-/** How things are put somewhere usually, the most usual first; to be held is what a robot brings about. */
+/** The common placement relations, most common first; "held by" is left to robots. */
 const USUAL = ["sk:in", "sk:on", "sk:at"];
 const UNUSUAL = "sk:heldBy";
 
 /**
- * Returns the relations by which things of a class may be placed; at places of a class, where one is named.
+ * Returns the relations by which elements of a class can be placed, optionally at places of a class.
  *
- * The first is what everybody means who says no more.
+ * The first one is the default.
  */
 export function placementsFor(
   classes: Classes,
@@ -54,7 +54,7 @@ function unusualness({ name }: RelationInfo): number {
   return rank < 0 ? USUAL.length : rank;
 }
 
-/** How a place takes a guest by one relation. */
+/** The result for one guest, place and relation. */
 export interface Fit {
   relation: string;
   label: string;
@@ -62,7 +62,7 @@ export interface Fit {
   whyNot: string;
 }
 
-/** Asks how a place takes a guest by each of some relations; those by which it takes nothing of the kind are left out. */
+/** Checks whether a place accepts a guest by each relation; omits those by which it accepts nothing of that class. */
 export async function askFits(guest: Guest, place: string, relations: readonly string[]): Promise<Fit[]> {
   const found = await Promise.all(relations.map((relation) => askFit(guest, place, relation)));
   return found.filter((fit) => fit !== null);
@@ -82,7 +82,7 @@ function fitAt(options: readonly Schema<"PlacementOption">[], place: string): Fi
   return null;
 }
 
-/** A cursor that stands just before an id: places come in the order of ids, and trying all of them would take long. */
+/** A cursor just before an id: places are sorted by id, and checking all of them would take long. */
 export function justBefore(id: string): string {
   const last = id.charCodeAt(id.length - 1);
   return `${id.slice(0, -1)}${String.fromCharCode(last - 1)}\uffff`;

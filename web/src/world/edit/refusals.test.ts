@@ -9,7 +9,7 @@ function refused(errors: { field: string; message: string; kind?: string; limit?
   return refusalOf(new ApiProblem(422, details as never), draft, (field) => `not accepted: ${field}`);
 }
 
-test("of a value that may have several forms, only what is wrong with the one that was meant is said", () => {
+test("if several forms of a value are refused, only the faults of the intended one are shown", () => {
   const { byField, rest } = refused([
     { field: `${POSE}.bool`, message: "must be true or false" },
     { field: `${POSE}.GivenPose.position.0`, message: "is too little", kind: "greater_than_equal", limit: -1000000 },
@@ -19,7 +19,7 @@ test("of a value that may have several forms, only what is wrong with the one th
   expect(rest).toEqual([]);
 });
 
-test("a value that no form fits is not accepted", () => {
+test("a value that matches no form is refused as a whole", () => {
   const { byField } = refused([
     { field: `${POSE}.bool`, message: "must be true or false" },
     { field: `${POSE}.int`, message: "must be a whole number" },
@@ -27,7 +27,7 @@ test("a value that no form fits is not accepted", () => {
   expect(byField).toEqual({ "sk:pose": "not accepted: sk:pose" });
 });
 
-test("a name has its own field; what is about none is said besides", () => {
+test("faults of the name belong to its field; others without a field are shown separately", () => {
   const { byField, rest } = refused([
     { field: "body.label", message: "must have at most 200 characters" },
     { field: "body.reason", message: "too long" },
@@ -36,7 +36,7 @@ test("a name has its own field; what is about none is said besides", () => {
   expect(rest).toEqual(["reason: too long"]);
 });
 
-test("a refusal in words is sorted by the fields that it names", () => {
+test("a refusal as text is assigned to the fields it names", () => {
   const { byField, rest } = refused([], "the change was refused:\n- sk:mass must be positive\n- the pallet is full");
   expect(byField).toEqual({ "sk:mass": "sk:mass must be positive" });
   expect(rest).toEqual(["the pallet is full"]);

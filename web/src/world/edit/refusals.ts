@@ -1,4 +1,4 @@
-/** What a refusal says of each field, in words for the user. */
+/** The faults in a refusal by field, in words for people. */
 
 import { ApiProblem } from "../../api/client";
 import { type FieldFault, faultText } from "../../widgets/faults";
@@ -7,20 +7,20 @@ import { type Draft, LABEL, PLACEMENT, reasons } from "./draft";
 
 export interface Refusal {
   byField: Record<string, string>;
-  /** What it says of no field. */
+  /** The faults without a field. */
   rest: string[];
 }
 
 interface Fault {
-  /** Names from the field on: which form of value was tried, and where in it. */
+  /** The path from the field on: the attempted form of the value, and the position in it. */
   place: string[];
   message: string;
 }
 
 /**
- * Returns what a refusal says.
+ * Returns the faults in a refusal.
  *
- * @param notAccepted - Says of a field that its value is none that the server takes.
+ * @param notAccepted - Returns the text for a field whose value has no accepted form.
  */
 export function refusalOf(error: Error | null, draft: Draft, notAccepted: (field: string) => string): Refusal {
   if (error === null) return { byField: {}, rest: [] };
@@ -38,7 +38,7 @@ export function refusalOf(error: Error | null, draft: Draft, notAccepted: (field
   return { byField: Object.fromEntries(byField), rest };
 }
 
-/** Finds the field of a draft that "body.properties.sk:pose.GivenPose.position.0" is about, and what comes after it. */
+/** Finds the field for a path such as "body.properties.sk:pose.GivenPose.position.0", and the rest of the path. */
 function placeOf(path: string, draft: Draft): [string | undefined, string[]] {
   const wire = (name: string) =>
     name === LABEL ? "body.label" : name === PLACEMENT ? "body.placement" : `body.properties.${name}`;
@@ -55,7 +55,7 @@ function placeOf(path: string, draft: Draft): [string | undefined, string[]] {
 
 const AXES = ["x", "y", "z"];
 
-/** A value of several forms is refused by each: the one that looked deepest is the one that was meant; or none was. */
+/** Each form of a value reports its own faults: the form with the deepest path was intended; otherwise none was. */
 function wordsOf(faults: readonly Fault[]): string | undefined {
   const inside = faults.filter(({ place }) => place.length > 1);
   if (inside.length === 0) return faults.length === 1 ? faults[0]?.message : undefined;

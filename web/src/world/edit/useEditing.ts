@@ -13,7 +13,7 @@ import { useQueryClient } from "@tanstack/react-query";
 
 const STALE = 412;
 
-/** An element that is being edited. */
+/** The form of an edited element. */
 export interface Editing {
   before: Draft;
   draft: Draft;
@@ -21,18 +21,18 @@ export interface Editing {
   reason: string;
   setReason: (reason: string) => void;
   changed: boolean;
-  /** Fields in which a number is missing or none: then nothing is saved. */
+  /** Fields with missing or malformed numbers, which prevent saving. */
   unfit: readonly string[];
   saving: boolean;
   save: () => void;
-  /** What a refusal says of fields, and besides. */
+  /** The faults in a refusal, by field and without one. */
   errors: Readonly<Record<string, string>>;
   rest: readonly string[];
-  /** What others made of it since, where that stops a save. */
+  /** The version of others that prevents saving. */
   theirs: Tagged | null;
-  /** Writes my changes on top of theirs. */
+  /** Writes my changes over theirs. */
   saveOnTop: () => void;
-  /** Goes on editing as if nothing was said. */
+  /** Dismisses the conflict and continues editing. */
   goOn: () => void;
 }
 
@@ -46,7 +46,7 @@ export function useEditing(tagged: Tagged, onDone: () => void): Editing {
   const { t } = useTranslation("world");
   const id = tagged.data.id;
   const client = useQueryClient();
-  const [base, setBase] = useState(tagged); // what was seen when it began, whatever comes meanwhile
+  const [base, setBase] = useState(tagged); // the version at the start, regardless of later ones
   const before = draftOf(base.data);
   const [draft, setDraft] = useState(before);
   const [reason, setReason] = useState("");

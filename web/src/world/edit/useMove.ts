@@ -8,7 +8,7 @@ import { useClasses } from "../classes";
 import { readElement, type Tagged, useRelations } from "../queries";
 import { askFits, type Fit, placementsFor } from "./placements";
 
-/** How to put an element at a place. */
+/** A possible placement of an element. */
 export interface Question {
   element: Tagged;
   place: string;
@@ -16,9 +16,9 @@ export interface Question {
 }
 
 export interface Move {
-  /** What has to be asked; null while nothing has. */
+  /** The question to ask; null for none. */
   question: Question | null;
-  /** Puts an element at a place: at once where its relation stays the same (in, on), else after a question. */
+  /** Moves an element to a place: at once if its relation stays the same (in, on), otherwise after a question. */
   move: (element: string, place: string) => void;
   put: (question: Question, relation: string) => void;
   close: () => void;

@@ -4,7 +4,7 @@ import { useWords } from "../useWords";
 import { kindOf, written } from "../values";
 import { type Draft, PLACEMENT } from "./draft";
 
-/** Returns what says of a field that its value is none of its kind, and which would be. */
+/** Returns a function with the text for a field whose value has no accepted form, with the expected one. */
 export function useNotAccepted(class_: string | null, draft: Draft): (field: string) => string {
   const { t } = useTranslation("world");
   const words = useWords();

@@ -2,7 +2,7 @@ import { useQueryClient } from "@tanstack/react-query";
 import { useSingleMutation } from "../../api/mutations";
 import { notifyProblem } from "../../widgets/problems";
 
-/** Writes to the world; what was read of it is old then, and a refusal is shown. */
+/** Writes to the world, invalidates its queries, and shows refusals. */
 export function useWrite<Input = void, Output = unknown>(
   write: (input: Input) => Promise<Output>,
   then?: (output: Output) => void,
@@ -12,7 +12,7 @@ export function useWrite<Input = void, Output = unknown>(
     mutationFn: write,
     onSuccess: (output) => {
       then?.(output);
-      // After the page was drawn again: what is gone and no longer shown is not read.
+      // After rendering: removed elements are no longer shown, and not fetched again.
       setTimeout(() => {
         for (const word of ["world", "scenes"]) void client.invalidateQueries({ queryKey: [word] });
       });

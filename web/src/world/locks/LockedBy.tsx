@@ -4,7 +4,7 @@ import { useTranslation } from "react-i18next";
 import { useMe } from "../../api/session";
 import { useLocks } from "./locks";
 
-/** Says who else edits an element now. */
+/** Shows who else is editing an element. */
 export function LockedBy({ element }: { element: string }) {
   const { t } = useTranslation("world");
   const { data: me } = useMe();

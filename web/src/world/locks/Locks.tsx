@@ -6,7 +6,7 @@ import { ElementName } from "../../widgets/ElementName";
 import { useWrite } from "../edit/useWrite";
 import { useLocks } from "./locks";
 
-/** Who edits what now; one's own locks can be ended, and by an admin all. */
+/** The locks; users can end their own, admins all. */
 export function Locks() {
   const { t } = useTranslation("world");
   const { data } = useLocks();

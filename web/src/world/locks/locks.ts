@@ -1,4 +1,4 @@
-/** Locks: who alone may edit what. One's own are kept while a form is open, and end by themselves if the page dies. */
+/** Locks on edited elements. Own locks are renewed while a form is open, and expire if the page dies. */
 
 import { useQuery } from "@tanstack/react-query";
 import { useEffect, useState } from "react";
@@ -8,7 +8,7 @@ import { problemText } from "../../widgets/problems";
 
 const LASTS = 60; // s
 const RENEWED = 25_000; // ms
-const LOOKED_AT = 5000; // ms: there are no events for locks
+const LOOKED_AT = 5000; // ms: locks have no events
 
 export function useLocks() {
   return useQuery({
@@ -18,7 +18,7 @@ export function useLocks() {
   });
 }
 
-// One after the other: what is given back must not overtake what was taken.
+// One request at a time: a release must not overtake its acquisition.
 let turn: Promise<unknown> = Promise.resolve();
 
 function inTurn<Result>(action: () => Promise<Result>): Promise<Result> {
@@ -32,7 +32,7 @@ const lock = (element: string) =>
 const release = (element: string) =>
   inTurn(() => api.DELETE("/api/v1/locks", { params: { query: { elements: [element] } } }));
 
-/** Keeps others from editing an element while the component is there; returns why that cannot be, or nothing. */
+/** Locks an element while the component is mounted; returns why it cannot, or undefined. */
 export function useLock(element: string): string {
   const [refused, setRefused] = useState("");
   useEffect(() => {
@@ -45,7 +45,7 @@ export function useLock(element: string): string {
     const timer = setInterval(() => void take(), RENEWED);
     return () => {
       clearInterval(timer);
-      void release(element).catch(() => undefined); // it ends by itself
+      void release(element).catch(() => undefined); // it expires
     };
   }, [element]);
   return refused;

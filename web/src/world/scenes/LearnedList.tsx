@@ -15,7 +15,7 @@ type Learned = Schema<"Learned">;
 
 const ALL = 1000;
 
-/** What robots were taught and keep beyond this scene; forgetting can be undone. */
+/** The concepts that robots have learned, independent of the scene; forgetting can be undone. */
 export function LearnedList() {
   const { t } = useTranslation("world");
   const { data } = useQuery({

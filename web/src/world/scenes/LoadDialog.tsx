@@ -10,7 +10,7 @@ import { notifyDone } from "../../widgets/toasts";
 import { Difference } from "./Difference";
 import { usePresent } from "./queries";
 
-/** A scene by its name, or one that was sent as Turtle. */
+/** A scene by name, or an uploaded Turtle file. */
 export interface SceneToLoad {
   name: string;
   turtle?: string;
@@ -21,7 +21,7 @@ interface Props {
   onClose: () => void;
 }
 
-/** Asks before another scene is loaded; says what of the present one would be lost. */
+/** Asks for confirmation before another scene is loaded; lists the unsaved changes that would be lost. */
 export function LoadDialog({ scene, onClose }: Props) {
   const { t } = useTranslation(["world", "common"]);
   const { data: present } = usePresent();
@@ -68,11 +68,11 @@ function useLoad(scene: SceneToLoad, onDone: () => void) {
   const client = useQueryClient();
   return useSingleMutation({
     mutationFn: (tag: string) => {
-      useSelection.getState().choose(null); // not when it is done: something of the new scene may be selected by then
+      useSelection.getState().choose(null); // not at the end: an element of the new scene may be selected by then
       return put(scene, tag);
     },
     onSuccess: () => {
-      void client.invalidateQueries(); // robots, modules and goals are others, too
+      void client.invalidateQueries(); // robots, modules and goals change as well
       notifyDone(t("load.done", { name: scene.name }));
       onDone();
     },
@@ -85,7 +85,7 @@ function put({ name, turtle }: SceneToLoad, tag: string) {
   return answer(
     api.PUT("/api/v1/scene", {
       params: { header: { ...params.header, "Content-Type": "text/turtle" } },
-      body: turtle as never, // its description knows the other form only
+      body: turtle as never, // the OpenAPI description contains only the other media type
       bodySerializer: String,
     }),
   );

@@ -8,7 +8,7 @@ interface Props {
   onClose: () => void;
 }
 
-/** Asks before a saved scene is replaced by the present one; says what becomes another. */
+/** Asks for confirmation before a saved scene is replaced; shows the differences. */
 export function ReplaceDialog({ name, onReplace, onClose }: Props) {
   const { t } = useTranslation(["world", "common"]);
   return (

@@ -19,7 +19,7 @@ const PARTS = {
 type PartName = keyof typeof PARTS;
 const OPEN: PartName[] = ["present", "scenes", "simulation"];
 
-/** Scenes, the simulation behind the robots, and what was changed, learned and locked. */
+/** Scenes, simulation, changes, learned concepts and locks. */
 export default function ScenesView() {
   const { t } = useTranslation("world");
   return (

@@ -13,7 +13,7 @@ import { useSimulation } from "./queries";
 
 type State = Schema<"SimulationState">;
 
-/** The simulation: its pace, and its reset. */
+/** The pace of the simulation, and its reset. */
 export function Simulation() {
   const { data: state } = useSimulation();
   if (state === undefined) return null;
@@ -73,7 +73,7 @@ function Pace({ pace }: { pace: number }) {
   const { t } = useTranslation("world");
   const may = useMay("set_pace");
   const client = useQueryClient();
-  // Paces differ by factors, so the slider goes by their logarithm.
+  // Paces differ by factors, so the slider is logarithmic.
   const [power, setPower] = useState(() => Math.log2(pace));
   const set = (next: number) => {
     const wanted = Math.min(FASTEST, Math.max(SLOWEST, Number(next.toPrecision(2))));

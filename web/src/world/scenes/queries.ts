@@ -4,9 +4,9 @@ import { keys } from "../../api/keys";
 
 const ALL = 1000;
 const LINES = 200;
-const LOOKED_AT = 2000; // ms: time goes on without events
+const LOOKED_AT = 2000; // ms: time has no events
 
-/** The scene that robots act in, with the tag that loading another one has to say. */
+/** The present scene, with the ETag that loading another one must send. */
 export function usePresent() {
   return useQuery({ queryKey: keys.scenes("present"), queryFn: () => answerWithTag(api.GET("/api/v1/scene")) });
 }
@@ -18,7 +18,7 @@ export function useScenes() {
   });
 }
 
-/** What makes the present scene of another one. */
+/** The differences that make the present scene of another one. */
 export function useDifference(name: string, enabled: boolean) {
   return useQuery({
     queryKey: keys.scenes("difference", name),

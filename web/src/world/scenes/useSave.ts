@@ -11,15 +11,15 @@ import { useScenes } from "./queries";
 export interface Saving {
   save: (name: string) => void;
   busy: boolean;
-  /** Why it was refused; empty where it was not. */
+  /** The reason of a refusal; empty without one. */
   refusal: string;
-  /** Whether a saved scene of that name would be replaced, which has to be asked. */
+  /** Whether a saved scene of that name would be replaced, which needs confirmation. */
   asked: boolean;
   replace: () => void;
   close: () => void;
 }
 
-/** Saves the present scene; one that is there already is replaced only by who wants that. */
+/** Saves the present scene; replaces an existing one only after confirmation. */
 export function useSave(): Saving {
   const { t } = useTranslation("world");
   const client = useQueryClient();

@@ -15,7 +15,7 @@ type Summary = Schema<"ElementSummary">;
 
 const MOST = 500;
 
-/** What fits a search, as a flat list with where each is. */
+/** The results of a search as a flat list, each with its place. */
 export function Found({ search }: { search: Search }) {
   const { t } = useTranslation("world");
   const { data } = useFound(search);

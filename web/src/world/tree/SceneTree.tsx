@@ -11,7 +11,7 @@ import classes from "./SceneTree.module.css";
 import { TOP } from "./top";
 import { type TreeSource, VirtualTree } from "./VirtualTree";
 
-/** What is placed where, and what things are built of; in step with the selection of the 3D view. */
+/** The tree of placements and parts, synchronised with the selection of the 3D view. */
 export function SceneTree({ onMove }: { onMove?: (element: string, place: string) => void }) {
   const { t } = useTranslation("world");
   const branches = useBranches((state) => state.branches);
@@ -41,7 +41,7 @@ function useRevealed(selected: string | null, nodes: ReadonlyMap<string, Node>) 
   const ready = useBranches((state) => state.ready);
   const there = selected !== null && nodes.has(selected);
   useEffect(() => {
-    if (ready && selected !== null) reveal(selected).catch((error: unknown) => isGone(error) || notifyProblem(error)); // its details say that
+    if (ready && selected !== null) reveal(selected).catch((error: unknown) => isGone(error) || notifyProblem(error));
   }, [ready, selected, there]);
 }
 
@@ -49,7 +49,7 @@ interface Grown extends TreeSource {
   nodes: ReadonlyMap<string, Node>;
 }
 
-/** Makes one tree of what was read; what hangs on two nodes is shown below the first. */
+/** Builds one tree from the fetched branches; an element with two parents is shown below the first. */
 function grow(branches: Branches): Grown {
   const nodes = new Map<string, Node>();
   const children = new Map<string, string[]>();

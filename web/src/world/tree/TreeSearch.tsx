@@ -4,7 +4,7 @@ import { useMemo } from "react";
 import { useTranslation } from "react-i18next";
 import { useClasses } from "../classes";
 
-/** What is looked for: a text in id, label or class, and a class. */
+/** The search: a text in id, label or class, and a class. */
 export interface Search {
   text: string;
   class_: string | null;

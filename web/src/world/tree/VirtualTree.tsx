@@ -14,36 +14,36 @@ import { useVirtualizer } from "@tanstack/react-virtual";
 import { type ReactNode, useEffect, useMemo, useRef } from "react";
 import classes from "./VirtualTree.module.css";
 
-/** What a tree consists of, by id. */
+/** The nodes of a tree, by id. */
 export interface TreeSource {
   children: (id: string) => readonly string[];
   name: (id: string) => string;
-  /** Whether anything hangs on it, read or not. */
+  /** Whether it has children, fetched or not. */
   folder: (id: string) => boolean;
 }
 
 interface Props {
   label: string;
   source: TreeSource;
-  /** Ids of the open ones; the same list as long as they are the same. */
+  /** Ids of expanded nodes; the same array while they are unchanged. */
   open: string[];
   onOpen: (open: string[]) => void;
   selected: string | null;
   onChoose: (id: string) => void;
   onHover?: (id: string | null) => void;
-  /** What a row shows. */
+  /** Renders a row. */
   row: (id: string) => ReactNode;
-  /** Called when one is dropped on another; without, nothing is dragged. */
+  /** Called when a node is dropped on another; without it, nodes cannot be dragged. */
   onDrop?: (dragged: string, target: string) => void;
 }
 
-const ABOVE_ALL = "#tree"; // an id that no element has
+const ABOVE_ALL = "#tree"; // no element has this id
 const ROW = 26; // px
 const INDENT = 16; // px
-const MARGIN = 12; // rows drawn beyond those that are seen
+const MARGIN = 12; // rows rendered outside of the visible range
 const FEATURES = [syncDataLoaderFeature, selectionFeature, hotkeysCoreFeature, dragAndDropFeature];
 
-/** A tree with the keyboard of the WAI-ARIA pattern, of which only the rows that are seen are drawn. */
+/** A tree with the keyboard support of the WAI-ARIA pattern, of which only visible rows are rendered. */
 export function VirtualTree(props: Props) {
   const { source, onHover } = props;
   const scroller = useRef<HTMLDivElement>(null);
@@ -72,7 +72,7 @@ function useSourceTree(props: Props, scrollTo: (index: number) => void): TreeIns
     isItemFolder: (item) => source.folder(item.getId()),
     state: { expandedItems: open, selectedItems },
     setExpandedItems: (next) => onOpen(typeof next === "function" ? next(open) : next),
-    setSelectedItems: () => undefined, // one is selected, and onChoose says which
+    setSelectedItems: () => undefined, // single selection, reported by onChoose
     onPrimaryAction: (item) => onChoose(item.getId()),
     scrollToItem: (item) => scrollTo(item.getItemMeta().index),
     canReorder: false,
@@ -87,15 +87,15 @@ function mayHold(dragged: ItemInstance<string>, target: ItemInstance<string>): b
   return id !== ABOVE_ALL && id !== dragged.getId() && !target.isDescendentOf(dragged.getId());
 }
 
-/** Scrolls to what was selected elsewhere. */
+/** Scrolls to an element that was selected elsewhere. */
 function useShown(tree: TreeInstance<string>, { selected, source, open }: Props, scrollTo: (index: number) => void) {
   const shown = useRef<string | null>(null);
   useEffect(() => {
     if (selected === shown.current) return;
     const index = tree.getItems().findIndex((item) => item.getId() === selected);
-    if (selected !== null && index < 0) return; // as soon as its branch was read
+    if (selected !== null && index < 0) return; // after its branch is fetched
     shown.current = selected;
-    if (index >= 0) requestAnimationFrame(() => scrollTo(index)); // when it was measured
+    if (index >= 0) requestAnimationFrame(() => scrollTo(index)); // after measuring
   }, [tree, selected, source, open, scrollTo]);
 }
 
@@ -113,7 +113,7 @@ function Rows({ tree, label, scroller, scroll, row, onHover }: RowsProps) {
     getScrollElement: () => scroller.current,
     estimateSize: () => ROW,
     overscan: MARGIN,
-    // A row stays the row of its item when others come above it, or a click would end on another one.
+    // Rows are keyed by element, or a click could end on another row when rows are inserted above.
     getItemKey: (index) => items[index]?.getId() ?? index,
   });
   useEffect(() => {
@@ -169,7 +169,7 @@ function Opener({ item }: { item: ItemInstance<string> }) {
     else item.expand();
   };
   const Icon = open ? IconChevronDown : IconChevronRight;
-  // The arrow keys of the tree do the same, so it is no stop of its own on the way of the tab key.
+  // The tree's arrow keys do the same, so it is no tab stop.
   return (
     <ActionIcon component="span" size={18} color="gray" tabIndex={-1} role="presentation" onClick={toggle}>
       <Icon size={14} aria-hidden />

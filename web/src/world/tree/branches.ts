@@ -1,4 +1,4 @@
-/** What of the tree was read: read again where a change concerns it, and nowhere else. */
+/** The fetched branches of the tree: fetched again only if a change affects them. */
 
 import { create } from "zustand";
 import { answer, api, type Schema, isGone } from "../../api/client";
@@ -14,11 +14,11 @@ export type Node = Schema<"TreeNode">;
 export type Branches = Readonly<Record<string, readonly Node[]>>;
 
 interface State {
-  /** What hangs on a node, of those nodes of which it was read. */
+  /** The children of each fetched node. */
   branches: Branches;
-  /** The nodes that are open. */
+  /** The expanded nodes. */
   open: string[];
-  /** Whether anything was read yet. */
+  /** Whether anything was fetched yet. */
   ready: boolean;
 }
 
@@ -31,7 +31,7 @@ async function readNode(root: string, depth: number, cursor?: string): Promise<N
   return answer(api.GET("/api/v1/tree", { params: { query: { root, depth, limit: PAGE, cursor } } }));
 }
 
-/** Reads the whole tree, as far as one answer holds it; the rest is read when it is opened. */
+/** Fetches as much of the tree as fits into one answer; the rest is fetched when expanded. */
 export async function readTree(): Promise<void> {
   const top = await readNode(TOP, DEEPEST);
   const branches: Record<string, readonly Node[]> = {};
@@ -46,13 +46,13 @@ export async function readTree(): Promise<void> {
   const first = top.children.flatMap(({ id, children }) => [id, ...children.map((child) => child.id)]);
   const still = ready ? open.filter((id) => known.has(id)) : first;
   const missing = [TOP, ...still].filter((id) => branches[id] === undefined);
-  // Long branches stay as they were until they were read again, or the view would jump.
+  // Long branches are kept until they are fetched again, or the view would jump.
   for (const id of missing) if (before[id] !== undefined) branches[id] = before[id];
   useBranches.setState({ branches, open: still, ready: true });
   await Promise.all(missing.map(readBranch));
 }
 
-/** Reads what hangs on a node, a page at a time. */
+/** Fetches the children of a node, page by page. */
 export async function readBranch(id: string): Promise<void> {
   const children: Node[] = [];
   let cursor: string | undefined;
@@ -64,14 +64,14 @@ export async function readBranch(id: string): Promise<void> {
   useBranches.setState(({ branches }) => ({ branches: { ...branches, [id]: children } }));
 }
 
-/** Opens exactly these nodes. */
+/** Expands exactly these nodes. */
 export function setOpen(open: string[]): void {
   useBranches.setState({ open });
   const { branches } = useBranches.getState();
   for (const id of open) if (branches[id] === undefined) readBranch(id).catch(notifyProblem);
 }
 
-/** Opens everything above an element, so that it can be seen. */
+/** Expands all ancestors of an element. */
 export async function reveal(id: string): Promise<void> {
   const above = await pathTo(id);
   const { branches, open } = useBranches.getState();
@@ -96,7 +96,7 @@ async function askParent(id: string): Promise<string> {
   return data.owner ?? data.placement?.place ?? TOP;
 }
 
-/** Returns on which node each hangs. */
+/** Returns the parent of each node. */
 export function parentsOf(branches: Branches): Map<string, string> {
   const parents = new Map<string, string>();
   for (const [parent, children] of Object.entries(branches)) {
@@ -105,7 +105,7 @@ export function parentsOf(branches: Branches): Map<string, string> {
   return parents;
 }
 
-/** Keeps the tree as the world is; returns how to end that. */
+/** Keeps the tree up to date; returns the function that stops it. */
 export function followTree(): () => void {
   const readAll = () => void readTree().catch(notifyProblem);
   readAll();
@@ -124,7 +124,7 @@ function take({ kind, type, data }: EventInfo): void {
 }
 
 function forget(gone: ReadonlySet<string>): void {
-  const { hovered } = useSelection.getState(); // what is selected stays so: its details say who removed it
+  const { hovered } = useSelection.getState(); // the selection is kept: its details show who removed the element
   if (hovered !== null && gone.has(hovered)) useSelection.setState({ hovered: null });
   useBranches.setState(({ branches, open }) => ({
     branches: Object.fromEntries(Object.entries(branches).filter(([id]) => !gone.has(id))),
@@ -134,7 +134,7 @@ function forget(gone: ReadonlySet<string>): void {
 
 const waiting = new Set<string>();
 let timer: ReturnType<typeof setTimeout> | undefined;
-const PAUSE = 60; // ms: a job writes several things in a row
+const PAUSE = 60; // ms: a job makes several changes in a row
 
 function readAgain(ids: Iterable<string>, gone: ReadonlySet<string>): void {
   for (const id of ids) if (!gone.has(id)) waiting.add(id);

@@ -1,9 +1,9 @@
-/** Which nodes of the tree a change concerns. */
+/** The nodes of the tree affected by a change. */
 
 import { TOP } from "./top";
 import type { Placement } from "../queries";
 
-/** One edit of a change, as events and the history tell it. */
+/** One edit of a change, in the format of events and the history. */
 export interface Edit {
   edit: string;
   element?: string;
@@ -15,13 +15,13 @@ export interface Edit {
   new: unknown;
 }
 
-/** Returns the ids of what a change removed. */
+/** Returns the ids removed by a change. */
 export function removed(edits: readonly Edit[]): Set<string> {
   const gone = edits.filter((edit) => edit.edit === "element" && edit.new === null);
   return new Set(gone.map((edit) => edit.element ?? ""));
 }
 
-/** Returns the nodes whose children are others now, or are called or counted otherwise. */
+/** Returns the nodes whose children, labels or counts have changed. */
 export function concerned(edits: readonly Edit[], parents: ReadonlyMap<string, string>): Set<string> {
   const found = new Set<string>();
   for (const name of edits.flatMap(named)) {

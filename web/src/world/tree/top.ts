@@ -1,2 +1,2 @@
-/** Id of the node above everything. */
+/** Id of the root node. */
 export const TOP = "";
