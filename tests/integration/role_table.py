@@ -91,8 +91,8 @@ _TABLE = {
         /robots/{id}/state GET
         /robots/{id}/model GET
         /robots/{id}/model/meshes/{name} GET
-        /robots/{id}/motion GET
-        /robots/{id}/cameras/{camera}/look GET
+        /devices/{id}/motion GET
+        /devices/{id}/look GET
         /robots/state/stream GET
     """,
     "operator": """

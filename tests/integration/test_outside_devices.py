@@ -8,6 +8,7 @@ import re
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -20,12 +21,16 @@ from skiros_py.api.modules import ModuleRunInfo
 from skiros_py.api.view import Replay
 from skiros_py.client import Client, ProblemError
 from skiros_py.errors import DeviceError
+from skiros_py.execution.runtime import LibraryMonitor
 from skiros_py.geometry import Pose
 from skiros_py.planning.plan import Plan
+from skiros_py.ports.adapters import GivenPorts
 from skiros_py.ports.board import DeviceBoard, DeviceHandle
 from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.device import MobileSpec
 from skiros_py.ports.kinds import load_device_kinds
+from skiros_py.ports.perception import LookRequest, LookResult, PartDetector, Region
+from skiros_py.ports.values import CameraIntrinsics, DepthImage, Done, Snapshot
 from skiros_py.recording import Recording, RecordingWriter
 from skiros_py.simulation.cell import SimulatedCell
 from skiros_py.simulation.fake import FakeCell
@@ -36,6 +41,8 @@ from skiros_py.skills.surroundings import map_pose
 from skiros_py.station.recordings.replay import replay_text
 from skiros_py.station.recordings.runs import recorder_of
 from skiros_py.station.recordings.sources import camera_of
+from skiros_py.station.robots.looks import Looks
+from skiros_py.station.robots.motions import Motions
 from skiros_py.station.session import Options, Session
 from skiros_py.station.world.view import view_of
 from skiros_py.testing import TINY_ONTOLOGY, Bench, Deaf, FaultyCell, Frozen, Noisy, robot_turtle, world_of
@@ -911,3 +918,76 @@ def test_devices_of_outside_kinds_are_jogged_and_taught_with_over_http(site: Any
     assert now.pose.position == now.frames["base_1"].position == pytest.approx([0.0, 0.1, 0.0], abs=0.01)
     assert now.devices["hand_1"].state == {"fingers": [0.0, 0.0, 0.0]}
     assert taught.changes[0]["edits"][0]["new"]["type"] == "sk:TaughtDrivingPose"
+
+
+# ------------------------------------------------------------------ planned motions and looks, for displays
+
+STEREO = '''
+from dataclasses import dataclass
+from typing import ClassVar
+
+from skiros_py.ports.device import DeviceSpec
+
+
+@dataclass(frozen=True, slots=True)
+class Stereo(DeviceSpec[None, None]):
+    """Two cameras that see depth together."""
+
+    kind: ClassVar[str] = "stereo camera"
+    device_class: ClassVar[str] = "lab:Stereo"
+
+    @classmethod
+    def read(cls, individual):
+        return cls(individual.id)
+
+    def fake(self, robot):
+        """Returns nothing: it is only asked."""
+'''
+STEREO_CLASS = """
+lab:Stereo a owl:Class ; rdfs:subClassOf sk:Device ; rdfs:label "stereo camera" ; rdfs:comment "Sees depth." .
+"""
+
+
+@pytest.mark.usefixtures("lab")
+def test_looks_of_cameras_without_a_robot_and_of_an_outside_kind_are_shown(site: Any, tmp_path: Path) -> None:
+    install_cell(site, ontology=ONTOLOGY + CUBE + STEREO_CLASS)
+    site.install("lab-stereo", {"devices": {"stereo": "lab_stereo:Stereo"}}, {"lab_stereo.py": STEREO})
+    scene = tmp_path / "lab_scene.ttl"
+    stereo = 'scene:stereo_1 a lab:Stereo ; sk:on scene:floor ; sk:pose "0 3 2 3.14159265 0 0"^^sk:poseLiteral .'
+    scene.write_text(LAB + stereo, encoding="utf-8")
+    intrinsics = CameraIntrinsics(2, 2, 100.0, 100.0, 0.5, 0.5, 0.1, 3.0)
+    image = DepthImage(Snapshot(0, 0.0), np.ones((2, 2), np.float32), np.zeros((2, 2, 3), np.uint8), intrinsics)
+    looks = Looks()
+    with Session(str(scene), Options(fake=True)) as session:
+        detector = SimpleNamespace(detect=lambda _: Done(LookResult(0.0, (), 1.0)))
+        session.runtime.asked = LibraryMonitor(GivenPorts({PartDetector: detector}))
+        looks.open(session)
+        before = looks.numbers()
+        for camera in ("eye_1", "stereo_1", "stereo_1"):
+            request = LookRequest(
+                image, Pose.of(0.0, 3.0, 2.0, roll=math.pi), Region(Pose(), (0.1, 0.1)), (), camera=camera
+            )
+            session.runtime.asked.port(PartDetector).detect(request)
+        shown = [looks.look(session, camera) for camera in ("eye_1", "stereo_1")]
+
+        assert before == {"eye_1": 0, "stereo_1": 0}
+        assert looks.numbers() == {"eye_1": 1, "stereo_1": 2}
+        assert [(look.number, look.camera, look.pose.position) for look in shown] == [
+            (1, "eye_1", (0.0, 3.0, 2.0)),
+            (2, "stereo_1", (0.0, 3.0, 2.0)),
+        ]
+
+
+def test_the_planned_path_of_an_outside_base_is_shown_until_it_has_arrived(cell: Session) -> None:
+    motions = Motions()
+    motions.open(cell)
+    running, shown = cell.start_module("drive", {"Location": "bench_1"}), []
+    while not running.done:
+        cell.cycle.step()
+        shown.append(motions.motion(cell, "base_1"))
+
+    assert motions.numbers().keys() == {"base_1"}, "the other kinds plan no motions"
+    path = next(motion.poses for motion in shown if motion.poses)
+    assert path[0].position == pytest.approx((0.0, 0.0, 0.0), abs=0.02)
+    assert path[-1].position == pytest.approx((0.0, -1.6, 0.0), abs=0.03)
+    assert motions.motion(cell, "base_1").poses == ()

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from support.serving import Served, serving
 
-from skiros_py.api.robots import Look, RobotMotion
+from skiros_py.api.robots import DeviceMotion, Look
 from skiros_py.client.calls.events import get_state
 from skiros_py.client.client import Client
 from skiros_py.station.session import Options
@@ -39,12 +39,13 @@ def follow_a_pick(url: str) -> list[dict[str, Any]]:
     with httpx2.Client(base_url=f"{url}/api/v1", timeout=PATIENCE) as http:
         http.put("/jobs/pick", json={"goal": "Holding(gripper_1, starter_1)"}).raise_for_status()
         deadline = time.monotonic() + PATIENCE
-        seen = -1
+        seen: dict[str, int] = {}
         while time.monotonic() < deadline:
             state = http.get("/state").json()
-            if state["motions"]["robot_1"] != seen:
-                motions.append(http.get("/robots/robot_1/motion").json() | {"platforms": state["platforms"]})
-                seen = state["motions"]["robot_1"]
+            for device in [name for name, number in state["motions"].items() if number != seen.get(name)]:
+                motion = http.get(f"/devices/{device}/motion").json()
+                motions.append(motion | {"device": device, "platforms": state["platforms"]})
+            seen = state["motions"]
             if http.get("/jobs/pick").json()["outcome"]:
                 break
             time.sleep(0.01)
@@ -58,32 +59,25 @@ def points_of(look: Look) -> np.ndarray[Any, Any]:
 
 def test_where_nobody_has_looked_yet_a_look_is_empty_and_numbered_zero(pretending: Served) -> None:
     with Client(pretending.url) as client:
-        look, motion = client.robots.look("robot_1", "camera_1"), client.robots.motion("robot_1")
+        look, motion = client.devices.look("camera_1"), client.devices.motion("base_1")
         state = client.send(get_state())
     assert (look.number, look.pose, look.points, look.seen) == (0, None, "", ())
-    assert motion == RobotMotion(number=0, base=(), arms=())
-    assert (state.looks, state.motions) == ({"camera_1": 0}, {"robot_1": 0})
+    assert motion == DeviceMotion(number=0, poses=())
+    assert (state.looks, state.motions) == ({"camera_1": 0}, {"arm_1": 0, "base_1": 0})
 
 
-@pytest.mark.parametrize(
-    ("path", "said"),
-    [
-        ("/robots/robot_1/cameras/eye/look", "unknown camera 'eye' of robot 'robot_1'. Known: camera_1"),
-        ("/robots/nobody/cameras/camera_1/look", "unknown robot 'nobody'"),
-        ("/robots/nobody/motion", "unknown robot 'nobody'"),
-    ],
-)
-def test_unknown_robots_and_cameras_are_not_found(pretending: Served, path: str, said: str) -> None:
-    answer = httpx2.get(f"{pretending.url}/api/v1{path}")
+@pytest.mark.parametrize("what", ["look", "motion"])
+def test_unknown_devices_are_not_found(pretending: Served, what: str) -> None:
+    answer = httpx2.get(f"{pretending.url}/api/v1/devices/camera_2/{what}")
     assert answer.status_code == 404
-    assert said in answer.json()["detail"]
+    assert "unknown device 'camera_2'" in answer.json()["detail"]
 
 
 @pytest.mark.physics
 def test_the_points_of_a_look_lie_on_what_is_on_the_pallet_in_truth(worked) -> None:
     server, _ = worked
     with Client(server.url) as client:
-        look = client.robots.look("robot_1", "camera_1")
+        look = client.devices.look("camera_1")
     with httpx2.Client(base_url=f"{server.url}/api/v1") as http:
         truth = {one["id"]: one["position"] for one in http.get("/simulation/bodies").json()["items"]}
     points = points_of(look)
@@ -101,7 +95,7 @@ def test_the_points_of_a_look_lie_on_what_is_on_the_pallet_in_truth(worked) -> N
 def test_a_look_says_what_was_made_out_in_it_and_where(worked) -> None:
     server, _ = worked
     with Client(server.url) as client:
-        look, state = client.robots.look("robot_1", "camera_1"), client.send(get_state())
+        look, state = client.devices.look("camera_1"), client.send(get_state())
     assert look.purpose == "parts"
     assert state.looks == {"camera_1": look.number}
     assert look.number >= 1
@@ -113,15 +107,15 @@ def test_a_look_says_what_was_made_out_in_it_and_where(worked) -> None:
 
 
 @pytest.mark.physics
-def test_a_motion_is_there_while_it_is_about_to_be_done_and_gone_when_the_robot_stands(worked) -> None:
+def test_a_motion_is_there_while_it_is_about_to_be_done_and_gone_when_the_device_stands(worked) -> None:
     server, motions = worked
     with Client(server.url) as client:
-        last = client.robots.motion("robot_1")
-    numbers = [one["number"] for one in motions]
+        last = client.devices.motion("base_1")
+    numbers = [one["number"] for one in motions if one["device"] == "base_1"]
     assert numbers == sorted(numbers)
-    driven = next(one for one in motions if one["base"])
-    at_start, end = driven["base"][0], driven["base"][-1]
-    assert math.dist((at_start["x"], at_start["y"]), driven["platforms"]["base_1"]["position"][:2]) < 0.5
-    assert math.dist((at_start["x"], at_start["y"]), (end["x"], end["y"])) > 1.0
-    assert (last.base, last.arms) == ((), ())
+    driven = next(one for one in motions if one["device"] == "base_1" and one["poses"])
+    start, end = (driven["poses"][index]["position"] for index in (0, -1))
+    assert math.dist(start, driven["platforms"]["base_1"]["position"]) < 0.5
+    assert math.dist(start, end) > 1.0
+    assert last.poses == ()
     assert last.number > driven["number"]

@@ -236,32 +236,10 @@ class Look(Answer):
     """What the look was for: parts, or a kit's exact pose."""
 
 
-class Waypoint(Answer):
-    """A point on a base's way."""
-
-    x: float = Field(examples=[1.2])
-    """In the map [m]."""
-    y: float = Field(examples=[0.4])
-    """In the map [m]."""
-    heading: float = Field(examples=[1.57])
-    """Heading in the map [rad]."""
-
-
-class ArmWay(Answer):
-    """Where an arm's tool is about to go."""
-
-    arm: str = Field(examples=["arm_1"])
-    """The arm."""
-    points: tuple[tuple[float, float, float], ...]
-    """The tip's positions in the map [m]."""
-
-
-class RobotMotion(Answer):
-    """What a robot is about to do, or did last."""
+class DeviceMotion(Answer):
+    """The planned motion of a device: the path of a base, the motion of an arm."""
 
     number: int = Field(examples=[7])
-    """Counts the plans of this robot; 0 when there was none yet."""
-    base: tuple[Waypoint, ...]
-    """The base's way; empty where it stands."""
-    arms: tuple[ArmWay, ...]
-    """The arms' ways; empty where they stand."""
+    """Changes with the planned motion; 0 if there was none yet."""
+    poses: tuple[PoseInfo, ...]
+    """Poses in the map along it: of a base, or of the tip of an arm; empty while nothing is planned."""

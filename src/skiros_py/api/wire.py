@@ -61,15 +61,17 @@ class Request(_Documented):
 class Answer(_Documented):
     """Base of the data sent by the server: a client ignores fields that only a newer server has."""
 
-    model_config = ConfigDict(frozen=True, extra="ignore", populate_by_name=True)
+    model_config = ConfigDict(frozen=True, extra="ignore", populate_by_name=True, from_attributes=True)
 
     @classmethod
-    def view_of(cls, source: object, **others: Any) -> Self:
-        """Makes an answer of what has attributes of the same names.
+    def view_of(cls, source: object, /, **others: Any) -> Self:
+        """Makes an answer from the attributes of an object that have the names of its fields.
+
+        A field that is an answer itself is made in the same way from the object there.
 
         Args:
-            source: Has them; moments may be seconds since 1970.
-            **others: Fields that it has not, or in another form.
+            source: The object; moments may be seconds since 1970.
+            **others: Fields that it lacks, or has in another form.
         """
         same = (name for name in cls.model_fields if name not in others and hasattr(source, name))
         return cls(**{name: getattr(source, name) for name in same}, **others)

@@ -366,23 +366,23 @@ class Plugins(Topic[C]):
 
 
 class Robots(Topic[C]):
-    """Robots: models, state, motions, looks."""
+    """Robots: models and state."""
 
     list = Method(robots.list_robots)
     get = Method(robots.get_robot)
     state = Method(robots.get_robot_state)
     model = Method(robots.get_robot_model)
     mesh = Method(robots.get_robot_mesh)
-    motion = Method(robots.get_robot_motion)
-    look = Method(robots.get_look)
 
 
 class Devices(Topic[C]):
-    """Devices of any kind: readings, opening and closing, jogging and teaching."""
+    """Devices of any kind: readings, planned motions, looks, opening and closing, jogging and teaching."""
 
     list = Method(robots.list_devices)
     get = Method(robots.get_device)
     state = Method(robots.get_device_state)
+    motion = Method(robots.get_device_motion)
+    look = Method(robots.get_device_look)
     open = Method(robots.open_device)
     close = Method(robots.close_device)
     jog = Method(robots.jog_device)

@@ -10,15 +10,21 @@ import numpy as np
 
 from skiros_py.devices.limits import Standstill
 from skiros_py.errors import DescriptionError, DeviceError
-from skiros_py.geometry import Array
+from skiros_py.geometry import Array, Pose
 from skiros_py.ports.board import DeviceHandle
 from skiros_py.ports.device import Contribution, DeviceSignal, DeviceSpec, FakeRobot, Individual, require_numbers
+from skiros_py.ports.kinematics import Kinematics
+from skiros_py.ports.motion import MotionPlan, MotionRequest
 from skiros_py.ports.simulation import SimulatedRobot
 
 _GAIN = 0.3
 _BRAKING = 7.5
 """Joint deceleration when commands cease [rad/s²]: the weakest joint limit of the Panda."""
 _STILL = 0.01  # [rad/s]
+_BENT = 0.02
+"""Distance of each joint from the end of a motion at which the arm has arrived, for displays [rad]."""
+_MOST_POSES = 60
+"""Maximum number of poses shown of a planned motion."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,6 +105,28 @@ class ArmSpec(DeviceSpec[ArmState, ArmTarget]):
         count = len(self.joints)
         if len(target.positions) != count or len(target.velocities) != count:
             raise DeviceError(f"{self.id}: a target needs {count} positions and {count} velocities: {target}")
+
+    def planned_poses(self, request: MotionRequest, plan: MotionPlan, kinematics: Kinematics | None) -> Sequence[Pose]:
+        """Returns poses of the tip, evenly spread over the motion; none without kinematics."""
+        rows = [row for leg in plan.legs for row in leg.positions.tolist()]
+        if kinematics is None or not rows:
+            return ()
+        shown = np.unique(np.linspace(0, len(rows) - 1, min(len(rows), _MOST_POSES)).round().astype(int))
+        postures = (dict(zip(self.joints, rows[index], strict=True)) for index in shown)
+        return [request.base @ kinematics.pose(self.tip, posture) for posture in postures]
+
+    def has_arrived(
+        self,
+        state: ArmState,
+        robot: Pose,  # noqa: ARG002
+        request: MotionRequest,  # noqa: ARG002
+        plan: MotionPlan,
+        cycles: float,
+    ) -> bool:
+        """Returns whether it stands in the last posture, which it may also pass on the way."""
+        if cycles < sum(len(leg.positions) for leg in plan.legs) or not state.still:
+            return False
+        return not plan.legs or bool(np.abs(np.subtract(state.positions, plan.legs[-1].positions[-1])).max() < _BENT)
 
     def mixed(self, contributions: Sequence[Contribution[ArmTarget]]) -> ArmTarget:
         """Returns the weighted mean of set-points and velocities."""

@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, Generic, Protocol, Self, TypeVa
 import numpy as np
 
 from skiros_py.errors import DescriptionError, DeviceError
-from skiros_py.geometry import Pose
-from skiros_py.ports.kinematics import BASE_LINK
+from skiros_py.geometry import Pose, wrap_angle
+from skiros_py.ports.kinematics import BASE_LINK, Kinematics
 from skiros_py.ports.paths import BaseLeg, BasePath, Path
 
 if TYPE_CHECKING:
@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
 _SHORT = 0.002
 """A shorter way counts as none [m]."""
+_THERE, _FACING = 0.04, math.radians(3.0)
+"""Distance from the end of a path at which a base has arrived, for displays [m, rad]."""
 
 
 T = TypeVar("T")
@@ -256,6 +258,35 @@ class DeviceSpec(ABC, Generic[StateT, TargetT]):
         """Returns the pose of that link in the frame of the robot; None to have it from the robot's kinematics."""
         return None
 
+    # ------------------------------------------------------------------ planned motions, for displays
+
+    def planned_poses(self, request: Any, plan: Any, kinematics: Kinematics | None) -> Sequence[Pose]:  # noqa: ARG002
+        """Returns the poses in the map along a planned motion; none for kinds that plan no motions.
+
+        Args:
+            request: The request to its planner, which names this device as ``device``.
+            plan: The answer of the planner.
+            kinematics: Kinematics of its robot's model; None if there are none.
+        """
+        return ()
+
+    @classmethod
+    def plans_motions(cls) -> bool:
+        """Returns True when devices of the kind have planned motions to show."""
+        return cls.planned_poses is not DeviceSpec.planned_poses
+
+    def has_arrived(self, state: StateT, robot: Pose, request: Any, plan: Any, cycles: float) -> bool:  # noqa: ARG002
+        """Returns whether it stands at the end of a planned motion.
+
+        Args:
+            state: Its state.
+            robot: Pose of its robot in the map, as localised.
+            request: The request to its planner.
+            plan: The answer of the planner.
+            cycles: Number of control cycles since the request.
+        """
+        return self.still(state)
+
     # ------------------------------------------------------------------ plain data, faults
 
     def encode(self, value: StateT | TargetT) -> dict[str, Any]:
@@ -329,6 +360,18 @@ class MobileSpec(LocalisingSpec[StateT, TargetT]):
         if math.hypot(x, y) < _SHORT:
             return BasePath((), goal.yaw)
         return BasePath((BaseLeg(goal.position[0], goal.position[1], backwards=x < 0.0),), goal.yaw)
+
+    def planned_poses(self, request: Any, plan: Any, kinematics: Kinematics | None) -> Sequence[Pose]:  # noqa: ARG002
+        """Returns the start of a path, the end of each leg, and the pose at the end."""
+        ends: dict[float, Pose] = {}
+        for driven, pose in plan.poses(request.start):
+            ends.setdefault(driven, pose)
+        return [*(end for driven, end in ends.items() if driven.is_integer()), pose]
+
+    def has_arrived(self, state: StateT, robot: Pose, request: Any, plan: Any, cycles: float) -> bool:  # noqa: ARG002
+        """Returns whether it stands near the goal of a path."""
+        away = math.dist(request.goal.position[:2], robot.position[:2])
+        return self.still(state) and away < _THERE and abs(wrap_angle(request.goal.yaw - robot.yaw)) < _FACING
 
     def follow(  # kinds that drive define it
         self,

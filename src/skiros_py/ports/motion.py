@@ -87,6 +87,11 @@ class MotionRequest:
     speed: float = 1.0
     seed: int = 0
 
+    @property
+    def device(self) -> str:
+        """Id of the device that shall move."""
+        return self.arm
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Trajectory:
@@ -151,6 +156,11 @@ class BasePathRequest:
     obstacles: tuple[Obstacle, ...]
     clearance: float = 0.08
     base: str = ""
+
+    @property
+    def device(self) -> str:
+        """Id of the device that shall move; empty if unknown."""
+        return self.base
 
 
 class BasePlanner(Protocol):

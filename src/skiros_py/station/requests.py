@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, TypeVar
 
 from skiros_py.errors import NotFound, Refused, StaleVersion, UnknownName
+from skiros_py.station.session import Session
+from skiros_py.world.world import World
 
 if TYPE_CHECKING:
     from skiros_py.station.station import Station
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +39,18 @@ class Service:
 
     def __init__(self, station: Station) -> None:
         self._station = station
+
+    @property
+    def _session(self) -> Session:
+        return self._station.session
+
+    @property
+    def _world(self) -> World:
+        return self._station.session.world
+
+    def _call(self, work: Callable[[Session], T]) -> T:
+        """Executes short work in the control thread; see :meth:`skiros_py.station.control.ControlThread.call`."""
+        return self._station.control.call(work)
 
 
 LIBRARY: Final = Author("python", "python")
@@ -73,6 +89,24 @@ def require_seen(seen: Seen | None, now: int) -> None:
         raise StaleVersion(
             f"version {seen.version} is not the present one: it was changed since; look again", present=now
         )
+
+
+def find(kind: str, name: str, known: Mapping[str, T], code: str = "NotFound") -> T:
+    """Returns the target of a request.
+
+    Args:
+        kind: What it is, for the message.
+        name: Its name.
+        known: The targets by name.
+        code: The kind of target, for programs.
+
+    Raises:
+        NotFound: There is none with this name.
+    """
+    with addressed(code):
+        if name not in known:
+            raise UnknownName(kind, name, known)
+    return known[name]
 
 
 @contextmanager

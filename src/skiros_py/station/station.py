@@ -25,11 +25,11 @@ from skiros_py.station.modules.modules import ModuleService, PluginService
 from skiros_py.station.modules.runs import ModuleRuns
 from skiros_py.station.recordings.replay import RecordingService
 from skiros_py.station.recordings.runs import JobRecordings
-from skiros_py.station.robots.devices import SignalService
+from skiros_py.station.robots.devices import DeviceService, SignalService
 from skiros_py.station.robots.looks import Looks
 from skiros_py.station.robots.models import RobotModels
 from skiros_py.station.robots.motions import Motions
-from skiros_py.station.robots.service import DeviceService, RobotService
+from skiros_py.station.robots.robots import RobotService
 from skiros_py.station.scenes.loading import SceneStage
 from skiros_py.station.scenes.scenes import SceneStore
 from skiros_py.station.scenes.service import SceneService
@@ -78,7 +78,7 @@ class Station:
         events: The log of events.
         live: The present state of the robots.
         looks: The last looks of the cameras.
-        motions: The planned motions of the robots.
+        motions: The planned motions of devices.
         document_store: The stored documents; from :meth:`start` on.
         alarm_book, job_recordings, module_runs, preview_book, task_book: Active and recent items.
         scene_store: The files of scenes.

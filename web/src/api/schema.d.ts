@@ -1412,38 +1412,6 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/robots/{id}/motion": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get: operations["get_robot_motion"];
-        put?: never;
-        post?: never;
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/v1/robots/{id}/cameras/{camera}/look": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get: operations["get_look"];
-        put?: never;
-        post?: never;
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
     "/api/v1/robots/{id}/model": {
         parameters: {
             query?: never;
@@ -1516,6 +1484,38 @@ export interface paths {
             cookie?: never;
         };
         get: operations["get_device_state"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/devices/{id}/motion": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get: operations["get_device_motion"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/devices/{id}/look": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get: operations["get_device_look"];
         put?: never;
         post?: never;
         delete?: never;
@@ -2116,14 +2116,6 @@ export interface components {
             text: string;
             world: number;
         };
-        ArmWay: {
-            arm: string;
-            points: [
-                number,
-                number,
-                number
-            ][];
-        };
         AskAnswer: {
             /**
              * @description discriminator enum property added by openapi-typescript
@@ -2348,6 +2340,10 @@ export interface components {
         DeviceModule: {
             module: string;
             agent: string | null;
+        };
+        DeviceMotion: {
+            number: number;
+            poses: components["schemas"]["PoseInfo"][];
         };
         DeviceReading: {
             still: boolean;
@@ -3322,11 +3318,6 @@ export interface components {
             devices: components["schemas"]["DeviceInfo"][];
             agents: string[];
         };
-        RobotMotion: {
-            number: number;
-            base: components["schemas"]["Waypoint"][];
-            arms: components["schemas"]["ArmWay"][];
-        };
         RobotReading: {
             id: string;
             time: number;
@@ -3659,11 +3650,6 @@ export interface components {
             arguments?: {
                 [key: string]: string;
             };
-        };
-        Waypoint: {
-            x: number;
-            y: number;
-            heading: number;
         };
         Webhook: {
             id: string;
@@ -7122,65 +7108,6 @@ export interface operations {
             };
         };
     };
-    get_robot_motion: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                id: string;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["RobotMotion"];
-                };
-            };
-            default: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["ProblemDetails"];
-                };
-            };
-        };
-    };
-    get_look: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                id: string;
-                camera: string;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Look"];
-                };
-            };
-            default: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["ProblemDetails"];
-                };
-            };
-        };
-    };
     get_robot_model: {
         parameters: {
             query?: never;
@@ -7319,6 +7246,64 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["DeviceReading"];
+                };
+            };
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    get_device_motion: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DeviceMotion"];
+                };
+            };
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    get_device_look: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Look"];
                 };
             };
             default: {

@@ -10,10 +10,10 @@ from skiros_py.api.modules import ModuleRunInfo
 from skiros_py.api.robots import (
     CellSignal,
     DeviceInfo,
+    DeviceMotion,
     DeviceReading,
     Look,
     RobotInfo,
-    RobotMotion,
     RobotReading,
     SignalReadings,
     SignalValue,
@@ -34,17 +34,6 @@ def get_robot(robot: str) -> Call[RobotInfo]:
 def get_robot_state(robot: str) -> Call[RobotReading]:
     """Returns the current state of a robot."""
     return Call("GET", path_of("robots", robot, "state"), RobotReading)
-
-
-def get_robot_motion(robot: str) -> Call[RobotMotion]:
-    """Returns the planned motion of a robot."""
-    return Call("GET", path_of("robots", robot, "motion"), RobotMotion)
-
-
-def get_look(robot: str, camera: str) -> Call[Look]:
-    """Returns the last image of a camera."""
-    path = path_of("robots", robot, "cameras", camera, "look")
-    return Call("GET", path, Look)
 
 
 def get_robot_model(robot: str) -> Call[str]:
@@ -70,6 +59,16 @@ def list_devices() -> Call[list[DeviceInfo]]:
 def get_device(device: str) -> Call[DeviceInfo]:
     """Returns a device."""
     return Call("GET", path_of("devices", device), DeviceInfo)
+
+
+def get_device_motion(device: str) -> Call[DeviceMotion]:
+    """Returns the planned motion of a device."""
+    return Call("GET", path_of("devices", device, "motion"), DeviceMotion)
+
+
+def get_device_look(device: str) -> Call[Look]:
+    """Returns the last image of a camera."""
+    return Call("GET", path_of("devices", device, "look"), Look)
 
 
 def open_device(device: str) -> Call[DeviceInfo]:

@@ -11,11 +11,11 @@ from skiros_py.api.modules import ModuleRunInfo
 from skiros_py.api.robots import (
     CellSignal,
     DeviceInfo,
+    DeviceMotion,
     DeviceReading,
     Look,
     ManualRun,
     RobotInfo,
-    RobotMotion,
     RobotReading,
     SetSignal,
     SignalReadings,
@@ -55,28 +55,6 @@ def get_robot_state(id: Id, station: StationDep) -> RobotReading:  # noqa: A002
     The states of its devices in one cycle, and their frames in the map, as localised.
     """
     return station.robots.reading(id)
-
-
-@router.get("/robots/{id}/motion", dependencies=[needs(Role.VIEWER)])
-def get_robot_motion(id: Id, station: StationDep) -> RobotMotion:  # noqa: A002
-    """See where a robot is about to go.
-
-    The ways that were planned for its base and arms, until they stand at the end, or the module that planned has ended.
-
-    The `motions` of the station's state say when there is something new.
-    """
-    return station.robots.motion(id)
-
-
-@router.get("/robots/{id}/cameras/{camera}/look", dependencies=[needs(Role.VIEWER)])
-def get_look(id: Id, camera: Id, station: StationDep) -> Look:  # noqa: A002
-    """See what a camera saw last.
-
-    The last picture that something was to be made out in: as points in the map, with what was made out.
-
-    The `looks` of the station's state say when there is a new one.
-    """
-    return station.robots.look(id, camera)
 
 
 _MeshName = Annotated[str, Path(max_length=200, description="As the model names it.")]
@@ -140,6 +118,29 @@ def get_device_state(id: Id, station: StationDep) -> DeviceReading:  # noqa: A00
     What a device says now, and the values that it offers.
     """
     return station.devices.reading(id)
+
+
+@router.get("/devices/{id}/motion", dependencies=[needs(Role.VIEWER)])
+def get_device_motion(id: Id, station: StationDep) -> DeviceMotion:  # noqa: A002
+    """See where a device is about to go.
+
+    The planned motion of a base, an arm or another device, until it stands at the end, or the module that planned it
+    has ended.
+
+    The `motions` of the station's state change with it.
+    """
+    return station.devices.motion(id)
+
+
+@router.get("/devices/{id}/look", dependencies=[needs(Role.VIEWER)])
+def get_device_look(id: Id, station: StationDep) -> Look:  # noqa: A002
+    """See what a camera saw last.
+
+    The last picture in which a module looked for something: as points in the map, with what was recognised.
+
+    The `looks` of the station's state change with it.
+    """
+    return station.devices.look(id)
 
 
 @router.post("/devices/{id}/open", dependencies=[needs(Role.ENGINEER)])

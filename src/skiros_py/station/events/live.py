@@ -20,7 +20,7 @@ class LiveState:
 
     Args:
         looks: The last looks of the cameras.
-        motions: The planned motions of the robots.
+        motions: The planned motions of devices.
     """
 
     def __init__(self, looks: Looks, motions: Motions) -> None:

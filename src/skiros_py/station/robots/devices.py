@@ -1,40 +1,162 @@
-"""Devices and signals: as their kinds describe them, read, set, opened and closed."""
+"""Use cases: devices of any kind, read, opened, closed, jogged and taught with; and signals."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from typing import Any
+from typing import Any, Literal
 
+from skiros_py.api.modules import ModuleRunInfo
 from skiros_py.api.robots import (
     CellSignal,
     DeviceInfo,
+    DeviceModule,
+    DeviceMotion,
     DeviceReading,
     JointDescription,
+    Look,
     SignalInfo,
     SignalReading,
     SignalReadings,
 )
-from skiros_py.api.view import PoseInfo
-from skiros_py.errors import DeviceError, Refused, SkirosError, UnknownName, WrongState
+from skiros_py.errors import DeviceError, Refused, SkirosError, UnknownName, UsageError, WrongState
+from skiros_py.execution.claims import pieces
 from skiros_py.execution.signals import SignalLost, Signals
 from skiros_py.ports.device import to_plain
 from skiros_py.ports.driver import CompositeDriver, Connection
-from skiros_py.ports.kinematics import JointRange, Kinematics
+from skiros_py.ports.kinematics import JointRange
 from skiros_py.ports.signals import Value, dimension_of
 from skiros_py.ports.values import Snapshot
+from skiros_py.skills.surroundings import owner
 from skiros_py.station.control import ControlThread
-from skiros_py.station.requests import Service, addressed
-from skiros_py.station.robots.manual import device_modules
+from skiros_py.station.modules.runs import ModuleRun, Wish
+from skiros_py.station.modules.views import run_info
+from skiros_py.station.requests import LIBRARY, Author, Service, addressed, find
 from skiros_py.station.session import Session
 from skiros_py.world.vocabulary import HELD_BY
 
+Verb = Literal["jog", "teach"]
 _UNLIMITED = JointRange(None, None, None)
 
 
-def device_infos(session: Session) -> list[DeviceInfo]:
-    """Describes all devices of the cell."""
-    return [device_info(session, id_) for id_ in session.spec.devices]
+class DeviceService(Service):
+    """Describes and reads devices of any kind, opens and closes them, and moves them by hand."""
+
+    def all(self) -> list[DeviceInfo]:
+        """Describes all devices of the cell, with the values that each provides."""
+        session = self._session
+        return [device_info(session, id_) for id_ in session.spec.devices]
+
+    def get(self, id_: str) -> DeviceInfo:
+        """Describes one device.
+
+        Raises:
+            NotFound: There is none with this id.
+        """
+        with addressed():
+            return device_info(self._session, id_)
+
+    def open(self, id_: str) -> DeviceInfo:
+        """Opens a device: connects its driver, and lets modules use it.
+
+        Raises:
+            NotFound: There is none with this id.
+            Refused: Its driver cannot be connected.
+        """
+        with addressed():
+            open_device(self._station.control, id_)
+        return self.get(id_)
+
+    def close(self, id_: str) -> DeviceInfo:
+        """Closes a device: no module may use it; with its last device, the driver is disconnected.
+
+        Raises:
+            NotFound: There is none with this id.
+            WrongState: It is in use, or it moves.
+        """
+        with addressed():
+            close_device(self._station.control, id_)
+        return self.get(id_)
+
+    def reading(self, id_: str) -> DeviceReading:
+        """Returns the state of a device, and the values that it provides; does not block.
+
+        Raises:
+            NotFound: There is none with this id.
+        """
+        session = self._session
+        device, snapshot = find("device", id_, session.cycle.board.devices), session.cycle.board.snapshot
+        state = snapshot.devices.get(id_)
+        return DeviceReading.view_of(
+            snapshot,
+            id=id_,
+            signals={} if state is None else {signal.name: signal.read(state) for signal in device.signals},
+            **device_state(session, snapshot, id_),
+        )
+
+    def look(self, id_: str) -> Look:
+        """Returns the last picture of a camera used for perception, as points in the map.
+
+        Raises:
+            NotFound: There is no such device.
+        """
+        return self._station.looks.look(self._session, id_)
+
+    def motion(self, id_: str) -> DeviceMotion:
+        """Returns the planned motion of a device.
+
+        Raises:
+            NotFound: There is no such device.
+        """
+        return self._station.motions.motion(self._session, id_)
+
+    def jog(
+        self, id_: str, arguments: Mapping[str, Any], *, module: str | None = None, author: Author = LIBRARY
+    ) -> ModuleRunInfo:
+        """Moves a device by a small step, or home, with a module that its kind names for that.
+
+        Args:
+            id_: Id of the device.
+            arguments: Parameters of the module, without the device.
+            module: The module; None for the first that the kind names.
+            author: The author of the request.
+
+        Raises:
+            NotFound: There is no such device.
+            UsageError: Its kind names no such module, no subsystem can run it, or the arguments are not valid.
+            WrongState: It is in use, or everything is halted.
+        """
+        return self._by_hand(id_, "jog", arguments, module, author)
+
+    def teach(
+        self, id_: str, arguments: Mapping[str, Any], *, module: str | None = None, author: Author = LIBRARY
+    ) -> ModuleRunInfo:
+        """Learns something from the present state of a device, with a module that its kind names for that.
+
+        Arguments and errors are those of :meth:`jog`.
+        """
+        return self._by_hand(id_, "teach", arguments, module, author)
+
+    def _by_hand(
+        self, id_: str, verb: Verb, given: Mapping[str, Any], module: str | None, author: Author
+    ) -> ModuleRunInfo:
+        def start(session: Session) -> ModuleRun:
+            spec = find("device", id_, session.spec.devices)
+            names: tuple[str, ...] = getattr(spec, verb)
+            if not names:
+                raise UsageError(f"{id_}: devices of kind '{spec.kind}' have no module to {verb}")
+            if module is not None and module not in names:
+                raise UnknownName("module", module, names, where=f"to {verb} {id_}")
+            name = module or names[0]
+            agent = _agent(session, id_, name)
+            if agent is None:
+                raise UsageError(f"no subsystem that could {verb} {id_} has the module {name}")
+            if busy := _busy(session, agent):
+                raise WrongState(f"{id_} cannot be moved by hand, {busy} is active: wait, or pause or stop that")
+            arguments = {**given, **_device_parameter(session, agent, name, id_, given)}
+            return self._station.module_runs.start(session, Wish(agent, name, arguments, author.name, at_once=True))
+
+        return run_info(self._call(start))
 
 
 def device_info(session: Session, id_: str) -> DeviceInfo:
@@ -46,51 +168,21 @@ def device_info(session: Session, id_: str) -> DeviceInfo:
     group = session.spec.group_of(id_)
     device = group.device(id_)
     model = session.runtime.context.frames.kinematics(group)
+    limits = {} if model is None else model.joints
     robot = group.id if group in session.spec.robots else None
-    described = to_plain(device)
-    described.pop("id")
-    return DeviceInfo(
-        id=id_,
-        kind=device.kind,
+    return DeviceInfo.view_of(
+        device,
         robot=robot,
         model="" if robot else group.model,
-        place=None if robot else PoseInfo.view_of(group.place),
-        description=described,
+        place=None if robot else group.place,
+        description={key: value for key, value in to_plain(device).items() if key != "id"},
         signals=tuple(SignalInfo.view_of(s, dimension=dimension_of(s.unit)) for s in device.signals),
         open=id_ not in session.cycle.board.closed,
         commanded=device.target_type is not None,
-        joints=tuple(joint_description(name, model) for name in device.joint_names),
+        joints=tuple(JointDescription.view_of(limits.get(j, _UNLIMITED), name=j) for j in device.joint_names),
         frames=device.frame_names,
-        mounted_on=device.mounted_on,
-        jog=device_modules(session, id_, device.jog),
-        teach=device_modules(session, id_, device.teach),
-    )
-
-
-def joint_description(name: str, model: Kinematics | None) -> JointDescription:
-    """Describes a joint of a model; without limits where the model is not known."""
-    joint = _UNLIMITED if model is None else model.joints.get(name, _UNLIMITED)
-    return JointDescription(name=name, lower=joint.lower, upper=joint.upper, velocity=joint.velocity)
-
-
-def device_reading(session: Session, id_: str) -> DeviceReading:
-    """Returns the present readings of a device; does not block; callable from any thread.
-
-    Raises:
-        UnknownName: There is none with this id.
-    """
-    board = session.cycle.board
-    if id_ not in board.devices:
-        raise UnknownName("device", id_, board.devices)
-    snapshot = board.snapshot
-    state = snapshot.devices.get(id_)
-    signals = () if state is None else board.devices[id_].signals
-    return DeviceReading(
-        id=id_,
-        time=snapshot.time,
-        cycle=snapshot.cycle,
-        signals={signal.name: signal.read(state) for signal in signals},
-        **device_state(session, snapshot, id_),
+        jog=_modules(session, id_, device.jog),
+        teach=_modules(session, id_, device.teach),
     )
 
 
@@ -109,62 +201,60 @@ def device_state(session: Session, snapshot: Snapshot, id_: str) -> dict[str, An
     }
 
 
-class SignalService(Service):
-    """Describes, reads and sets signals."""
-
-    def all(self) -> list[CellSignal]:
-        """Describes all signals, those of the devices first."""
-        signals = self._station.session.runtime.signals
-        return [_described(signals, name) for name in signals.names]
-
-    def read(self, names: Sequence[str]) -> SignalReadings:
-        """Returns the values of signals in one control cycle.
-
-        Args:
-            names: Their names. A stateful signal is computed in every cycle after it is read for the first time.
-
-        Raises:
-            NotFound: There is no such signal.
-        """
-
-        def readings(session: Session) -> SignalReadings:
-            snapshot = session.cycle.board.snapshot
-            values = {name: _reading(session.runtime.signals, name) for name in names}
-            return SignalReadings(time=snapshot.time, cycle=snapshot.cycle, signals=values)
-
-        with addressed():
-            return self._station.control.call(readings)
-
-    def set(self, name: str, value: Value) -> None:
-        """Sets an input; the value takes effect in the next cycle.
-
-        Raises:
-            NotFound: There is no such signal.
-            UsageError: It is not an input, or the value does not have its shape.
-        """
-        with addressed():
-            self._station.session.runtime.signals.set(name, value)
+# ---------------------------------------------------------------------- by hand
 
 
-def _described(signals: Signals, name: str) -> CellSignal:
-    one = signals.describe(name)
-    return CellSignal(
-        name=name,
-        unit=one.unit,
-        dimension=dimension_of(one.unit),
-        frame=one.frame,
-        help=one.help,
-        length=one.length,
-        source=signals.source(name),
-        input=signals.is_input(name),
-    )
+def _modules(session: Session, device: str, names: Sequence[str]) -> tuple[DeviceModule, ...]:
+    return tuple(DeviceModule(module=name, agent=_agent(session, device, name)) for name in names)
 
 
-def _reading(signals: Signals, name: str) -> SignalReading:
-    try:
-        return SignalReading(value=signals.read(name).value, reason="")
-    except SignalLost as error:
-        return SignalReading(value=None, reason=error.reason)
+def _agent(session: Session, device: str, module: str) -> str | None:
+    """Returns the subsystem that runs a module for a device; None for none.
+
+    That is the device itself, else a subsystem that has it, else another one of its robot. For a device without a
+    robot it may be any.
+    """
+    view = session.world.snapshot()
+    robot = owner(view, device)
+    near = [agent for agent in sorted(session.managers) if view.has(agent) and robot in (None, owner(view, agent))]
+    able = [agent for agent in near if (manager := session.managers.get(agent)) and module in manager.modules]
+    return min(able, key=lambda agent: (agent != device, device not in pieces(view, agent)), default=None)
+
+
+def _device_parameter(
+    session: Session, agent: str, module: str, device: str, given: Mapping[str, Any]
+) -> dict[str, str]:
+    """Returns the parameter that takes the device: the first of its class.
+
+    Raises:
+        UsageError: Another device is given for it.
+    """
+    view = session.world.snapshot()
+    type_ = view.element(device).type
+    for param in session.managers[agent].info(module).params:
+        if param.is_element and view.ontology.is_a(type_, param.element_class):
+            if given.get(param.key) not in (None, device):
+                raise UsageError(f"{param.key}: it is {device} here, not {given[param.key]}")
+            return {param.key: device}
+    return {}
+
+
+def _busy(session: Session, agent: str) -> str:
+    """Returns the activity of a subsystem or its robot; empty if it waits for a person, or is paused between steps."""
+    view = session.world.snapshot()
+    robot = owner(view, agent)
+    agents = {a for a in sorted(session.managers) if a == agent or (robot and view.has(a) and owner(view, a) == robot)}
+    running = [f"{name} of {a}" for a in sorted(agents) for name in session.managers[a].running]
+    tasks = [
+        task.name
+        for task in session.tasks.active
+        if task.status in ("planning", "running")
+        and (task.plan is None or any(agents.intersection(step.arguments.values()) for step in task.plan.steps))
+    ]
+    return ", ".join([*running, *tasks])
+
+
+# ---------------------------------------------------------------------- opening and closing
 
 
 def open_device(control: ControlThread, device: str) -> None:
@@ -220,10 +310,64 @@ def close_device(control: ControlThread, device: str) -> None:
 
 def _connection_of(session: Session, device: str) -> Connection | None:
     """Returns the connection of a device; None if it belongs to the simulation or to the driver of the whole cell."""
-    if device not in session.cycle.board.devices:
-        raise UnknownName("device", device, session.cycle.board.devices)
+    find("device", device, session.cycle.board.devices)
     cell = session.cell
     for driver in cell.drivers if isinstance(cell, CompositeDriver) else (cell,):
         if isinstance(driver, Connection) and device in driver.devices:
             return driver
     return None
+
+
+# ---------------------------------------------------------------------- signals
+
+
+class SignalService(Service):
+    """Describes, reads and sets signals."""
+
+    def all(self) -> list[CellSignal]:
+        """Describes all signals, those of the devices first."""
+        signals = self._session.runtime.signals
+        return [
+            CellSignal.view_of(
+                one := signals.describe(name),
+                name=name,
+                dimension=dimension_of(one.unit),
+                source=signals.source(name),
+                input=signals.is_input(name),
+            )
+            for name in signals.names
+        ]
+
+    def read(self, names: Sequence[str]) -> SignalReadings:
+        """Returns the values of signals in one control cycle.
+
+        Args:
+            names: Their names. A stateful signal is computed in every cycle after it is read for the first time.
+
+        Raises:
+            NotFound: There is no such signal.
+        """
+
+        def readings(session: Session) -> SignalReadings:
+            values = {name: _reading(session.runtime.signals, name) for name in names}
+            return SignalReadings.view_of(session.cycle.board.snapshot, signals=values)
+
+        with addressed():
+            return self._call(readings)
+
+    def set(self, name: str, value: Value) -> None:
+        """Sets an input; the value takes effect in the next cycle.
+
+        Raises:
+            NotFound: There is no such signal.
+            UsageError: It is not an input, or the value does not have its shape.
+        """
+        with addressed():
+            self._session.runtime.signals.set(name, value)
+
+
+def _reading(signals: Signals, name: str) -> SignalReading:
+    try:
+        return SignalReading(value=signals.read(name).value, reason="")
+    except SignalLost as error:
+        return SignalReading(value=None, reason=error.reason)

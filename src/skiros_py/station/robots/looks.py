@@ -5,20 +5,19 @@ from __future__ import annotations
 import base64
 import math
 from collections import Counter, deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from skiros_py.api.robots import Look, Seen
-from skiros_py.api.view import PoseInfo
-from skiros_py.devices.camera import CameraSpec
-from skiros_py.errors import SkirosError, UnknownName
+from skiros_py.errors import SkirosError
 from skiros_py.execution.runtime import LibraryCall
 from skiros_py.geometry import Array, Pose
-from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.perception import LookRequest, LookResult, RegistrationRequest, RegistrationResult
 from skiros_py.ports.values import DepthImage
+from skiros_py.station.requests import find
 from skiros_py.station.session import Session
 
 MOST_POINTS = 20_000
@@ -43,14 +42,9 @@ class _Shot:
     call: LibraryCall
     what: str | None
 
-    @property
-    def answered(self) -> bool:
-        """True if the request has been answered."""
-        return self.call.answer.done()
-
 
 class Looks:
-    """The last look of each camera; thread-safe.
+    """The last look of each camera, of whatever kind; thread-safe.
 
     Nothing is copied or computed in the control thread.
     """
@@ -59,15 +53,14 @@ class Looks:
         self._session: Session | None = None
         self._shots: dict[str, deque[_Shot]] = {}
         self._counts: Counter[str] = Counter()
-        self._told: dict[str, Look] = {}
+        self._shown: dict[str, Look] = {}
         self._leave: Callable[[], None] = lambda: None
 
     def open(self, session: Session) -> None:
         """Records the looks of a session."""
-        self._shots = {
-            camera.id: deque(maxlen=_KEPT) for robot in session.spec.robots for camera in robot.of(CameraSpec)
-        }
-        self._told = {}
+        only_asked = (id_ for id_, spec in session.spec.devices.items() if spec.state_type is None)
+        self._shots = {id_: deque(maxlen=_KEPT) for id_ in only_asked}
+        self._shown = {}
         self._session = session
         self._leave = session.runtime.asked.subscribe(self._note)
 
@@ -78,56 +71,53 @@ class Looks:
 
     def numbers(self) -> dict[str, int]:
         """Returns the number of the last look of each camera; 0 for none."""
-        return {camera: shot.number if (shot := _last(shots)) else 0 for camera, shots in self._shots.items()}
+        return {id_: shot.number if (shot := _last(shots)) else 0 for id_, shots in tuple(self._shots.items())}
 
-    def look(self, robot: RobotSpec, camera: str) -> Look:
-        """Returns the last look of a camera.
+    def look(self, session: Session, device: str) -> Look:
+        """Returns the last look of a device.
 
         Raises:
-            UnknownName: The robot has no such camera.
+            NotFound: There is no such device.
         """
-        known = [spec.id for spec in robot.of(CameraSpec)]
-        if camera not in known:
-            raise UnknownName("camera", camera, known, where=f"of robot '{robot.id}'")
-        shot = _last(self._shots.get(camera, ()))
+        find("device", device, session.spec.devices)
+        shot = _last(self._shots.get(device, ()))
         if shot is None:
-            return Look(number=0, camera=camera, time=0.0, pose=None, points="", colours="", seen=(), purpose="")
-        told = self._told.get(camera)
-        if told is None or told.number != shot.number:
-            self._told[camera] = told = _look(camera, shot)
-        return told
+            return Look(number=0, camera=device, time=0.0, pose=None, points="", colours="", seen=(), purpose="")
+        shown = self._shown.get(device)
+        if shown is None or shown.number != shot.number:
+            self._shown[device] = shown = _look(device, shot)
+        return shown
 
     def _note(self, call: LibraryCall) -> None:
         """Records a request; called in the control thread."""
         request, session = call.request, self._session
         if session is None or not isinstance(request, LookRequest | RegistrationRequest):
             return
-        if request.camera not in self._shots:  # the request does not name its camera
+        if request.camera not in session.spec.devices:  # the request does not name its camera
             return
         board, what = session.cycle.board, None
         if isinstance(request, RegistrationRequest) and session.world.has(request.body):
             what = session.world.element(request.body).type
         self._counts[request.camera] += 1
         taken = board.now - (board.snapshot.cycle - request.image.snapshot.cycle) * board.period
-        self._shots[request.camera].append(_Shot(self._counts[request.camera], taken, call, what))
+        shots = self._shots.setdefault(request.camera, deque(maxlen=_KEPT))
+        shots.append(_Shot(self._counts[request.camera], taken, call, what))
 
 
-def _last(shots: deque[_Shot] | tuple[()]) -> _Shot | None:
+def _last(shots: Iterable[_Shot]) -> _Shot | None:
     """Returns the last shot whose request has been answered."""
-    return next((shot for shot in reversed(tuple(shots)) if shot.answered), None)
+    return next((shot for shot in reversed(tuple(shots)) if shot.call.answer.done()), None)
 
 
 def _look(camera: str, shot: _Shot) -> Look:
     request = shot.call.request
-    assert isinstance(request, LookRequest | RegistrationRequest)
     points, colours = points_of(request.image, request.camera_pose)
-    return Look(
-        number=shot.number,
+    return Look.view_of(
+        shot,
         camera=camera,
-        time=shot.time,
-        pose=PoseInfo.view_of(request.camera_pose),
-        points=_text(points.tobytes()),
-        colours=_text(colours.tobytes()),
+        pose=request.camera_pose,
+        points=base64.b64encode(points.tobytes()).decode("ascii"),
+        colours=base64.b64encode(colours.tobytes()).decode("ascii"),
         seen=_seen(shot),
         purpose="parts" if isinstance(request, LookRequest) else "kit",
     )
@@ -158,25 +148,15 @@ def _thinned(image: DepthImage, step: int) -> DepthImage:
     return replace(image, depth=depth, colour=colour, intrinsics=intrinsics)
 
 
-def _seen(shot: _Shot) -> tuple[Seen, ...]:
+def _seen(shot: _Shot) -> Sequence[Any]:
+    """Returns what was recognised, or registered."""
     try:
         result = shot.call.answer.result()
     except SkirosError:  # reported by the caller of the request
         return ()
     if isinstance(result, LookResult):
-        return tuple(Seen.view_of(one, pose=PoseInfo.view_of(one.pose)) for one in result.detections)
-    return _registered(shot, result) if isinstance(result, RegistrationResult) else ()
-
-
-def _registered(shot: _Shot, result: RegistrationResult) -> tuple[Seen, ...]:
-    request = shot.call.request
-    if result.pose is None or not isinstance(request, RegistrationRequest):
+        return result.detections
+    if not isinstance(result, RegistrationResult) or result.pose is None:
         return ()
-    low, high = request.solid.bounds()
-    length, width, height = (high - low).tolist()
-    size = (length, width, height)
-    return (Seen(type=shot.what, pose=PoseInfo.view_of(result.pose), size=size, cost=result.cost, margin=0.0),)
-
-
-def _text(data: bytes) -> str:
-    return base64.b64encode(data).decode("ascii")
+    low, high = shot.call.request.solid.bounds()
+    return (Seen.view_of(result, type=shot.what, size=(high - low).tolist(), margin=0.0),)

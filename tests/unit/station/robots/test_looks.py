@@ -81,7 +81,7 @@ class Station:
 
     def __init__(self, session: Session) -> None:
         self.perception = Perception()
-        self.robot = session.spec.robots[0]
+        self.session = session
         given = GivenPorts({PartDetector: self.perception, Registrar: self.perception})
         self.ports = session.runtime.asked = LibraryMonitor(given)
         self.looks = Looks()
@@ -92,7 +92,7 @@ class Station:
         self.ports.port(PartDetector).detect(request(image, camera))
 
     def look(self) -> Any:
-        return self.looks.look(self.robot, "camera_1")
+        return self.looks.look(self.session, "camera_1")
 
 
 @pytest.fixture

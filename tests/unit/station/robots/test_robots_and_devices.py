@@ -1,10 +1,13 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
-from skiros_py.station.robots import devices, robots
+from skiros_py.station.robots.devices import DeviceService
+from skiros_py.station.robots.robots import RobotService
 from skiros_py.station.session import Options, Session
 from skiros_py.testing import TINY_ONTOLOGY
 
@@ -25,11 +28,12 @@ def test_a_robot_without_a_base_is_described_with_its_place(tmp_path: Path, monk
     file = tmp_path / "stationary.ttl"
     file.write_text(SCENE, encoding="utf-8")
     with Session(str(file), Options(fake=True)) as session:
-        (robot,) = session.spec.robots
-        info, reading = robots.info(session, robot), robots.reading(session, robot)
+        station: Any = SimpleNamespace(session=session)
+        robots = RobotService(station)
+        info, reading = robots.get("robot_1"), robots.reading("robot_1")
 
         assert (info.carrier, info.footprint) == (None, ())
         assert info.place is not None
         assert info.place.position == reading.pose.position == (1.0, 2.0, 0.0)
         assert [device.id for device in info.devices] == list(reading.devices) == ["arm_1"]
-        assert [device.id for device in devices.device_infos(session)] == ["arm_1"]
+        assert [device.id for device in DeviceService(station).all()] == ["arm_1"]

@@ -10,7 +10,7 @@ import type { Palette } from "../palette";
 import { matrixOf } from "../pose";
 import { quality } from "../quality";
 import { useReplay } from "../replay";
-import { useRobots } from "../../api/cell";
+import { useDevices } from "../../api/cell";
 import { wake } from "../ticker";
 import { Detections } from "./Detections";
 import { cloudOf, thinned } from "./points";
@@ -29,14 +29,10 @@ const REACH = 0.35; // m, length of the pyramid that shows a camera's view
 
 /** The last look of each camera, for a while: viewpoint, point cloud and detections. */
 export function Looks({ palette }: { palette: Palette }) {
-  const { data: robots } = useRobots();
+  const { data: devices } = useDevices();
   const past = useReplay((state) => state.replay !== null);
   if (past) return null; // looks belong to the present
-  return robots?.flatMap(({ id, devices }) =>
-    devices
-      .flatMap(cameraOf)
-      .map((camera) => <CameraLook key={camera.id} robot={id} camera={camera} palette={palette} />),
-  );
+  return devices?.flatMap(cameraOf).map((camera) => <CameraLook key={camera.id} camera={camera} palette={palette} />);
 }
 
 /** A device that can look. */
@@ -45,12 +41,12 @@ function cameraOf({ id, description }: Schema<"DeviceInfo">): Camera[] {
   return width && height && vertical_fov ? [{ id, width, height, vertical_fov }] : [];
 }
 
-function CameraLook({ robot, camera, palette }: { robot: string; camera: Camera; palette: Palette }) {
+function CameraLook({ camera, palette }: { camera: Camera; palette: Palette }) {
   const number = useStation(({ state }) => state?.looks[camera.id] ?? 0);
   const { clouds, seen } = useLayers(({ shown }) => shown);
   const { data: look } = useQuery({
-    queryKey: keys.station("look", robot, camera.id, number),
-    queryFn: async () => (await answer(api.GET(LOOK, { params: { path: { id: robot, camera: camera.id } } }))) as Look,
+    queryKey: keys.station("look", camera.id, number),
+    queryFn: async () => (await answer(api.GET(LOOK, { params: { path: { id: camera.id } } }))) as Look,
     enabled: number > 0 && (clouds || seen),
     placeholderData: keepPreviousData,
     gcTime: 0,
@@ -68,7 +64,7 @@ function CameraLook({ robot, camera, palette }: { robot: string; camera: Camera;
 }
 
 type Look = Schema<"Look">;
-const LOOK = "/api/v1/robots/{id}/cameras/{camera}/look";
+const LOOK = "/api/v1/devices/{id}/look";
 
 function CloudPoints({ look }: { look: Look }) {
   const geometry = useMemo(() => {
