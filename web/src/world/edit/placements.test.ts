@@ -29,7 +29,7 @@ test("a part can be placed by placement relations that accept its class, whichev
   expect(found.map(({ name }) => name)).toEqual(["sk:in", "sk:holds"]);
 });
 
-test("the most common relation comes first, and "held by" last", () => {
+test("the most common relation comes first, and sk:heldBy last", () => {
   const relations = ["sk:heldBy", "sk:beside", "sk:at", "sk:on", "sk:in"].map((name) =>
     relation(name, "object", [["sk:Part"]], [["sk:Location"]]),
   );
