@@ -19,9 +19,10 @@ import pytest
 
 from skiros_py.cli.main import main
 from skiros_py.plugins.loading import find_plugin
-from skiros_py.scaffold.package import NewPackage, draft_package
+from skiros_py.scaffold.orders import NewPackage, NewSkill
+from skiros_py.scaffold.package import draft_package
 from skiros_py.scaffold.project import Knowledge, Project, knowledge_of
-from skiros_py.scaffold.skill import NewSkill, draft_skill
+from skiros_py.scaffold.skill import draft_skill
 
 ROOT = Path(__file__).parents[2]
 Skiros = Callable[..., tuple[int, str, str]]

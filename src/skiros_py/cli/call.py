@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from skiros_py.cli.commands import server_options
 from skiros_py.cli.options import key_values
 from skiros_py.cli.output import REACHED, tell
-from skiros_py.cli.reaching import reach, server_options
+from skiros_py.cli.reaching import reach
 from skiros_py.errors import FileError, UnknownName, UsageError
 
 if TYPE_CHECKING:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
 import click
 
-from skiros_py.cli.options import JSON, key_values
-from skiros_py.cli.output import NOT_REACHED, REACHED, tell
-from skiros_py.cli.reaching import Found, served, with_client
+from skiros_py.cli.commands import Found, served
+from skiros_py.cli.options import key_values
+from skiros_py.cli.output import NOT_REACHED, REACHED
 from skiros_py.errors import DeviceError
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ def manager() -> None:
     """Lists, opens and closes the skill managers of a server while it runs."""
 
 
-@served(manager, "manager list --data cell")
+@served("manager list --data cell", manager)
 def list_managers(client: Client) -> Found:
     """Lists the open skill managers, with their skills and running modules."""
     managers = client.modules.managers()
@@ -55,7 +55,7 @@ def _line(manager: ManagerInfo) -> str:
     return f"{manager.agent:12} {manager.robot:12} {state}{running}"
 
 
-@served(manager, "manager open arm_1 --data cell")
+@served("manager open arm_1 --data cell", manager)
 @click.argument("agent")
 def open_manager(client: Client, agent: str) -> Found:
     """Opens the skill manager of the subsystem AGENT: its skills become available."""
@@ -63,7 +63,7 @@ def open_manager(client: Client, agent: str) -> Found:
     return opened, [f"{agent} offers {', '.join(opened.skills) or 'no skill'}"]
 
 
-@served(manager, "manager close arm_1 --data cell")
+@served("manager close arm_1 --data cell", manager)
 @click.argument("agent")
 @click.option("--force", is_flag=True, help="Stop its running modules first.")
 def close_manager(client: Client, agent: str, force: bool) -> Found:
@@ -77,21 +77,21 @@ def device() -> None:
     """Lists, opens, closes, jogs and teaches the devices of a server while it runs."""
 
 
-@served(device, "device list --data cell")
+@served("device list --data cell", device)
 def list_devices(client: Client) -> Found:
     """Lists the devices, with the robot that each belongs to, and whether it is open."""
     devices = client.devices.list()
     return devices, (f"{d.id:12} {d.kind:12} {d.robot or '-':12} {'open' if d.open else 'closed'}" for d in devices)
 
 
-@served(device, "device open gripper_1 --data cell")
+@served("device open gripper_1 --data cell", device)
 @click.argument("device")
 def open_device(client: Client, device: str) -> Found:
     """Opens DEVICE: its driver is connected, and modules may use it."""
     return client.devices.open(device), [f"{device} is open"]
 
 
-@served(device, "device close gripper_1 --data cell")
+@served("device close gripper_1 --data cell", device)
 @click.argument("device")
 def close_device(client: Client, device: str) -> Found:
     """Closes DEVICE, if nothing uses it: no module may use it until it is opened."""
@@ -111,14 +111,14 @@ def _by_hand(command: Callable[..., Found]) -> Callable[..., Found]:
     return command
 
 
-@served(device, "device jog gripper_1 --param gap=0.03 --data cell")
+@served("device jog gripper_1 --param gap=0.03 --data cell", device)
 @_by_hand
 def jog_device(client: Client, device: str, module: str | None, params: tuple[str, ...]) -> Found:
     """Moves DEVICE by a small step, or home, and waits until it stands; Ctrl-C stops it."""
     return _followed(client, client.devices.jog(device, _parameters(params), module=module))
 
 
-@served(device, "device teach base_1 --param location=pallet_a --data cell")
+@served("device teach base_1 --param location=pallet_a --data cell", device)
 @_by_hand
 def teach_device(client: Client, device: str, module: str | None, params: tuple[str, ...]) -> Found:
     """Learns something from the present state of DEVICE, such as a grasp or a driving pose."""
@@ -153,7 +153,7 @@ def signal() -> None:
     """Lists, reads and sets the signals of a server: of devices, computed ones, and inputs."""
 
 
-@served(signal, "signal list --data cell")
+@served("signal list --data cell", signal)
 def list_signals(client: Client) -> Found:
     """Lists the signals, with their unit, dimension, source and meaning."""
     signals = client.signals.list()
@@ -163,7 +163,7 @@ def list_signals(client: Client) -> Found:
     )
 
 
-@served(signal, "signal get gripper_1.gap --data cell")
+@served("signal get gripper_1.gap --data cell", signal)
 @click.argument("names", nargs=-1, required=True)
 def get_signals(client: Client, names: tuple[str, ...]) -> Found:
     """Reads the signals NAMES, all in the same control cycle."""
@@ -174,7 +174,7 @@ def get_signals(client: Client, names: tuple[str, ...]) -> Found:
     return readings, lines
 
 
-@served(signal, "signal set speed_limit 0.3 --data cell")
+@served("signal set speed_limit 0.3 --data cell", signal)
 @click.argument("name")
 @click.argument("value", callback=_value)
 def set_signal(client: Client, name: str, value: SignalValue) -> Found:
@@ -183,35 +183,35 @@ def set_signal(client: Client, name: str, value: SignalValue) -> Found:
     return {name: value}, [f"{name} is {json.dumps(value)}"]
 
 
-@click.command("stop", epilog="Example: skiros stop --data cell --reason 'a person is in the cell'")
+@served("stop --data cell --reason 'a person is in the cell'", client={"timeout": _TIMEOUT, "tries": _TRIES})
 @click.option("--reason", default="", metavar="TEXT", help="Reason, for the person who resets the halt.")
-@with_client(timeout=_TIMEOUT, tries=_TRIES)
-@JSON
-def stop(reason: str, client: Client, as_json: bool) -> int:
+def stop(client: Client, reason: str) -> Found:
     """Halts all robots of a server in the next control cycle; nothing moves until 'skiros reset'.
 
     It does not replace the emergency stop of a machine. Exit status: 0 obeyed, 1 not, or not known.
     """
-    return _show(client.station.stop(reason), as_json=as_json)
+    return _halt(client.station.stop(reason))
 
 
-@click.command("reset", epilog="Example: skiros reset --data cell")
-@with_client()
-@JSON
-def reset(client: Client, as_json: bool) -> int:
+@served("reset --data cell")
+def reset(client: Client) -> Found:
     """Allows the robots of a server to move again after a halt; check its reason first.
 
     Interrupted jobs then wait for an answer: skiros job answer JOB retry.
     """
-    return _show(client.station.reset(), as_json=as_json)
+    return _halt(client.station.reset())
 
 
-def _show(info: StopInfo, *, as_json: bool) -> int:
-    """Shows whether everything is halted, and returns the exit status that says whether the server obeyed."""
-    if not info.obeyed and info.halted and not as_json:
-        click.echo("NOT OBEYED: the control thread does not run; press the button of the machine", err=True)
-        return NOT_REACHED
+def _halt(info: StopInfo) -> Found:
+    """Describes whether everything is halted; the exit status says whether the server obeyed."""
+    status = REACHED if info.obeyed else NOT_REACHED
+    if info.halted and not info.obeyed:
+        return info, _not_obeyed(), status
     by = f", by {info.by}" if info.by else ""
     halted = f"halted ({info.why}{by}): {'everything stands' if info.standing else 'it brakes'}"
-    tell(info, [halted if info.halted else "nothing is halted"], as_json=as_json)
-    return REACHED if info.obeyed else NOT_REACHED
+    return info, [halted if info.halted else "nothing is halted"], status
+
+
+def _not_obeyed() -> Iterator[str]:
+    click.echo("NOT OBEYED: the control thread does not run; press the button of the machine", err=True)
+    yield from ()

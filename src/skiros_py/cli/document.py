@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
+from skiros_py.cli.commands import Found, served
 from skiros_py.cli.module import given_params
-from skiros_py.cli.reaching import Found, served
 from skiros_py.errors import UnknownName
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ def command() -> None:
     """Lists, imports, exports, removes, runs and debugs the documents of a server: trees, sequences, goal templates."""
 
 
-@served(command, "document list tree --data cell")
+@served("document list tree --data cell", command)
 @click.argument("kind")
 def list_(client: Client, kind: str) -> Found:
     """Lists the documents of a KIND ("tree")."""
@@ -31,7 +31,7 @@ def list_(client: Client, kind: str) -> Found:
     return found, map(_line, found.documents)
 
 
-@served(command, "document show tree tidy_up --data cell")
+@served("document show tree tidy_up --data cell", command)
 @click.argument("kind")
 @click.argument("id_", metavar="ID")
 @click.option("--revisions", is_flag=True, help="List the stored revisions, oldest first.")
@@ -44,7 +44,7 @@ def show(client: Client, kind: str, id_: str, revisions: bool) -> Found:
     return document, [json.dumps(document.data, indent=2, ensure_ascii=False), *_problems(document)]
 
 
-@served(command, "document import tree tidy_up tidy_up.json --data cell")
+@served("document import tree tidy_up tidy_up.json --data cell", command)
 @click.argument("kind")
 @click.argument("id_", metavar="ID")
 @click.argument("file", type=click.Path(path_type=Path, dir_okay=False, exists=True))
@@ -61,7 +61,7 @@ def import_(client: Client, kind: str, id_: str, file: Path, format_: str | None
     return document, [_line(document), *_problems(document)]
 
 
-@served(command, "document export tree tidy_up --data cell")
+@served("document export tree tidy_up --data cell", command)
 @click.argument("kind")
 @click.argument("id_", metavar="ID")
 @click.option("--format", "format_", metavar="NAME", help="One of the formats of KIND.  [default: the first one]")
@@ -71,7 +71,7 @@ def export(client: Client, kind: str, id_: str, format_: str | None) -> Found:
     return {"text": text}, text.splitlines()
 
 
-@served(command, "document remove tree tidy_up --data cell")
+@served("document remove tree tidy_up --data cell", command)
 @click.argument("kind")
 @click.argument("id_", metavar="ID")
 def remove(client: Client, kind: str, id_: str) -> Found:
@@ -80,7 +80,7 @@ def remove(client: Client, kind: str, id_: str) -> Found:
     return {"removed": f"{kind}:{id_}"}, [f"{kind}:{id_} is removed"]
 
 
-@served(command, "document run tree tidy_up --agent arm_1 --break body/1 --data cell")
+@served("document run tree tidy_up --agent arm_1 --break body/1 --data cell", command)
 @click.argument("kind")
 @click.argument("id_", metavar="ID")
 @click.option("--agent", required=True, metavar="ID", help="Subsystem whose skill manager runs it.")
@@ -99,7 +99,7 @@ def run(
     return started, _run_lines(started)
 
 
-@served(command, "document break 3f2a9c1e-1 body/1 --data cell")
+@served("document break 3f2a9c1e-1 body/1 --data cell", command)
 @click.argument("run")
 @click.argument("paths", nargs=-1, metavar="[PATH]...")
 def break_(client: Client, run: str, paths: tuple[str, ...]) -> Found:
@@ -108,7 +108,7 @@ def break_(client: Client, run: str, paths: tuple[str, ...]) -> Found:
     return found, _run_lines(found)
 
 
-@served(command, "document command 3f2a9c1e-1 resume --data cell")
+@served("document command 3f2a9c1e-1 resume --data cell", command)
 @click.argument("run")
 @click.argument("verb", type=click.Choice(["pause", "resume", "step", "stop"]))
 def command_run(client: Client, run: str, verb: Literal["pause", "resume", "step", "stop"]) -> Found:

@@ -9,20 +9,19 @@ from typing import TYPE_CHECKING
 
 import click
 
+from skiros_py.cli.commands import Found, served
 from skiros_py.cli.job_files import JobFiles, kept_jobs
 from skiros_py.cli.job_text import (
     follow_job,
     job_lines,
+    job_table,
     plan_lines,
-    print_jobs,
     response_lines,
     state_line,
     trace_lines,
 )
 from skiros_py.cli.lazy import LazyGroup
-from skiros_py.cli.options import JSON
-from skiros_py.cli.output import REACHED, tell
-from skiros_py.cli.reaching import Found, reach, served, server_options, with_client
+from skiros_py.cli.reaching import reach
 
 if TYPE_CHECKING:
     from skiros_py.client import Client
@@ -67,24 +66,16 @@ def _jobs(data: Path | None, url: str | None, key_file: Path | None) -> Iterator
             yield client.jobs
 
 
-@command.command("list", epilog="Example: skiros job list --data cell --state Running --state Interrupted")
+@served("job list --data cell --state Running --state Interrupted", command, _jobs)
 @click.option("--state", "states", multiple=True, type=click.Choice(_STATES), help="Only this state; may be repeated.")
 @click.option("--limit", type=click.IntRange(1, 1000), default=100, show_default=True, help="How many at most.")
-@server_options
-@JSON
-def list_jobs(
-    states: tuple[str, ...], limit: int, data: Path | None, url: str | None, key_file: Path | None, as_json: bool
-) -> int:
+def list_jobs(jobs: Jobs, states: tuple[str, ...], limit: int) -> Found:
     """Lists jobs in the order in which they were ordered."""
-    with _jobs(data, url, key_file) as jobs:
-        found = jobs.list(states=states, limit=limit).items
-    if not as_json:
-        print_jobs(found)
-        return REACHED
-    return tell({"jobs": found}, as_json=True)
+    found = jobs.list(states=states, limit=limit).items
+    return {"jobs": found}, job_table(found)
 
 
-@served(command, "job show kit-17 --data cell", _jobs)
+@served("job show kit-17 --data cell", command, _jobs)
 @click.argument("job")
 def show(jobs: Jobs, job: str) -> Found:
     """Shows the state of JOB."""
@@ -92,7 +83,7 @@ def show(jobs: Jobs, job: str) -> Found:
     return found, job_lines(found)
 
 
-@served(command, "job plan kit-17 --data cell", _jobs)
+@served("job plan kit-17 --data cell", command, _jobs)
 @click.argument("job")
 def plan(jobs: Jobs, job: str) -> Found:
     """Shows the last plan of JOB."""
@@ -100,7 +91,7 @@ def plan(jobs: Jobs, job: str) -> Found:
     return found, plan_lines(found)
 
 
-@served(command, "job trace kit-17 --data cell", _jobs)
+@served("job trace kit-17 --data cell", command, _jobs)
 @click.argument("job")
 def trace(jobs: Jobs, job: str) -> Found:
     """Shows the trace of JOB, oldest entry first."""
@@ -112,7 +103,7 @@ def trace(jobs: Jobs, job: str) -> Found:
     return {"entries": entries}, trace_lines(entries)
 
 
-@served(command, "job response kit-17 --data cell --json")
+@served("job response kit-17 --data cell --json", command)
 @click.argument("job")
 def response(client: Client, job: str) -> Found:
     """Shows the result of JOB: skills executed, changes of state (ISA-95: job response)."""
@@ -120,16 +111,14 @@ def response(client: Client, job: str) -> Found:
     return found, response_lines(found.job_response_data, found.transitions)
 
 
-@command.command("watch", epilog="Example: skiros job watch kit-17 --data cell")
+@served("job watch kit-17 --data cell", command)
 @click.argument("job")
-@with_client()
-@JSON
-def watch(job: str, client: Client, as_json: bool) -> int:
+def watch(client: Client, job: str) -> Found:
     """Follows JOB until it is over, across connection failures and server restarts. Ctrl-C ends only the watching.
 
     Exit status as that of 'skiros run': 0 reached, 1 not reached, 3 no plan, 130 stopped or aborted.
     """
-    return follow_job(client, job, as_json=as_json)
+    return follow_job(client, job)
 
 
 # ---------------------------------------------------------------- commanding
@@ -149,7 +138,7 @@ _COMMANDS = {
 
 
 def _add_command(name: str, text: str) -> None:
-    @served(command, f"job {name} kit-17 --data cell", help=text)
+    @served(f"job {name} kit-17 --data cell", command, help=text)
     @click.argument("job")
     @click.option("--comment", default="", metavar="TEXT", help="Reason, for the record.")
     def run(client: Client, job: str, comment: str) -> Found:
@@ -161,7 +150,7 @@ for _name, _text in _COMMANDS.items():
     _add_command(_name, _text)
 
 
-@served(command, "job answer kit-17 retry --data cell")
+@served("job answer kit-17 retry --data cell", command)
 @click.argument("job")
 @click.argument("choice")
 def reply(client: Client, job: str, choice: str) -> Found:

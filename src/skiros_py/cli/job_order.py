@@ -11,10 +11,10 @@ from pydantic import ValidationError
 
 from skiros_py.api.jobs import JobOrder, order_from
 from skiros_py.api.previews import Preview, PreviewState
+from skiros_py.cli.commands import Found, served
 from skiros_py.cli.job_text import follow_job, state_line
-from skiros_py.cli.options import JSON, key_values
-from skiros_py.cli.output import NO_PLAN, NOT_REACHED, REACHED, tell
-from skiros_py.cli.reaching import with_client
+from skiros_py.cli.options import key_values
+from skiros_py.cli.output import NO_PLAN, NOT_REACHED, REACHED
 from skiros_py.errors import UsageError
 
 if TYPE_CHECKING:
@@ -35,8 +35,9 @@ class _Time(click.ParamType[datetime]):
             self.fail(f"'{value}' is no time such as 2026-11-21T14:30 or 2026-11-21T14:30:00+01:00", param, ctx)
 
 
-@click.command(
-    "submit",
+@served(
+    "job submit",
+    name="submit",
     epilog="""\b
 Examples:
   skiros job submit 'InKit(Starter, kit_1)' --data cell --watch
@@ -61,20 +62,17 @@ Examples:
     help="Required material; repeatable.",
 )
 @click.option("--watch", is_flag=True, help="Follow it until it is over, as 'skiros job watch' does.")
-@with_client()
-@JSON
 def submit(
+    client: Client,
     goals: tuple[str, ...],
     template: str,
     params: tuple[str, ...],
     materials: tuple[str, ...],
     hold: bool,
     watch: bool,
-    client: Client,
-    as_json: bool,
     id_: str | None,
     **fields: Any,
-) -> int:
+) -> Found:
     """Orders a job: all GOALs must hold together, such as 'InKit(Starter, kit_1)'.
 
     It is stored when this returns. Exit status: 0 accepted; with --watch that of 'skiros job watch'.
@@ -82,15 +80,13 @@ def submit(
     order = _order(goals, template, params, materials, id=id_, **fields)
     job = client.jobs.order(order, start=not hold)
     if watch:
-        return follow_job(client, job.id, as_json=as_json)
-    return tell(job, [state_line(job)], as_json=as_json)
+        return follow_job(client, job.id)
+    return job, [state_line(job)]
 
 
-@click.command("preview", epilog="Example: skiros job preview 'InKit(Starter, kit_1)' --data cell")
+@served("job preview 'InKit(Starter, kit_1)' --data cell", name="preview")
 @click.argument("goals", nargs=-1, required=True, metavar="GOAL...")
-@with_client()
-@JSON
-def preview(goals: tuple[str, ...], client: Client, as_json: bool) -> int:
+def preview(client: Client, goals: tuple[str, ...]) -> Found:
     """Plans for GOALs from the current beliefs and shows the plan, or why there is none; nothing moves.
 
     Exit status: 0 there is a plan or nothing to be done, 1 planning failed, 3 there is no plan.
@@ -98,8 +94,8 @@ def preview(goals: tuple[str, ...], client: Client, as_json: bool) -> int:
     found = client.previews.ask(_order(goals, "", (), ()))
     while found.state is PreviewState.PLANNING:
         found = client.previews.get(found.id, wait=_LOOK)
-    tell(found, _preview_lines(found), as_json=as_json)
-    return {PreviewState.PLANNED: REACHED, PreviewState.NO_PLAN: NO_PLAN}.get(found.state, NOT_REACHED)
+    status = {PreviewState.PLANNED: REACHED, PreviewState.NO_PLAN: NO_PLAN}.get(found.state, NOT_REACHED)
+    return found, _preview_lines(found), status
 
 
 def _preview_lines(found: Preview) -> Iterator[str]:

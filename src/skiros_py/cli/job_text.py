@@ -10,12 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from skiros_py.cli.output import NO_PLAN, NOT_REACHED, REACHED, STOPPED, escaped, tell
+from skiros_py.cli.commands import Found
+from skiros_py.cli.output import NO_PLAN, NOT_REACHED, REACHED, STOPPED, escaped, table_lines
 
 if TYPE_CHECKING:
-    from rich.status import Status
-
-    from skiros_py.api.events import EventInfo
     from skiros_py.api.jobs import Job, JobPlan, JobStep, JobTransition
     from skiros_py.client import Client
 
@@ -101,24 +99,19 @@ def response_lines(steps: Sequence[JobStep], transitions: Sequence[JobTransition
         yield f"{_shown(change.at)}  {change.trigger}: {change.state.text}{_because(change.comment)}"
 
 
-def print_jobs(jobs: Sequence[Job]) -> None:
-    """Prints a table of jobs."""
-    from rich.console import Console
-    from rich.table import Table
-    from rich.text import Text
-
-    table = Table(box=None, pad_edge=False)
-    for column in ("job", "state", "priority", "ordered", "goal"):
-        table.add_column(column, justify="right" if column == "priority" else "left", overflow="fold")
-    for job in jobs:
-        state = job.outcome or f"{_state(job)}{f' ({job.detail})' if job.detail else ''}"
-        ordered = _shown(job.ordered) if job.ordered else ""
-        cells = (job.id, state, str(job.order.priority), ordered, "; ".join(job.order.goal))
-        table.add_row(*(Text(escaped(cell)) for cell in cells))
-    console = Console(highlight=False)
-    if not console.is_terminal:
-        console.width = 200
-    console.print(table)
+def job_table(jobs: Sequence[Job]) -> list[str]:
+    """Returns a table of jobs."""
+    rows = [
+        (
+            job.id,
+            job.outcome or f"{_state(job)}{f' ({job.detail})' if job.detail else ''}",
+            str(job.order.priority),
+            _shown(job.ordered) if job.ordered else "",
+            "; ".join(job.order.goal),
+        )
+        for job in jobs
+    ]
+    return table_lines(("job", "state", "priority", "ordered", "goal"), rows, right=("priority",))
 
 
 def _state(job: Job) -> str:
@@ -133,59 +126,36 @@ def _shown(when: datetime) -> str:
     return when.astimezone().strftime("%Y-%m-%d %H:%M:%S %z")
 
 
-def follow_job(client: Client, name: str, *, as_json: bool) -> int:
-    """Shows the events of a job until it is over, then its outcome.
+def follow_job(client: Client, name: str) -> Found:
+    """Shows the events of a job until it is over; returns its outcome.
+
+    With ``--json`` the events go to stderr.
 
     Args:
         client: Reaches its server.
         name: Its id.
-        as_json: Whether what came of it is shown as JSON on stdout, and all else on stderr.
-
-    Returns:
-        The exit status that tells what came of it.
     """
-    with _live(to_stderr=as_json) as live:
-        job = _follow(client, name, live, to_stderr=as_json)
-    tell(job, job_lines(job), as_json=as_json)
-    return status_of(job)
-
-
-def _live(*, to_stderr: bool) -> Status | nullcontext[None]:
-    """Returns the status line of a terminal."""
     from rich.console import Console
 
-    console = Console(stderr=to_stderr, highlight=False)
-    return console.status("") if console.is_terminal else nullcontext()
-
-
-def _follow(client: Client, name: str, live: Status | None, *, to_stderr: bool) -> Job:
     from skiros_py.api.events import EventInfo
     from skiros_py.client.calls.events import stream_job_events
 
-    job, said = client.jobs.get(name), ""
-    for event in client.follow(stream_job_events(name)):
-        if isinstance(event, EventInfo) and event.kind != "job":
-            _tell(event, to_stderr=to_stderr)
-            continue
+    console = Console(file=sys.stdout, highlight=False)
+    said = ""
+    with console.status("") if console.is_terminal else nullcontext() as live:
         job = client.jobs.get(name)
-        said = _say_state(job, said, live, to_stderr=to_stderr)
-        if job.outcome is not None:
-            break
-    return job
-
-
-def _say_state(job: Job, said: str, live: Status | None, *, to_stderr: bool) -> str:
-    """Prints the state of a job if it has changed; returns the printed line."""
-    line = state_line(job)
-    if line != said:
-        click.echo(escaped(line), err=to_stderr)
-    if live is not None:
-        live.update(f"{job.state.text} {job.detail}".replace("[", "\\["))
-    return line
-
-
-def _tell(event: EventInfo, *, to_stderr: bool) -> None:
-    text = str(event.data.get("text") or "")
-    if text:
-        click.echo(escaped(f"{event.time:8.1f} s  {text}"), err=to_stderr)
-        (sys.stderr if to_stderr else sys.stdout).flush()
+        for event in client.follow(stream_job_events(name)):
+            if isinstance(event, EventInfo) and event.kind != "job":
+                if text := str(event.data.get("text") or ""):
+                    click.echo(escaped(f"{event.time:8.1f} s  {text}"))
+                    sys.stdout.flush()
+                continue
+            job = client.jobs.get(name)
+            if (line := state_line(job)) != said:
+                click.echo(escaped(line))
+                said = line
+            if live is not None:
+                live.update(f"{job.state.text} {job.detail}".replace("[", "\\["))
+            if job.outcome is not None:
+                break
+    return job, job_lines(job), status_of(job)

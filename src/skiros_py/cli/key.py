@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from skiros_py.cli.options import DATA, JSON
-from skiros_py.cli.output import escaped, tell
+from skiros_py.cli.commands import Found, reports
+from skiros_py.cli.options import DATA
+from skiros_py.cli.output import escaped
 from skiros_py.errors import FileError
 from skiros_py.system import require_extra
 
@@ -47,14 +48,13 @@ def command() -> None:
     require_extra("server", "skiros key")
 
 
-@command.command("create", epilog="Example: skiros key create 'line 1 MES' --role mes --expires 90d --data plant")
+@reports("key create 'line 1 MES' --role mes --expires 90d --data plant", command)
 @click.argument("name")
 @click.option("--role", required=True, type=click.Choice(_ROLES), help="Role of the key's owner.")
 @click.option("--expires", type=_Lasting(), metavar="SPAN", help="Validity: 12h, 90d, 4w.  [default: unlimited]")
 @DATA
 @click.option("--new", is_flag=True, help="Create the data directory if it is missing, for a first start with a key.")
-@JSON
-def create(name: str, role: str, expires: float | None, data: Path, new: bool, as_json: bool) -> int:
+def create(name: str, role: str, expires: float | None, data: Path, new: bool) -> Found:
     """Creates a key for NAME and prints it, once: it is not stored.
 
     Viewers look on; operators edit scenes, order and command jobs; engineers run modules, move robots by hand and
@@ -66,35 +66,35 @@ def create(name: str, role: str, expires: float | None, data: Path, new: bool, a
     _check_folder(data, new=new)
     with _keys(data, make=True) as keys:
         key, text = keys.create(name, Role(role), None if expires is None else time.time() + expires)
-    if not as_json:
-        click.echo(f"{role} key for {escaped(name)}; it is shown this once:", err=True)
-    return tell({"key": shown(key), "secret": text}, [text], as_json=as_json)
+    return {"key": shown(key), "secret": text}, _shown_once(text, f"{role} key for {name}")
 
 
-@command.command("list", epilog="Example: skiros key list --data plant")
+def _shown_once(text: str, what: str) -> Iterator[str]:
+    click.echo(f"{escaped(what)}; it is shown this once:", err=True)
+    yield text
+
+
+@reports("key list --data plant", command)
 @DATA
-@JSON
-def list_keys(data: Path, as_json: bool) -> int:
+def list_keys(data: Path) -> Found:
     """Lists the keys, including revoked and expired ones."""
     from skiros_py.server.access.keys import shown
 
     with _keys(data) as keys:
         found = [shown(key) for key in keys.all()]
-    lines = (f"{key.id}  {key.role:<8}  {key.shown}  {key.name}: {_state(key)}" for key in found)
-    return tell({"keys": found}, lines, as_json=as_json)
+    return {"keys": found}, (f"{key.id}  {key.role:<8}  {key.shown}  {key.name}: {_state(key)}" for key in found)
 
 
-@command.command("revoke", epilog="Example: skiros key revoke 1f0c55a2 --data plant")
+@reports("key revoke 1f0c55a2 --data plant", command)
 @click.argument("key")
 @DATA
-@JSON
-def revoke(key: str, data: Path, as_json: bool) -> int:
+def revoke(key: str, data: Path) -> Found:
     """Revokes a key immediately and permanently; KEY is its id, as 'skiros key list' shows it."""
     from skiros_py.server.access.keys import shown
 
     with _keys(data) as keys:
         revoked = shown(keys.revoke(key))
-    return tell(revoked, [f"{revoked.shown} of {revoked.name} is revoked"], as_json=as_json)
+    return revoked, [f"{revoked.shown} of {revoked.name} is revoked"]
 
 
 def _check_folder(data: Path, *, new: bool) -> None:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from skiros_py.cli.commands import Found, reports
 from skiros_py.cli.options import GUI, JSON, cell_options, key_values
-from skiros_py.cli.output import NOT_REACHED, REACHED, STOPPED, answer
+from skiros_py.cli.output import NOT_REACHED, REACHED, STOPPED, tell
 from skiros_py.cli.run import answering, ask_option
 from skiros_py.errors import UnknownName
 
@@ -44,48 +45,32 @@ def _choice(function: _Command) -> _Command:
     return param(agent(_scene(function)))
 
 
-@command.command("list", epilog="Example: skiros module list --scene kitting")
+@reports("module list --scene kitting", command)
 @_scene
-@JSON
-def list_(scene: str, as_json: bool) -> int:
+def list_(scene: str) -> Found:
     """Lists what each skill manager of a scene can run."""
     with _fake(scene) as session:
-        found = [
-            (agent, manager.info(name))
-            for agent, manager in sorted(session.managers.items())
-            for name in manager.modules
-        ]
-    if as_json:
-        answer([{"agent": agent, **info.as_json()} for agent, info in found])
-        return REACHED
+        found = [(agent, m.info(name)) for agent, m in sorted(session.managers.items()) for name in m.modules]
     width = max((len(info.name) for _, info in found), default=0)
-    for agent, info in found:
-        click.echo(f"{agent:10} {info.kind:9} {info.name:{width}}  {info.help}")
-    return REACHED
+    lines = (f"{agent:10} {info.kind:9} {info.name:{width}}  {info.help}" for agent, info in found)
+    return [{"agent": agent, **info.as_json()} for agent, info in found], lines
 
 
-@command.command("show", epilog="Example: skiros module show pick --param Object=starter_1")
+@reports("module show pick --param Object=starter_1", command)
 @click.argument("name")
 @_choice
-@JSON
-def show(name: str, params: tuple[str, ...], agent: str | None, scene: str, as_json: bool) -> int:
+def show(name: str, params: tuple[str, ...], agent: str | None, scene: str) -> Found:
     """Shows a module: its parameters with their present values, its conditions and whether they hold, and its body."""
     with _fake(scene) as session:
         manager = _manager(session, name, agent)
         panel = manager.panel(name, given_params(params))
         info = manager.info(name)
     body = _body(name) if info.kind == "skill" else []
-    if as_json:
-        answer({"agent": manager.agent, **info.as_json(), **panel.as_json(), "body": body})
-        return REACHED
-    click.echo(f"{info.kind} {name} {info.version} of {manager.agent}: {info.help}")
-    _print_panel(panel)
-    for output in info.outputs:
-        unit = f" [{output.unit}]" if output.unit else ""
-        click.echo(f"  Out({output.name})  ({output.param.type_name}{unit}: {output.help})")
-    for line in body:
-        click.echo(f"  {line}")
-    return REACHED
+    head = f"{info.kind} {name} {info.version} of {manager.agent}: {info.help}"
+    units = {output.name: f" [{output.unit}]" if output.unit else "" for output in info.outputs}
+    outputs = [f"  Out({o.name})  ({o.param.type_name}{units[o.name]}: {o.help})" for o in info.outputs]
+    found = {"agent": manager.agent, **info.as_json(), **panel.as_json(), "body": body}
+    return found, [head, *_panel_lines(panel), *outputs, *(f"  {line}" for line in body)]
 
 
 @command.command("run", epilog="Example: skiros module run drive --param Location=pallet_a --fake")
@@ -115,7 +100,7 @@ def run(
         given, manager = given_params(params), _manager(session, name, agent)
         before = manager.panel(name, given)
         if not as_json:
-            _print_panel(before)
+            tell(None, _panel_lines(before), as_json=False)
             session.monitor.subscribe(_print_event)
         outcomes = []
         with stopping(session, as_json=as_json), answering(session.questions, ask=ask):
@@ -125,11 +110,9 @@ def run(
                     break
         after = manager.panel(name, given)
     good = sum(isinstance(outcome, Success) for outcome in outcomes)
-    if as_json:
-        runs = [_as_json(outcome) for outcome in outcomes]
-        answer({"runs": runs, "before": before.as_json(), "after": after.as_json()})
-    elif repeat > 1:
-        click.echo(f"{good} of {len(outcomes)} runs succeeded")
+    runs = [_as_json(outcome) for outcome in outcomes]
+    lines = [f"{good} of {len(outcomes)} runs succeeded"] if repeat > 1 else []
+    tell({"runs": runs, "before": before.as_json(), "after": after.as_json()}, lines, as_json=as_json)
     if session.stopped:
         return STOPPED
     return REACHED if good == repeat else NOT_REACHED
@@ -172,7 +155,7 @@ def _body(name: str) -> list[str]:
     return found
 
 
-def _print_panel(panel: Panel) -> None:
+def _panel_lines(panel: Panel) -> Iterator[str]:
     from skiros_py.skills.parameters import Kind, as_text
 
     for param in panel.params:
@@ -181,12 +164,12 @@ def _print_panel(panel: Panel) -> None:
         value, unit = panel.values.get(param.key), f" {param.unit}" if param.unit else ""
         shown = "-" if value is None else f"{as_text(param, value)}{unit}"
         why = panel.missing.get(param.key) or panel.reasons.get(param.key) or param.help
-        click.echo(f"  {param.key} = {shown}  ({param.kind.value} {param.type_name}: {why})")
+        yield f"  {param.key} = {shown}  ({param.kind.value} {param.type_name}: {why})"
     for row in panel.rows:
         mark = "?" if row.verdict is None else "yes" if row.verdict else "no"
-        click.echo(f"  {row.kind:4} {mark:3} {row.condition}")
-        for line in row.verdict.lines()[1:] if row.verdict is not None and not row.verdict else ():
-            click.echo(f"           {line}")
+        yield f"  {row.kind:4} {mark:3} {row.condition}"
+        if row.verdict is not None and not row.verdict:
+            yield from (f"           {line}" for line in row.verdict.lines()[1:])
 
 
 def _print_event(event: ModuleEvent) -> None:

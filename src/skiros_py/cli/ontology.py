@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import difflib
 import sys
+from collections.abc import Iterator, Mapping
+from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from skiros_py.cli.commands import Found, reports
 from skiros_py.cli.options import Seconds
-from skiros_py.cli.output import NOT_REACHED, REACHED, answer, progress
+from skiros_py.cli.output import NOT_REACHED, REACHED, counted, progress
 from skiros_py.errors import UsageError
 
 if TYPE_CHECKING:
-    from skiros_py.world.ontology.check import CheckReport, Finding, ReasonerChoice
+    from skiros_py.world.ontology.check import CheckReport, ReasonerChoice
 
 _PATHS = click.argument("paths", nargs=-1, type=click.Path(exists=True, path_type=Path))
 
@@ -27,7 +30,7 @@ def command() -> None:
     """
 
 
-@command.command("check", epilog="Example: skiros ontology check my.ttl ontologies/core.ttl --reasoner owl-rl")
+@reports("ontology check my.ttl ontologies/core.ttl --reasoner owl-rl", command)
 @_PATHS
 @click.option(
     "--reasoner",
@@ -42,8 +45,7 @@ def command() -> None:
     metavar="S",
     help="Time limit of a reasoner [s], 3600 at most.  [default: 60]",
 )
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout, all else on stderr.")
-def check(paths: tuple[Path, ...], reasoner: ReasonerChoice, time_limit: float, as_json: bool) -> int:
+def check(paths: tuple[Path, ...], reasoner: ReasonerChoice, time_limit: float) -> Found:
     """Checks the ontologies PATHS together, as they would be loaded.
 
     Finds undeclared terms, bad domains and ranges, cycles, classes that nothing can be of and contradictions, each
@@ -55,11 +57,7 @@ def check(paths: tuple[Path, ...], reasoner: ReasonerChoice, time_limit: float, 
 
     with progress("starting") as shown:
         report = check_ontology(_or_installed(paths), reasoner, time_limit, shown)
-    if as_json:
-        answer(_as_json(report))
-    else:
-        _print(report)
-    return NOT_REACHED if report.errors else REACHED
+    return _as_json(report), _lines(report), NOT_REACHED if report.errors else REACHED
 
 
 @command.command("constants", epilog="Example: skiros ontology constants --namespace kitting -o kitting.py")
@@ -93,22 +91,21 @@ def constants(paths: tuple[Path, ...], namespaces: tuple[str, ...], output: Path
     return REACHED
 
 
-@command.command("list", epilog="Example: skiros ontology list --json")
+@reports("ontology list --json", command)
 @_PATHS
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
-def list_files(paths: tuple[Path, ...], as_json: bool) -> int:
+def list_files(paths: tuple[Path, ...]) -> Found:
     """Lists the files of PATHS with their IRIs and how much each declares."""
     from skiros_py.world.ontology.documents import rdf_files, read_document
     from skiros_py.world.ontology.statements import inventory
 
     found = [inventory(read_document(path)) for path in rdf_files(_or_installed(paths))]
-    if as_json:
-        answer({"files": [{"file": str(i.path), "iri": i.iri, **i.counts} for i in found]})
-        return REACHED
-    for item in found:
-        counts = ", ".join(f"{number} {name}" for name, number in item.counts.items() if number)
-        click.echo(f"{item.path}\n  <{item.iri}>: {counts or 'no terms'}")
-    return REACHED
+    return {"files": [{"file": i.path, "iri": i.iri, **i.counts} for i in found]}, (
+        line for one in found for line in (str(one.path), f"  <{one.iri}>: {_counted(one.counts) or 'no terms'}")
+    )
+
+
+def _counted(counts: Mapping[str, int]) -> str:
+    return ", ".join(f"{number} {name}" for name, number in counts.items() if number)
 
 
 def _or_installed(paths: tuple[Path, ...]) -> tuple[Path, ...]:
@@ -124,46 +121,26 @@ def _or_installed(paths: tuple[Path, ...]) -> tuple[Path, ...]:
     return (*ontology_paths(), *(file for own in files.values() for file in own))
 
 
-def _print(report: CheckReport) -> None:
+def _lines(report: CheckReport) -> Iterator[str]:
     for finding in report.findings:
-        click.echo(_line(finding))
-        for statement in finding.explanation:
-            click.echo(f"    {statement}")
+        where = f"{finding.file}:{finding.line}: " if finding.line else f"{finding.file}: " if finding.file else ""
+        yield f"{where}{finding.severity}: {finding.text} [{finding.kind}]"
+        yield from (f"    {statement}" for statement in finding.explanation)
     warnings = len(report.findings) - report.errors
-    counted = ((len(report.files), "file"), (report.errors, "error"), (warnings, "warning"))
-    click.echo(", ".join(f"{number} {name}{'' if number == 1 else 's'}" for number, name in counted))
+    yield counted(file=len(report.files), error=report.errors, warning=warnings)
     if report.reasoner is None:
-        click.echo(f"no reasoner ran: {report.note}")
+        yield f"no reasoner ran: {report.note}"
     else:
-        click.echo(f"reasoner: {report.reasoner} ({report.note}), {report.seconds:.1f} s")
-
-
-def _line(finding: Finding) -> str:
-    where = f"{finding.file}:{finding.line}: " if finding.line else f"{finding.file}: " if finding.file else ""
-    return f"{where}{finding.severity}: {finding.text} [{finding.kind}]"
+        yield f"reasoner: {report.reasoner} ({report.note}), {report.seconds:.1f} s"
 
 
 def _as_json(report: CheckReport) -> dict[str, Any]:
-    findings = [
-        {
-            "severity": finding.severity,
-            "kind": finding.kind,
-            "term": finding.term,
-            "text": finding.text,
-            "file": str(finding.file) if finding.file else None,
-            "line": finding.line,
-            "explanation": list(finding.explanation),
-        }
-        for finding in report.findings
-    ]
+    found = {field.name: getattr(report, field.name) for field in fields(report)}
     return {
+        **found,
         "status": NOT_REACHED if report.errors else REACHED,
-        "files": [str(file) for file in report.files],
         "errors": report.errors,
-        "warnings": len(findings) - report.errors,
-        "findings": findings,
-        "reasoner": report.reasoner,
-        "note": report.note,
+        "warnings": len(report.findings) - report.errors,
         "seconds": round(report.seconds, 3),
     }
 

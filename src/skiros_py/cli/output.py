@@ -5,11 +5,14 @@ from __future__ import annotations
 import json
 import os
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any, TextIO
+from typing import TYPE_CHECKING, Any, TextIO
 
 import click
+
+if TYPE_CHECKING:
+    from rich.console import ConsoleRenderable
 
 REACHED = 0
 """The goal holds: by the simulator's truth, or by belief where a fake ran."""
@@ -25,6 +28,8 @@ STOPPED = 130
 """It was stopped."""
 
 
+_FILE_WIDTH = 200
+"""Width of a table that is not shown on a terminal."""
 _STACKS = ('\n  File "', "\nTraceback (most recent call last):")
 """How stacks begin that follow a text."""
 
@@ -78,7 +83,7 @@ def tell(found: Any, lines: Iterable[str] = (), *, as_json: bool) -> int:
     """Prints the result of a command: as JSON, or as lines for people.
 
     Args:
-        found: Plain data, or what the API answers.
+        found: Plain data, frozen values, or what the API answers.
         lines: The same for people; what others wrote into them is escaped.
         as_json: Which of the two.
 
@@ -86,11 +91,49 @@ def tell(found: Any, lines: Iterable[str] = (), *, as_json: bool) -> int:
         The exit status for success.
     """
     if as_json:
-        answer(_plain(found))
+        from pydantic_core import to_jsonable_python
+
+        answer(to_jsonable_python(found))
     else:
         for line in lines:
             click.echo(escaped(line))
     return REACHED
+
+
+def counted(**numbers: int) -> str:
+    """Returns numbers of things with their names: "2 files, 1 error"."""
+    return ", ".join(f"{number} {name}{'' if number == 1 else 's'}" for name, number in numbers.items())
+
+
+def table_lines(columns: Sequence[str], rows: Iterable[Sequence[str]], *, right: Collection[str] = ()) -> list[str]:
+    """Returns the lines of a table; cells that do not fit into a terminal are folded.
+
+    Args:
+        columns: The titles.
+        rows: The cells; what others wrote into them is escaped.
+        right: Columns that are aligned to the right.
+    """
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(box=None, pad_edge=False)
+    for column in columns:
+        table.add_column(column, justify="right" if column in right else "left", overflow="fold")
+    for row in rows:
+        table.add_row(*(Text(escaped(cell)) for cell in row))
+    return rendered(table)
+
+
+def rendered(what: ConsoleRenderable) -> list[str]:
+    """Returns the lines of something that rich draws, such as a table or a tree, as wide as the terminal."""
+    from rich.console import Console
+
+    console = Console(highlight=False, color_system=None)
+    if not console.is_terminal:  # a file or a pipe has no width to fit
+        console.width = _FILE_WIDTH
+    with console.capture() as captured:
+        console.print(what)
+    return [line.rstrip() for line in captured.get().splitlines()]
 
 
 @contextmanager
@@ -101,14 +144,6 @@ def progress(first: str) -> Iterator[Callable[[str], None]]:
     console = Console(stderr=True, highlight=False)
     with console.status(first) as status:
         yield lambda text: status.update(f"{text} …")
-
-
-def _plain(found: Any) -> Any:
-    if isinstance(found, dict):
-        return {name: _plain(value) for name, value in found.items()}
-    if isinstance(found, list | tuple):
-        return [_plain(one) for one in found]
-    return found.model_dump(mode="json", by_alias=True) if hasattr(found, "model_dump") else found
 
 
 def answer_text(text: str) -> None:

@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from skiros_py.cli.commands import Found, reports
 from skiros_py.cli.options import GOAL, SKILLS, planner_options
-from skiros_py.cli.output import NO_PLAN, REACHED, answer
+from skiros_py.cli.output import NO_PLAN, REACHED, rendered
 from skiros_py.errors import UsageError
 
 if TYPE_CHECKING:
     from skiros_py.planning.domain.model import SkillAccount
-    from skiros_py.planning.domain.pddl import PddlTexts
-    from skiros_py.skills.skill import SkillDescription
 
 
-@click.command("plan", epilog="Example: skiros plan kitting --write out && ls out")
+@reports("plan kitting --write out && ls out")
 @click.argument("scene")
 @GOAL
 @click.option("--robot", metavar="NAME", help="Robot to plan for.  [default: all robots of the scene]")
@@ -32,75 +31,60 @@ if TYPE_CHECKING:
 @click.option("--explain-domain", "explain", is_flag=True, help="Show what was added to the skills, and why.")
 @SKILLS
 @planner_options
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout, all else on stderr.")
-def command(scene: str, folder: Path | None, explain: bool, as_json: bool, **options: Any) -> int:
+def command(scene: str, folder: Path | None, explain: bool, **options: Any) -> Found:
     """Shows domain, problem and plan for the goal of SCENE; nothing moves."""
+    from skiros_py.planning.domain.model import account_of
     from skiros_py.planning.plan import NoPlan
     from skiros_py.station.session import Options, Session
 
     with Session(scene, Options(fake=True, **options)) as session:
         planned = session.plan()
-        descriptions = [skill.description for _, skill in sorted(session.catalogue.skills.items())]
+        by_name = {skill.description.name: skill.description for _, skill in sorted(session.catalogue.skills.items())}
     outcome, texts = planned.outcome, planned.texts
     assert texts is not None  # every element of a goal just read is there
+    none = outcome if isinstance(outcome, NoPlan) else NoPlan(())
     steps = [] if isinstance(outcome, NoPlan) else [str(step) for step in outcome.steps]
-    reasons = list(outcome.reasons) if isinstance(outcome, NoPlan) else []
+    reasons = list(none.reasons)
     if reasons and (elsewhere := session.catalogue.elsewhere):
         reasons.append(session.catalogue.why_elsewhere(*sorted(elsewhere)))
-    causes = outcome.causes if isinstance(outcome, NoPlan) else ()
-    repairs = outcome.repairs if isinstance(outcome, NoPlan) else ()
     files = {"domain.pddl": texts.domain, "problem.pddl": texts.problem}
     if not isinstance(outcome, NoPlan):
         files["plan"] = "".join(f"{texts.line(step)}\n" for step in outcome.groundings)
-    account = _account(descriptions, texts) if explain else None
     if folder is not None:
         _write(folder, files)
-    if as_json:
-        found: dict[str, Any] = {
-            "steps": steps,
-            "reasons": reasons,
-            "causes": [cause.as_json() for cause in causes],
-            "repairs": [repair.as_json() for repair in repairs],
-            "domain": files["domain.pddl"],
-            "problem": files["problem.pddl"],
-            "plan": files.get("plan", "").splitlines(),
-        }
-        if account is not None:
-            found["skills"] = [entry.as_json() for entry in account]
-        answer(found)
-    elif account is not None:
-        _print_account(account)
-    else:
-        _print(files, steps, reasons, [repair.text for repair in repairs])
-    return NO_PLAN if reasons else REACHED
+    found: dict[str, Any] = {
+        "steps": steps,
+        "reasons": reasons,
+        "causes": [cause.as_json() for cause in none.causes],
+        "repairs": [repair.as_json() for repair in none.repairs],
+        "domain": files["domain.pddl"],
+        "problem": files["problem.pddl"],
+        "plan": files.get("plan", "").splitlines(),
+    }
+    status = NO_PLAN if reasons else REACHED
+    if not explain:
+        return found, _lines(files, steps, reasons, [repair.text for repair in none.repairs]), status
+    account = account_of(by_name.values(), list(texts.actions.items()))
+    return {**found, "skills": [entry.as_json() for entry in account]}, _account_lines(account), status
 
 
-def _account(skills: Sequence[SkillDescription], texts: PddlTexts) -> tuple[SkillAccount, ...]:
-    from skiros_py.planning.domain.model import account_of
-
-    by_name = {skill.name: skill for skill in skills}
-    return account_of(by_name.values(), list(texts.actions.items()))
-
-
-def _print_account(account: Sequence[SkillAccount]) -> None:
-    from rich.console import Console
+def _account_lines(account: Sequence[SkillAccount]) -> Iterator[str]:
     from rich.markup import escape
     from rich.tree import Tree
 
-    console = Console(highlight=False)
     for entry in account:
-        tree = Tree(f"[bold]{escape(entry.skill)}[/]" if entry.skill else "[bold]bookkeeping of the goal[/]")
+        tree = Tree(escape(entry.skill) if entry.skill else "bookkeeping of the goal")
         written = tree.add("written") if entry.skill else tree
         for title, conditions in (("pre", entry.pre), ("hold", entry.hold), ("post", entry.post)):
             for condition in conditions:
-                written.add(f"[dim]{title:4}[/] {escape(condition)}")
+                written.add(f"{title:4} {escape(condition)}")
         for action in entry.actions:
-            made = tree.add(f"action [cyan]{escape(action.name)}[/]({escape(', '.join(action.parameters))})")
+            made = tree.add(f"action {escape(action.name)}({escape(', '.join(action.parameters))})")
             for note in action.notes:
                 made.add(escape(note))
         if not entry.actions:
             tree.add("no action: this goal cannot need it")
-        console.print(tree)
+        yield from rendered(tree)
 
 
 def _write(folder: Path, files: dict[str, str]) -> None:
@@ -114,16 +98,13 @@ def _write(folder: Path, files: dict[str, str]) -> None:
     click.echo(f"wrote {', '.join(files)} to {folder}", err=True)
 
 
-def _print(files: dict[str, str], steps: list[str], reasons: list[str], repairs: list[str]) -> None:
-    click.echo(files["domain.pddl"])
-    click.echo(files["problem.pddl"])
+def _lines(files: dict[str, str], steps: list[str], reasons: list[str], repairs: list[str]) -> Iterator[str]:
+    for name in ("domain.pddl", "problem.pddl"):
+        yield from (*files[name].split("\n"),)
     if reasons:
-        click.echo("; no plan")
-        for reason in reasons:
-            click.echo(f";   {reason}")
-        for repair in repairs:
-            click.echo(f";   to make it work: {repair}")
+        yield "; no plan"
+        yield from (f";   {reason}" for reason in reasons)
+        yield from (f";   to make it work: {repair}" for repair in repairs)
     elif not steps:
-        click.echo("; the goal already holds: nothing to do")
-    for number, step in enumerate(steps, start=1):
-        click.echo(f"{number:2}. {step}")
+        yield "; the goal already holds: nothing to do"
+    yield from (f"{number:2}. {step}" for number, step in enumerate(steps, start=1))

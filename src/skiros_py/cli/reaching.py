@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import functools
 import os
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
-import click
-
-from skiros_py.cli.options import JSON, data_option, open_existing
-from skiros_py.cli.output import tell
+from skiros_py.cli.options import open_existing
 from skiros_py.errors import FileError, UsageError
 
 if TYPE_CHECKING:
@@ -20,72 +16,7 @@ if TYPE_CHECKING:
     from skiros_py.cli.world_server import ServedWorld
     from skiros_py.client import Client
 
-Found = tuple[Any, Iterable[str]]
-"""The result of a command: as plain data, and as lines for people."""
-_Command = TypeVar("_Command", bound=Callable[..., Any])
-
 _LONGEST_KEY = 1000
-_URL = click.option(
-    "--url", metavar="URL", envvar="SKIROS_URL", help="Address of the server.  [default: http://127.0.0.1:8000]"
-)
-_KEY_FILE = click.option(
-    "--key-file",
-    metavar="FILE",
-    type=click.Path(path_type=Path, dir_okay=False),
-    help="File with the key; or set SKIROS_KEY in the environment.",
-)
-
-
-def server_options(command: _Command) -> _Command:
-    """Adds the options that select a server: ``data``, ``url`` and ``key_file``."""
-    return data_option(required=False)(_URL(_KEY_FILE(command)))
-
-
-def with_client(**options: Any) -> Callable[[Callable[..., int]], Callable[..., int]]:
-    """Adds the options that select a server, and calls the command with its ``client``.
-
-    Args:
-        **options: Those of :class:`~skiros_py.client.Client`: ``timeout`` and ``tries``.
-    """
-
-    def decorate(command: Callable[..., int]) -> Callable[..., int]:
-        @functools.wraps(command)
-        def run(*arguments: Any, data: Path | None, url: str | None, key_file: Path | None, **others: Any) -> int:
-            with reach(data, url, key_file, **options) as client:
-                return command(*arguments, client=client, **others)
-
-        return server_options(run)
-
-    return decorate
-
-
-def served(
-    group: click.Group,
-    example: str,
-    opened: Callable[[Path | None, str | None, Path | None], AbstractContextManager[Any]] | None = None,
-    **options: Any,
-) -> Callable[[Callable[..., Found]], click.Command]:
-    """Returns a command of a group for a server, with the options that select it, and ``--json``.
-
-    The function receives a client, then its arguments, and returns its result as data and as lines for people.
-
-    Args:
-        group: The group.
-        example: How it is used ("device open gripper_1 --data cell"); its second word is the command's name.
-        opened: Opens something else than a client for the options ``data``, ``url`` and ``key_file``.
-        **options: Those of a click command.
-    """
-
-    def decorate(command: Callable[..., Found]) -> click.Command:
-        @functools.wraps(command)
-        def run(data: Path | None, url: str | None, key_file: Path | None, as_json: bool, **arguments: Any) -> int:
-            with (opened or reach)(data, url, key_file) as subject:
-                return tell(*command(subject, **arguments), as_json=as_json)
-
-        made = group.command(example.split()[1], epilog=f"Example: skiros {example}", **options)
-        return made(server_options(JSON(run)))
-
-    return decorate
 
 
 def reach(data: Path | None, url: str | None, key_file: Path | None, **options: Any) -> Client:

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 
 import click
 
+from skiros_py.cli.commands import Found, reports
 from skiros_py.cli.options import JSON
-from skiros_py.cli.output import DIFFERENT, REACHED, answer_text, escaped, tell
+from skiros_py.cli.output import DIFFERENT, REACHED, answer_text, escaped
 from skiros_py.errors import DescriptionError, FileError, UsageError
 
 if TYPE_CHECKING:
@@ -25,14 +26,13 @@ def command() -> None:
     """
 
 
-@command.command("list", epilog="Example: skiros scene list --json")
-@JSON
-def list_scenes(as_json: bool) -> int:
+@reports("scene list --json", command)
+def list_scenes() -> Found:
     """Lists the scenes by name."""
     from skiros_py.config import named_scene, scene_names
 
     names = scene_names()
-    return tell({"scenes": {name: str(named_scene(name)) for name in names}}, names, as_json=as_json)
+    return {"scenes": {name: str(named_scene(name)) for name in names}}, names
 
 
 @command.command("show", epilog="Example: skiros scene show kitting")
@@ -57,10 +57,9 @@ def show(scene: str, as_json: bool) -> int:
     return REACHED
 
 
-@command.command("check", epilog="Example: skiros scene check my_cell.ttl")
+@reports("scene check my_cell.ttl", command)
 @click.argument("scene")
-@JSON
-def check(scene: str, as_json: bool) -> int:
+def check(scene: str) -> Found:
     """Checks SCENE against the ontologies, its goal against the conditions, and whether its cell can be simulated.
 
     Exit status: 0 nothing is wrong, 2 something is; the message says where and what would be right.
@@ -85,14 +84,13 @@ def check(scene: str, as_json: bool) -> int:
             raise FileError(find_scene(scene), str(error)) from error
     elements = len(world.instances(ELEMENT))
     line = f"{scene}: {elements} elements, {len(world.goals)} goals, nothing wrong"
-    return tell({"scene": scene, "elements": elements, "goals": list(world.goals)}, [line], as_json=as_json)
+    return {"scene": scene, "elements": elements, "goals": list(world.goals)}, [line]
 
 
-@command.command("diff", epilog="Example: skiros scene diff kitting my_cell.ttl")
+@reports("scene diff kitting my_cell.ttl", command)
 @click.argument("old")
 @click.argument("new")
-@JSON
-def diff(old: str, new: str, as_json: bool) -> int:
+def diff(old: str, new: str) -> Found:
     """Shows the edits that turn the scene OLD into NEW.
 
     Exit status: 0 they are equal, 1 they are different, 2 one of them is broken.
@@ -104,8 +102,7 @@ def diff(old: str, new: str, as_json: bool) -> int:
     before, after = open_world(old).snapshot(), open_world(new).snapshot()
     edits = compare(before, after)
     found = {"old": old, "new": new, "edits": [edit.as_json() for edit in edits]}
-    tell(found, describe(after.ontology, edits), as_json=as_json)
-    return DIFFERENT if edits else REACHED
+    return found, describe(after.ontology, edits), DIFFERENT if edits else REACHED
 
 
 @command.command("save", epilog="Examples: skiros scene save kitting copy.ttl; skiros scene save --data DIR now.ttl")
@@ -118,29 +115,23 @@ def diff(old: str, new: str, as_json: bool) -> int:
 )
 def save(scene_and_file: tuple[str, ...], data: Path | None) -> int:
     """Writes SCENE with all that it imports as one Turtle file FILE, in an order that depends on the content alone."""
+    from skiros_py.cli.reaching import present_world
+    from skiros_py.station.worlds import open_world
     from skiros_py.world.scene.files import write_atomically
+    from skiros_py.world.scene.writer import scene_turtle
 
     *scenes, file = scene_and_file
     if len(scenes) != (0 if data else 1):
         raise UsageError("with --data give the FILE only" if data else "give SCENE and FILE, or --data DIR and FILE")
     if not file.endswith(".ttl"):
         raise UsageError(f"'{file[:80]}' must end in .ttl: scenes are written as Turtle")
-    write_atomically(Path(file), _present(data) if data else _loaded(scenes[0]))
+    if data is None:
+        text = scene_turtle(open_world(scenes[0]).snapshot())
+    else:
+        with present_world(data) as world:
+            text = world.scene_turtle()
+    write_atomically(Path(file), text)
     return REACHED
-
-
-def _loaded(scene: str) -> str:
-    from skiros_py.station.worlds import open_world
-    from skiros_py.world.scene.writer import scene_turtle
-
-    return scene_turtle(open_world(scene).snapshot())
-
-
-def _present(data: Path) -> str:
-    from skiros_py.cli.reaching import present_world
-
-    with present_world(data) as world:
-        return world.scene_turtle()
 
 
 def _line(node: Branch) -> str:

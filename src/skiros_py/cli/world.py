@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from skiros_py.cli.commands import Found, reports
 from skiros_py.cli.lazy import LazyGroup
-from skiros_py.cli.options import AUTHOR, DATA, JSON, data_option, open_existing
-from skiros_py.cli.output import REACHED, answer, escaped, tell
+from skiros_py.cli.options import AUTHOR, DATA, data_option, open_existing
+from skiros_py.cli.output import REACHED
 from skiros_py.cli.reaching import present_world
 from skiros_py.errors import FileError
 from skiros_py.world.vocabulary import ELEMENT
@@ -65,15 +67,15 @@ def create(scene: str, data: Path) -> int:
 # ---------------------------------------------------------------- looking
 
 
-@command.command("show", epilog="Example: skiros world show starter_1 --data run/data")
+@reports("world show starter_1 --data run/data", command)
 @click.argument("element")
 @data_option(required=False)
 @click.option("--scene", metavar="SCENE", help="A scene, given by name or path, instead.")
-@JSON
-def show(element: str, data: Path | None, scene: str | None, as_json: bool) -> int:
+def show(element: str, data: Path | None, scene: str | None) -> Found:
     """Shows ELEMENT: class, properties, relations, and the last change."""
     from skiros_py.cli.world_open import OpenWorld
     from skiros_py.station.worlds import open_world
+    from skiros_py.world.change import ElementEdit
 
     if (data is None) == (scene is None):
         raise click.UsageError("say where to look: either --data DIR or --scene SCENE")
@@ -83,67 +85,52 @@ def show(element: str, data: Path | None, scene: str | None, as_json: bool) -> i
     else:
         with present_world(data) as world:
             shown = world.show(element)
-    _show(shown, as_json=as_json)
-    return REACHED
+    own = ElementEdit(shown.element.id, None, shown.element).as_json()["new"]
+    relations = [{"subject": s, "relation": r, "object": o} for s, r, o in shown.statements]
+    changed = {"change": shown.stamp.change, "time": shown.stamp.time}
+    return {**own, "relations": relations, "changed": changed}, _element_lines(shown)
 
 
-def _show(shown: Shown, *, as_json: bool) -> None:
-    from skiros_py.world.change import ElementEdit
+def _element_lines(shown: Shown) -> Iterator[str]:
     from skiros_py.world.literals import ANY_LITERAL, format_value
 
-    element, stamp, statements = shown.element, shown.stamp, shown.statements
-    if as_json:
-        own = ElementEdit(element.id, None, element).as_json()["new"]
-        relations = [{"subject": s, "relation": r, "object": o} for s, r, o in statements]
-        answer({**own, "relations": relations, "changed": {"change": stamp.change, "time": stamp.time}})
-        return
-    click.echo(escaped(f"{element.id} ({element.type}) '{element.label}'"))
+    element, stamp = shown.element, shown.stamp
+    yield f"{element.id} ({element.type}) '{element.label}'"
     if stamp.change:
-        click.echo(f"  changed last by change {stamp.change}, at {stamp.time:.1f} s")
+        yield f"  changed last by change {stamp.change}, at {stamp.time:.1f} s"
     for property_, value in sorted(element.properties.items()):
-        click.echo(escaped(f"  {property_} {format_value(value, ANY_LITERAL)}"))
-    for subject, relation, object_ in statements:
-        click.echo(escaped(f"  {subject} {relation} {object_}"))
+        yield f"  {property_} {format_value(value, ANY_LITERAL)}"
+    yield from (f"  {' '.join(statement)}" for statement in shown.statements)
 
 
-@command.command("history", epilog="Example: skiros world history starter_1 --data run/data --last 10")
+@reports("world history starter_1 --data run/data --last 10", command)
 @click.argument("element", required=False)
 @click.option("--all", "everything", is_flag=True, help="Show all changes.")
 @click.option("--last", type=click.IntRange(min=1), metavar="N", help="The latest N changes only.")
 @DATA
-@JSON
-def history(element: str | None, everything: bool, last: int | None, data: Path, as_json: bool) -> int:
+def history(element: str | None, everything: bool, last: int | None, data: Path) -> Found:
     """Shows the changes of ELEMENT, with time, author and reason, oldest first; it may have been removed."""
     if (element is None) != everything:
         raise click.UsageError("say of what: either ELEMENT or --all")
     with present_world(data) as world:
-        found = world.history(element, last)
-        if not as_json:
-            _print_history(found, element, world.ontology())
-            return REACHED
+        found, ontology = world.history(element, last), world.ontology()
     changes = [{**entry.change.as_json(), "written": _written(entry)} for entry in found.entries]
-    answer({"remembered_from": found.first, "changes": changes})
-    return REACHED
+    return {"remembered_from": found.first, "changes": changes}, _history_lines(found, element, ontology)
 
 
-def _print_history(found: History, element: str | None, ontology: Ontology) -> None:
-    if found.first > 1:
-        click.echo(f"changes are remembered from number {found.first} on")
-    for entry in found.entries:
-        _print_change(ontology, entry, element)
-
-
-def _print_change(ontology: Ontology, entry: Entry, element: str | None) -> None:
-    """One line for the change, and one for each of its edits that is about the element."""
+def _history_lines(found: History, element: str | None, ontology: Ontology) -> Iterator[str]:
+    """Yields one line for each change, and one for each of its edits that is about the element."""
     from skiros_py.world.scene.files import describe
 
-    change = entry.change
-    click.echo(escaped(f"{change.number:6}  {_written(entry)}  {change.author} ({change.writer}): {change.reason}"))
-    edits = [edit for edit in change.edits if element is None or element in edit.concerns()]
-    for line in list(describe(ontology, edits[:_MOST_LINES])):
-        click.echo(escaped(f"        {line}"))
-    if len(edits) > _MOST_LINES:
-        click.echo(f"        and {len(edits) - _MOST_LINES} more")
+    if found.first > 1:
+        yield f"changes are remembered from number {found.first} on"
+    for entry in found.entries:
+        change = entry.change
+        yield f"{change.number:6}  {_written(entry)}  {change.author} ({change.writer}): {change.reason}"
+        edits = [edit for edit in change.edits if element is None or element in edit.concerns()]
+        yield from (f"        {line}" for line in describe(ontology, edits[:_MOST_LINES]))
+        if len(edits) > _MOST_LINES:
+            yield f"        and {len(edits) - _MOST_LINES} more"
 
 
 def _written(entry: Entry) -> str:
@@ -153,25 +140,23 @@ def _written(entry: Entry) -> str:
 # ---------------------------------------------------------------- writing
 
 
-@command.command("undo", epilog="Example: skiros world undo --data run/data --author ann")
+@reports("world undo --data run/data --author ann", command)
 @DATA
 @AUTHOR
-@JSON
-def undo(data: Path, author: str, as_json: bool) -> int:
+def undo(data: Path, author: str) -> Found:
     """Undoes the last edit of a person; refused if later changes depend on it."""
     with present_world(data) as world:
         change = world.undo(author)
-    return tell(change.as_json(), [f"change {change.number}: {change.reason}"], as_json=as_json)
+    return change.as_json(), [f"change {change.number}: {change.reason}"]
 
 
-@command.command("compact", epilog="Example: skiros world compact --data run/data --keep 1000")
+@reports("world compact --data run/data --keep 1000", command)
 @DATA
 @click.option("--keep", type=click.IntRange(min=0), default=1000, show_default=True, help="Number of changes to keep.")
-@JSON
-def compact(data: Path, keep: int, as_json: bool) -> int:
+def compact(data: Path, keep: int) -> Found:
     """Deletes all but the latest changes from the journal; older ones are no longer in the history, nor undone."""
     with open_existing(data) as directory:
         directory.compact(keep)
         first, version = directory.journal.first, directory.journal.version
-    remembered = [f"{version - first + 1} of {version} changes are remembered"]
-    return tell({"remembered_from": first, "version": version}, remembered, as_json=as_json)
+    remembered = f"{version - first + 1} of {version} changes are remembered"
+    return {"remembered_from": first, "version": version}, [remembered]

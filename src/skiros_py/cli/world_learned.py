@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from skiros_py.cli.options import AUTHOR, DATA, JSON
-from skiros_py.cli.output import REACHED, tell
+from skiros_py.cli.commands import Found, reports
+from skiros_py.cli.options import AUTHOR, DATA
+from skiros_py.cli.output import REACHED
 from skiros_py.cli.reaching import present_world
 from skiros_py.world.vocabulary import APPLIES_TO
 
@@ -21,17 +22,15 @@ def command() -> None:
     """Lists, deletes or exports the concepts taught to robots."""
 
 
-@command.command("list", epilog="Example: skiros world learned list --data run/data")
+@reports("world learned list --data run/data", command)
 @DATA
-@JSON
-def list_learned(data: Path, as_json: bool) -> int:
+def list_learned(data: Path) -> Found:
     """Lists the learned concepts."""
     from skiros_py.world.change import ElementEdit
 
     with present_world(data) as world:
         elements = world.learned()
-    learned = {"learned": [ElementEdit(e.id, None, e).as_json()["new"] for e in elements]}
-    return tell(learned, map(_line, elements), as_json=as_json)
+    return {"learned": [ElementEdit(e.id, None, e).as_json()["new"] for e in elements]}, map(_line, elements)
 
 
 def _line(element: Element) -> str:
@@ -39,16 +38,15 @@ def _line(element: Element) -> str:
     return f"{element.id} ({element.type}) '{element.label}'{about}"
 
 
-@command.command("forget", epilog="Example: skiros world learned forget learned:mug_1 --data run/data")
+@reports("world learned forget learned:mug_1 --data run/data", command)
 @click.argument("concept")
 @DATA
 @AUTHOR
-@JSON
-def forget(concept: str, data: Path, author: str, as_json: bool) -> int:
+def forget(concept: str, data: Path, author: str) -> Found:
     """Deletes CONCEPT with its parts; skiros world undo restores it."""
     with present_world(data) as world:
         change = world.forget(concept, author)
-    return tell(change.as_json(), [f"change {change.number}: {change.reason}"], as_json=as_json)
+    return change.as_json(), [f"change {change.number}: {change.reason}"]
 
 
 @command.command("export", epilog="Example: skiros world learned export mugs.ttl --data run/data")

@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING
 import click
 
 from skiros_py.cli.options import JSON, Seconds, key_values
-from skiros_py.cli.output import REACHED, answer, escaped
+from skiros_py.cli.output import REACHED, answer, counted, table_lines
 from skiros_py.cli.reaching import present_world
 from skiros_py.errors import FileError
 
 if TYPE_CHECKING:
     from skiros_py.cli.world_open import OpenWorld
     from skiros_py.cli.world_server import ServedWorld
-    from skiros_py.world.queries import Binding, Result, Table
+    from skiros_py.world.queries import Binding, Result
 
 _ON_THE_WAY = 30.0
 """Maximum time of a response beside the query itself [s]."""
@@ -152,7 +152,7 @@ def _value(text: str) -> Binding:
 
 
 def _show(result: Result, *, as_csv: bool) -> None:
-    from skiros_py.station.world.service import Answer
+    from skiros_py.station.world.service import Answer, shown_value
     from skiros_py.world.queries import Table
 
     if as_csv and not isinstance(result, Table):
@@ -164,21 +164,7 @@ def _show(result: Result, *, as_csv: bool) -> None:
     elif as_csv:  # data for a program, as they are
         click.echo(Answer(result).csv("\n"), nl=False)
     else:
-        _print_table(result)
-
-
-def _print_table(table: Table) -> None:
-    from rich.console import Console
-    from rich.table import Table as Columns
-    from rich.text import Text
-
-    from skiros_py.station.world.service import shown_value
-
-    columns = Columns(box=None, pad_edge=False)
-    for name in table.variables:
-        columns.add_column(name, overflow="fold")
-    for row in table.rows:
-        columns.add_row(*(Text(escaped(shown_value(row[name]))) for name in table.variables))
-    console = Console()
-    console.print(columns)
-    console.print(f"{len(table.rows)} row{'' if len(table.rows) == 1 else 's'}", highlight=False)
+        rows = [[shown_value(row[name]) for name in result.variables] for row in result.rows]
+        for line in table_lines(result.variables, rows):
+            click.echo(line)
+        click.echo(counted(row=len(rows)))

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import fields
+from typing import Any, cast
 
 from skiros_py.errors import DescriptionError, UnknownName, UsageError
 from skiros_py.scaffold.declared import (
-    Declared,
     check_distinct,
     class_name,
     constant_name,
@@ -18,35 +18,14 @@ from skiros_py.scaffold.declared import (
     words_of,
 )
 from skiros_py.scaffold.draft import Draft, literal, render
+from skiros_py.scaffold.orders import NewCondition
 from skiros_py.scaffold.project import Knowledge
 from skiros_py.scaffold.stage import Stage
 from skiros_py.skills.conditions import Compare, Computed, Has, Pattern, Related
+from skiros_py.skills.parameters import Param
 from skiros_py.world.names import local_name
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.terms import End, Family
-
-
-@dataclass(frozen=True, slots=True)
-class NewCondition:
-    """The author's options for a condition.
-
-    Attributes:
-        name: The word ("Scanned").
-        help: One sentence; derived from the word if omitted.
-        roles: Its arguments (``part:sk:Manipulatable``); derived from the relation or property if omitted.
-        property: The property that it checks.
-        value: Required value of the property; if omitted, true for a boolean, any value for others.
-        relation: The relation between its two arguments.
-        abstract: True when a goal may give a class instead of an element.
-    """
-
-    name: str
-    help: str = ""
-    roles: tuple[str, ...] = ()
-    property: str = ""
-    value: str = ""
-    relation: str = ""
-    abstract: bool = False
 
 
 def draft_condition(known: Knowledge, said: NewCondition) -> Draft:
@@ -60,45 +39,39 @@ def draft_condition(known: Knowledge, said: NewCondition) -> Draft:
     check_distinct([constant_name(name)], f"condition '{name}'")
     if bool(said.property) == bool(said.relation):
         raise UsageError(f"condition '{name}': give either --property or --relation, of which it is made")
-    roles, pattern = _meaning(known.ontology, said)
-    help_ = sentence(said.help or _told(pattern, roles), "--help-text")
+    roles, pattern = (_of_relation if said.relation else _of_property)(known.ontology, said)
     stem, package = snake_case(name), known.project.package
     module = f"{package}.conditions.{stem}"
-    project = known.project.with_entries("skiros.conditions", {name: f"{module}:{constant_name(name)}"})
-    stage, yes, no = _staged(known.ontology, stem, roles, pattern)
-    values = {"name": name, "help": help_, "stem": stem, "module": module, "constant": constant_name(name)}
+    values = {
+        "name": name,
+        "help": sentence(said.help or _told(pattern, roles), "--help-text"),
+        "stem": stem,
+        "module": module,
+        "constant": constant_name(name),
+    }
+    stage = Stage(known, stem)
+    yes, no = _cast(stage, known.ontology, roles, pattern)
+    code = {
+        "pattern_type": type(pattern).__name__,
+        "roles": [f"Role({literal(role.key)}, {literal(role.type)})" for role in roles],
+        "pattern": _written(pattern),
+        "abstract": said.abstract,
+    }
     answers = {"fact": not isinstance(pattern, Computed), "yes": _quoted(yes), "no": _quoted(no)}
     new = {
         **known.project.init_file("conditions"),
-        f"src/{package}/conditions/{stem}.py": _module(values, roles, pattern, abstract=said.abstract),
+        f"src/{package}/conditions/{stem}.py": render("condition.py", **values, **code),
         f"tests/conditions/test_{stem}.py": render("condition_test.py", **values, **answers),
         f"tests/conditions/scenes/{stem}.ttl": stage.turtle(f"Something of which {name} holds."),
     }
-    return Draft(project.root, new, project.changes(known.project))
-
-
-def _module(values: dict[str, str], roles: Sequence[Declared], pattern: Pattern, *, abstract: bool) -> str:
-    names = (type(pattern).__name__, "ConditionType", "Role")
-    return render(
-        "condition.py",
-        **values,
-        needed=[("skiros_py.skills.conditions", name) for name in names],
-        roles=[f"Role({literal(role.key)}, {literal(role.type)})" for role in roles],
-        pattern=_written(pattern),
-        abstract=abstract,
-    )
+    project = known.project.with_entries("skiros.conditions", {name: f"{module}:{constant_name(name)}"})
+    return project.draft(new, known.project)
 
 
 # ---------------------------------------------------------------- meaning
 
 
-def _meaning(ontology: Ontology, said: NewCondition) -> tuple[tuple[Declared, ...], Pattern]:
-    if said.relation:
-        return _of_relation(ontology, said)
-    return _of_property(ontology, said)
-
-
-def _of_relation(ontology: Ontology, said: NewCondition) -> tuple[tuple[Declared, ...], Pattern]:
+def _of_relation(ontology: Ontology, said: NewCondition) -> tuple[tuple[Param, ...], Pattern]:
     if said.value:
         raise UsageError(f"condition '{said.name}': --value goes with --property; a relation has none")
     name = ontology.resolve_relation(said.relation)
@@ -108,7 +81,7 @@ def _of_relation(ontology: Ontology, said: NewCondition) -> tuple[tuple[Declared
     return roles, (Computed if computed else Related)(name, roles[0].key, roles[1].key)
 
 
-def _of_property(ontology: Ontology, said: NewCondition) -> tuple[tuple[Declared, ...], Pattern]:
+def _of_property(ontology: Ontology, said: NewCondition) -> tuple[tuple[Param, ...], Pattern]:
     name = _property(ontology, said.property)
     property_ = ontology.properties[name]
     (role,) = roles = _roles(ontology, said, (property_.domains,), name)
@@ -129,7 +102,7 @@ def _property(ontology: Ontology, name: str) -> str:
     return found[0]
 
 
-def _roles(ontology: Ontology, said: NewCondition, ends: Sequence[End], word: str) -> tuple[Declared, ...]:
+def _roles(ontology: Ontology, said: NewCondition, ends: Sequence[End], word: str) -> tuple[Param, ...]:
     roles = tuple(read_parameter(text, ontology) for text in said.roles or _default_roles(ends))
     if len(roles) != len(ends):
         must = "one role: what bears it" if len(ends) == 1 else "two roles: its subject, then its object"
@@ -139,7 +112,7 @@ def _roles(ontology: Ontology, said: NewCondition, ends: Sequence[End], word: st
     for role, end in zip(roles, ends, strict=True):
         if not role.is_element:
             raise UsageError(f"condition '{said.name}': role '{role.key}' must be of a class, not a {role.type}")
-        if missed := ontology.missed_end(role.type, end):
+        if missed := ontology.missed_end(role.element_class, end):
             raise UsageError(
                 f"condition '{said.name}': {word} is of {' or '.join(missed)}; {role.key} is a {role.type}"
             )
@@ -158,19 +131,11 @@ def _default_roles(ends: Sequence[End]) -> tuple[str, ...]:
 
 
 def _written(pattern: Pattern) -> str:
-    match pattern:
-        case Compare(property_, op, subject, value):
-            arguments = [literal(part) for part in (property_, op, subject, value)]
-        case Has(property_, subject):
-            arguments = [literal(property_), literal(subject)]
-        case Related(relation, subject, object_) | Computed(relation, subject, object_):
-            arguments = [literal(relation), literal(subject), literal(object_)]
-        case _:
-            raise AssertionError(f"no template writes {pattern}")
-    return f"{type(pattern).__name__}({', '.join(arguments)})"
+    values = (getattr(pattern, field.name) for field in fields(cast(Any, pattern)))
+    return f"{type(pattern).__name__}({', '.join(literal(value) for value in values if value is not None)})"
 
 
-def _told(pattern: Pattern, roles: Sequence[Declared]) -> str:
+def _told(pattern: Pattern, roles: Sequence[Param]) -> str:
     subject = words_of(roles[0].key)
     match pattern:
         case Compare(property_, _, _, bool(value)):
@@ -179,29 +144,28 @@ def _told(pattern: Pattern, roles: Sequence[Declared]) -> str:
             return f"The {words_of(local_name(property_))} of the {subject} is {value}"
         case Has(property_, _):
             return f"The {words_of(local_name(property_))} of the {subject} is known"
-        case Related(relation, _, _) | Computed(relation, _, _):
-            return (
-                f"The {subject} is in the relation '{words_of(local_name(relation))}' to the {words_of(roles[1].key)}"
-            )
+        case Related(relation) | Computed(relation):
+            other = words_of(roles[1].key)
+            return f"The {subject} is in the relation '{words_of(local_name(relation))}' to the {other}"
         case _:
             raise AssertionError(f"no words for {pattern}")
 
 
-def _staged(
-    ontology: Ontology, name: str, roles: Sequence[Declared], pattern: Pattern
-) -> tuple[Stage, tuple[str, ...], tuple[str, ...]]:
-    """Builds a scene with one element for which it holds, and one for which it does not.
+def _cast(
+    stage: Stage, ontology: Ontology, roles: Sequence[Param], pattern: Pattern
+) -> tuple[Sequence[str], Sequence[str]]:
+    """Adds an element for which it holds, and one for which it does not.
 
     Returns:
-        The scene, the arguments for which it holds (unknown where it is computed), and those for which it does not.
+        The arguments for which it holds (unknown where it is computed), and those for which it does not.
     """
-    stage = Stage(ontology, name)
-    yes = {role.key: stage.cast(role.type, role.key) for role in roles}
-    other = {**yes, roles[0].key: stage.add(roles[0].type, roles[0].key)}
+    yes = {role.key: stage.cast(role.element_class, role.key) for role in roles}
+    first = roles[0]
+    other = {**yes, first.key: stage.add(first.element_class, first.key)}
     if stage.suppose(pattern, yes):
-        return stage, tuple(yes.values()), ()
-    by_class = isinstance(pattern, Has | Compare) and ontology.class_value(roles[0].type, pattern.property) is not None
-    return stage, tuple(yes.values()), () if by_class else tuple(other.values())
+        return tuple(yes.values()), ()
+    is_given = isinstance(pattern, Has | Compare) and ontology.class_value(first.element_class, pattern.property)
+    return tuple(yes.values()), () if is_given not in (False, None) else tuple(other.values())
 
 
 def _quoted(ids: Sequence[str]) -> str:

@@ -1,15 +1,14 @@
-"""The short notation for parameters, ``Part:sk:Manipulatable``, and conditions."""
+"""Names in generated code, and the short notation for parameters: ``Part:sk:Manipulatable``."""
 
 from __future__ import annotations
 
 import keyword
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from skiros_py.errors import UnknownName, UsageError
-from skiros_py.skills.parameters import Kind
+from skiros_py.skills.parameters import Kind, Param
 from skiros_py.world.ontology import Ontology
 
 _LONGEST = 40
@@ -137,48 +136,9 @@ VALUE_TYPES: Mapping[str, str] = {
 
 _UNITS = {"seconds": "s", "metres": "m", "radians": "rad", "newtons": "N", "kilograms": "kg", "degrees": "deg"}
 _PARAMETER = re.compile(r"(?P<key>[^:=\[]*):(?P<type>[^=\[]+?)(=(?P<default>[^\[]*?))?\s*(\[(?P<unit>[^\]]*)\])?")
-_WANTED = re.compile(r"(?P<not>not\s+)?(?P<word>[A-Za-z]\w*)\s*\(\s*(?P<arguments>[^()]*)\)")
 
 
-@dataclass(frozen=True, slots=True)
-class Declared:
-    """One parameter as its author declared it.
-
-    Attributes:
-        key: Its name.
-        type: CURIE of an element class, or one of :data:`VALUE_TYPES`.
-        help: One sentence for people.
-        kind: The kind of the parameter, which determines who specifies it.
-        default: Value if it is not specified; None for none.
-        unit: Unit of a number; "1" for one without.
-    """
-
-    key: str
-    type: str
-    help: str
-    kind: Kind = Kind.ONLINE
-    default: Any = None
-    unit: str = ""
-
-    @property
-    def is_element(self) -> bool:
-        """True when its value is the id of an element."""
-        return ":" in self.type
-
-
-@dataclass(frozen=True, slots=True)
-class Wanted:
-    """A condition as its author wrote it."""
-
-    word: str
-    arguments: tuple[str, ...]
-    negated: bool = False
-
-    def __str__(self) -> str:
-        return f"{'not ' if self.negated else ''}{self.word}({', '.join(self.arguments)})"
-
-
-def read_parameter(text: str, ontology: Ontology) -> Declared:
+def read_parameter(text: str, ontology: Ontology) -> Param:
     """Reads ``KEY:TYPE``, ``KEY:TYPE=DEFAULT`` or ``KEY:TYPE=DEFAULT [UNIT]``, then perhaps ``-- HELP``.
 
     Raises:
@@ -197,7 +157,7 @@ def read_parameter(text: str, ontology: Ontology) -> Declared:
     if match["default"] is not None or match["unit"] is not None:
         raise UsageError(f"parameter '{text}': an element has neither default nor unit")
     class_ = _class(type_, key, ontology)
-    return Declared(key, class_, _help(help_, f"The {words_of(key)}", key), kind_of(class_, ontology))
+    return Param(key, class_, _help(help_, f"The {words_of(key)}", key), kind_of(class_, ontology))
 
 
 def kind_of(class_: str, ontology: Ontology) -> Kind:
@@ -216,14 +176,14 @@ def _class(type_: str, key: str, ontology: Ontology) -> str:
         raise UnknownName("class or type", type_, known, where=f"of parameter '{key}'") from error
 
 
-def _value(key: str, type_: str, default: str | None, unit: str | None, help_: str) -> Declared:
+def _value(key: str, type_: str, default: str | None, unit: str | None, help_: str) -> Param:
     if unit is not None and type_ not in ("number", "integer"):
         raise UsageError(f"parameter '{key}': a {type_} has no unit")
     own = unit or (_UNITS.get(key, "1") if type_ in ("number", "integer") else "")
     said = _help(help_, f"{'How many' if own not in ('', '1') else 'The'} {words_of(key)}", key)
     if default is None:
-        return Declared(key, type_, said, Kind.ONLINE, None, own)
-    return Declared(key, type_, said, Kind.OFFLINE, _read(f"parameter '{key}'", type_, default.strip()), own)
+        return Param(key, type_, said, Kind.ONLINE, None, own)
+    return Param(key, type_, said, Kind.OFFLINE, _read(f"parameter '{key}'", type_, default.strip()), own)
 
 
 def _read(what: str, type_: str, text: str) -> Any:
@@ -243,19 +203,6 @@ def _read(what: str, type_: str, text: str) -> Any:
 
 def _help(text: str, default: str, key: str) -> str:
     return sentence(text or default, f"help of parameter '{key}'")
-
-
-def read_wanted(text: str) -> Wanted:
-    """Reads ``Scanned(Part)`` or ``not Scanned(Part)``.
-
-    Raises:
-        UsageError: The text has a different form.
-    """
-    match = _WANTED.fullmatch(text.strip())
-    if match is None:
-        raise UsageError(f"condition '{text}': write a word and parameters, such as 'RobotAtLocation(Robot, Station)'")
-    arguments = tuple(argument.strip() for argument in match["arguments"].split(","))
-    return Wanted(match["word"], arguments, match["not"] is not None)
 
 
 def read_constant(text: str, range_: str, what: str) -> bool | int | float | str:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import re
 import tempfile
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 
 from skiros_py.errors import FileError, UnknownName, UsageError
 from skiros_py.scaffold.declared import class_name, module_name, sentence, words_of
 from skiros_py.scaffold.draft import Draft, render
+from skiros_py.scaffold.orders import NewOntology
 from skiros_py.scaffold.project import Knowledge
 from skiros_py.world.names import STANDARD_PREFIXES
 from skiros_py.world.ontology import Ontology
@@ -50,34 +51,34 @@ _CURIE = r"[A-Za-z][\w.-]*:\w+"
 
 
 @dataclass(frozen=True, slots=True)
-class NewOntology:
-    """The author's options for an ontology.
+class _Kind:
+    """A kind of word: the option for it, the form of its declaration, its RDF type and its default help."""
 
-    Attributes:
-        name: Its name, and its prefix ("scanning").
-        help: One sentence; derived from the name if omitted.
-        classes: ``NAME:PARENT`` ("Scanner:sk:Device").
-        relations: ``NAME:DOMAIN:RANGE`` ("scannedAt:sk:Manipulatable:sk:Station").
-        properties: ``NAME:DOMAIN:TYPE`` ("scanned:sk:Manipulatable:boolean").
-    """
-
-    name: str
-    help: str = ""
-    classes: tuple[str, ...] = ()
-    relations: tuple[str, ...] = ()
-    properties: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class _Word:
-    """One word with the words that it is declared by."""
-
-    name: str
-    label: str
+    option: str
+    form: str
+    example: str
+    shape: re.Pattern[str]
+    type: str
     help: str
-    parent: str = ""
-    domain: str = ""
-    range: str = ""
+
+
+_CLASS = _Kind("--class", "NAME:PARENT", "Scanner:sk:Device", re.compile(rf"(\w+):({_CURIE})"), "owl:Class", "A {}")
+_RELATION = _Kind(
+    "--relation",
+    "NAME:DOMAIN:RANGE",
+    "scannedAt:sk:Object:sk:Station",
+    re.compile(rf"(\w+):({_CURIE}):({_CURIE})"),
+    "owl:ObjectProperty",
+    "The subject is {} the object",
+)
+_PROPERTY = _Kind(
+    "--property",
+    "NAME:DOMAIN:TYPE",
+    "scanned:sk:Manipulatable:boolean",
+    re.compile(rf"(\w+):({_CURIE}):(\w+)"),
+    "owl:DatatypeProperty",
+    "What is known of it: {}",
+)
 
 
 def draft_ontology(known: Knowledge, said: NewOntology) -> Draft:
@@ -92,10 +93,17 @@ def draft_ontology(known: Knowledge, said: NewOntology) -> Draft:
         raise UsageError(f"ontology '{prefix}': the prefix {prefix}: stands for <{iri}> already; choose another name")
     if not (said.classes or said.relations or said.properties):
         raise UsageError(f"ontology '{prefix}': give a --class, --relation or --property: it has no word yet")
-    words = [_parts(known, prefix, said, text, kind) for kind, text in _said(said)]
-    _check_names([word.name for word in words])
-    count = len(said.classes), len(said.relations)
-    others = {prefix_of(curie) for w in words for curie in (w.parent, w.domain, w.range) if curie} - {prefix}
+    classes = {*known.ontology.classes, *(f"{prefix}:{text.partition(':')[0]}" for text in said.classes)}
+    words = [
+        _word(kind, text, classes)
+        for kind, texts in ((_CLASS, said.classes), (_RELATION, said.relations), (_PROPERTY, said.properties))
+        for text in texts
+    ]
+    names = [word["name"] for word in words]
+    if twice := next((name for name in names if names.count(name) > 1), None):
+        raise UsageError(f"'{twice}' is declared twice")
+    curies = [word[key] for word in words for key in ("parent", "domain", "range")]
+    others = {prefix_of(curie) for curie in curies if curie} - {prefix}
     package = known.project.package
     text = render(
         "ontology.ttl",
@@ -105,15 +113,11 @@ def draft_ontology(known: Knowledge, said: NewOntology) -> Draft:
         imports=declaring(known.ontology, others),
         label=words_of(prefix),
         help=sentence(said.help or f"The words of {words_of(prefix)}", "--help-text"),
-        classes=words[: count[0]],
-        relations=words[count[0] : sum(count)],
-        properties=words[sum(count) :],
+        words=words,
     )
     _check(known, prefix, text)
-    project = known.project
-    if not project.entry_points.get("skiros.ontologies"):
-        project = project.with_entries("skiros.ontologies", {package: package})
-    return Draft(project.root, {f"src/{package}/ontologies/{prefix}.ttl": text}, project.changes(known.project))
+    new = {f"src/{package}/ontologies/{prefix}.ttl": text}
+    return known.project.with_folder("ontologies").draft(new, known.project)
 
 
 def _check(known: Knowledge, prefix: str, text: str) -> None:
@@ -127,57 +131,25 @@ def _check(known: Knowledge, prefix: str, text: str) -> None:
             raise UsageError(f"ontology '{prefix}': {error.reason}") from error
 
 
-def _said(said: NewOntology) -> list[tuple[str, str]]:
-    return [
-        *(("class", text) for text in said.classes),
-        *(("relation", text) for text in said.relations),
-        *(("property", text) for text in said.properties),
-    ]
-
-
-_SHAPES = {
-    "class": (re.compile(rf"(\w+):({_CURIE})"), "NAME:PARENT", "Scanner:sk:Device"),
-    "relation": (re.compile(rf"(\w+):({_CURIE}):({_CURIE})"), "NAME:DOMAIN:RANGE", "scannedAt:sk:Object:sk:Station"),
-    "property": (re.compile(rf"(\w+):({_CURIE}):(\w+)"), "NAME:DOMAIN:TYPE", "scanned:sk:Manipulatable:boolean"),
-}
-"""How a word of each kind is declared in a few letters, in words and by example."""
-
-
-def _parts(known: Knowledge, prefix: str, said: NewOntology, text: str, kind: str) -> _Word:
-    shape, form, example = _SHAPES[kind]
+def _word(kind: _Kind, text: str, classes: Collection[str]) -> dict[str, str]:
+    """Returns the values of a word for the template."""
     declared, _, help_ = text.partition(" -- ")
-    match = shape.fullmatch(declared.strip())
+    match = kind.shape.fullmatch(declared.strip())
     if match is None:
-        raise UsageError(f"--{kind} '{text}': write {form}, such as {example}")
-    name, *others = match.groups()
-    own = {f"{prefix}:{declared.partition(':')[0]}" for declared in said.classes}
+        raise UsageError(f"{kind.option} '{text}': write {kind.form}, such as {kind.example}")
+    name, first, *others = match.groups()
+    if kind is _CLASS:
+        class_name(name, "class")
+    elif not _LOWER.fullmatch(name):
+        what = kind.option.removeprefix("--")
+        raise UsageError(f"{what} '{name}': letters and digits that begin with a small letter, such as scannedAt")
+    if unknown := next((curie for curie in (first, *others) if ":" in curie and curie not in classes), None):
+        raise UnknownName("class", unknown, classes)
+    if kind is _PROPERTY and others[0] not in _RANGES:
+        raise UnknownName("type", others[0], _RANGES, where=f"of property '{name}'")
     label = words_of(name)
-    if kind == "class":
-        help_ = sentence(help_ or f"A {label}", f"help of {name}")
-        return _Word(class_name(name, "class"), label, help_, parent=_class(known, others[0], own))
-    if not _LOWER.fullmatch(name):
-        raise UsageError(f"{kind} '{name}': letters and digits that begin with a small letter, such as scannedAt")
-    domain = _class(known, others[0], own)
-    if kind == "relation":
-        help_ = sentence(help_ or f"The subject is {label} the object", f"help of {name}")
-        return _Word(name, label, help_, domain=domain, range=_class(known, others[1], own))
-    help_ = sentence(help_ or f"What is known of it: {label}", f"help of {name}")
-    return _Word(name, label, help_, domain=domain, range=_range(name, others[1]))
-
-
-def _class(known: Knowledge, curie: str, own: Collection[str]) -> str:
-    if curie not in own and curie not in known.ontology.classes:
-        raise UnknownName("class", curie, [*known.ontology.classes, *own])
-    return curie
-
-
-def _range(name: str, type_: str) -> str:
-    if type_ not in _RANGES:
-        raise UnknownName("type", type_, _RANGES, where=f"of property '{name}'")
-    return _RANGES[type_]
-
-
-def _check_names(names: Sequence[str]) -> None:
-    twice = [name for name in names if names.count(name) > 1]
-    if twice:
-        raise UsageError(f"'{twice[0]}' is declared twice")
+    help_ = sentence(help_ or kind.help.format(label), f"help of {name}")
+    parent, domain = ("", first) if others else (first, "")
+    range_ = "".join(_RANGES.get(other, other) for other in others)
+    ends = {"parent": parent, "domain": domain, "range": range_}
+    return {"type": kind.type, "name": name, "label": label, "help": help_, **ends}

@@ -5,39 +5,23 @@ from __future__ import annotations
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib.util import find_spec
 from itertools import chain, count
 from pathlib import Path
 
 from skiros_py.errors import UsageError
-from skiros_py.scaffold.condition import NewCondition, draft_condition
+from skiros_py.scaffold.condition import draft_condition
 from skiros_py.scaffold.declared import class_name, module_name, sentence, snake_case, words_of
 from skiros_py.scaffold.draft import Draft, render
-from skiros_py.scaffold.ontology import NewOntology, draft_ontology
-from skiros_py.scaffold.primitive import NewPrimitive, draft_primitive
+from skiros_py.scaffold.ontology import draft_ontology
+from skiros_py.scaffold.orders import NewCondition, NewOntology, NewPackage, NewPrimitive, NewScene, NewSkill
+from skiros_py.scaffold.primitive import draft_primitive
 from skiros_py.scaffold.project import Knowledge, Project, knowledge_of, taken_by
-from skiros_py.scaffold.scene import NewScene, draft_scene
-from skiros_py.scaffold.skill import NewSkill, draft_skill
+from skiros_py.scaffold.scene import draft_scene
+from skiros_py.scaffold.skill import draft_skill
 
 _Step = Callable[[Knowledge], Draft]
-
-
-@dataclass(frozen=True, slots=True)
-class NewPackage:
-    """The author's options for a package.
-
-    Attributes:
-        name: Its name ("my_scanning").
-        help: One sentence; derived from the name if omitted.
-        skill, primitive, condition: Names of the initial ones; free names if omitted.
-    """
-
-    name: str
-    help: str = ""
-    skill: str = ""
-    primitive: str = ""
-    condition: str = ""
 
 
 def draft_package(folder: Path, said: NewPackage) -> Draft:

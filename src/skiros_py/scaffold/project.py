@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,13 +15,15 @@ from tomlkit.exceptions import TOMLKitError
 
 from skiros_py.catalogue import Catalogue, load_catalogue
 from skiros_py.config import ontology_paths
-from skiros_py.errors import FileError, UnknownName, UsageError
-from skiros_py.plugins.installation import as_if_installed, installation
-from skiros_py.skills.conditions import ConditionType
+from skiros_py.errors import DescriptionError, FileError, UnknownName, UsageError
+from skiros_py.plugins.installation import as_if_installed, canonical, installation
+from skiros_py.scaffold.draft import Draft
+from skiros_py.skills.conditions import Condition, ConditionType
 from skiros_py.skills.parameters import Param, params_of
 from skiros_py.world.ontology import Ontology, load_installed
 
 _FILE = "pyproject.toml"
+_CONDITION = re.compile(r"(?P<not>not\s+)?(?P<word>[A-Za-z]\w*)\s*\(\s*(?P<arguments>[^()]*)\)")
 _FOLDERS = {
     "conditions": "The words in which goals and skills are stated, one in a file.",
     "primitives": "What a robot does, one in a file.",
@@ -127,9 +129,15 @@ class Project:
         path = f"src/{self.package}/{folder}/__init__.py"
         return {} if (self.root / path).exists() else {path: f'"""{_FOLDERS[folder]}"""\n'}
 
-    def changes(self, before: Project) -> dict[str, str]:
-        """Returns the text of the file if it has changed."""
-        return {_FILE: self.text} if self.text != before.text else {}
+    def with_folder(self, folder: str) -> Project:
+        """Returns the project with an entry point for all files in a folder of its package ("robots")."""
+        group = f"skiros.{folder}"
+        return self if self.entry_points.get(group) else self.with_entries(group, {self.package: self.package})
+
+    def draft(self, new: Mapping[str, str], before: Project, notes: Sequence[str] = ()) -> Draft:
+        """Returns new files, and its own file if it has changed."""
+        changed = {_FILE: self.text} if self.text != before.text else {}
+        return Draft(self.root, new, changed, tuple(notes))
 
 
 def _read(file: Path) -> str:
@@ -156,11 +164,7 @@ def _is_named(requirement: str, name: str) -> bool:
         own = Requirement(requirement).name
     except InvalidRequirement:
         return False
-    return _normal(own) == _normal(name)
-
-
-def _normal(name: str) -> str:
-    return re.sub(r"[-_.]+", "-", name).lower()
+    return canonical(own) == canonical(name)
 
 
 @dataclass(frozen=True, slots=True)
@@ -204,13 +208,33 @@ class Knowledge:
             raise UnknownName("condition", word, self.catalogue.conditions, where=where)
         return self.catalogue.conditions[word]
 
-    def origin(self, word: str) -> Origin:
-        """Returns where the condition of that word is imported from."""
-        return _origin("skiros.conditions", word)
+    def read_condition(self, text: str, what: str) -> Condition:
+        """Reads ``Scanned(Part)`` or ``not Scanned(Part)``.
 
-    def primitive_origin(self, name: str) -> Origin:
-        """Returns where the primitive of that name is imported from."""
-        return _origin("skiros.primitives", name)
+        Args:
+            text: The text.
+            what: Its owner, for messages ("skill 'scan'").
+
+        Raises:
+            UsageError: The text has a different form, or too few or too many arguments.
+            UnknownName: There is no such condition.
+        """
+        match = _CONDITION.fullmatch(text.strip())
+        if match is None:
+            raise UsageError(
+                f"condition '{text}': write a word and parameters, such as 'RobotAtLocation(Robot, Station)'"
+            )
+        try:
+            condition = self.condition(match["word"])(*(part.strip() for part in match["arguments"].split(",")))
+        except DescriptionError as error:
+            raise UsageError(f"{what}, {text}: {error}") from error
+        return ~condition if match["not"] else condition
+
+    @staticmethod
+    def origin(group: str, name: str) -> Origin:
+        """Returns where the plug-in of a group ("skiros.conditions") and name is imported from."""
+        entry = next(entry for entry in installation().of(group) if entry.name == name)
+        return Origin(entry.module, entry.attribute, entry.distribution.name)
 
     def primitive(self, name: str) -> tuple[Param, ...]:
         """Returns the parameters of a primitive.
@@ -240,11 +264,6 @@ def taken_by(kind: str, name: str) -> str | None:
             what = entry.group.partition(".")[2].removesuffix("s")
             return f"a {what} '{name}' of {entry.distribution.name}"
     return None
-
-
-def _origin(group: str, name: str) -> Origin:
-    entry = next(entry for entry in installation().of(group) if entry.name == name)
-    return Origin(entry.module, entry.attribute, entry.distribution.name)
 
 
 @contextmanager

@@ -1,110 +1,127 @@
-"""A small scene for a trial: individuals of the requested classes, facts about them; and its test."""
+"""A small scene for a trial: a world with a robot, to which elements of the requested classes and facts are added."""
 
 from __future__ import annotations
 
 import json
 import tempfile
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from itertools import count
 from pathlib import Path
 
 from skiros_py.config import ontology_paths
-from skiros_py.errors import FileError, UsageError
+from skiros_py.errors import FileError, UnknownName, UsageError, WorldError
+from skiros_py.geometry import Pose
 from skiros_py.scaffold.declared import snake_case, words_of
 from skiros_py.scaffold.draft import render
 from skiros_py.scaffold.ontology import declaring, prefix_of, prefix_table
 from skiros_py.scaffold.project import Knowledge
-from skiros_py.scaffold.robot import RobotFile
+from skiros_py.scaffold.robot import robot_iris
 from skiros_py.skills.conditions import AllOf, AnyOf, Compare, Computed, Condition, Exists, Has, Pattern, Related
-from skiros_py.tasks.goals import parse_goal
-from skiros_py.world.ontology import Ontology
+from skiros_py.world.change import PropertyEdit, RelationEdit
+from skiros_py.world.element import Placement, Value
 from skiros_py.world.reasoners.registry import load_reasoners
-from skiros_py.world.scene import load_scene
+from skiros_py.world.scene import diff, load_scene
+from skiros_py.world.scene.writer import TurtleWriter
 from skiros_py.world.terms import Family
+from skiros_py.world.transaction import Transaction
+from skiros_py.world.vocabulary import DRIVING_POSE, ELEMENT, GRASP_WIDTH, GRASPABLE_BY, HAS_A, POSE
 from skiros_py.world.world import World
 
-_SAMPLES = {
-    "xsd:boolean": "true",
-    "xsd:integer": "1",
-    "xsd:decimal": "1.0",
-    "xsd:double": "1.0e0",
-    "xsd:string": '"text"',
-    "sk:poseLiteral": '"0 0 0 0 0 0"^^sk:poseLiteral',
-    "sk:vectorLiteral": '"1 1"^^sk:vectorLiteral',
-    "sk:className": '"sk:Object"^^sk:className',
-    "rdf:JSON": '"[]"^^rdf:JSON',
+_SAMPLES: Mapping[str, Value] = {
+    "xsd:boolean": True,
+    "xsd:integer": 1,
+    "xsd:decimal": 1.0,
+    "xsd:double": 1.0,
+    "xsd:string": "text",
+    "sk:poseLiteral": Pose(),
+    "sk:vectorLiteral": (1.0, 1.0),
+    "sk:className": "sk:Object",
+    "rdf:JSON": "[]",
 }
-"""An example value of each data type, as Turtle."""
-
-
-@dataclass(slots=True)
-class _Individual:
-    """One individual: its Turtle statements, by predicate."""
-
-    id: str
-    class_: str
-    label: str
-    facts: dict[str, list[str]] = field(default_factory=dict)
+"""An example value of each data type."""
 
 
 class Stage:
     """A scene under construction.
 
     Args:
-        ontology: The available words.
+        known: The available words.
         name: Name of the scene.
-        robot: Its robot; None for none.
+        robot: Name of its robot; empty for none.
 
     Attributes:
+        world: Its present state.
         goals: Its goals.
         left_to_robot: Required places of the robot, as (robot, relation, place): it drives there itself.
+
+    Raises:
+        UnknownName: There is no such robot.
     """
 
-    def __init__(self, ontology: Ontology, name: str, robot: RobotFile | None = None) -> None:
-        self._ontology = ontology
+    def __init__(self, known: Knowledge, name: str, robot: str = "") -> None:
+        robots = robot_iris(known.ontology)
+        if robot and robot not in robots:
+            raise UnknownName("robot", robot, robots)
+        self._ontology = known.ontology
         self._name = name
-        self._robot = robot
-        self._own: dict[str, _Individual] = {}
-        self._of_robot: dict[str, _Individual] = {}
+        self._robot = [robots[robot]] if robot else []
         self._row = count()
         self.goals: list[str] = []
         self.left_to_robot: list[tuple[str, str, str]] = []
+        self.world = self._loaded()
+        self._given = self.world.snapshot()
+        self._pieces = [id_ for id_ in self._given.instances(ELEMENT) if id_ not in ("floor", "unknown_location")]
+
+    def _loaded(self) -> World:
+        reasoners, _ = load_reasoners(self._ontology)
+        with tempfile.TemporaryDirectory(prefix="skiros-new-") as folder:
+            file = Path(folder) / "scene.ttl"
+            file.write_text(self._rendered(""), encoding="utf-8")
+            try:
+                return load_scene(self._ontology, file, ontology_paths(), reasoners=reasoners)
+            except FileError as error:
+                raise UsageError(f"scene '{self._name}': {error.reason}") from error
+
+    @contextmanager
+    def _edit(self) -> Iterator[Transaction]:
+        try:
+            with self.world.transaction("skiros new", "sets the stage") as tx:
+                yield tx
+        except WorldError as error:
+            raise UsageError(f"scene '{self._name}': {error}") from error
 
     def cast(self, class_: str, role: str) -> str:
         """Returns an individual of a class: one of the robot where it has one, else a new one named after a role."""
-        for root in ("sk:Floor", "sk:UnknownLocation"):
+        for root, id_ in (("sk:Floor", "floor"), ("sk:UnknownLocation", "unknown_location")):
             if self._ontology.is_a(class_, root):
-                return snake_case(root.partition(":")[2])
-        for id_, own in (self._robot.individuals if self._robot else {}).items():
-            if self._ontology.is_a(own, class_):
                 return id_
-        return self.add(class_, role)
+        return next(iter(self._given.instances_among(class_, self._pieces)), None) or self.add(class_, role)
 
     def add(self, class_: str, role: str) -> str:
         """Adds an individual of a class, standing on the floor where it can stand anywhere, and returns its id."""
         stem = snake_case(role)
-        id_ = next(name for n in count(1) if not self._knows(name := f"{stem}_{n}"))
-        person = _Individual(id_, class_, f"{words_of(role)} {id_.rpartition('_')[2]}")
-        self._own[id_] = person
-        self._settle(person)
+        number = next(n for n in count(1) if not self.world.has(f"{stem}_{n}"))
+        id_ = f"{stem}_{number}"
+        is_a = self._ontology.is_a
+        properties: dict[str, Value] = {}
+        placement = Placement("sk:at", "unknown_location") if is_a(class_, "sk:Robot") else None
+        is_device = is_a(class_, "sk:Device")
+        if not placement and not is_device and is_a(class_, "sk:SpatialThing") and not is_a(class_, "sk:Root"):
+            placement = Placement("sk:on", "floor")
+            properties[POSE] = Pose((2.0 + next(self._row), 0.0, 0.0))
+            if is_a(class_, "sk:Location") and not self._ontology.class_value(class_, DRIVING_POSE):
+                properties[DRIVING_POSE] = Pose((-0.8, 0.0, 0.0))
+        with self._edit() as tx:
+            tx.add(class_, f"{words_of(role)} {number}", id_, properties, placement)
+            if is_device and self._robot:
+                tx.relate(self._piece("sk:Arm"), HAS_A, id_)
         return id_
 
-    def _knows(self, id_: str) -> bool:
-        return id_ in self._own or (self._robot is not None and id_ in self._robot.individuals)
-
-    def _settle(self, person: _Individual) -> None:
-        is_a = self._ontology.is_a
-        if is_a(person.class_, "sk:Robot"):
-            person.facts["sk:at"] = ["scene:unknown_location"]
-        elif is_a(person.class_, "sk:Device"):
-            if self._robot is not None:
-                self._say(self._robot.first("sk:Arm", self._ontology), "sk:hasA", f"scene:{person.id}")
-        elif is_a(person.class_, "sk:SpatialThing") and not is_a(person.class_, "sk:Root"):
-            person.facts["sk:on"] = ["scene:floor"]
-            person.facts["sk:pose"] = [f'"{2.0 + next(self._row):.1f} 0 0 0 0 0"^^sk:poseLiteral']
-            if is_a(person.class_, "sk:Location") and not self._ontology.class_value(person.class_, "sk:drivingPose"):
-                person.facts["sk:drivingPose"] = ['"-0.8 0 0 0 0 0"^^sk:poseLiteral']
+    def _piece(self, class_: str) -> str:
+        for id_ in self._given.instances_among(class_, self._pieces):
+            return id_
+        raise UsageError(f"robot <{self._robot[0]}> has no {class_}")
 
     # ------------------------------------------------------------------ facts
 
@@ -118,73 +135,46 @@ class Stage:
         """
         match pattern:
             case Related(relation, subject, object_):
-                self.relate(binding[subject], relation, binding[object_])
+                self._relate(binding[subject], relation, binding[object_])
             case Compare(property_, "=", subject, value):
-                self._say(binding[subject], property_, _turtle(value), instead=True)
+                self._set(binding[subject], property_, value)
             case Has(property_, subject):
-                if not self._value(binding[subject], property_):
-                    self._say(binding[subject], property_, self._sample(property_), instead=True)
+                if self.world.value(binding[subject], property_) is None:
+                    self._set(binding[subject], property_, _SAMPLES[self._ontology.properties[property_].range])
             case Exists(variable, class_, inner):
                 return self.suppose(inner, {**binding, variable: self.cast(class_, class_.partition(":")[2])})
             case AllOf(patterns):
                 return tuple(left for part in patterns for left in self.suppose(part, binding))
             case AnyOf(patterns):
                 return self.suppose(patterns[0], binding)
-            case Computed("sk:graspableBy", subject, _):
-                self._say(binding[subject], "sk:graspWidth", "0.04", instead=True)
+            case Computed(relation, subject, _) if relation == GRASPABLE_BY:
+                self._set(binding[subject], GRASP_WIDTH, 0.04)
             case Computed(relation):
                 return (f"{relation} is computed",)
             case _:
                 pass  # a negation needs no fact
         return ()
 
-    def relate(self, subject: str, relation: str, object_: str) -> None:
+    def _set(self, element: str, property_: str, value: Value) -> None:
+        with self._edit() as tx:
+            tx.set(element, property_, value)
+
+    def _relate(self, subject: str, relation: str, object_: str) -> None:
         """States that a relation holds; a placement moves what it places."""
         family = self._ontology.family(relation)
+        moved = ""
         if family is Family.PLACEMENT:
             moved, placement = self._ontology.placed(subject, relation, object_)
-            if self._robot and moved in self._robot.individuals:
+            if moved in self._pieces:
                 self.left_to_robot.append((moved, placement.relation, placement.place))
                 return
-            self._unplace(moved, keep_pose=placement.place == "floor")
-        if family is Family.STRUCTURE:
-            if self._robot and (subject, object_) in self._robot.pieces:
-                return
-            for owner in (*self._own.values(), *self._of_robot.values()):
-                owner.facts["sk:hasA"] = [o for o in owner.facts.get("sk:hasA", []) if o != f"scene:{object_}"]
-        self._say(subject, relation, f"scene:{object_}")
-
-    def _unplace(self, moved: str, *, keep_pose: bool) -> None:
-        for person in self._own.values():
-            for relation in [r for r in person.facts if self._places(r)]:
-                person.facts[relation] = [
-                    o for o in person.facts[relation] if self._ontology.placed(person.id, relation, o[6:])[0] != moved
-                ]
-        if not keep_pose and moved in self._own:
-            self._own[moved].facts.pop("sk:pose", None)
-
-    def _places(self, relation: str) -> bool:
-        return relation in self._ontology.relations and self._ontology.is_placement(relation)
-
-    def _value(self, id_: str, property_: str) -> bool:
-        person = self._own.get(id_) or self._of_robot.get(id_)
-        if person is None:
-            return False
-        return property_ in person.facts or self._ontology.class_value(person.class_, property_) is not None
-
-    def _sample(self, property_: str) -> str:
-        return _SAMPLES[self._ontology.properties[property_].range]
-
-    def _say(self, subject: str, predicate: str, value: str, *, instead: bool = False) -> None:
-        person = self._own.get(subject)
-        if person is None:
-            class_ = self._robot.individuals.get(subject, "") if self._robot else ""
-            person = self._of_robot.setdefault(subject, _Individual(subject, class_, ""))
-        values = person.facts.setdefault(predicate, [])
-        if instead:
-            values.clear()
-        if value not in values:
-            values.append(value)
+        with self._edit() as tx:
+            if family is Family.STRUCTURE:
+                for owner in set(self.world.subjects(relation, object_)) - {subject}:
+                    tx.unrelate(owner, relation, object_)
+            elif moved and placement.place != "floor":
+                tx.set(moved, POSE, None)
+            tx.relate(subject, relation, object_)
 
     # ------------------------------------------------------------------ as Turtle
 
@@ -194,58 +184,45 @@ class Stage:
         Args:
             help_: Its purpose, in a sentence.
         """
-        people = [*self._of_robot.values(), *self._own.values()]
-        used = {prefix_of(p.class_) for p in self._own.values()} | {prefix_of(f) for p in people for f in p.facts}
-        robot = [self._robot.iri] if self._robot else []
+        state = self.world.snapshot()
+        new = [id_ for id_ in state.instances(ELEMENT) if not self._given.has(id_)]
+        writer = TurtleWriter(state)
+        used = {state.element(id_).type for id_ in new} | {p for id_ in new for p in state.element(id_).properties}
+        used |= {relation for id_ in new for _, relation, _ in state.statements_about(id_)}
+        paragraphs = []
+        for edit in diff(self._given, state):
+            match edit:
+                case PropertyEdit(id_, property_, _, value) if self._given.has(id_) and value is not None:
+                    paragraphs.append(f"scene:{id_} {property_} {writer.literal(property_, value)} .\n")
+                    used.add(property_)
+                case RelationEdit(subject, relation, object_, _, True) if self._given.has(subject):
+                    paragraphs.append(f"scene:{subject} {relation} scene:{object_} .\n")
+                    used.add(relation)
+        paragraphs += writer.elements(new)
+        base = self._piece("sk:Base") if self._robot else ""
+        return self._rendered(help_, {prefix_of(word) for word in used}, paragraphs, base)
+
+    def _rendered(
+        self, help_: str, prefixes: Collection[str] = (), paragraphs: Sequence[str] = (), base: str = ""
+    ) -> str:
         return render(
             "scene.ttl",
             name=self._name,
             help=help_,
             label=words_of(self._name),
-            prefixes=prefix_table(self._ontology, used),
-            imports=declaring(self._ontology, used) + robot,
+            prefixes=prefix_table(self._ontology, prefixes),
+            imports=declaring(self._ontology, prefixes) + self._robot,
             goals=[json.dumps(goal) for goal in self.goals],
-            base=self._robot.first("sk:Base", self._ontology) if self._robot else "",
-            people=[(p, _statements(p)) for p in people if p.class_ and _statements(p)],
+            base=base,
+            paragraphs=paragraphs,
         )
 
 
-def _statements(person: _Individual) -> list[str]:
-    head = [] if not person.label else [f"rdfs:label {json.dumps(person.label)}"]
-    return head + [f"{predicate} {' , '.join(values)}" for predicate, values in person.facts.items() if values]
-
-
-def _turtle(value: object) -> str:
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    return json.dumps(value, ensure_ascii=False)
-
-
-def tried(known: Knowledge, text: str, what: str) -> World:
-    """Loads a scene from its text.
-
-    Raises:
-        UsageError: It cannot be loaded, or its goal refers to missing elements.
-    """
-    reasoners, _ = load_reasoners(known.ontology)
-    with tempfile.TemporaryDirectory(prefix="skiros-new-") as folder:
-        file = Path(folder) / "scene.ttl"
-        file.write_text(text, encoding="utf-8")
-        try:
-            world = load_scene(known.ontology, file, ontology_paths(), reasoners=reasoners)
-            parse_goal(world.goals, world, known.catalogue.conditions)
-        except FileError as error:
-            raise UsageError(f"{what}: {error.reason}") from error
-    return world
-
-
-def open_questions(
-    world: World, stage: Stage, conditions: Mapping[str, Condition], cast: Mapping[str, str]
-) -> Iterator[str]:
+def open_questions(stage: Stage, conditions: Sequence[Condition], cast: Mapping[str, str]) -> Iterator[str]:
     """Yields the required facts that do not hold in a scene, with reasons, except where its robot drives itself."""
-    for said, condition in conditions.items():
+    for condition in conditions:
         about = {cast[argument] for argument in condition.arguments}
         by_itself = any({robot, place} <= about for robot, _, place in stage.left_to_robot)
-        verdict = condition.evaluate(world, cast)
+        verdict = condition.evaluate(stage.world, cast)
         if not verdict.holds and not by_itself:
-            yield f"{said} ({verdict.lines()[-1].strip()})"
+            yield f"{condition} ({verdict.lines()[-1].strip()})"

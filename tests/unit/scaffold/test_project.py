@@ -58,8 +58,8 @@ def test_what_is_added_leaves_every_other_line_as_it_was(tmp_path: Path) -> None
 def test_a_dependency_that_is_there_is_not_added_twice(tmp_path: Path) -> None:
     project = package(tmp_path)
 
-    assert project.with_dependency("Skiros_Py").changes(project) == {}
-    assert project.with_dependency("my_things").changes(project) == {}
+    assert project.with_dependency("Skiros_Py").draft({}, project).changed == {}
+    assert project.with_dependency("my_things").draft({}, project).changed == {}
 
 
 def test_an_entry_point_that_is_there_is_not_replaced(tmp_path: Path) -> None:
