@@ -72,11 +72,9 @@ class Watched(Protocol):
     @property
     def name(self) -> str:
         """For messages."""
-        ...
 
     def fail(self, fault: BaseException) -> None:
         """Ends it with a fault."""
-        ...
 
 
 @dataclass(eq=False, slots=True)

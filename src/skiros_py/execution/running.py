@@ -117,17 +117,14 @@ class Running(Protocol):
     @property
     def id(self) -> str:
         """Id of this run."""
-        ...
 
     @property
     def done(self) -> bool:
         """True when it ended, or when it was stopped and all it moved stands."""
-        ...
 
     @property
     def result(self) -> Outcome:
         """How it ended."""
-        ...
 
     @property
     def account(self) -> Mapping[str, Any]:
@@ -137,27 +134,21 @@ class Running(Protocol):
         ``implementation``: of a skill, the label of the way that was tried last; ``changes``: numbers of its changes
         of the world.
         """
-        ...
 
     def cancel(self, reason: str) -> None:
         """Cancels it because the world changed; finishing motion, such as stowing the arm, still runs."""
-        ...
 
     def pause(self) -> None:
         """Lets it come to a standstill where it is."""
-        ...
 
     def resume(self) -> None:
         """Goes on after a pause."""
-        ...
 
     def step(self) -> None:
         """Lets it do one cycle while it is paused."""
-        ...
 
     def stop(self) -> None:
         """Stops it in this cycle; nothing follows."""
-        ...
 
 
 class RunningModule:

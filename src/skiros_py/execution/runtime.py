@@ -247,7 +247,6 @@ class Work(Protocol):
     @property
     def done(self) -> bool:
         """True when it is over."""
-        ...
 
 
 @dataclass(frozen=True, slots=True)

@@ -39,7 +39,6 @@ class ModuleRunner(Protocol):
 
     def run(self, module: str, arguments: Mapping[str, Any], scope: Scope) -> Execution[Outcome]:
         """Returns the run of a module within a scope; ticked to its end, or closed."""
-        ...
 
 
 @dataclass(frozen=True, slots=True)

@@ -42,22 +42,18 @@ class Transport(Protocol):
     @property
     def agent(self) -> str:
         """Id of the subsystem."""
-        ...
 
     @property
     def descriptions(self) -> Mapping[str, SkillDescription]:
         """The skills it offers, by name; none when it is lost."""
-        ...
 
     @property
     def alternatives(self) -> Mapping[str, Sequence[Sequence[Condition]]]:
         """What each implementation of a skill asks for besides what the description does, by the skill's name."""
-        ...
 
     @property
     def running(self) -> Mapping[str, Running]:
         """What runs now, by name."""
-        ...
 
     def start(self, module: str, arguments: Mapping[str, Any], *, task: str = "", parent: str = "") -> Running:
         """Starts a module.
@@ -71,7 +67,6 @@ class Transport(Protocol):
         Raises:
             UsageError: It cannot be started now.
         """
-        ...
 
 
 class SkillManager:
@@ -284,21 +279,6 @@ class SkillManager:
         started = RunningModule(module, run_id, task_of_run, scope, cancel, arguments=arguments, account=account)
         self._running[module] = started
         return started
-
-    def pause(self) -> None:
-        """Lets everything it runs come to a standstill."""
-        for running in self._running.values():
-            running.pause()
-
-    def resume(self) -> None:
-        """Goes on after a pause."""
-        for running in self._running.values():
-            running.resume()
-
-    def step(self) -> None:
-        """Lets everything that is paused do one cycle."""
-        for running in self._running.values():
-            running.step()
 
     def stop(self) -> None:
         """Stops everything it runs, in this cycle."""

@@ -34,6 +34,8 @@ class Task(Generic[T]):
         fault: What its code raised, with the traceback; None if nothing was raised.
         reason: Why it was stopped; may be empty.
         devices: The devices that it may command; None for all.
+        generator: What is ticked.
+        aborted: True when it was stopped or failed.
         interruptible: The watchdog may interrupt it anywhere.
     """
 
@@ -53,12 +55,12 @@ class Task(Generic[T]):
         self.fault: BaseException | None = None
         self.reason = ""
         self.devices: frozenset[str] | None = None
-        self._generator = generator
+        self.generator = generator
         self._board = board
         self._activity = board.guard.activity
         self._ended = ended
         self._result: T | None = None
-        self._aborted = False
+        self.aborted = False
         self._deadline: float | None = None
         self._runs_away = False
         self._steps = 0
@@ -66,23 +68,11 @@ class Task(Generic[T]):
 
     # ------------------------------------------------------------------ running
 
-    def tick(self) -> None:
-        """Runs it up to its next ``yield``, unless it is paused."""
-        if not (self.clock.steady or self._has_turn()):
-            return
-        try:
-            next(self._generator)
-        except StopIteration as end:
-            self._result = end.value
-            self._ended(self)
-            self.done = True
-        except KeyboardInterrupt as interrupt:
-            self.fail(interrupt)
-            raise
-        except BaseException as fault:  # noqa: BLE001 - an author's code: whatever it raises ends this task only
-            self.fail(fault)
-        if self._aborted:
-            self._close()
+    def finish(self, result: T) -> None:
+        """Ends it with what it returned."""
+        self._result = result
+        self._ended(self)
+        self.done = True
 
     def pause(self) -> None:
         """Slows its clock down; when that stands, it is ticked no more until :meth:`resume`."""
@@ -113,7 +103,7 @@ class Task(Generic[T]):
         """How fast its time goes: 1 with the run and in a single step, 0 standing still."""
         return 1.0 if self._stepping else self.clock.rate
 
-    def _has_turn(self) -> bool:
+    def has_turn(self) -> bool:
         """Moves an unsteady clock on; returns whether this cycle has a tick."""
         self.clock.advance()
         self._stepping = self.clock.stands and self._steps > 0
@@ -134,10 +124,10 @@ class Task(Generic[T]):
         if self.done:
             return
         self._ended(self)
-        self.done = self._aborted = True
+        self.done = self.aborted = True
         self.reason = reason
-        if not getattr(self._generator, "gi_running", False):  # else it stops itself: closed when this tick is over
-            self._close()
+        if not getattr(self.generator, "gi_running", False):  # else it stops itself: closed when this tick is over
+            self.close()
 
     def fail(self, fault: BaseException) -> None:
         """Ends it with a fault; its commands cease."""
@@ -146,8 +136,8 @@ class Task(Generic[T]):
             self.fault = fault if before is None else fault.with_traceback(before.__traceback__)
         if not self.done:
             self._ended(self)
-            self.done = self._aborted = True
-            self._close()
+            self.done = self.aborted = True
+            self.close()
 
     def settle(self) -> None:
         """Checks whether the devices that it commanded stand; in each cycle after it was stopped."""
@@ -172,7 +162,7 @@ class Task(Generic[T]):
 
         A device that does not stand after its braking time is a fault; then the task never counts as stopped.
         """
-        return self._aborted and self._deadline is None and not self._runs_away
+        return self.aborted and self._deadline is None and not self._runs_away
 
     @property
     def result(self) -> T:
@@ -187,48 +177,37 @@ class Task(Generic[T]):
             raise self.fault
         if self.fault is not None:
             raise ModuleError(f"{self.name}: {_words(self.fault)}") from self.fault
-        if self._aborted and self.reason:
+        if self.aborted and self.reason:
             raise ModuleError(f"{self.name} was stopped: {self.reason}")
-        if not self.done or self._aborted:
+        if not self.done or self.aborted:
             raise RuntimeError("a task has a result only after it ended by itself")
         return self._result  # type: ignore[return-value]  # T may include None
 
-    def _close(self) -> None:
+    def close(self) -> None:
+        """Closes its generator, and withdraws its commands; only for the control cycle."""
         board = self._board
         owner, board.owner = board.owner, self
         try:
-            self._close_watched()
+            self._activity.run(self, self._close_generator)
         except CycleOverrun:  # it came late, when the generator was closed already
             pass
         finally:
             board.owner = owner
-        self._cease()
-
-    def _close_watched(self) -> None:
-        outer = self._activity.enter(self)
-        try:
-            self._close_generator()
-        finally:
-            self._activity.leave(outer)
+        board.withdraw(self)
+        if not board.standing(self):
+            self._deadline = board.snapshot.time + board.braking_time
 
     def _close_generator(self) -> None:
         """Closes the generator, even if its clean-up raises or yields."""
         for _ in range(_CLOSE_TRIES):
             try:
-                self._generator.close()
+                self.generator.close()
             except KeyboardInterrupt:
                 raise
             except BaseException as fault:  # noqa: BLE001 - the same: the others have to be stopped, too
                 self.fault = self.fault or fault
             else:
                 return
-
-    def _cease(self) -> None:
-        """Withdraws its commands for the coming cycle, and starts to wait for standstill."""
-        board = self._board
-        board.withdraw(self)
-        if not board.standing(self):
-            self._deadline = board.snapshot.time + board.braking_time
 
 
 def _words(fault: BaseException) -> str:
@@ -252,7 +231,6 @@ class Run(Protocol):
     @property
     def now(self) -> float:
         """Time since the start of the run [s]."""
-        ...
 
 
 class RunClock:

@@ -332,22 +332,10 @@ def test_an_observer_of_a_plug_in_that_hangs_is_interrupted_and_switched_off(
     assert "ponder of topic 'slow' of lab 1.0 held the control cycle" in cycle.halted
 
 
-def test_a_listener_of_faults_that_takes_too_long_halts_everything(cycle: ControlCycle, watchdog: Watchdog) -> None:
-    def breaks() -> Iterator[None]:
-        yield
-        raise ValueError
-
-    cycle.on_fault(lambda _task: hold_for(4 * LIMIT))
-    cycle.start(breaks())
-    cycle.step()
-    cycle.step()
-
-    assert cycle.halted.startswith("a listener of faults held")
-
-
 def hold_for(seconds: float) -> None:
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
+    """Computes for so long; waiting for a processor on a busy machine is not charged, and does not count here."""
+    end = time.thread_time() + seconds
+    while time.thread_time() < end:
         pass
 
 
