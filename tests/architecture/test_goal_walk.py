@@ -19,7 +19,7 @@ LAYER = "skiros_py.tasks."
 MOST_RETURNS = 8
 LEVELS = {"": 0, "TaskManager": 1, "TaskExecutor": 2, "Replanner": 3, "PlanMonitor": 3, "Dispatcher": 3}
 """From top to bottom; all other objects are below these, and the trace is below them."""
-LOWEST = {"TraceWriter": 5, "Trace": 6}
+LOWEST = {"Trace": 5}
 
 
 @dataclass(frozen=True)

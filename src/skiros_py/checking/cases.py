@@ -40,7 +40,6 @@ from skiros_py.skills.outcome import Failure, Outcome
 from skiros_py.skills.parameters import Kind, Param
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill, SkillDescription
-from skiros_py.tasks.context import TaskContext
 from skiros_py.tasks.task_manager import TaskManager
 from skiros_py.world.element import Placement, Value
 from skiros_py.world.literals import DATATYPES
@@ -99,7 +98,7 @@ class Rig:
     def reach(self, goal: Sequence[Condition]) -> bool:
         """Plans for a goal and executes the plan; returns whether the goal then holds."""
         with closing(FastDownward()) as planner, closing(ThreadHost(self.world, planner)) as planning:
-            tasks = TaskManager(TaskContext(self.world, self._managers, planning, self._cycle))
+            tasks = TaskManager(self._runtime, planning, "case")
             try:
                 task = tasks.begin(goal)
                 self._runtime.finish(task)

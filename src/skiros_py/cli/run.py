@@ -26,7 +26,7 @@ from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.planning.plan import NoPlan
 from skiros_py.planning.service import Planned
 from skiros_py.tasks.report import GoalReport
-from skiros_py.tasks.trace_writer import short_step
+from skiros_py.tasks.trace import short_step
 
 if TYPE_CHECKING:
     from skiros_py.skills.context import Question, Questions

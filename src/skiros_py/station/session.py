@@ -162,7 +162,7 @@ class Session:
         self._set_up(ports)
         self._watch()
         self.planning = start_planning(self._stack, self.world, self.catalogue, self.options)
-        self.tasks = TaskManager.of(
+        self.tasks = TaskManager(
             self.runtime,
             self.planning,
             self._source.stem,

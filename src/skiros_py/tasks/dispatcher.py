@@ -13,10 +13,9 @@ from skiros_py.planning.problem.stock import tokens_of
 from skiros_py.skills.outcome import CANCELLED, Failure, Outcome
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.context import Mode, TaskContext
-from skiros_py.tasks.handle import StepRun, TaskHandle
+from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.reservations import in_hands, robot_of, used_by
-from skiros_py.tasks.trace import TraceEventKind, step_id
-from skiros_py.tasks.trace_writer import TraceWriter, describe_step
+from skiros_py.tasks.trace import StepRun, TraceEventKind, describe_step, step_id
 from skiros_py.world.stock import take
 
 
@@ -169,18 +168,17 @@ class Dispatcher:
     Args:
         task: The task, with its control requests.
         context: The task's environment: world, managers, reservations.
-        trace: Writes the trace.
 
     Attributes:
         lends: True while the task waits for the user: no step may start, and other tasks may use what is at rest,
             except robots that hold a thing of this task, so that it is not put down elsewhere.
     """
 
-    def __init__(self, task: TaskHandle, context: TaskContext, trace: TraceWriter) -> None:
+    def __init__(self, task: TaskHandle, context: TaskContext) -> None:
         self.lends = False
         self._task = task
         self._context = context
-        self._trace = trace
+        self._trace = task.trace
         self._skills: Mapping[str, SkillDescription] = {}
         self._agenda = Agenda((), ())
         self._active: list[Active] = []

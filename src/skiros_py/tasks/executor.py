@@ -17,7 +17,6 @@ from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.record import TaskRecord
 from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.trace import TraceEventKind
-from skiros_py.tasks.trace_writer import TraceWriter
 
 T = TypeVar("T")
 
@@ -37,8 +36,8 @@ class TaskExecutor(ABC):
         self.record = TaskRecord(context, task.goal, task.policy.attempts)
         self._task = task
         self._context = context
-        self._trace = TraceWriter(task.name, task.trace, context)
-        self._dispatcher = Dispatcher(task, context, self._trace)
+        self._trace = task.trace
+        self._dispatcher = Dispatcher(task, context)
         self._skills: Mapping[str, SkillDescription] = {}
         self._progress = Progress()
 

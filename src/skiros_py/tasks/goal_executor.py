@@ -16,8 +16,7 @@ from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.person import Choice, ask_for_help, believe_done
 from skiros_py.tasks.plan_monitor import PlanMonitor
 from skiros_py.tasks.replanner import Replanner
-from skiros_py.tasks.trace import TraceEventKind
-from skiros_py.tasks.trace_writer import describe_step
+from skiros_py.tasks.trace import TraceEventKind, describe_step
 
 
 class GoalExecutor(TaskExecutor):

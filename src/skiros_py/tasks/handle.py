@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from typing import Literal
 
 from skiros_py.errors import UsageError
-from skiros_py.planning.plan import Plan, Step
+from skiros_py.planning.plan import Plan
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.context import Question
 from skiros_py.skills.outcome import Outcome
 from skiros_py.tasks.context import Control, Mode
 from skiros_py.tasks.report import GoalReport
-from skiros_py.tasks.trace import Trace
+from skiros_py.tasks.trace import StepRun, Trace
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,26 +41,6 @@ class Policy:
 TaskStatus = Literal["planning", "running", "paused", "waiting", "ended"]
 
 
-_PLAIN = Policy()
-
-
-@dataclass(frozen=True, slots=True)
-class StepRun:
-    """One started step.
-
-    Attributes:
-        number: Its number among all steps the task started, from 1; a repeated step gets a new one.
-        step: The skill with its arguments.
-        agent: Id of the subsystem that runs it.
-        start: Run time [s].
-    """
-
-    number: int
-    step: Step
-    agent: str
-    start: float
-
-
 BeforeStep = Callable[[StepRun], Future[None] | None]
 AfterStep = Callable[[StepRun, Outcome], None]
 
@@ -72,6 +52,7 @@ class TaskHandle:
         name: Display name.
         goal: The conditions to reach; empty for a sequence of steps.
         policy: What to do when part of the goal is unreachable.
+        trace: The events so far; filled while it runs.
 
     Attributes:
         trace: The events so far.
@@ -83,11 +64,11 @@ class TaskHandle:
         question: The open question to the user; None if there is none.
     """
 
-    def __init__(self, name: str, goal: Sequence[Condition] = (), policy: Policy = _PLAIN) -> None:
+    def __init__(self, name: str, goal: Sequence[Condition], policy: Policy, trace: Trace) -> None:
         self.name = name
         self.goal = tuple(goal)
         self.policy = policy
-        self.trace = Trace()
+        self.trace = trace
         self.control = Control()
         self.plan: Plan | None = None
         self.report: GoalReport | None = None

@@ -11,8 +11,7 @@ from skiros_py.tasks.context import TaskContext
 from skiros_py.tasks.executor import TaskExecutor
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.sequences import StepCheck, StepsCheck
-from skiros_py.tasks.trace import TraceEventKind
-from skiros_py.tasks.trace_writer import describe_step, short_step
+from skiros_py.tasks.trace import TraceEventKind, describe_step, short_step
 
 
 class SequenceExecutor(TaskExecutor):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from itertools import count
-from typing import Self
 
 from skiros_py.errors import SkirosError, UsageError
 from skiros_py.execution.runtime import Runtime
@@ -20,13 +19,12 @@ from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.context import TaskContext
 from skiros_py.tasks.executor import TaskExecutor
 from skiros_py.tasks.goal_executor import GoalExecutor
-from skiros_py.tasks.handle import Policy, StepRun, TaskHandle
+from skiros_py.tasks.handle import Policy, TaskHandle
 from skiros_py.tasks.record import TaskRecord
 from skiros_py.tasks.report import GoalReport, StepReport
 from skiros_py.tasks.sequence_executor import SequenceExecutor
 from skiros_py.tasks.sequences import StepCheck, check_steps, read_step
-from skiros_py.tasks.trace import TraceEventKind
-from skiros_py.tasks.trace_writer import TraceWriter
+from skiros_py.tasks.trace import StepRun, Trace, TraceEventKind
 
 _TRIES = {False: (1.0, 4.0), True: (5.0, 10.0)}
 """Time limits for trying repairs (per planner, in total) [s], by whether simulated time stands still."""
@@ -36,21 +34,18 @@ class TaskManager:
     """Pursues goals with the available skill managers.
 
     Args:
-        context: The environment of the tasks.
-        attempts: How often a skill may fail on one target, unless the policy says otherwise.
+        runtime: Runs the tasks.
+        planning: The planning service; it is not closed by the task manager.
+        name: Name used for the planner's files.
+        on_plan: Called with every new plan.
+        attempts: How often a skill may fail on one target before that target is left out of further plans, unless
+            the policy says otherwise.
+        leaving: Returns True once a shutdown is requested; planners are then no longer waited for.
+        temporal: True for temporal planning, with a planner that supports durative actions.
     """
 
-    def __init__(self, context: TaskContext, *, attempts: int = 3) -> None:
-        self._context = context
-        self._policy = Policy(attempts=attempts)
-        self._names = count(1)
-        self._active: dict[str, TaskHandle] = {}
-        self._on_begin: list[Callable[[TaskHandle], None]] = []
-        self._last: TaskRecord | None = None
-
-    @classmethod
-    def of(
-        cls,
+    def __init__(
+        self,
         runtime: Runtime,
         planning: PlanningHost,
         name: str,
@@ -59,20 +54,10 @@ class TaskManager:
         attempts: int = 3,
         leaving: Callable[[], bool] = lambda: False,
         temporal: bool = False,
-    ) -> Self:
-        """Creates the task manager of a runtime.
-
-        Args:
-            runtime: Runs the tasks.
-            planning: The planning service; it is not closed by the task manager.
-            name: Name used for the planner's files.
-            on_plan: Called with every new plan.
-            attempts: How often a skill may fail on one target before that target is left out of further plans.
-            leaving: Returns True once a shutdown is requested; planners are then no longer waited for.
-            temporal: True for temporal planning, with a planner that supports durative actions.
-        """
+    ) -> None:
         cycle = runtime.cycle
-        context = TaskContext(
+        lockstep = cycle.pace is None
+        self._context = TaskContext(
             runtime.world,
             runtime.managers,
             planning,
@@ -81,10 +66,14 @@ class TaskManager:
             monitor=runtime.monitor,
             questions=runtime.questions,
             leaving=leaving,
-            options=PlanningOptions(name, temporal, *_TRIES[cycle.pace is None]),
-            lockstep=cycle.pace is None,
+            options=PlanningOptions(name, temporal, *_TRIES[lockstep]),
+            lockstep=lockstep,
         )
-        return cls(context, attempts=attempts)
+        self._policy = Policy(attempts=attempts)
+        self._names = count(1)
+        self._active: dict[str, TaskHandle] = {}
+        self._on_begin: list[Callable[[TaskHandle], None]] = []
+        self._last: TaskRecord | None = None
 
     @property
     def steps(self) -> tuple[StepReport, ...]:
@@ -131,7 +120,7 @@ class TaskManager:
         Raises:
             UsageError: A task of that name is running, or the system was halted and not reset.
         """
-        task = TaskHandle(self._free(name), goal, policy or self._policy)
+        task = self._task(name, goal, policy)
         self._start(task, lambda: GoalExecutor(task, self._context))
         return task
 
@@ -164,7 +153,7 @@ class TaskManager:
         if not steps:  # an empty round takes no time: repeated forever, it would block the cycle
             raise UsageError("the sequence has no steps: add one")
         read = tuple(read_step(step, self._context.world, self._skills) for step in steps)
-        task = TaskHandle(self._free(name), (), policy or self._policy)
+        task = self._task(name, (), policy)
         executor = SequenceExecutor(task, self._context, read, iterate, anyway=anyway)
         self._start(task, lambda: executor)
         return task
@@ -201,10 +190,9 @@ class TaskManager:
         finally:
             self._active.pop(task.name, None)
             if task.report is None:  # the system was halted before its first cycle
-                trace = TraceWriter(task.name, task.trace, self._context)
                 task.report = TaskRecord(self._context, task.goal, task.policy.attempts).report_cut_off()
-                trace.write(TraceEventKind.BEGUN, task.name)
-                trace.write(TraceEventKind.FINISHED, f"{task.name}: {task.report.outcome}")
+                task.trace.write(TraceEventKind.BEGUN, task.name)
+                task.trace.write(TraceEventKind.FINISHED, f"{task.name}: {task.report.outcome}")
 
     def _execution(self, task: TaskHandle, executor: TaskExecutor) -> Execution[GoalReport]:
         self._last = executor.record
@@ -212,8 +200,8 @@ class TaskManager:
             listener(task)
         return (yield from executor.execute())
 
-    def _free(self, name: str) -> str:
-        """Checks and returns the name for a new task.
+    def _task(self, name: str, goal: Sequence[Condition], policy: Policy | None) -> TaskHandle:
+        """Returns a new task; without a name, it gets a free one.
 
         Raises:
             UsageError: A task of that name is running.
@@ -221,7 +209,9 @@ class TaskManager:
         if name in self._active:
             raise UsageError(f"a task named '{name}' is under way already")
         taken = self._active
-        return name or next(free for n in self._names if (free := f"task {n}") not in taken)
+        name = name or next(free for n in self._names if (free := f"task {n}") not in taken)
+        trace = Trace(name, lambda: self._context.now, self._context.monitor)
+        return TaskHandle(name, goal, policy or self._policy, trace)
 
 
 def learn_durations(tasks: TaskManager, runtime: Runtime) -> None:

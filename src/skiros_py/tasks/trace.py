@@ -5,10 +5,14 @@ from __future__ import annotations
 import enum
 from collections import deque
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
+from skiros_py.execution.monitor import ModuleEvent, Monitor, Status
 from skiros_py.listeners import Listeners
+from skiros_py.planning.plan import Step
+from skiros_py.skills.parameters import Kind
+from skiros_py.skills.skill import SkillDescription
 
 _LONGEST = 10_000
 """How many entries are kept per task; the oldest are dropped first."""
@@ -90,17 +94,42 @@ class TraceEntry:
         return plain | {"what": self.what.value, "arguments": dict(self.arguments), "data": dict(self.data)}
 
 
+@dataclass(frozen=True, slots=True)
+class StepRun:
+    """One started step.
+
+    Attributes:
+        number: Its number among all steps the task started, from 1; a repeated step gets a new one.
+        step: The skill with its arguments.
+        agent: Id of the subsystem that runs it.
+        start: Run time [s].
+    """
+
+    number: int
+    step: Step
+    agent: str
+    start: float
+
+
 class Trace:
     """The entries of one task, oldest first; a bounded number of them.
 
     Args:
+        task: Name of the task.
+        clock: Gives the run time [s].
+        monitor: Where steps that wait are published as well; None for nowhere.
         longest: How many entries are kept.
 
     Attributes:
         forgotten: How many entries were dropped.
     """
 
-    def __init__(self, longest: int = _LONGEST) -> None:
+    def __init__(
+        self, task: str, clock: Callable[[], float], monitor: Monitor | None = None, *, longest: int = _LONGEST
+    ) -> None:
+        self._task = task
+        self._clock = clock
+        self._monitor = monitor
         self._entries: deque[TraceEntry] = deque(maxlen=longest)
         self._listeners = Listeners[[TraceEntry]]("trace entries")
         self.forgotten = 0
@@ -114,11 +143,33 @@ class Trace:
         """Calls the listener with each new entry in the control thread, quickly; returns how to unsubscribe."""
         return self._listeners.add(listener)
 
-    def add(self, entry: TraceEntry) -> None:
-        """Adds an entry and passes it to all listeners."""
+    def write(
+        self, what: TraceEventKind, text: str, data: Mapping[str, Any] | None = None, run: StepRun | None = None
+    ) -> None:
+        """Adds an entry and passes it to all listeners.
+
+        Args:
+            what: The kind of event.
+            text: The event in one sentence.
+            data: Further details as plain data.
+            run: The step; number 0 if it has not started. None for the whole task.
+        """
+        entry = TraceEntry(self._clock(), what, text, data=data or {}, id=self._task)
+        if run is not None:
+            step = run.step
+            entry = replace(entry, skill=step.skill, arguments=dict(step.arguments), agent=run.agent)
+            if run.number:
+                own = step_id(self._task, run.number)
+                entry = replace(entry, step=run.number, id=own, parent=self._task)
         self.forgotten += len(self._entries) == self._entries.maxlen
         self._entries.append(entry)
         self._listeners.notify(entry)
+        if what is TraceEventKind.WAITS and self._monitor is not None:
+            waits, own = f"waits: {entry.data['reason']}", self._task
+            event = ModuleEvent(
+                entry.time, "skill", entry.skill, Status.RUNNING, 0, waits, agent=entry.agent, task=own, id=own
+            )
+            self._monitor.publish(event)
 
     def as_json(self) -> list[dict[str, Any]]:
         """Returns the entries as plain data."""
@@ -136,3 +187,18 @@ def step_id(task: str, number: int) -> str:
         number: Its number among the steps that the task started, from 1.
     """
     return f"{task}#{number}"
+
+
+def describe_step(step: Step, skill: SkillDescription) -> str:
+    """Returns a step as text: agent, skill and arguments."""
+    return f"{step.arguments[skill.agent]}: {short_step(step, skill)}"
+
+
+def short_step(step: Step, skill: SkillDescription) -> str:
+    """Returns a step in short: the skill and its user-specified arguments, without devices and derived ones."""
+    said = [
+        str(step.arguments[p.key])
+        for p in skill.params
+        if p.key in step.arguments and p.kind not in (Kind.HARDWARE, Kind.PLANNING)
+    ]
+    return " ".join((step.skill, *said))

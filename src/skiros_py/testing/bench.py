@@ -103,7 +103,7 @@ class Bench:
         self.monitor.subscribe(self.events.append)
         self._planner = planner or FastDownward()
         self._planning = planning or ThreadHost(world, self._planner)
-        self.tasks = TaskManager.of(runtime, self._planning, "bench", on_plan=self.plans.append, attempts=attempts)
+        self.tasks = TaskManager(runtime, self._planning, "bench", on_plan=self.plans.append, attempts=attempts)
 
     # ------------------------------------------------------------------ goals
 

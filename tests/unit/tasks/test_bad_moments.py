@@ -127,7 +127,6 @@ def test_what_breaks_in_a_task_itself_is_in_its_report_and_is_no_stop() -> None:
         run, task = bench.tasks.execute([Step("drive", {"Location": "box_a"})]), begin(bench)
         task.before_step(breaks)
         run.before_step(breaks)
-        bench.cycle.on_fault(lambda _task: None)
         bench.until(lambda: task.done and run.done, limit=5.0)
 
     for one in (task, run):

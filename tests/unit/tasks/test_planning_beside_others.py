@@ -10,7 +10,6 @@ from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.planner import Answer
 from skiros_py.planning.process import ThreadHost
 from skiros_py.ports.values import Pending
-from skiros_py.tasks.context import TaskContext
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.report import Outcome
 from skiros_py.tasks.task_manager import TaskManager
@@ -61,9 +60,10 @@ class Withholding(FastDownward):
 
 def not_in_lockstep(bench: Bench, planner: Withholding) -> TaskManager:
     """Returns a task manager for which time goes on while a planner works."""
-    return TaskManager(
-        TaskContext(bench.world, bench.managers, ThreadHost(bench.world, planner), bench.cycle, lockstep=False)
-    )
+    bench.cycle.pace = 1000.0
+    manager = TaskManager(bench.runtime, ThreadHost(bench.world, planner), "beside others")
+    bench.cycle.pace = None
+    return manager
 
 
 def slept() -> bool:

@@ -13,11 +13,11 @@ from skiros_py.skills.conditions import Computed, ConditionType, Role, Verdict
 from skiros_py.skills.outcome import Success
 from skiros_py.tasks.context import TaskContext
 from skiros_py.tasks.dispatcher import StepEnd
-from skiros_py.tasks.handle import StepRun
 from skiros_py.tasks.record import TaskRecord
 from skiros_py.tasks.report import Outcome
 from skiros_py.tasks.sequences import check_steps
 from skiros_py.tasks.task_manager import TaskManager
+from skiros_py.tasks.trace import StepRun
 from skiros_py.testing import Bench, GivenPlanner, tiny_world
 from skiros_py.testing.tiny import DRIVE, PICK, PLACE, pretend
 from skiros_py.world.view import WorldView
@@ -216,7 +216,7 @@ def test_a_sequence_is_stopped_while_its_steps_are_checked() -> None:
 
 def _not_in_lockstep(bench: Bench) -> TaskManager:
     planning = ThreadHost(bench.world, GivenPlanner())
-    return TaskManager(TaskContext(bench.world, bench.managers, planning, bench.cycle, lockstep=False))
+    return TaskManager(bench.runtime, planning, "unhurried")
 
 
 def _drives(count: int) -> tuple[Step, ...]:

@@ -17,9 +17,9 @@ from skiros_py.ports.values import Pending
 from skiros_py.skills.outcome import Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive
-from skiros_py.tasks.handle import Policy, StepRun, TaskHandle
+from skiros_py.tasks.handle import Policy, TaskHandle
 from skiros_py.tasks.report import Outcome as TaskOutcome
-from skiros_py.tasks.trace import TraceEntry, TraceEventKind
+from skiros_py.tasks.trace import StepRun, TraceEntry, TraceEventKind
 from skiros_py.testing import Bench, tiny_world
 from skiros_py.testing.tiny import DRIVE, PICK, PLACE, pretend
 
@@ -161,7 +161,6 @@ def test_a_task_that_breaks_is_over_when_all_that_it_moved_stands() -> None:
     with Bench(tiny_world(robots=2), ROLLING, (Roll,)) as bench:
         task = begin(bench, *BOTH, name="breaks")
         task.before_step(breaks_at_pick)
-        bench.cycle.on_fault(lambda _task: None)
         bench.until(lambda: task.done, limit=5.0)
 
         assert bench.time < 0.9, "robot 1 was stopped on its way"

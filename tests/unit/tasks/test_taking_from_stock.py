@@ -12,7 +12,7 @@ from skiros_py.planning.plan import Plan
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import param
 from skiros_py.skills.primitive import Execution, Primitive
-from skiros_py.tasks.handle import StepRun
+from skiros_py.tasks.trace import StepRun
 from skiros_py.testing import Bench, tiny_world
 from skiros_py.testing.tiny import DRIVE, PICK, PLACE, pretend
 from skiros_py.world.world import World

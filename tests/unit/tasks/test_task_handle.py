@@ -13,10 +13,10 @@ from skiros_py.errors import FileError, UsageError
 from skiros_py.planning.planners.planner import Solved
 from skiros_py.skills.outcome import Failure, Outcome
 from skiros_py.tasks.context import Mode
-from skiros_py.tasks.handle import Policy, StepRun, TaskHandle
+from skiros_py.tasks.handle import Policy, TaskHandle
 from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.report import Outcome as TaskOutcome
-from skiros_py.tasks.trace import TraceEventKind
+from skiros_py.tasks.trace import StepRun, TraceEventKind
 from skiros_py.testing import Bench, tiny_world
 from skiros_py.testing.tiny import DRIVE, PICK, PLACE, pretend
 

@@ -2,43 +2,47 @@ from __future__ import annotations
 
 import json
 
-from skiros_py.tasks.trace import Trace, TraceEntry, TraceEventKind
+from skiros_py.planning.plan import Step
+from skiros_py.tasks.trace import StepRun, Trace, TraceEntry, TraceEventKind
 
 
-def entry(number: int) -> TraceEntry:
-    return TraceEntry(
-        0.1 * number, TraceEventKind.STARTED, f"step {number} starts", number, "pick", {"Ball": "b"}, "arm_1"
-    )
+def trace_of(longest: int = 100) -> Trace:
+    return Trace("kit 1", lambda: 0.1, longest=longest)
+
+
+def start(trace: Trace, number: int) -> None:
+    run = StepRun(number, Step("pick", {"Ball": "b"}), "arm_1", 0.1)
+    trace.write(TraceEventKind.STARTED, f"step {number} starts", run=run)
 
 
 def test_a_trace_keeps_the_latest_and_counts_what_it_forgot() -> None:
-    trace = Trace(longest=3)
-    for number in range(5):
-        trace.add(entry(number))
+    trace = trace_of(longest=3)
+    for number in range(1, 6):
+        start(trace, number)
 
-    assert [one.step for one in trace.entries] == [2, 3, 4]
+    assert [one.step for one in trace.entries] == [3, 4, 5]
     assert trace.forgotten == 2
 
 
 def test_a_listener_hears_everything_until_it_leaves_and_may_break() -> None:
-    trace, heard = Trace(), []
+    trace, heard = trace_of(), list[TraceEntry]()
 
     def breaks(_entry: TraceEntry) -> None:
         raise SystemExit(1)
 
     trace.subscribe(breaks)
     leave = trace.subscribe(heard.append)
-    trace.add(entry(1))
+    start(trace, 1)
     leave()
-    trace.add(entry(2))
+    start(trace, 2)
 
-    assert heard == [entry(1)]
+    assert [entry.step for entry in heard] == [1]
     assert len(trace.entries) == 2
 
 
 def test_entries_are_plain_data_and_sentences() -> None:
-    trace = Trace()
-    trace.add(entry(1))
+    trace = trace_of()
+    start(trace, 1)
 
     (plain,) = json.loads(json.dumps(trace.as_json()))
     assert plain == {
@@ -50,7 +54,7 @@ def test_entries_are_plain_data_and_sentences() -> None:
         "arguments": {"Ball": "b"},
         "agent": "arm_1",
         "data": {},
-        "id": "",
-        "parent": "",
+        "id": "kit 1#1",
+        "parent": "kit 1",
     }
     assert str(trace) == "   0.10 s  step 1 starts"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from concurrent.futures import Future
 
 from skiros_py.errors import UnknownName, WrongState
@@ -14,13 +14,13 @@ from skiros_py.planning.problem.task import Capability
 from skiros_py.skills.inference import applying
 from skiros_py.skills.outcome import Failure
 from skiros_py.skills.outcome import Outcome as StepOutcome
-from skiros_py.tasks.handle import StepRun, TaskHandle
+from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.jobs.book import JobBook
 from skiros_py.tasks.jobs.job import Actual, Intent, Job, MaterialActual, Outcome, Trigger
 from skiros_py.tasks.jobs.store import JobStore
 from skiros_py.tasks.person import write_by_hand
 from skiros_py.tasks.report import GoalReport
-from skiros_py.tasks.trace import TraceEntry
+from skiros_py.tasks.trace import StepRun, TraceEntry
 from skiros_py.world.change import PlacementEdit
 from skiros_py.world.element import Placement
 from skiros_py.world.index import Index
@@ -45,18 +45,13 @@ def moved(world: World, job: Job, intents: Iterable[Intent]) -> tuple[MaterialAc
     named = {name for intent in intents for name in intent.arguments.values() if _may_be_part(now, name)}
     said = {material.element: material for material in job.materials}
     moves = {part: (material.origin, material.place) for part, material in said.items()}
-    for edit in _placements(world, named, job.seen):
-        origin = moves[edit.element][0] if edit.element in moves else _place(edit.old)
-        moves[edit.element] = origin, _place(edit.new)
+    edits = (edit for change in world.log.about(named, job.seen) for edit in change.edits)
+    for edit in edits:
+        if isinstance(edit, PlacementEdit) and edit.element in named:
+            origin = moves[edit.element][0] if edit.element in moves else _place(edit.old)
+            moves[edit.element] = origin, _place(edit.new)
     away = {part: ends for part, ends in sorted(moves.items()) if ends[0] != ends[1]}
     return tuple(_actual(now, part, ends, said.get(part)) for part, ends in away.items())
-
-
-def _placements(world: World, named: Collection[str], after: int) -> Iterator[PlacementEdit]:
-    for change in world.log.about(named, after):
-        for edit in change.edits:
-            if isinstance(edit, PlacementEdit) and edit.element in named:
-                yield edit
 
 
 def _may_be_part(now: Index, name: str) -> bool:

@@ -33,7 +33,7 @@ class Paced:
         self.planner = FastDownward()
         self.planning = ThreadHost(self.bench.world, self.planner)
         self.store = JobStore(folder / "jobs.db")
-        tasks = TaskManager.of(self.bench.runtime, self.planning, "paced")
+        tasks = TaskManager(self.bench.runtime, self.planning, "paced")
         self.jobs = JobManager(tasks, self.bench.runtime, self.store, lambda texts: self.bench.goal(*texts))
 
     def close(self) -> None:
