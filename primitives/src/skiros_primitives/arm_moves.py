@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,18 @@ from skiros_py.devices.arm import Arm, ArmSpec, ArmTarget
 from skiros_py.devices.gripper import Gripper, GripperSpec, GripperState
 from skiros_py.geometry import Pose
 from skiros_py.ports.cell import RobotSpec
-from skiros_py.ports.motion import ArmPlanner, Held, MotionPlan, MotionRequest, NoMotion, Obstacle, Route, Trajectory
+from skiros_py.ports.motion import (
+    ArmPlanner,
+    Held,
+    LineMove,
+    MotionPlan,
+    MotionRequest,
+    NoMotion,
+    Obstacle,
+    PoseMove,
+    Route,
+    Trajectory,
+)
 from skiros_py.ports.paths import Outline
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.surroundings import held_by, obstacles
@@ -73,6 +84,25 @@ _ARRIVED = 0.02
 """Greatest joint error at the end of a motion [rad]."""
 _COURTESY = 120.0
 """Longest wait for passing robots [s]."""
+
+
+UNPLANNED_SPEED = 0.3
+"""Mean joint speed of a motion without a planner [rad/s]."""
+
+
+def even(start: Sequence[float], goal: Sequence[float], period: float) -> Trajectory:
+    """Returns a straight motion from rest to rest, for arms without a planner.
+
+    Args:
+        start: Joint angles where it begins [rad].
+        goal: Joint angles where it ends [rad].
+        period: Time between two samples [s].
+    """
+    way = np.asarray(goal) - np.asarray(start)
+    count = max(2, int(np.ceil(np.abs(way).max(initial=0.0) / UNPLANNED_SPEED / period)) + 1)
+    share = np.linspace(0.0, 1.0, count)[:, None]
+    smooth, rate = share**2 * (3.0 - 2.0 * share), 6.0 * share * (1.0 - share) / ((count - 1) * period)
+    return Trajectory(np.asarray(start) + smooth * way, rate * way)
 
 
 class ArmPrimitive(Primitive[Any]):
@@ -198,12 +228,13 @@ class ArmPrimitive(Primitive[Any]):
             return NoMotion(f"{self.params.arm} stopped {math.degrees(off):.1f} deg short: something is in its way")
         return None
 
-    def follow_all(self, *trajectories: Trajectory) -> Execution[NoMotion | None]:
-        """Follows one trajectory after the other; stops at the first that does not arrive."""
-        for trajectory in trajectories:
+    def follow_plan(self, planned: MotionPlan) -> Execution[NoMotion | None]:
+        """Follows all moves of a plan; where it arrives, only the floor below the arm's end position stays reserved."""
+        for trajectory in planned.legs:
             refusal = yield from self.follow(trajectory)
             if refusal is not None:
                 return refusal
+        self.context.floor.stretch(self.params.arm, planned.ends)
         return None
 
     def follow_from_here(self, trajectory: Trajectory) -> Execution[NoMotion | None]:
@@ -216,13 +247,50 @@ class ArmPrimitive(Primitive[Any]):
     def go(self, routes: Sequence[Route], **options: Any) -> Execution[NoMotion | None]:
         """Plans and follows all moves of the best route; returns the reason if there is none."""
         planned = yield from self.plan(routes, **options)
-        if isinstance(planned, NoMotion):
-            return planned
-        refusal = yield from self.follow_all(*planned.legs)
-        if refusal is None:
-            self.context.floor.stretch(self.params.arm, planned.ends)
-        return refusal
+        return planned if isinstance(planned, NoMotion) else (yield from self.follow_plan(planned))
 
     def tool_pose(self) -> Pose:
         """Returns the pose of the arm's tip in the map now."""
         return self.context.frames.at(self.context.board.snapshot).located(self.params.arm)
+
+
+_LIFT = 0.12
+"""How far above a grasp or a release the approach starts and the retreat ends [m]."""
+
+
+class HandlingPrimitive(ArmPrimitive):
+    """Base of the primitives that come from straight above and retreat; their parameters have a field ``gripper``."""
+
+    retreat: Trajectory | None = None
+    """The checked line upwards, while the tool is below its end."""
+
+    @property
+    def gripper(self) -> Gripper:
+        """The gripper on the arm."""
+        return Gripper(self.context.board, self.params.gripper)
+
+    def routes(self, tools: Iterable[Pose], touching: Iterable[str]) -> list[Route]:
+        """Returns for each pose of the tool in the map the way down to it and up again.
+
+        Args:
+            tools: The poses.
+            touching: Ids of what may be touched below.
+        """
+        found: list[Route] = []
+        for tool in tools:
+            high = Pose((0.0, 0.0, _LIFT)) @ tool
+            down, up = (LineMove(pose, speed=0.20, touching=frozenset(touching)) for pose in (tool, high))
+            found.append((PoseMove(high), down, up))
+        return found
+
+    def come_down(self, planned: MotionPlan) -> Execution[NoMotion | None]:
+        """Follows the way down; where it does not arrive, it retreats and returns why."""
+        approach, down, up = planned.legs
+        self.progress(1, "approaching")
+        refusal = yield from self.follow(approach)
+        if refusal is None:
+            self.retreat = up
+            refusal = yield from self.follow(down)
+        if refusal is not None:
+            yield from self.recover()
+        return refusal

@@ -9,12 +9,17 @@ from skiros_py.skills.context import QuestionKind
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, Output, param
 from skiros_py.skills.primitive import Execution, Primitive
+from skiros_py.world import vocabulary as v
 from skiros_py.world.element import Placement, Value
 from skiros_py.world.literals import ANY_LITERAL, DATATYPES
 from skiros_py.world.names import local_name
 from skiros_py.world.poses import write_pose
 from skiros_py.world.transaction import Transaction
-from skiros_py.world.vocabulary import CONTAINER, ELEMENT, IN, MANIPULATABLE, MISSED_LOOKS, MISSING
+
+
+def _patience() -> Any:
+    help_ = "Longest wait for the answer; left out: for ever."
+    return param("number", help_, kind=Kind.OPTIONAL, default=None, unit="s")
 
 
 class AskingPrimitive(Primitive[Any]):
@@ -55,13 +60,11 @@ class Choose(AskingPrimitive):
 
         question: str = param("text", "What is asked, such as 'Which colour?'.")
         options: tuple[str, ...] = param("text", "What there is to choose from.", length=0)
-        element: str | None = param(ELEMENT, "Where the choice is written to.", kind=Kind.OPTIONAL, default=None)
+        element: str | None = param(v.ELEMENT, "Where the choice is written to.", kind=Kind.OPTIONAL, default=None)
         property: str | None = param(
             "text", "Its property that gets the choice, such as 'sk:model'.", kind=Kind.OPTIONAL, default=None
         )
-        patience: float | None = param(
-            "number", "Longest wait for the answer; left out: for ever.", kind=Kind.OPTIONAL, default=None, unit="s"
-        )
+        patience: float | None = _patience()
 
     def start(self) -> Failure | None:
         """Checks that there are options, and that each could be stored."""
@@ -111,9 +114,7 @@ class Confirm(AskingPrimitive):
         """Parameters."""
 
         question: str = param("text", "What is asked, such as 'Is the door closed?'.")
-        patience: float | None = param(
-            "number", "Longest wait for the answer; left out: for ever.", kind=Kind.OPTIONAL, default=None, unit="s"
-        )
+        patience: float | None = _patience()
 
     def execute(self) -> Execution[Outcome]:
         """Asks."""
@@ -135,17 +136,15 @@ class Refill(AskingPrimitive):
     class Params:
         """Parameters."""
 
-        place: str = param(CONTAINER, "Where it is wanted.")
+        place: str = param(v.CONTAINER, "Where it is wanted.")
         what: str = param("class", "The class of thing that is wanted, such as kitting:Starter.")
         count: int = param("integer", "How many.", kind=Kind.OFFLINE, default=1)
-        patience: float | None = param(
-            "number", "Longest wait for the answer; left out: for ever.", kind=Kind.OPTIONAL, default=None, unit="s"
-        )
+        patience: float | None = _patience()
 
     def start(self) -> Failure | None:
         """Checks that the thing can be requested."""
-        if not self.world.ontology.is_a(self.params.what, MANIPULATABLE):
-            return Failure(f"what: {self.params.what} is no {MANIPULATABLE}, so a person cannot bring it")
+        if not self.world.ontology.is_a(self.params.what, v.MANIPULATABLE):
+            return Failure(f"what: {self.params.what} is no {v.MANIPULATABLE}, so a person cannot bring it")
         if self.params.count < 1:
             return Failure(f"count: one or more, not {self.params.count}")
         return super().start()
@@ -160,28 +159,24 @@ class Refill(AskingPrimitive):
         if answer != _DONE:
             return Failure(f"a person cannot do this: {text}")
         with self.world.transaction(author=self.name, reason=f"a person brought {count} x {self.params.what}") as tx:
-            self._unverify(tx)
+            for thing in self.world.subjects(v.IN, place):  # the person may have moved what was there
+                if self.world.ontology.is_a(self.world.element(thing).type, v.MANIPULATABLE):
+                    self._forget(tx, thing)
             self._bring(tx)
         return Success(f"{place} was refilled")
 
-    def _unverify(self, tx: Transaction) -> None:
-        """Marks the place's things as unverified: the user may have moved them."""
-        for thing in self.world.subjects(IN, self.params.place):
-            if self.world.ontology.is_a(self.world.element(thing).type, MANIPULATABLE):
-                self._forget(tx, thing)
-
     def _bring(self, tx: Transaction) -> None:
         """Adds what was brought: first as the missing things of its class, which looks identify; the rest is new."""
-        place = Placement(IN, self.params.place)
-        missing = [e for e in self.world.instances(self.params.what) if self.world.value(e, MISSING) is True]
+        place = Placement(v.IN, self.params.place)
+        missing = [e for e in self.world.instances(self.params.what) if self.world.value(e, v.MISSING) is True]
         found = [e for e in missing if self.world.placement(e) != place][: self.params.count]
         for thing in found:
-            tx.place(thing, IN, self.params.place)
+            tx.place(thing, v.IN, self.params.place)
             self._forget(tx, thing)
         for _ in range(self.params.count - len(found)):
             tx.add(self.params.what, placement=place)
 
     def _forget(self, tx: Transaction, thing: str) -> None:
-        tx.set(thing, MISSING, None)
-        tx.set(thing, MISSED_LOOKS, None)
+        tx.set(thing, v.MISSING, None)
+        tx.set(thing, v.MISSED_LOOKS, None)
         write_pose(tx, thing, None)

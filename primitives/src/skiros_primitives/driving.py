@@ -19,7 +19,7 @@ from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.surroundings import map_pose, obstacles
-from skiros_py.world.vocabulary import AT, BASE, DRIVING_POSE, FLOOR, LOCATION, POSE_FRAME, ROBOT
+from skiros_py.world import vocabulary as v
 
 _PATIENCE = 60.0
 """Longest time without progress on the path [s]."""
@@ -35,16 +35,16 @@ class DrivingPrimitive(Primitive[Any]):
 
     def rides(self, element: str) -> bool:
         """Returns True when an element moves with the base."""
-        frames = self.world.objects(element, POSE_FRAME)
+        frames = self.world.objects(element, v.POSE_FRAME)
         return any(frame == self.params.base or self.rides(frame) for frame in frames)
 
     def leave(self, reason: str) -> None:
         """Places the robot on the floor: it is at no location while it drives."""
-        floors = self.world.instances(FLOOR)
+        floors = self.world.instances(v.FLOOR)
         placement = self.world.placement(self.params.robot)
         if floors and (placement is None or placement.place != floors[0]):
             with self.world.transaction(author=self.name, reason=reason) as tx:
-                tx.place(self.params.robot, AT, floors[0])
+                tx.place(self.params.robot, v.AT, floors[0])
 
     def drive(
         self, base: Mobile, path: Path, way: Way, *, max_linear: float = math.inf, max_angular: float = math.inf
@@ -119,9 +119,9 @@ class DriveBase(DrivingPrimitive):
     class Params:
         """Parameters."""
 
-        base: str = param(BASE, "The base that drives.", kind=Kind.HARDWARE)
-        robot: str = param(ROBOT, "The robot it carries along.", kind=Kind.PLANNING)
-        location: str = param(LOCATION, "Where to go; it has a driving pose.")
+        base: str = param(v.BASE, "The base that drives.", kind=Kind.HARDWARE)
+        robot: str = param(v.ROBOT, "The robot it carries along.", kind=Kind.PLANNING)
+        location: str = param(v.LOCATION, "Where to go; it has a driving pose.")
 
     _waits_for = ""
 
@@ -157,7 +157,7 @@ class DriveBase(DrivingPrimitive):
 
     def _goal(self) -> Pose | Failure:
         location = self.params.location
-        place, driving = map_pose(self.context, location), self.world.value(location, DRIVING_POSE)
+        place, driving = map_pose(self.context, location), self.world.value(location, v.DRIVING_POSE)
         if place is None or not isinstance(driving, Pose):
             return Failure(f"{location} has no driving pose: teach one")
         return place @ driving
@@ -227,5 +227,5 @@ class DriveBase(DrivingPrimitive):
         placement = self.world.placement(self.params.robot)
         if placement is None or placement.place != location:
             with self.world.transaction(author=self.name, reason=f"localised {distance * 1e3:.0f} mm off") as tx:
-                tx.place(self.params.robot, AT, location)
+                tx.place(self.params.robot, v.AT, location)
         return Success(f"at {location}")

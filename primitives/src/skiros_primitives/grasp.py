@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from skiros_primitives.arm_moves import ArmPrimitive
+from skiros_primitives.arm_moves import HandlingPrimitive
 from skiros_primitives.gripper import firm_force, move_fingers
 from skiros_primitives.part_models import Grasp as GraspData
 from skiros_primitives.part_models import grasp_of, level
 from skiros_py.devices.gripper import Gripper, GripperState
 from skiros_py.errors import DescriptionError
 from skiros_py.geometry import Pose
-from skiros_py.ports.motion import LineMove, MotionPlan, NoMotion, PoseMove, Route, Trajectory
+from skiros_py.ports.motion import MotionPlan, NoMotion, Trajectory
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
@@ -20,15 +20,13 @@ from skiros_py.skills.surroundings import map_pose
 from skiros_py.world.poses import write_pose
 from skiros_py.world.vocabulary import ARM, GRIPPER, HELD_BY, MANIPULATABLE
 
-_LIFT = 0.12
-"""How far above the grasp the approach starts and the lift ends [m]."""
 _GAP_TOLERANCE = 0.007
 """Maximum difference between finger gap and part width when grasped [m]."""
 _FIRM = 2.0
 """Minimum force per finger on a held part [N]."""
 
 
-class Grasp(ArmPrimitive):
+class Grasp(HandlingPrimitive):
     """Comes from straight above; approach and lift are both checked before anything moves."""
 
     name: ClassVar[str] = "grasp"
@@ -41,7 +39,6 @@ class Grasp(ArmPrimitive):
         gripper: str = param(GRIPPER, "The gripper on it.", kind=Kind.HARDWARE)
         part: str = param(MANIPULATABLE, "The part; its pose is known exactly.")
 
-    _retreat: Trajectory | None = None
     _lifting = False
 
     def start(self) -> Failure | None:
@@ -58,33 +55,18 @@ class Grasp(ArmPrimitive):
         if part_pose is None:
             return Failure(f"{self.params.part} has no exact pose yet")
         grasp = grasp_of(self.world, self.params.part)
-        planned = yield from self.plan(self._routes(part_pose, grasp))
+        place = self.world.placement(self.params.part)
+        touching = {self.params.part, *([place.place] if place else [])}
+        tools = (level(part_pose) @ pose for pose in grasp.poses)
+        planned = yield from self.plan(self.routes(tools, touching))
         if isinstance(planned, NoMotion):
             return Failure(f"{self.params.part} cannot be reached: {planned.reason}")
         return (yield from self._take(planned, part_pose, grasp))
 
-    def _routes(self, part: Pose, grasp: GraspData) -> list[Route]:
-        above = Pose((0.0, 0.0, _LIFT))
-        place = self.world.placement(self.params.part)
-        touching = frozenset({self.params.part, *([place.place] if place else [])})
-        routes: list[Route] = []
-        for pose in grasp.poses:
-            at = level(part) @ pose
-            high = above @ at
-            down, up = LineMove(at, speed=0.20, touching=touching), LineMove(high, speed=0.20, touching=touching)
-            routes.append((PoseMove(high), down, up))
-        return routes
-
     def _take(self, planned: MotionPlan, part_pose: Pose, grasp: GraspData) -> Execution[Outcome]:
-        gripper = Gripper(self.context.board, self.params.gripper)
-        approach, down, up = planned.legs
-        self.progress(1, "approaching")
-        refusal = yield from self.follow(approach)
-        if refusal is None:
-            self._retreat = up
-            refusal = yield from self.follow(down)
+        gripper, up = self.gripper, planned.legs[-1]
+        refusal = yield from self.come_down(planned)
         if refusal is not None:
-            yield from self.recover()
             return Failure(refusal.reason)
         self.progress(2, "closing")
         yield from move_fingers(self.context, gripper, 0.0, firm_force(self.gripper_spec))
@@ -95,29 +77,25 @@ class Grasp(ArmPrimitive):
         if refusal is not None:
             yield from self.recover()
             return Failure(refusal.reason)
-        self._retreat = None
-        if not self._feels_held(gripper.state, grasp):
+        self.retreat = None
+        state = gripper.state
+        if abs(state.gap - grasp.width) > _GAP_TOLERANCE or state.force < _FIRM:
             return (yield from self._let_go(gripper, grasp, up))
         with self.world.transaction(author=self.name, reason=_felt(gripper.state)) as tx:
             tx.place(self.params.part, HELD_BY, self.params.gripper)
             write_pose(tx, self.params.part, tool.inverse() @ part_pose, self.params.gripper)
         return Success(f"holds {self.params.part}: {_felt(gripper.state)}")
 
-    @staticmethod
-    def _feels_held(state: GripperState, grasp: GraspData) -> bool:
-        return abs(state.gap - grasp.width) <= _GAP_TOLERANCE and state.force >= _FIRM
-
     def recover(self) -> Execution[None]:
         """Opens at the bottom and retracts along the checked line; a part being lifted is put back first."""
-        if self._retreat is None:
+        if self.retreat is None:
             return
         if self._lifting:
-            yield from self.follow_from_here(_reversed(self._retreat))
+            yield from self.follow_from_here(_reversed(self.retreat))
             self._lifting = False
-        gripper = Gripper(self.context.board, self.params.gripper)
-        yield from self.open_wide(gripper)
-        yield from self.follow_from_here(self._retreat)
-        self._retreat = None
+        yield from self.open_wide(self.gripper)
+        yield from self.follow_from_here(self.retreat)
+        self.retreat = None
 
     def _let_go(self, gripper: Gripper, grasp: GraspData, up: Trajectory) -> Execution[Outcome]:
         """Puts down whatever is between the fingers and opens; the part then has to be located again."""
@@ -126,7 +104,7 @@ class Grasp(ArmPrimitive):
             write_pose(tx, self.params.part, None)
         if gripper.state.force >= _FIRM:  # something is held, but not as expected: do not drop it
             yield from self.follow(_reversed(up))
-            self._retreat, self._lifting = up, False
+            self.retreat, self._lifting = up, False
         yield from self.open_wide(gripper)
         yield from self.recover()
         return Failure(

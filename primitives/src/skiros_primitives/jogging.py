@@ -9,49 +9,22 @@ from typing import ClassVar
 
 import numpy as np
 import shapely
-from shapely.geometry.base import BaseGeometry
+from scipy.spatial.transform import Rotation
 
 from skiros_primitives import floor_obstacles
-from skiros_primitives.arm_moves import ArmPrimitive
+from skiros_primitives.arm_moves import UNPLANNED_SPEED, ArmPrimitive, even
 from skiros_primitives.driving import DrivingPrimitive
 from skiros_py.devices.arm import ArmSpec, ArmState
 from skiros_py.geometry import Pose
 from skiros_py.ports.board import Mobile
 from skiros_py.ports.cell import RobotSpec
-from skiros_py.ports.motion import JointMove, LineMove, MotionPlan, NoMotion, Obstacle, Trajectory
+from skiros_py.ports.motion import JointMove, LineMove, NoMotion, Obstacle
 from skiros_py.ports.paths import Outline, Path, floor_area, placed, swept
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.surroundings import map_pose, obstacles
 from skiros_py.world.vocabulary import ARM, BASE, ROBOT, SPATIAL_THING
-
-_SPEED = 0.3
-"""Mean joint speed of an unplanned motion [rad/s]."""
-
-
-def even(start: Sequence[float], goal: Sequence[float], period: float) -> Trajectory:
-    """Returns a straight motion from rest to rest, for arms without a planner.
-
-    Args:
-        start: Joint angles where it begins [rad].
-        goal: Joint angles where it ends [rad].
-        period: Time between two samples [s].
-    """
-    way = np.asarray(goal) - np.asarray(start)
-    count = max(2, int(np.ceil(np.abs(way).max(initial=0.0) / _SPEED / period)) + 1)
-    share = np.linspace(0.0, 1.0, count)[:, None]
-    smooth, rate = share**2 * (3.0 - 2.0 * share), 6.0 * share * (1.0 - share) / ((count - 1) * period)
-    return Trajectory(np.asarray(start) + smooth * way, rate * way)
-
-
-def slip(arm: ArmPrimitive, planned: MotionPlan) -> Execution[NoMotion | None]:
-    """Follows a plan and keeps the floor below the arm's end position reserved; returns why it did not arrive."""
-    refusal = yield from arm.follow_all(*planned.legs)
-    if refusal is None:
-        arm.context.floor.stretch(arm.params.arm, planned.ends)
-    return refusal
-
 
 _SHOWN = 0.0005
 """Smaller joint motions are not reported [rad]."""
@@ -94,23 +67,19 @@ class JogJoints(ArmPrimitive):
             refusal = yield from self._go(goal)
         if refusal is not None:
             return Failure(f"{self.params.arm} cannot turn so: {refusal.reason}")
-        return Success(self._turned())
-
-    def _turned(self) -> str:
-        """Describes which joints were turned, and by how much."""
         ways = zip(self.arm_spec.joints, self.params.deltas, strict=True)
         turned = [f"{joint} by {delta:.3f} rad" for joint, delta in ways if abs(delta) >= _SHOWN]
-        return f"turned {', '.join(turned)}" if turned else "nothing to turn"
+        return Success(f"turned {', '.join(turned)}" if turned else "nothing to turn")
 
     def _go(self, goal: tuple[float, ...]) -> Execution[NoMotion | None]:
-        planned = yield from self.plan([(JointMove(goal),)], speed=_SPEED)
+        planned = yield from self.plan([(JointMove(goal),)], speed=UNPLANNED_SPEED)
         if isinstance(planned, NoMotion):
             return planned
         ways = [np.abs(np.diff(leg.positions, axis=0)).sum(axis=0) for leg in planned.legs]
         more = np.sum(ways, axis=0) - np.abs(self.params.deltas)
         if more.max() > _DETOUR:
             return NoMotion("something is in the straight way")
-        return (yield from slip(self, planned))
+        return (yield from self.follow_plan(planned))
 
 
 _TOOL_FARTHEST = 0.1
@@ -170,8 +139,12 @@ class JogTool(ArmPrimitive):
             )
         if not self.is_planned:
             return Failure("there is no planner for the arm: jog the joints instead")
-        if self.params.frame not in ("tool", "base", "map"):
-            return self._unplaced(self.params.frame)
+        frame = self.params.frame
+        if frame not in ("tool", "base", "map"):
+            if not self.world.has(frame):
+                return Failure(f"frame: there is no element '{frame}'; else it is tool, base or map")
+            if map_pose(self.context, frame) is None:
+                return Failure(f"frame: the position of {frame} is unknown")
         return None
 
     def execute(self) -> Execution[Outcome]:
@@ -188,7 +161,8 @@ class JogTool(ArmPrimitive):
         """The tool's pose in the map afterwards."""
         axes = Pose((0.0, 0.0, 0.0), self._frame(tool).orientation)
         step = axes.apply(np.array(self.params.translation))
-        turn = axes @ Pose((0.0, 0.0, 0.0), _quaternion(self.params.rotation)) @ axes.inverse()
+        x, y, z, w = Rotation.from_rotvec(self.params.rotation).as_quat().tolist()
+        turn = axes @ Pose((0.0, 0.0, 0.0), (x, y, z, w)) @ axes.inverse()
         x, y, z = (at + by for at, by in zip(tool.position, step.tolist(), strict=True))
         return Pose((x, y, z), (turn @ Pose((0.0, 0.0, 0.0), tool.orientation)).orientation)
 
@@ -203,28 +177,12 @@ class JogTool(ArmPrimitive):
             case element:
                 return map_pose(self.context, element) or Pose()
 
-    def _unplaced(self, element: str) -> Failure | None:
-        if not self.world.has(element):
-            return Failure(f"frame: there is no element '{element}'; else it is tool, base or map")
-        if map_pose(self.context, element) is None:
-            return Failure(f"frame: the position of {element} is unknown")
-        return None
-
     def _touching(self) -> frozenset[str]:
         near = self.params.near
         if near is None:
             return frozenset()
         placement = self.world.placement(near)
         return frozenset((near, placement.place) if placement else (near,))
-
-
-def _quaternion(rotation: Triple) -> tuple[float, float, float, float]:
-    """Converts a rotation vector [rad] to a unit quaternion."""
-    angle = math.hypot(*rotation)
-    if angle == 0.0:
-        return (0.0, 0.0, 0.0, 1.0)
-    x, y, z = (component * math.sin(angle / 2.0) / angle for component in rotation)
-    return (x, y, z, math.cos(angle / 2.0))
 
 
 _FARTHEST = 0.2
@@ -283,7 +241,10 @@ class JogBase(DrivingPrimitive):
                 return Failure(f"{' and '.join(way.waits_for())} is in the way")
             self.leave("is moved by hand")
             stuck = yield from self.drive(base, path, way, max_linear=_BASE_SPEED, max_angular=_TURNING)
-        return self._came(before.inverse() @ self.pose, arrived=stuck is None)
+        step = before.inverse() @ self.pose
+        x, y, _ = step.position
+        said = f"by {x:.3f} m ahead, {y:.3f} m to the left and {step.yaw:.3f} rad"
+        return Success(f"moved {said}") if stuck is None else Failure(f"{self.params.base} is stuck: it moved {said}")
 
     @property
     def _robot(self) -> RobotSpec:
@@ -306,20 +267,11 @@ class JogBase(DrivingPrimitive):
         near = _nearing(things, self._robot.outline, start, path) + _nearing(robots, outline, start, path)
         return " and ".join(near)
 
-    def _came(self, step: Pose, *, arrived: bool) -> Outcome:
-        x, y, _ = step.position
-        said = f"by {x:.3f} m ahead, {y:.3f} m to the left and {step.yaw:.3f} rad"
-        return Success(f"moved {said}") if arrived else Failure(f"{self.params.base} is stuck: it moved {said}")
-
 
 def _nearing(around: Sequence[Obstacle], outline: Outline, start: Pose, path: Path) -> list[str]:
     """Returns the ids of things that an outline comes too near to: nearer than the margin and than at the start."""
     standing = placed(outline, start)
     area = shapely.union_all(swept(outline, (pose for _, pose in path.poses(start))))
     areas = ((obstacle.id, floor_area(obstacle.solid, obstacle.pose)) for obstacle in around)
-    return [id_ for id_, thing in areas if _too_near(thing, standing, area)]
-
-
-def _too_near(thing: BaseGeometry, standing: BaseGeometry, area: BaseGeometry) -> bool:
-    now, then = float(shapely.distance(standing, thing)), float(shapely.distance(area, thing))
-    return then < _CLOSE and (then <= 0.0 or then < now - _NEARER)
+    ways = ((id_, shapely.distance(standing, thing), shapely.distance(area, thing)) for id_, thing in areas)
+    return [id_ for id_, now, then in ways if then < _CLOSE and (then <= 0.0 or then < now - _NEARER)]

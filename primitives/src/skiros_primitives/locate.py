@@ -21,22 +21,11 @@ from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.surroundings import map_pose
+from skiros_py.world import vocabulary as v
 from skiros_py.world.element import Placement
 from skiros_py.world.poses import write_pose
 from skiros_py.world.stock import stocks
 from skiros_py.world.transaction import Transaction
-from skiros_py.world.vocabulary import (
-    ARM,
-    CAMERA,
-    CONTAINER,
-    IN,
-    MANIPULATABLE,
-    MISSED_LOOKS,
-    MISSING,
-    ON,
-    STOCK_COUNT,
-    UNKNOWN_LOCATION,
-)
 
 _SAME = 0.10
 """A part is the believed one when it lies at most this far from where it is believed to be [m]."""
@@ -68,7 +57,7 @@ def associate(context: RunContext, place: str, types: Sequence[str], detections:
     unseen: list[str] = []
     for type_ in types:
         poses = [d.pose for d in detections if d.type == type_]
-        known = [e for e in context.world.subjects(IN, place) if context.world.element(e).type == type_]
+        known = [e for e in context.world.subjects(v.IN, place) if context.world.element(e).type == type_]
         stocked = sum(s.count for s in stocks(context.world) if (s.class_, s.placement.place) == (type_, place))
         here = len(known)
         missing = [e for e in _missing(context, type_) if e not in known]
@@ -77,14 +66,14 @@ def associate(context: RunContext, place: str, types: Sequence[str], detections:
         unknown = [index for index in range(len(poses)) if index not in pairs]
         in_stock = frozenset(unknown[:stocked])
         seen += [(pairs.get(index), type_, pose) for index, pose in enumerate(poses) if index not in in_stock]
-        unseen += [e for e in known if e not in pairs.values() and context.world.related(e, IN, place)]
+        unseen += [e for e in known if e not in pairs.values() and context.world.related(e, v.IN, place)]
     return Association(tuple(seen), tuple(unseen))
 
 
 def _missing(context: RunContext, type_: str) -> list[str]:
     """Returns the parts of a type whose place is unknown: a newly detected part may be one of them."""
     view = context.world
-    return [e for e in view.instances(type_) if view.element(e).type == type_ and view.value(e, MISSING) is True]
+    return [e for e in view.instances(type_) if view.element(e).type == type_ and view.value(e, v.MISSING) is True]
 
 
 def _pair(known: Sequence[str], here: int, poses: Sequence[Pose], believed: dict[str, Pose | None]) -> dict[int, str]:
@@ -125,10 +114,10 @@ class Locate(LookingPrimitive):
     class Params:
         """Parameters."""
 
-        arm: str = param(ARM, "The arm that carries the camera.", kind=Kind.HARDWARE)
-        camera: str = param(CAMERA, "The camera to look with.", kind=Kind.HARDWARE)
-        place: str = param(CONTAINER, "Where to look.")
-        part: str = param(MANIPULATABLE, "The part that is wanted.")
+        arm: str = param(v.ARM, "The arm that carries the camera.", kind=Kind.HARDWARE)
+        camera: str = param(v.CAMERA, "The camera to look with.", kind=Kind.HARDWARE)
+        place: str = param(v.CONTAINER, "Where to look.")
+        part: str = param(v.MANIPULATABLE, "The part that is wanted.")
 
     def execute(self) -> Execution[Outcome]:
         """Looks until the wanted part is seen, or two clear looks do not show it."""
@@ -159,12 +148,12 @@ class Locate(LookingPrimitive):
         seen: set[str] = set()
         with self.world.transaction(author=self.name, reason=f"look at {self.params.place}") as tx:
             for element, type_, pose in found.seen:
-                part = element or tx.add(type_, placement=Placement(IN, self.params.place))
+                part = element or tx.add(type_, placement=Placement(v.IN, self.params.place))
                 write_pose(tx, part, pose)
                 if element:
-                    tx.place(part, IN, self.params.place)  # a missing part is found
-                    tx.set(part, MISSED_LOOKS, None)
-                    tx.set(part, MISSING, None)
+                    tx.place(part, v.IN, self.params.place)  # a missing part is found
+                    tx.set(part, v.MISSED_LOOKS, None)
+                    tx.set(part, v.MISSING, None)
                 seen.add(part)
             if clear:
                 self._count_misses(tx, found, unknown=sum(d.type is None for d in look.detections))
@@ -173,20 +162,20 @@ class Locate(LookingPrimitive):
     def _count_misses(self, tx: Transaction, found: Association, *, unknown: int) -> None:
         """Counts misses of expected parts; each unknown detection may be one of them, so as many are excused."""
         for part in found.unseen[: max(0, len(found.unseen) - unknown)]:
-            before = self.world.value(part, MISSED_LOOKS)
+            before = self.world.value(part, v.MISSED_LOOKS)
             misses = (before if isinstance(before, int) else 0) + 1
             write_pose(tx, part, None)
-            tx.set(part, MISSED_LOOKS, misses)
+            tx.set(part, v.MISSED_LOOKS, misses)
             if misses >= _MISSES:
-                tx.set(part, MISSING, True)
-                tx.place(part, ON, self.world.instances(UNKNOWN_LOCATION)[0])
+                tx.set(part, v.MISSING, True)
+                tx.place(part, v.ON, self.world.instances(v.UNKNOWN_LOCATION)[0])
                 self._empty_stock(tx, self.world.element(part).type)
 
     def _empty_stock(self, tx: Transaction, type_: str) -> None:
         """If a part of a type is missing, all seen ones are other known parts: the stock is empty."""
         for stock in stocks(self.world):
             if (stock.class_, stock.placement.place) == (type_, self.params.place):
-                tx.set(stock.id, STOCK_COUNT, 0)
+                tx.set(stock.id, v.STOCK_COUNT, 0)
 
     def _not_seen(self, look: LookResult) -> str:
         part, place = self.params.part, self.params.place

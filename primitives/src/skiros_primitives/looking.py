@@ -29,27 +29,14 @@ from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.surroundings import map_pose, solid_of
+from skiros_py.world import vocabulary as v
 from skiros_py.world.poses import write_pose
-from skiros_py.world.vocabulary import (
-    ARM,
-    CAMERA,
-    CONTAINER,
-    IN,
-    MANIPULATABLE,
-    MISSING,
-    ON,
-    POSE_FRAME,
-    SOLID,
-    SUPPORT_HALF_EXTENTS,
-    SUPPORT_OFFSET,
-    UNKNOWN_LOCATION,
-)
 
 
 def support_region(context: RunContext, place: str) -> Region | str:
     """Returns the support area of a storage place in the map, or why there is none."""
     pose = map_pose(context, place)
-    half, offset = context.world.value(place, SUPPORT_HALF_EXTENTS), context.world.value(place, SUPPORT_OFFSET)
+    half, offset = context.world.value(place, v.SUPPORT_HALF_EXTENTS), context.world.value(place, v.SUPPORT_OFFSET)
     if pose is None or not isinstance(half, tuple) or not isinstance(offset, tuple):
         return f"{place} has no pose or no support area: nothing can be looked for there"
     return Region(pose @ Pose((offset[0], offset[1], offset[2])), (half[0], half[1]))
@@ -58,7 +45,7 @@ def support_region(context: RunContext, place: str) -> Region | str:
 def inner_region(context: RunContext, compartment: str) -> Region | str:
     """Returns the floor of a compartment in the map, or why it is unknown."""
     pose = map_pose(context, compartment)
-    solid = context.world.value(compartment, SOLID)
+    solid = context.world.value(compartment, v.SOLID)
     if pose is None or solid is None:
         return f"{compartment} has no pose or no inner volume"
     low, high = Solid.from_json(str(solid)).bounds()
@@ -99,7 +86,8 @@ class LookingPrimitive(ArmPrimitive):
         tool_camera = self._camera_in_tool(camera)
         answer: NoMotion | None = NoMotion("no height tried")
         for height in _LOOK_HEIGHTS:
-            poses = [downward(x, y, surface + height, yaw) @ tool_camera.inverse() for yaw in self._yaws()]
+            yaws = (self.base_pose.yaw + quarter * math.pi / 2.0 for quarter in range(4))
+            poses = [downward(x, y, surface + height, yaw) @ tool_camera.inverse() for yaw in yaws]
             back = Pose((-aside, 0.0, 0.0))
             answer = yield from self.go([(PoseMove(pose @ back),) for pose in poses])
             if answer is None:
@@ -113,9 +101,6 @@ class LookingPrimitive(ArmPrimitive):
     def camera_spec(self, camera: str) -> CameraSpec:
         """Returns the description of one of the robot's cameras."""
         return self.context.cell.device(camera, CameraSpec)
-
-    def _yaws(self) -> list[float]:
-        return [self.base_pose.yaw + quarter * math.pi / 2.0 for quarter in range(4)]
 
     def _camera_in_tool(self, camera: CameraSpec) -> Pose:
         kinematics = self.context.port(Kinematics, self.params.arm)
@@ -137,9 +122,9 @@ class RegisterKit(LookingPrimitive):
     class Params:
         """Parameters."""
 
-        arm: str = param(ARM, "The arm that carries the camera.", kind=Kind.HARDWARE)
-        camera: str = param(CAMERA, "The camera to look with.", kind=Kind.HARDWARE)
-        kit: str = param(CONTAINER, "The kit.")
+        arm: str = param(v.ARM, "The arm that carries the camera.", kind=Kind.HARDWARE)
+        camera: str = param(v.CAMERA, "The camera to look with.", kind=Kind.HARDWARE)
+        kit: str = param(v.CONTAINER, "The kit.")
 
     def execute(self) -> Execution[Outcome]:
         """Looks, and corrects the believed pose."""
@@ -171,7 +156,7 @@ class RegisterKit(LookingPrimitive):
 
     def _write(self, pose: Pose, cost: float) -> None:
         kit = self.params.kit
-        frame = next(iter(self.world.objects(kit, POSE_FRAME)), None)
+        frame = next(iter(self.world.objects(kit, v.POSE_FRAME)), None)
         in_map = map_pose(self.context, frame) if frame else None
         own = in_map.inverse() @ pose if in_map is not None else pose
         with self.world.transaction(author=self.name, reason=f"fitted within {cost * 1e3:.1f} mm") as tx:
@@ -193,9 +178,9 @@ class RegisterPart(LookingPrimitive):
     class Params:
         """Parameters."""
 
-        arm: str = param(ARM, "The arm that carries the camera.", kind=Kind.HARDWARE)
-        camera: str = param(CAMERA, "The camera to look with.", kind=Kind.HARDWARE)
-        part: str = param(MANIPULATABLE, "The part; a first look has seen it.")
+        arm: str = param(v.ARM, "The arm that carries the camera.", kind=Kind.HARDWARE)
+        camera: str = param(v.CAMERA, "The camera to look with.", kind=Kind.HARDWARE)
+        part: str = param(v.MANIPULATABLE, "The part; a first look has seen it.")
 
     def execute(self) -> Execution[Outcome]:
         """Looks, and corrects the believed pose."""
@@ -239,10 +224,10 @@ class VerifyPlace(LookingPrimitive):
     class Params:
         """Parameters."""
 
-        arm: str = param(ARM, "The arm that carries the camera.", kind=Kind.HARDWARE)
-        camera: str = param(CAMERA, "The camera to look with.", kind=Kind.HARDWARE)
-        part: str = param(MANIPULATABLE, "The part that was put down.")
-        compartment: str = param(CONTAINER, "Where it should be.")
+        arm: str = param(v.ARM, "The arm that carries the camera.", kind=Kind.HARDWARE)
+        camera: str = param(v.CAMERA, "The camera to look with.", kind=Kind.HARDWARE)
+        part: str = param(v.MANIPULATABLE, "The part that was put down.")
+        compartment: str = param(v.CONTAINER, "Where it should be.")
 
     def execute(self) -> Execution[Outcome]:
         """Looks, at most twice."""
@@ -268,8 +253,8 @@ class VerifyPlace(LookingPrimitive):
     def _confirm(self, seen: Detection) -> Outcome:
         part, compartment = self.params.part, self.params.compartment
         with self.world.transaction(author=self.name, reason=f"seen in {compartment}") as tx:
-            tx.place(part, IN, compartment)
-            tx.set(part, MISSING, None)
+            tx.place(part, v.IN, compartment)
+            tx.set(part, v.MISSING, None)
             write_pose(tx, part, seen.pose)
         return Success(f"{part} is in {compartment}")
 
@@ -278,6 +263,6 @@ class VerifyPlace(LookingPrimitive):
         what = "something of unknown shape" if strange else "nothing of its kind"
         with self.world.transaction(author=self.name, reason=f"{what} seen in {compartment}") as tx:
             write_pose(tx, part, None)
-            tx.set(part, MISSING, True)
-            tx.place(part, ON, self.world.instances(UNKNOWN_LOCATION)[0])
+            tx.set(part, v.MISSING, True)
+            tx.place(part, v.ON, self.world.instances(v.UNKNOWN_LOCATION)[0])
         return Failure(f"{part} was released over {compartment}, but {what} is seen there")

@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from skiros_primitives.arm_moves import ArmPrimitive
-from skiros_primitives.jogging import even
+from skiros_primitives.arm_moves import ArmPrimitive, even
 from skiros_py.devices.arm import ArmSpec, ArmState
 from skiros_py.devices.gripper import GripperSpec, GripperState
 from skiros_py.ports.cell import RobotSpec

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from skiros_primitives.arm_moves import ArmPrimitive
 from skiros_primitives.part_models import level
@@ -15,76 +15,59 @@ from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.surroundings import held_by, map_pose
+from skiros_py.world import vocabulary as v
 from skiros_py.world.element import Value
 from skiros_py.world.names import ClassName, local_name
-from skiros_py.world.vocabulary import (
-    APPLIES_TO,
-    ARM,
-    BASE,
-    CONTAINER,
-    DRIVING_POSE,
-    GRASP_POSE,
-    GRASP_WIDTH,
-    GRIPPER,
-    LOCATION,
-    MANIPULATABLE,
-    PLACING_POSE,
-    TAUGHT_DRIVING_POSE,
-    TAUGHT_GRASP,
-    TAUGHT_PLACING_POSE,
-)
-from skiros_py.world.world import World
 
 
-def other_class(world: World, element: str, type_: str | None) -> Failure | None:
-    """Returns why an element cannot serve as an example for a class: it must be of that class."""
-    line = world.ontology.ancestors(world.element(element).type)
-    if type_ is None or type_ in line:
-        return None
-    return Failure(f"type: {element} is no {type_}; teach it for one of {', '.join(line)}")
+class TeachingPrimitive(Primitive[Any]):
+    """Base of the primitives that are shown an example; their parameters have a field ``type``.
 
-
-def keep(
-    world: World, lesson: ClassName, element: str, type_: str | None, values: Mapping[str, Value], *, author: str
-) -> Outcome:
-    """Stores data shown on one element for all things of its class.
-
-    Args:
-        world: The world.
+    Class attributes:
+        example: The parameter that is the example: what is learned counts for its class, or for ``type`` above it.
         lesson: Class of the learned data.
-        element: The example element.
-        type_: The class it applies to; by default, that of the element.
-        values: The shown values, by property.
-        author: Who was taught.
     """
-    class_ = type_ or world.element(element).type
-    label = f"{world.ontology.classes[lesson].label.removeprefix('taught ')} for {local_name(class_)}"
-    with world.transaction(author=author, reason=f"shown on {element}") as tx:
-        learned = tx.add(lesson, label, properties={APPLIES_TO: class_, **values}, learned=True)
-    return Success(f"learned as {learned}: {label}")
+
+    example: ClassVar[str]
+    lesson: ClassVar[ClassName]
+
+    def start(self) -> Failure | None:
+        """Checks that the example is of the class."""
+        element, type_ = getattr(self.params, self.example), self.params.type
+        line = self.world.ontology.ancestors(self.world.element(element).type)
+        if type_ is None or type_ in line:
+            return None
+        return Failure(f"type: {element} is no {type_}; teach it for one of {', '.join(line)}")
+
+    def keep(self, values: Mapping[str, Value]) -> Outcome:
+        """Stores the shown values, by property, for all things of the class."""
+        element, world = getattr(self.params, self.example), self.world
+        class_ = self.params.type or world.element(element).type
+        label = f"{world.ontology.classes[self.lesson].label.removeprefix('taught ')} for {local_name(class_)}"
+        with world.transaction(author=self.name, reason=f"shown on {element}") as tx:
+            learned = tx.add(self.lesson, label, properties={v.APPLIES_TO: class_, **values}, learned=True)
+        return Success(f"learned as {learned}: {label}")
 
 
-class TeachDrivingPose(Primitive["TeachDrivingPose.Params"]):
+class TeachDrivingPose(TeachingPrimitive):
     """Learns where to stand at places of a class: the current base pose relative to one of them."""
 
     name: ClassVar[str] = "teach_driving_pose"
+    example: ClassVar[str] = "location"
+    lesson: ClassVar[ClassName] = v.TAUGHT_DRIVING_POSE
 
     @dataclass(frozen=True, slots=True)
     class Params:
         """Parameters."""
 
-        base: str = param(BASE, "The base; it stands as it should.", kind=Kind.HARDWARE)
-        location: str = param(LOCATION, "The place at which it stands.")
+        base: str = param(v.BASE, "The base; it stands as it should.", kind=Kind.HARDWARE)
+        location: str = param(v.LOCATION, "The place at which it stands.")
         type: str | None = param(
             "class",
             "For which class of places it counts; left out: that of the place.",
             kind=Kind.OPTIONAL,
             default=None,
         )
-
-    def start(self) -> Failure | None:
-        """Checks that the place is of that class."""
-        return other_class(self.world, self.params.location, self.params.type)
 
     def execute(self) -> Execution[Outcome]:
         """Stores the base pose."""
@@ -95,33 +78,30 @@ class TeachDrivingPose(Primitive["TeachDrivingPose.Params"]):
         if not base.still:
             return Failure(f"{self.params.base} still moves: let it stand where it should")
         pose = self.context.cell.group_of(base.id).pose(self.context.board.snapshot, self.context.board.guard)
-        lesson = TAUGHT_DRIVING_POSE, self.params.location, self.params.type
-        return keep(self.world, *lesson, {DRIVING_POSE: place.inverse() @ pose}, author=self.name)
+        return self.keep({v.DRIVING_POSE: place.inverse() @ pose})
 
 
 _OPEN = 0.002
 """Fingers less than this from fully open hold nothing [m]."""
 
 
-class TeachGrasp(ArmPrimitive):
+class TeachGrasp(TeachingPrimitive, ArmPrimitive):
     """Learns how to grasp parts of a class from the current grasp of one of them."""
 
     name: ClassVar[str] = "teach_grasp"
+    example: ClassVar[str] = "part"
+    lesson: ClassVar[ClassName] = v.TAUGHT_GRASP
 
     @dataclass(frozen=True, slots=True)
     class Params:
         """Parameters."""
 
-        arm: str = param(ARM, "The arm; it stands as it should.", kind=Kind.HARDWARE)
-        gripper: str = param(GRIPPER, "The gripper on it; it is closed on the part.", kind=Kind.HARDWARE)
-        part: str = param(MANIPULATABLE, "The part between the fingers.")
+        arm: str = param(v.ARM, "The arm; it stands as it should.", kind=Kind.HARDWARE)
+        gripper: str = param(v.GRIPPER, "The gripper on it; it is closed on the part.", kind=Kind.HARDWARE)
+        part: str = param(v.MANIPULATABLE, "The part between the fingers.")
         type: str | None = param(
             "class", "For which class of parts it counts; left out: that of the part.", kind=Kind.OPTIONAL, default=None
         )
-
-    def start(self) -> Failure | None:
-        """Checks that the part is of that class."""
-        return other_class(self.world, self.params.part, self.params.type)
 
     def execute(self) -> Execution[Outcome]:
         """Stores the tool pose on the part, and the finger gap."""
@@ -132,8 +112,7 @@ class TeachGrasp(ArmPrimitive):
         gap = Gripper(self.context.board, self.params.gripper).state.gap
         if gap > self.gripper_spec.max_gap - _OPEN:
             return Failure(f"{self.params.gripper} is wide open: close it on {self.params.part}")
-        lesson = TAUGHT_GRASP, self.params.part, self.params.type
-        return keep(self.world, *lesson, {GRASP_POSE: tool, GRASP_WIDTH: gap}, author=self.name)
+        return self.keep({v.GRASP_POSE: tool, v.GRASP_WIDTH: gap})
 
     def _tool_on_part(self) -> Pose | None:
         holding = held_by(self.context, self.params.gripper)
@@ -145,26 +124,24 @@ class TeachGrasp(ArmPrimitive):
         return level(part).inverse() @ self.tool_pose()
 
 
-class TeachPlacingPose(ArmPrimitive):
+class TeachPlacingPose(TeachingPrimitive):
     """Learns how to put things into containers of a class from the part's current pose, held or seen."""
 
     name: ClassVar[str] = "teach_placing_pose"
+    example: ClassVar[str] = "container"
+    lesson: ClassVar[ClassName] = v.TAUGHT_PLACING_POSE
 
     @dataclass(frozen=True, slots=True)
     class Params:
         """Parameters."""
 
-        arm: str = param(ARM, "The arm.", kind=Kind.HARDWARE)
-        gripper: str = param(GRIPPER, "The gripper on it; it may hold the part.", kind=Kind.HARDWARE)
-        part: str = param(MANIPULATABLE, "The part; it is as it should be in the container.")
-        container: str = param(CONTAINER, "The container or compartment.")
+        arm: str = param(v.ARM, "The arm.", kind=Kind.HARDWARE)
+        gripper: str = param(v.GRIPPER, "The gripper on it; it may hold the part.", kind=Kind.HARDWARE)
+        part: str = param(v.MANIPULATABLE, "The part; it is as it should be in the container.")
+        container: str = param(v.CONTAINER, "The container or compartment.")
         type: str | None = param(
             "class", "For which class of containers it counts; left out: its own.", kind=Kind.OPTIONAL, default=None
         )
-
-    def start(self) -> Failure | None:
-        """Checks that the container is of that class."""
-        return other_class(self.world, self.params.container, self.params.type)
 
     def execute(self) -> Execution[Outcome]:
         """Stores the part's pose in the container."""
@@ -173,5 +150,4 @@ class TeachPlacingPose(ArmPrimitive):
         if container is None or part is None:
             unknown = self.params.container if container is None else self.params.part
             return Failure(f"the exact position of {unknown} is unknown")
-        lesson = TAUGHT_PLACING_POSE, self.params.container, self.params.type
-        return keep(self.world, *lesson, {PLACING_POSE: container.inverse() @ part}, author=self.name)
+        return self.keep({v.PLACING_POSE: container.inverse() @ part})

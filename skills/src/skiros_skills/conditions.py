@@ -13,113 +13,96 @@ from skiros_py.skills.conditions import (
     Related,
     Role,
 )
-from skiros_py.world import vocabulary
-from skiros_py.world.vocabulary import (
-    AT,
-    CONTAINER,
-    DECK,
-    DRIVING_POSE,
-    GRASPABLE_BY,
-    GRIPPER,
-    HAS_A,
-    HELD_BY,
-    IN,
-    LOCATION,
-    MANIPULATABLE,
-    ON,
-    ROBOT,
-    SPATIAL_THING,
-    STATION,
-)
+from skiros_py.world import vocabulary as v
 from skiros_skills import kitting
 
 HAS_PART = ConditionType(
     "HasPart",
-    (Role("whole", SPATIAL_THING), Role("part", SPATIAL_THING)),
-    Related(HAS_A, "whole", "part"),
+    (Role("whole", v.SPATIAL_THING), Role("part", v.SPATIAL_THING)),
+    Related(v.HAS_A, "whole", "part"),
     "One thing is built of another.",
 )
 ROBOT_AT_LOCATION = ConditionType(
     "RobotAtLocation",
-    (Role("robot", ROBOT), Role("location", LOCATION)),
-    Related(AT, "robot", "location"),
+    (Role("robot", v.ROBOT), Role("location", v.LOCATION)),
+    Related(v.AT, "robot", "location"),
     "The robot stands where it can work at the location.",
 )
 DOCKED_AT = ConditionType(
     "DockedAt",
-    (Role("robot", ROBOT), Role("location", LOCATION)),
+    (Role("robot", v.ROBOT), Role("location", v.LOCATION)),
     AnyOf(
         (
-            Related(AT, "robot", "location"),
-            Exists("dock", STATION, AllOf((Related(HAS_A, "location", "dock"), Related(AT, "robot", "dock")))),
+            Related(v.AT, "robot", "location"),
+            Exists("dock", v.STATION, AllOf((Related(v.HAS_A, "location", "dock"), Related(v.AT, "robot", "dock")))),
         )
     ),
     "The robot stands at the location or at one of the docking places that the location has.",
 )
 LOCATION_FREE = ConditionType(
     "LocationFree",
-    (Role("location", LOCATION),),
-    Nothing(AT, "location"),
+    (Role("location", v.LOCATION),),
+    Nothing(v.AT, "location"),
     "No robot stands at the location.",
 )
 CAN_BE_WORKED_AT = ConditionType(
     "CanBeWorkedAt",
-    (Role("location", LOCATION),),
-    Has(DRIVING_POSE, "location"),
+    (Role("location", v.LOCATION),),
+    Has(v.DRIVING_POSE, "location"),
     "Somebody taught where to stand at the location.",
 )
 OBJECT_AT_LOCATION = ConditionType(
     "ObjectAtLocation",
-    (Role("object", MANIPULATABLE), Role("location", CONTAINER)),
-    Related(IN, "object", "location"),
+    (Role("object", v.MANIPULATABLE), Role("location", v.CONTAINER)),
+    Related(v.IN, "object", "location"),
     "The object lies in the container.",
     abstract=True,
 )
 IN_KIT = ConditionType(
     "InKit",
-    (Role("object", MANIPULATABLE), Role("kit", kitting.KIT)),
+    (Role("object", v.MANIPULATABLE), Role("kit", kitting.KIT)),
     Exists(
         "compartment",
         kitting.COMPARTMENT,
-        AllOf((Related(HAS_A, "kit", "compartment"), Related(IN, "object", "compartment"))),
+        AllOf((Related(v.HAS_A, "kit", "compartment"), Related(v.IN, "object", "compartment"))),
     ),
     "The object lies in some compartment of the kit.",
     abstract=True,
 )
 HOLDING = ConditionType(
     "Holding",
-    (Role("gripper", GRIPPER), Role("object", MANIPULATABLE)),
-    Related(HELD_BY, "object", "gripper"),
+    (Role("gripper", v.GRIPPER), Role("object", v.MANIPULATABLE)),
+    Related(v.HELD_BY, "object", "gripper"),
     "The gripper holds the object.",
     abstract=True,
 )
 EMPTY_HANDED = ConditionType(
     "EmptyHanded",
-    (Role("gripper", GRIPPER),),
-    Nothing(HELD_BY, "gripper"),
+    (Role("gripper", v.GRIPPER),),
+    Nothing(v.HELD_BY, "gripper"),
     "The gripper holds nothing.",
 )
 LOCATION_EMPTY = ConditionType(
     "LocationEmpty",
     (Role("location", kitting.COMPARTMENT),),
-    Nothing(IN, "location"),
+    Nothing(v.IN, "location"),
     "Nothing lies in the compartment.",
 )
 CARRYING = ConditionType(
     "Carrying",
-    (Role("robot", ROBOT), Role("object", SPATIAL_THING)),
-    Exists("deck", DECK, AllOf((Related(HAS_A, "robot", "deck"), Related(ON, "object", "deck")))),
+    (Role("robot", v.ROBOT), Role("object", v.SPATIAL_THING)),
+    Exists("deck", v.DECK, AllOf((Related(v.HAS_A, "robot", "deck"), Related(v.ON, "object", "deck")))),
     "The object stands on the robot and rides with it.",
 )
 GRASPABLE = ConditionType(
     "Graspable",
-    (Role("object", MANIPULATABLE), Role("gripper", GRIPPER)),
-    Computed(GRASPABLE_BY, "object", "gripper"),
+    (Role("object", v.MANIPULATABLE), Role("gripper", v.GRIPPER)),
+    Computed(v.GRASPABLE_BY, "object", "gripper"),
     "The object is narrow enough for the gripper.",
 )
 FITS_IN = ConditionType(
     "FitsIn",
-    (Role("object", MANIPULATABLE), Role("container", kitting.COMPARTMENT)),
-    Computed(vocabulary.FITS_IN, "object", "container"),
+    (Role("object", v.MANIPULATABLE), Role("container", kitting.COMPARTMENT)),
+    Computed(v.FITS_IN, "object", "container"),
     "The object is small enough for the compartment.",
 )
