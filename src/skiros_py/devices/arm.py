@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from skiros_py.devices.limits import Standstill
+from skiros_py.devices.limits import FakeModel, Standstill
 from skiros_py.errors import DescriptionError, DeviceError
 from skiros_py.geometry import Array, Pose
 from skiros_py.ports.board import DeviceHandle
@@ -86,9 +86,9 @@ class ArmSpec(DeviceSpec[ArmState, ArmTarget]):
             raise DescriptionError(f"{individual.id}: sk:home has {len(home)} angles for {len(joints)} joints")
         return cls(individual.id, joints, individual.text("sk:tip"), home)
 
-    def fake(self, robot: FakeRobot) -> _FakeArm:  # noqa: ARG002 - it is there at once
+    def fake(self, robot: FakeRobot) -> FakeModel[ArmState, ArmTarget]:  # noqa: ARG002 - it is there at once
         """Returns an arm that reaches its targets within the cycle."""
-        return _FakeArm(self.home)
+        return FakeModel(_resting(self.home), _followed)
 
     def simulate(self, robot: SimulatedRobot, rng: np.random.Generator) -> SimulatedArm:  # noqa: ARG002 - nothing is drawn
         """Returns its controller in a simulation."""
@@ -164,19 +164,10 @@ class Arm(DeviceHandle[ArmSpec, ArmState, ArmTarget]):
     spec_type: ClassVar[Any] = ArmSpec
 
 
-class _FakeArm:
-    def __init__(self, home: tuple[float, ...]) -> None:
-        self.braking_time = 0.0
-        self._state = _resting(home)
-
-    def command(self, target: ArmTarget | None) -> None:
-        if target is None:
-            self._state = _resting(self._state.positions)
-        else:
-            self._state = ArmState(target.positions, target.velocities, not any(target.velocities))
-
-    def state(self) -> ArmState:
-        return self._state
+def _followed(state: ArmState, target: ArmTarget | None) -> ArmState:
+    if target is None:
+        return _resting(state.positions)
+    return ArmState(target.positions, target.velocities, not any(target.velocities))
 
 
 def _resting(positions: tuple[float, ...]) -> ArmState:

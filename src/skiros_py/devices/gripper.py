@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from skiros_py.devices.limits import Standstill
+from skiros_py.devices.limits import FakeModel, Standstill
 from skiros_py.errors import DescriptionError, DeviceError
 from skiros_py.ports.board import DeviceHandle
 from skiros_py.ports.device import DeviceSignal, DeviceSpec, FakeRobot, Individual, require_numbers
@@ -86,9 +86,12 @@ class GripperSpec(DeviceSpec[GripperState, GripperTarget]):
         joints = tuple(individual.text("sk:joints").split())
         return cls(individual.id, joints, arm, individual.number("sk:maxGap"), individual.number("sk:maxForce"))
 
-    def fake(self, robot: FakeRobot) -> _FakeGripper:  # noqa: ARG002 - it is there at once
+    def fake(self, robot: FakeRobot) -> FakeModel[GripperState, GripperTarget]:  # noqa: ARG002 - it is there at once
         """Returns a gripper that is open at first and reaches its targets within the cycle."""
-        return _FakeGripper(self.max_gap)
+        return FakeModel(
+            GripperState(self.max_gap, 0.0, True),
+            lambda state, target: state if target is None else replace(state, gap=target.gap),
+        )
 
     def simulate(self, robot: SimulatedRobot, rng: np.random.Generator) -> SimulatedGripper:  # noqa: ARG002 - nothing is drawn
         """Returns its controller in a simulation."""
@@ -122,18 +125,6 @@ class Gripper(DeviceHandle[GripperSpec, GripperState, GripperTarget]):
     """A gripper in the hands of a primitive; a target stays in force until it is replaced."""
 
     spec_type: ClassVar[Any] = GripperSpec
-
-
-class _FakeGripper:
-    def __init__(self, gap: float) -> None:
-        self.braking_time = 0.0
-        self._gap = gap
-
-    def command(self, target: GripperTarget | None) -> None:
-        self._gap = self._gap if target is None else target.gap
-
-    def state(self) -> GripperState:
-        return GripperState(self._gap, 0.0, True)
 
 
 class SimulatedGripper:

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from skiros_py.devices.limits import BASE_STILL, Standstill, approach
+from skiros_py.devices.limits import BASE_STILL, FakeModel, Standstill, approach
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose, wrap_angle
 from skiros_py.ports.board import DeviceHandle
@@ -107,9 +107,17 @@ class BaseSpec(MobileSpec[BaseState, BaseTwist]):
             individual.number("sk:maxAngularAcceleration"),
         )
 
-    def fake(self, robot: FakeRobot) -> _FakeBase:
+    def fake(self, robot: FakeRobot) -> FakeBase:
         """Returns a base that drives exactly as commanded, with exact odometry."""
-        return _FakeBase(self.start, robot.period)
+
+        def driven(state: BaseState, target: BaseTwist | None) -> BaseState:
+            if target is None:
+                return BaseState(state.pose, 0.0, 0.0, True)
+            step = _step(target.linear * robot.period, target.angular * robot.period)
+            still = not (target.linear or target.angular)
+            return BaseState(state.pose @ step, target.linear, target.angular, still)
+
+        return FakeBase(BaseState(self.start, 0.0, 0.0, True), driven)
 
     def simulate(self, robot: SimulatedRobot, rng: np.random.Generator) -> SimulatedBase:  # noqa: ARG002 - nothing is drawn
         """Returns its controller in a simulation."""
@@ -200,23 +208,8 @@ class Base(DeviceHandle[BaseSpec, BaseState, BaseTwist]):
     spec_type: ClassVar[Any] = BaseSpec
 
 
-class _FakeBase:
-    def __init__(self, start: Pose, period: float) -> None:
-        self.braking_time = 0.0
-        self._period = period
-        self._state = BaseState(start, 0.0, 0.0, True)
-
-    def command(self, target: BaseTwist | None) -> None:
-        pose = self._state.pose
-        if target is None:
-            self._state = BaseState(pose, 0.0, 0.0, True)
-            return
-        step = _step(target.linear * self._period, target.angular * self._period)
-        moves = bool(target.linear or target.angular)
-        self._state = BaseState(pose @ step, target.linear, target.angular, not moves)
-
-    def state(self) -> BaseState:
-        return self._state
+class FakeBase(FakeModel[BaseState, BaseTwist]):
+    """A base without physics, with exact odometry."""
 
 
 class SimulatedBase:
@@ -263,9 +256,8 @@ class SimulatedBase:
         return BaseState(self._odometry, linear, angular, still)
 
     def _limit(self, twist: BaseTwist) -> None:
-        if not (math.isfinite(twist.linear) and math.isfinite(twist.angular)):
-            raise DeviceError(f"{self.spec.id}: speeds must be finite: {twist}")
         spec = self.spec
+        require_numbers(spec.id, twist, (twist.linear, twist.angular))
         linear = min(max(twist.linear, -spec.max_linear), spec.max_linear)
         angular = min(max(twist.angular, -spec.max_angular), spec.max_angular)
         self._linear = approach(self._linear, linear, spec.max_linear_acceleration * self._period)
@@ -285,8 +277,7 @@ class SimulatedBase:
 
     def _stand(self) -> None:
         """Holds the place where it came to rest: at zero velocity alone it would creep under the arm's motions."""
-        if self._held is None:
-            self._held = self._plane.read().positions
+        self._held = self._held or self._plane.read().positions
         self._wheels.drive_velocities((0.0, 0.0), effort=_WHEEL_TORQUE)
         self._plane.hold_positions(self._held, gain=_HOLDING_GAIN, effort=[_DRIVE_FORCE] * 3)
 

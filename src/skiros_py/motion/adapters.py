@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from importlib.util import find_spec
+from typing import Any
 
 from skiros_py.devices.arm import ArmSpec
 from skiros_py.errors import SkirosError
@@ -10,26 +13,27 @@ from skiros_py.ports.adapters import Adapter, Request
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.device import DeviceSpec, MobileSpec
 from skiros_py.ports.kinematics import InverseKinematics, Kinematics
-from skiros_py.ports.motion import ArmPlanner, BasePlanner, MotionPlan, MotionRequest, NoMotion
+from skiros_py.ports.motion import ArmPlanner, BasePlanner
 from skiros_py.ports.values import Pending
 from skiros_py.workers import Worker
 
-_PLAN_LATENCY = 0.05
+_LATENCY = 0.05
 
 
-class WorkerArmPlanner:
-    """Plans the motions of one robot's arms in a worker process; a :class:`skiros_py.ports.motion.ArmPlanner`.
+class WorkerPlanner:
+    """Plans motions in a worker process: an :class:`~skiros_py.ports.motion.ArmPlanner` or a ``BasePlanner``.
 
     Args:
-        spec: The robot.
+        name: Name of the process.
+        build: Builds the planner there.
         latency: Declared time from request to plan [s]; in lockstep the simulation runs on for as long.
     """
 
-    def __init__(self, spec: RobotSpec, *, latency: float = _PLAN_LATENCY) -> None:
-        self._worker = Worker("motion", _Factory(spec))
+    def __init__(self, name: str, build: Callable[[], object], *, latency: float = _LATENCY) -> None:
+        self._worker = Worker(name, build)
         self._latency = latency
 
-    def plan(self, request: MotionRequest) -> Pending[MotionPlan | NoMotion]:
+    def plan(self, request: Any) -> Pending[Any]:
         """Plans one request."""
         return self._worker.call("plan", request, latency=self._latency)
 
@@ -46,35 +50,26 @@ class WorkerArmPlanner:
         self._worker.close()
 
 
-class _Factory:
-    """Builds the planner inside the worker, where Pinocchio is loaded."""
+def arm_motion(spec: RobotSpec) -> object:
+    """Builds the motion planning of a robot's arms; for a worker process, where Pinocchio is loaded."""
+    from skiros_py.motion.pinocchio.arm_motion import ArmMotion
 
-    def __init__(self, spec: RobotSpec) -> None:
-        self._spec = spec
+    return ArmMotion(spec)
 
-    def __call__(self) -> object:
-        from skiros_py.motion.pinocchio.arm_motion import ArmMotion  # heavy, and not needed in the calling process
 
-        return ArmMotion(self._spec)
+def base_paths() -> object:
+    """Builds the path planning of bases; for a worker process, where Shapely is loaded."""
+    from skiros_py.motion.base_paths import BasePaths
+
+    return BasePaths()
 
 
 def _is_arm(device: DeviceSpec[object, object]) -> bool:
     return isinstance(device, ArmSpec)
 
 
-def _is_base(device: DeviceSpec[object, object]) -> bool:
-    return isinstance(device, MobileSpec)
-
-
 def _arm_planner(request: Request) -> object:
-
-    return WorkerArmPlanner(request.groups[0])
-
-
-def _base_planner(_request: Request) -> object:
-    from skiros_py.motion.base_paths import ShapelyBasePlanner
-
-    return ShapelyBasePlanner()
+    return WorkerPlanner("motion", partial(arm_motion, request.groups[0]))
 
 
 def _kinematics(request: Request) -> object | None:
@@ -98,6 +93,10 @@ def _inverse_kinematics(request: Request) -> object:
 
 
 ARM_PLANNER = Adapter((ArmPlanner,), _arm_planner, serves=_is_arm, one_for="robot")
-BASE_PLANNER = Adapter((BasePlanner,), _base_planner, serves=_is_base)
+BASE_PLANNER = Adapter(
+    (BasePlanner,),
+    lambda _request: WorkerPlanner("base paths", base_paths),
+    lambda device: isinstance(device, MobileSpec),
+)
 KINEMATICS = Adapter((Kinematics,), _kinematics, one_for="robot", eager=False, without_physics=True)
 INVERSE_KINEMATICS = Adapter((InverseKinematics,), _inverse_kinematics, serves=_is_arm, one_for="device", eager=False)

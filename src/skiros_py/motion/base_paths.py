@@ -14,8 +14,6 @@ from shapely.geometry.base import BaseGeometry
 from skiros_py.geometry import Array, Pose, wrap_angle
 from skiros_py.ports.motion import BasePathRequest, NoMotion, Obstacle
 from skiros_py.ports.paths import BaseLeg, BasePath, floor_area, placed, swept
-from skiros_py.ports.values import Pending
-from skiros_py.workers import Worker
 
 _QUARTER = 2  # way points per quarter of a rounded corner
 _TURN = 0.3  # [m] what a way point costs besides its way: the base stops there to turn
@@ -98,28 +96,7 @@ _RUN_UP = 0.25  # [m] the last straight stretch is at least as long, so that the
 _FARTHEST = 3.0  # [m] a dock deeper than this is not looked for
 _STEP = 0.02  # [m]
 _DOCK_CLEARANCE = 0.02  # [m] kept by the base's outline while it docks
-_LATENCY = 0.05  # [s]
 _NO_WAY = 1e-6  # [m]
-
-
-class ShapelyBasePlanner:
-    """Plans base paths in a worker process; a :class:`skiros_py.ports.motion.BasePlanner`.
-
-    Args:
-        latency: Declared time from request to path [s]; in lockstep the simulation goes on for as long.
-    """
-
-    def __init__(self, *, latency: float = _LATENCY) -> None:
-        self._worker = Worker("base paths", BasePaths)
-        self._latency = latency
-
-    def plan(self, request: BasePathRequest) -> Pending[BasePath | NoMotion]:
-        """Plans one path."""
-        return self._worker.call("plan", request, latency=self._latency)
-
-    def close(self) -> None:
-        """Ends the worker process."""
-        self._worker.close()
 
 
 class BasePaths:
@@ -131,10 +108,11 @@ class BasePaths:
 
     def plan(self, request: BasePathRequest) -> BasePath | NoMotion:
         """Plans one path."""
-        if _there(request):
+        turned = abs(wrap_angle(request.goal.yaw - request.start.yaw))
+        if math.dist(_xy(request.start), _xy(request.goal)) <= _THERE and turned <= _ALIGNED:
             return BasePath((), request.goal.yaw)
         floor = _Floor(request)
-        if touched := floor.touched_at(request.goal):
+        if touched := floor.touched(placed(request.footprint, request.goal), 0.0):
             return NoMotion(f"at its goal the base would touch {touched}")
         out = floor.way_out(request.start)
         if out is None:
@@ -156,11 +134,6 @@ def _legs(request: BasePathRequest, out: Pose, way: list[tuple[float, float]]) -
     return tuple(legs)
 
 
-def _there(request: BasePathRequest) -> bool:
-    turned = abs(wrap_angle(request.goal.yaw - request.start.yaw))
-    return math.dist(_xy(request.start), _xy(request.goal)) <= _THERE and turned <= _ALIGNED
-
-
 def _outlines(obstacles: Sequence[Obstacle]) -> dict[str, BaseGeometry]:
     """Returns the floor areas of the obstacles, by id: a robot has one for its base and one for its arm."""
     found: dict[str, BaseGeometry] = {}
@@ -179,10 +152,6 @@ class _Floor:
         self._clearance = min(_DOCK_CLEARANCE, request.clearance)
         radius = max(math.hypot(x, y) for x, y in request.footprint)
         self.space = DiscSpace(list(self._outlines.values()), radius + request.clearance)
-
-    def touched_at(self, pose: Pose) -> str:
-        """Returns an obstacle that the base would touch standing at a pose, or an empty text."""
-        return self._touched(placed(self._footprint, pose), 0.0)
 
     def way_out(self, start: Pose) -> Pose | None:
         """Returns where turning is free, straight behind the start (or ahead if not behind)."""
@@ -204,8 +173,8 @@ class _Floor:
 
     def _first_free(self, dock: Pose, sign: float, least: float, clearance: float) -> Pose | None:
         for step in range(math.ceil(least / _STEP), math.ceil(_FARTHEST / _STEP) + 1):
-            pose = _shifted(dock, sign * step * _STEP)
-            if self._touched(swept(self._footprint, (dock, pose))[0], clearance):
+            pose = dock @ Pose((sign * step * _STEP, 0.0, 0.0))
+            if self.touched(swept(self._footprint, (dock, pose))[0], clearance):
                 return None
             if self.space.free(_xy(pose)):
                 return pose
@@ -217,16 +186,12 @@ class _Floor:
         nearest = min((float(shapely.distance(other, outline)) for other in self._outlines.values()), default=math.inf)
         return min(self._clearance, 0.9 * nearest)
 
-    def _touched(self, area: BaseGeometry, clearance: float) -> str:
+    def touched(self, area: BaseGeometry, clearance: float) -> str:
         """Returns the first obstacle nearer to an area than the clearance, or an empty text."""
         for name, outline in self._outlines.items():
             if shapely.dwithin(outline, area, clearance):
                 return name
         return ""
-
-
-def _shifted(pose: Pose, distance: float) -> Pose:
-    return pose @ Pose((distance, 0.0, 0.0))
 
 
 def _xy(pose: Pose) -> tuple[float, float]:

@@ -10,7 +10,7 @@ import open3d as o3d
 from numpy.typing import NDArray
 
 from skiros_py.geometry import Array, Pose, wrap_angle
-from skiros_py.perception.classify import Fit, best_fits, misfits, polish
+from skiros_py.perception.classify import best_fits, misfits, polish
 from skiros_py.perception.elevation import (
     CELL,
     HIGHEST,
@@ -22,7 +22,7 @@ from skiros_py.perception.elevation import (
     visible_share,
 )
 from skiros_py.perception.heightmaps import Floats, HeightMap, height_map
-from skiros_py.ports.perception import Detection, LookRequest, LookResult, Region
+from skiros_py.ports.perception import Detection, LookRequest, LookResult
 
 _LOWEST = 0.008
 _EPS = 0.014
@@ -52,12 +52,7 @@ def clusters_of(elevation: ElevationMap, half_extents: tuple[float, float]) -> l
     raised = np.flatnonzero(inside & elevation.seen & (elevation.height >= _LOWEST))
     if len(raised) == 0:
         return []
-    return _groups(elevation, raised, _EPS)
-
-
-def pieces_of(elevation: ElevationMap, cluster: NDArray[np.int64]) -> list[NDArray[np.int64]]:
-    """Splits a cluster where it hangs together by less than two cells: parts that nearly touch."""
-    return _groups(elevation, cluster, _TOUCHING_EPS)
+    return groups(elevation, raised, _EPS)
 
 
 def outline(elevation: ElevationMap, cells: NDArray[np.int64]) -> tuple[float, float, float, float, float]:
@@ -79,23 +74,19 @@ def outline(elevation: ElevationMap, cells: NDArray[np.int64]) -> tuple[float, f
     return float(x), float(y), float(yaw), float(length), float(width)
 
 
-def _groups(elevation: ElevationMap, cells: NDArray[np.int64], eps: float) -> list[NDArray[np.int64]]:
-    labels = _labels(elevation, cells, eps)
-    groups = [cells[labels == label] for label in range(labels.max() + 1)]
-    things = [group for group in groups if len(group) >= _FEWEST_CELLS and _is_thing(elevation, group)]
-    return sorted(things, key=lambda group: (-len(group), int(group[0])))
+def groups(elevation: ElevationMap, cells: NDArray[np.int64], eps: float) -> list[NDArray[np.int64]]:
+    """Groups cells that are nearer than a distance [m]; without slivers, such as walls seen through an inexact border.
 
-
-def _labels(elevation: ElevationMap, cells: NDArray[np.int64], eps: float) -> NDArray[np.int64]:
+    Returns:
+        Indices of the cells of each group, largest group first.
+    """
     columns = [elevation.x[cells], elevation.y[cells], _HEIGHT_WEIGHT * elevation.height[cells]]
     points: Array = np.column_stack(columns).astype(np.float64)
     cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(points))
-    return np.asarray(cloud.cluster_dbscan(eps, _FEWEST_NEIGHBOURS), dtype=np.int64)
-
-
-def _is_thing(elevation: ElevationMap, cells: NDArray[np.int64]) -> bool:
-    """False for slivers: the face of a wall seen through an inexact border."""
-    return outline(elevation, cells)[4] >= _NARROWEST
+    labels = np.asarray(cloud.cluster_dbscan(eps, _FEWEST_NEIGHBOURS), dtype=np.int64)
+    found = [cells[labels == label] for label in range(labels.max() + 1)]
+    things = [g for g in found if len(g) >= _FEWEST_CELLS and outline(elevation, g)[4] >= _NARROWEST]
+    return sorted(things, key=lambda group: (-len(group), int(group[0])))
 
 
 Cells = NDArray[np.int64]
@@ -121,10 +112,6 @@ class _Scene:
     plane: Plane
     elevation: ElevationMap
     points: Array
-
-    @property
-    def region(self) -> Region:
-        return self.request.region
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -174,13 +161,14 @@ def _scene(view: View, plane: Plane, request: LookRequest) -> _Scene:
 def _things(scene: _Scene) -> list[_Thing]:
     explained = np.zeros(len(scene.elevation.x), dtype=np.bool_)
     found: list[_Thing] = []
-    for cluster in clusters_of(scene.elevation, scene.region.half_extents):
+    for cluster in clusters_of(scene.elevation, scene.request.region.half_extents):
         if explained[cluster].mean() > _EXPLAINED:
             continue  # a piece of a part that is there already
         for thing in _explanations(scene, cluster):
             explained |= _covered(scene, thing)
             found.append(thing)
-    return [thing for thing in found if _is_inside(thing, scene.region)]
+    half_x, half_y = scene.request.region.half_extents
+    return [thing for thing in found if abs(thing.pose[0]) <= half_x and abs(thing.pose[1]) <= half_y]
 
 
 def _explanations(scene: _Scene, cluster: Cells) -> list[_Thing]:
@@ -188,7 +176,7 @@ def _explanations(scene: _Scene, cluster: Cells) -> list[_Thing]:
     whole = _explanation(scene, cluster)
     if whole.type is not None:
         return [whole]
-    pieces = pieces_of(scene.elevation, cluster)
+    pieces = groups(scene.elevation, cluster, _TOUCHING_EPS)  # where it hangs together by less than two cells
     parts = [_explanation(scene, piece) for piece in pieces] if len(pieces) > 1 else []
     return parts if any(part.type is not None for part in parts) else [whole]
 
@@ -203,15 +191,11 @@ def _explanation(scene: _Scene, cluster: Cells) -> _Thing:
     if best.cost <= _WORST_FIT:
         pose = _sharpened(scene, template, pose)
     cost = _mean_misfit(scene.elevation, cluster, template, pose)
-    if not _is_good(best, cost, margin):
+    # A bad fit stays unknown: the next look, or a person, may know better; a wrong type would be believed.
+    fits_well = best.cost <= _WORST_FIT and cost <= _WORST_COST
+    if not (fits_well and best.seen >= _LEAST_SEEN and margin >= _LEAST_MARGIN):
         return _unknown(scene, cluster, cost, margin)
     return _Thing(cluster, best.type, (float(pose[0]), float(pose[1]), wrap_angle(float(pose[2]))), cost, margin)
-
-
-def _is_good(fit: Fit, cost: float, margin: float) -> bool:
-    """A bad fit stays unknown: the next look, or a person, may know better; a wrong type would be believed."""
-    fits = fit.cost <= _WORST_FIT and cost <= _WORST_COST
-    return fits and fit.seen >= _LEAST_SEEN and margin >= _LEAST_MARGIN
 
 
 def _unknown(scene: _Scene, cluster: Cells, cost: float, margin: float) -> _Thing:
@@ -244,13 +228,9 @@ def _covered(scene: _Scene, thing: _Thing) -> NDArray[np.bool_]:
     return np.asarray(there > _RAISED)
 
 
-def _is_inside(thing: _Thing, region: Region) -> bool:
-    return abs(thing.pose[0]) <= region.half_extents[0] and abs(thing.pose[1]) <= region.half_extents[1]
-
-
 def _reported(thing: _Thing, scene: _Scene) -> Detection:
     x, y, yaw = thing.pose
     *_, length, width = outline(scene.elevation, thing.cells)
     size = (length, width, float(scene.elevation.height[thing.cells].max()))
-    pose = scene.region.pose @ Pose.of(x, y, float(scene.plane.z(x, y)), yaw=yaw)
+    pose = scene.request.region.pose @ Pose.of(x, y, float(scene.plane.z(x, y)), yaw=yaw)
     return Detection(thing.type, pose, thing.cost, thing.margin, size)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import open3d as o3d
@@ -40,9 +40,10 @@ class View:
             frame: Pose of the frame of interest in the map.
         """
         camera = frame.inverse() @ camera_pose
-        depth = _usable(image)
+        k, depth = image.intrinsics, np.nan_to_num(image.depth, nan=0.0, posinf=0.0, neginf=0.0)
+        depth = np.where((depth >= k.near) & (depth <= k.far), depth, np.float32(0.0)).astype(np.float32)
         nearest = ndimage.minimum_filter(depth, size=3, mode="nearest")
-        return cls(camera.apply(_deproject(depth, image.intrinsics)), camera, image.intrinsics, depth, nearest)
+        return cls(camera.apply(replace(image, depth=depth).points()), camera, k, depth, nearest)
 
     def measured(self, points: Array) -> tuple[Array, Array]:
         """Returns, for each point, its depth and the depth that the camera measured in its direction [m].
@@ -85,18 +86,6 @@ class View:
         measured = np.zeros(len(points))
         measured[inside] = depth[v[inside], u[inside]]
         return z, measured
-
-
-def _usable(image: DepthImage) -> NDArray[np.float32]:
-    depth = np.nan_to_num(image.depth, nan=0.0, posinf=0.0, neginf=0.0)
-    k = image.intrinsics
-    return np.where((depth >= k.near) & (depth <= k.far), depth, np.float32(0.0)).astype(np.float32)
-
-
-def _deproject(depth: NDArray[np.float32], k: CameraIntrinsics) -> Array:
-    v, u = np.nonzero(depth)
-    z = depth[v, u].astype(np.float64)
-    return np.column_stack([(u - k.cx) / k.fx * z, (v - k.cy) / k.fy * z, z])
 
 
 _VOXEL = 0.008

@@ -110,7 +110,8 @@ def register(request: RegistrationRequest) -> RegistrationResult:
     template = height_map(request.solid)
     near = view.points[_footprint(view.points, template, _REACH)]
     lift = _level(near, template)
-    raised = near[_is_raised(near[:, 2] - lift, template)]
+    heights = near[:, 2] - lift
+    raised = near[(heights >= _RAISED * template.top) & (heights <= template.top + _HEADROOM)]
     if len(raised) < _FEWEST_POINTS:
         return RegistrationResult(None, math.inf, f"only {len(raised)} points are as high as the body's walls")
     start = align(wall_pattern(template, _RAISED * template.top), raised[:, :2])
@@ -145,10 +146,6 @@ def _commonest(heights: Array, middle: float, reach: float) -> float:
     peak = float(edges[count.argmax()]) + _LEVEL_BIN / 2.0
     near = heights[np.abs(heights - peak) <= _LEVEL_BAND]
     return float(near.mean()) if len(near) else middle
-
-
-def _is_raised(heights: Array, template: HeightMap) -> NDArray[np.bool_]:
-    return np.asarray((heights >= _RAISED * template.top) & (heights <= template.top + _HEADROOM))
 
 
 def _judged(elevation: ElevationMap, template: HeightMap, pose: Floats) -> tuple[float, str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
@@ -77,6 +78,59 @@ def require_known(commands: Commands, known: Collection[str]) -> None:
     for device in commands:
         if device not in known:
             raise DeviceError(f"no device '{device}'; there is {', '.join(sorted(known)) or 'none'}")
+
+
+class ModelCell(ABC):
+    """Base of drivers whose devices are models: knows the last snapshot, and ignores commands while it is halted.
+
+    Args:
+        devices: The devices, by id.
+    """
+
+    def __init__(self, devices: Mapping[str, DeviceSpec[Any, Any]]) -> None:
+        self.devices = devices
+        self._halted = False
+        self._snapshot = Snapshot(0, 0.0)
+
+    @property
+    def period(self) -> float:
+        """Length of one control cycle [s]."""
+        return _PERIOD
+
+    def read(self) -> Snapshot:
+        """Returns the present state without advancing time."""
+        return self._snapshot
+
+    def exchange(self, commands: Commands) -> Snapshot:
+        """Applies the commands for one period and returns what the sensors say at its end.
+
+        Raises:
+            DeviceError: A command is malformed or for a device that does not exist, or a device broke.
+        """
+        require_known(commands, self._snapshot.devices)
+        self._step({} if self._halted else commands)
+        cycle = self._snapshot.cycle + 1
+        self._snapshot = Snapshot(cycle, cycle * self.period, self._states())
+        return self._snapshot
+
+    def halt(self) -> None:
+        """Brakes everything from the next exchange on, whatever is commanded; for any thread."""
+        self._halted = True
+
+    def release(self) -> None:
+        """Obeys commands again."""
+        self._halted = False
+
+    @abstractmethod
+    def _step(self, commands: Commands) -> None:
+        """Applies the commands and advances time by one period."""
+
+    @abstractmethod
+    def _states(self) -> dict[str, Any]:
+        """Returns the state of each device."""
+
+
+_PERIOD = 1.0 / 200.0
 
 
 @runtime_checkable

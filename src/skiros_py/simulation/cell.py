@@ -17,7 +17,7 @@ from skiros_py.errors import DescriptionError, DeviceError, SkirosError, Unknown
 from skiros_py.geometry import Pose
 from skiros_py.plugins.loading import find_plugin
 from skiros_py.ports.cell import BodySpec, CellSpec, RobotSpec
-from skiros_py.ports.driver import require_known
+from skiros_py.ports.driver import ModelCell
 from skiros_py.ports.guard import DeviceModels, KindGuard
 from skiros_py.ports.kinematics import write_robot_urdf
 from skiros_py.ports.simulation import Engine, EngineFactory, Rendering, Vector, View
@@ -83,15 +83,13 @@ _LEAST_DISTANCE, _MOST_DISTANCE = 2.0, 25.0
 """From how near and how far the whole cell is shown [m]."""
 _GROUP_RADIUS = 0.8
 """Radius within which a robot or a device is about its place [m]."""
-_PERIOD = 1.0 / 200.0
 _SETTLING = 100  # cycles before cycle 0
 _NOISE_STREAM = 2
-_NO_COMMANDS: Commands = {}
 _COMING_TO_REST = 0.25
 """After the last braking command [s]: drives lag behind, and who stands must have been slow for 10 cycles."""
 
 
-class SimulatedCell:
+class SimulatedCell(ModelCell):
     """A :class:`skiros_py.ports.driver.CellDriver` on a physics engine; one physics step per exchange.
 
     Everything that happens in it is a function of the specification, the seed and the commands. Pictures are rendered
@@ -115,15 +113,14 @@ class SimulatedCell:
     """
 
     def __init__(self, spec: CellSpec, *, seed: int, engine: str | EngineFactory = ENGINE, gui: bool = False) -> None:
-        self._engine = _start_engine(engine, gui=gui)
-        self.devices = spec.devices
+        super().__init__(spec.devices)
+        self._engine = _start_engine(engine, period=self.period, gui=gui)
         self._seed = seed
         self._places = [group.start.position for group in spec.groups]
         self._cameras = {camera.id: (robot, camera) for robot in spec.groups for camera in robot.of(CameraSpec)}
         self._shots: Counter[str] = Counter()
         self._directory = tempfile.TemporaryDirectory(prefix="skiros-cell-")
         self._closed = False
-        self._halted = False
         try:
             self.scene = Scene(self._engine, spec, _write_models(spec, Path(self._directory.name)), seed=seed)
             models = {id_: model for robot in self.scene.robots for id_, model in robot.devices.items()}
@@ -138,11 +135,6 @@ class SimulatedCell:
             raise
 
     @property
-    def period(self) -> float:
-        """Length of one control cycle [s]."""
-        return _PERIOD
-
-    @property
     def kind(self) -> str:
         """Name of the engine."""
         return self._engine.name
@@ -151,34 +143,6 @@ class SimulatedCell:
     def braking_time(self) -> float:
         """Longest time from full speed to standstill, as its snapshots say it [s]."""
         return self._models.braking_time + _COMING_TO_REST
-
-    def read(self) -> Snapshot:
-        """Returns the present state without advancing time."""
-        return self._snapshot
-
-    def exchange(self, commands: Commands) -> Snapshot:
-        """Applies the commands for one physics step and returns what the sensors say at its end.
-
-        While the cell is halted it ignores the commands.
-
-        Raises:
-            DeviceError: A command is malformed or for a device that does not exist, or the engine broke.
-        """
-        require_known(commands, self._snapshot.devices)
-        self._step(_NO_COMMANDS if self._halted else commands)
-        self._snapshot = self._sense(self._snapshot.cycle + 1)
-        return self._snapshot
-
-    def halt(self) -> None:
-        """Brakes everything from the next exchange on, whatever is commanded; for any thread.
-
-        The engine belongs to the control thread, so this only says what :meth:`exchange` shall do.
-        """
-        self._halted = True
-
-    def release(self) -> None:
-        """Obeys commands again."""
-        self._halted = False
 
     def capture(self, camera: str) -> Pending[DepthImage]:
         """Takes a picture now; the image arrives after the camera's latency.
@@ -279,21 +243,21 @@ class SimulatedCell:
 
     def _settle(self) -> Snapshot:
         for _ in range(_SETTLING):
-            self._step(_NO_COMMANDS)
-        return self._sense(0)
+            self._step({})
+        return Snapshot(0, 0.0, self._states())
 
     def _step(self, commands: Commands) -> None:
         self._models.command(commands)
         self._engine.step()
 
-    def _sense(self, cycle: int) -> Snapshot:
-        return Snapshot(cycle, cycle * _PERIOD, self._models.states())
+    def _states(self) -> dict[str, Any]:
+        return self._models.states()
 
 
-def _start_engine(wanted: str | EngineFactory, *, gui: bool) -> Engine:
+def _start_engine(wanted: str | EngineFactory, *, period: float, gui: bool) -> Engine:
     build: EngineFactory = find_plugin("skiros.engines", wanted) if isinstance(wanted, str) else wanted
     try:
-        return build(period=_PERIOD, gui=gui)
+        return build(period=period, gui=gui)
     except SkirosError:
         raise
     except Exception as error:

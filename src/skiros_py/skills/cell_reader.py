@@ -83,8 +83,31 @@ def read_body(view: WorldView, element: str) -> BodySpec | None:
         DescriptionError: The body lacks something.
         WorldError: Its shape cannot be read.
     """
-    spatial = view.ontology.is_a(view.element(element).type, v.SPATIAL_THING)
-    return _body(view, element) if spatial and _is_body(view, element) and not _is_lost(view, element) else None
+    ontology, type_ = view.ontology, view.element(element).type
+    if not ontology.is_a(type_, v.SPATIAL_THING) or any(ontology.is_a(type_, class_) for class_ in (v.ROBOT, v.DEVICE)):
+        return None
+    solid = solid_of(view, element)
+    is_lost = view.value(element, v.MISSING) is True and view.value(element, v.POSE) is None
+    if solid is None or (is_lost and not _place(view, element)):  # there is none until somebody says where it is
+        return None
+    carrier, pose = _pose(view, element) or (None, None)
+    place = _place(view, element)
+    _check_start(view, element, pose, place)
+    body = BodySpec(
+        id=element,
+        type=type_,
+        solid=solid,
+        mass=_mass(view, element),
+        pose=pose,
+        place=place,
+        carrier=carrier,
+        compartment=_is_compartment(view, element),
+    )
+    if None in (view.value(element, v.SUPPORT_HALF_EXTENTS), view.value(element, v.SUPPORT_OFFSET)):
+        return body
+    individual = _Individual(view, element)
+    (half_x, half_y), (x, y, z) = individual.vector(v.SUPPORT_HALF_EXTENTS, 2), individual.vector(v.SUPPORT_OFFSET, 3)
+    return replace(body, support=(half_x, half_y), support_centre=(x, y), support_height=z)
 
 
 def has_base(view: WorldView, robot: str) -> bool:
@@ -111,43 +134,9 @@ def _without(bodies: list[BodySpec], left_out: dict[str, str]) -> list[BodySpec]
     return bodies
 
 
-def _is_body(view: WorldView, element: str) -> bool:
-    type_ = view.element(element).type
-    robotic = any(view.ontology.is_a(type_, class_) for class_ in (v.ROBOT, v.DEVICE))
-    return not robotic and solid_of(view, element) is not None
-
-
-def _is_lost(view: WorldView, element: str) -> bool:
-    """Tells whether a thing counts as missing: there is none until somebody says where it is."""
-    return view.value(element, v.MISSING) is True and view.value(element, v.POSE) is None and not _place(view, element)
-
-
 def _is_held(view: WorldView, element: str) -> bool:
     placement = view.placement(element)
     return placement is not None and placement.relation == v.HELD_BY
-
-
-def _body(view: WorldView, element: str) -> BodySpec:
-    solid = solid_of(view, element)
-    assert solid is not None
-    carrier, pose = _pose(view, element) or (None, None)
-    place = _place(view, element)
-    _check_start(view, element, pose, place)
-    half, offset = view.value(element, v.SUPPORT_HALF_EXTENTS), view.value(element, v.SUPPORT_OFFSET)
-    body = BodySpec(
-        id=element,
-        type=view.element(element).type,
-        solid=solid,
-        mass=_mass(view, element),
-        pose=pose,
-        place=place,
-        carrier=carrier,
-        compartment=_is_compartment(view, element),
-    )
-    if half is not None and offset is not None:
-        half, (x, y, z) = _vector(view, element, v.SUPPORT_HALF_EXTENTS, 2), _vector(view, element, v.SUPPORT_OFFSET, 3)
-        return replace(body, support=(half[0], half[1]), support_centre=(x, y), support_height=z)
-    return body
 
 
 def _stocked(view: WorldView, element: str, *, simulated: bool) -> list[BodySpec]:
@@ -185,7 +174,7 @@ def _check_start(view: WorldView, element: str, pose: Pose | None, place: str | 
 
 
 def _mass(view: WorldView, element: str) -> float:
-    mass = _number(view, element, v.MASS, default=0.0)
+    mass = _Individual(view, element).number(v.MASS, 0.0)
     movable = view.ontology.is_a(view.element(element).type, v.MANIPULATABLE)
     if not 0.0 <= mass <= _HEAVY or (movable and mass == 0.0):
         low = "above 0" if movable else "0 (never moves)"
@@ -218,7 +207,7 @@ def _pose(view: WorldView, element: str) -> tuple[str | None, Pose] | None:
 def _robot(view: WorldView, robot: str, kinds: DeviceKinds) -> RobotSpec:
     """Reads a robot; one that nothing moves stands where its own pose says."""
     devices = _devices(view, _structure(view, robot), kinds)
-    spec = RobotSpec(robot, _text(view, robot, v.MODEL), devices, **_driven(view, robot, devices))
+    spec = RobotSpec(robot, _Individual(view, robot).text(v.MODEL), devices, **_driven(view, robot, devices))
     carriers = [device for device in spec.devices if isinstance(device, MobileSpec)]
     if len(carriers) > 1:
         raise DescriptionError(f"{robot} is moved by {' and '.join(c.id for c in carriers)}: one can carry it")
@@ -238,12 +227,11 @@ def _single(view: WorldView, kinds: DeviceKinds) -> tuple[RobotSpec, ...]:
     """Reads the devices that belong to no robot: a camera over a table, a turntable."""
     groups = []
     for device in view.instances(v.DEVICE):
-        if owner(view, device) is None and not _is_part_of_device(view, device):
+        if owner(view, device) is None and not any(_is_device(view, one) for one in view.subjects(v.HAS_A, device)):
             model = view.value(device, v.MODEL)
             devices = _devices(view, [device, *_structure(view, device)], kinds)
-            group = RobotSpec(
-                device, model if isinstance(model, str) else "", devices, **_driven(view, device, devices)
-            )
+            driven = _driven(view, device, devices)
+            group = RobotSpec(device, model if isinstance(model, str) else "", devices, **driven)
             if devices:
                 groups.append(group if group.carrier is not None else _standing(view, group))
     return tuple(groups)
@@ -262,10 +250,6 @@ def _driven(view: WorldView, group: str, devices: Sequence[DeviceSpec[Any, Any]]
         if device.id != group and (names := reached.text(v.ADAPTER, "")):
             adapters.append((device.id, tuple(names.split())))
     return {"driver": driver, "address": address, "drivers": tuple(own), "adapters": tuple(adapters)}
-
-
-def _is_part_of_device(view: WorldView, element: str) -> bool:
-    return any(_is_device(view, o) for o in view.subjects(v.HAS_A, element))
 
 
 def _devices(view: WorldView, pieces: Sequence[str], kinds: DeviceKinds) -> tuple[DeviceSpec[Any, Any], ...]:
@@ -323,17 +307,30 @@ class _Individual:
 
     def number(self, property_: str, default: float | None = None) -> float:
         """Returns a number."""
-        return _number(self._view, self.id, property_, default)
+        value = self._view.value(self.id, property_)
+        if value is None and default is not None:
+            return default
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise DescriptionError(f"{self.id} has no number for {property_}")
+        return float(value)
 
     def text(self, property_: str, default: str | None = None) -> str:
         """Returns a text."""
-        if default is not None and self._view.value(self.id, property_) is None:
+        value = self._view.value(self.id, property_)
+        if value is None and default is not None:
             return default
-        return _text(self._view, self.id, property_)
+        if not isinstance(value, str):
+            raise DescriptionError(f"{self.id} has no text for {property_}")
+        return value
 
     def vector(self, property_: str, length: int | None = None) -> tuple[float, ...]:
         """Returns numbers."""
-        return _vector(self._view, self.id, property_, length)
+        value = self._view.value(self.id, property_)
+        if not isinstance(value, tuple):
+            raise DescriptionError(f"{self.id} has no numbers for {property_}")
+        if length is not None and len(value) != length:
+            raise DescriptionError(f"{self.id}: {property_} takes {length} numbers, not {len(value)}")
+        return value
 
     def pose(self, property_: str = v.POSE) -> Pose | None:
         """Returns a pose."""
@@ -344,28 +341,3 @@ class _Individual:
         """Returns the nearest owner of a class."""
         owners = self._view.subjects(v.HAS_A, self.id)
         return next((found for one in owners if (found := owner(self._view, one, class_)) is not None), None)
-
-
-def _number(view: WorldView, element: str, property_: str, default: float | None = None) -> float:
-    value = view.value(element, property_)
-    if value is None and default is not None:
-        return default
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise DescriptionError(f"{element} has no number for {property_}")
-    return float(value)
-
-
-def _text(view: WorldView, element: str, property_: str) -> str:
-    value = view.value(element, property_)
-    if not isinstance(value, str):
-        raise DescriptionError(f"{element} has no text for {property_}")
-    return value
-
-
-def _vector(view: WorldView, element: str, property_: str, length: int | None = None) -> tuple[float, ...]:
-    value = view.value(element, property_)
-    if not isinstance(value, tuple):
-        raise DescriptionError(f"{element} has no numbers for {property_}")
-    if length is not None and len(value) != length:
-        raise DescriptionError(f"{element}: {property_} takes {length} numbers, not {len(value)}")
-    return value

@@ -66,8 +66,7 @@ def _condition(agent: Param, device: Param) -> Condition:
 
 def _of_one_robot(view: WorldView, agent: str, device: str) -> Verdict:
     robots = (whole for whole in _wholes(view, agent) if view.ontology.is_a(view.element(whole).type, ROBOT))
-    whole = next(robots, agent)
-    return _is_piece(view, whole, device)
+    return _is_piece(view, next(robots, agent), device)
 
 
 def _is_piece(view: WorldView, whole: str, piece: str) -> Verdict:

@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 import pytest
 
 from skiros_py.devices.gripper import GripperSpec
-from skiros_py.devices.mobile_base import Base, BaseSpec, BaseTwist, _FakeBase
+from skiros_py.devices.mobile_base import Base, BaseSpec, BaseTwist, FakeBase
 from skiros_py.errors import DeviceError, SkirosError
 from skiros_py.geometry import Pose
 from skiros_py.ports.adapters import NO_PORTS
@@ -130,9 +130,9 @@ def push_and_pause(bench: Bench) -> None:
 
 
 IN_THE_CYCLE: dict[str, tuple[type, Callable[[Bench], None]]] = {
-    "state": (_FakeBase, run("push")),
-    "command": (_FakeBase, run("push")),
-    "braking_time": (_FakeBase, run("push")),
+    "state": (FakeBase, run("push")),
+    "command": (FakeBase, run("push")),
+    "braking_time": (FakeBase, run("push")),
     "check": (BaseSpec, run("push")),
     "scaled": (BaseSpec, push_and_pause),
     "mixed": (BaseSpec, push_both),

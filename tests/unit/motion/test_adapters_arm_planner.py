@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,7 +12,7 @@ import pytest
 
 from skiros_py.errors import UnknownName
 from skiros_py.geometry import Pose
-from skiros_py.motion.adapters import WorkerArmPlanner
+from skiros_py.motion.adapters import WorkerPlanner, arm_motion
 from skiros_py.motion.pinocchio.arm_motion import ArmMotion
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.motion import ArmPlanner, MotionPlan
@@ -19,7 +20,7 @@ from skiros_py.ports.motion import ArmPlanner, MotionPlan
 
 @pytest.fixture(scope="module")
 def planner(robot: RobotSpec) -> Iterator[ArmPlanner]:
-    planner = WorkerArmPlanner(robot, latency=0.07)
+    planner = WorkerPlanner("motion", partial(arm_motion, robot), latency=0.07)
     yield planner
     planner.close()
 

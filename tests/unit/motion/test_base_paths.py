@@ -14,7 +14,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from skiros_py.geometry import Pose, Primitive, Solid, wrap_angle
-from skiros_py.motion.base_paths import BasePaths, ShapelyBasePlanner
+from skiros_py.motion.adapters import WorkerPlanner, base_paths
+from skiros_py.motion.base_paths import BasePaths
 from skiros_py.ports.motion import BasePathRequest, BasePlanner, NoMotion, Obstacle
 from skiros_py.ports.paths import BasePath, floor_area
 
@@ -197,7 +198,7 @@ def test_what_hangs_above_is_no_obstacle_and_a_lying_cylinder_covers_its_length(
 
 
 def test_the_port_answers_from_a_worker_with_its_latency() -> None:
-    planner = ShapelyBasePlanner(latency=0.02)
+    planner = WorkerPlanner("base paths", base_paths, latency=0.02)
     port: BasePlanner = planner
     try:
         call = port.plan(BasePathRequest(Pose(), Pose.of(2.0, 0.0, 0.0), FOOTPRINT, ()))

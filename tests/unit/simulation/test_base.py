@@ -83,5 +83,5 @@ def test_the_wheels_turn_as_far_as_the_base_drives(make_cell, kitting):
 
 
 def test_a_speed_that_is_no_number_is_refused(make_cell, kitting):
-    with pytest.raises(DeviceError, match="base: speeds must be finite"):
+    with pytest.raises(DeviceError, match="base: a command is made of finite numbers"):
         _drive(make_cell(kitting.cell_spec()), math.nan, 0.0, 1)

@@ -12,7 +12,7 @@ from skiros_py.errors import UnknownName
 from skiros_py.geometry import Array, Pose
 from skiros_py.motion.pinocchio.arm_model import ArmModel, arm_model
 from skiros_py.motion.pinocchio.collision import CollisionScene, self_collision_pairs
-from skiros_py.motion.pinocchio.route_search import Chain, FreeLeg, Refusal, RouteSearch
+from skiros_py.motion.pinocchio.route_search import Refusal, RouteSearch
 from skiros_py.motion.timing import JointLimits, time_path
 from skiros_py.ports.adapters import InstalledPorts
 from skiros_py.ports.cell import RobotSpec
@@ -82,7 +82,9 @@ class ArmMotion:
         Raises:
             UnknownName: The robot has no such arm.
         """
-        arm = self._arm(request.arm)
+        if request.arm not in self._arms:
+            raise UnknownName("arm", request.arm, self._arms)
+        arm = self._arms[request.arm]
         start = np.array(request.start)
         if outside := _outside(arm, start):
             return NoMotion(outside)
@@ -94,15 +96,10 @@ class ArmMotion:
         if isinstance(found, Refusal):
             return NoMotion(found.text(len(request.routes)))
         limits = JointLimits(arm.velocity, arm.acceleration).scaled(request.speed)
-        legs = _timed(found, limits)
+        legs = tuple(_joined([time_path(piece, limits, leg.rate) for piece in leg.pieces]) for leg in found.legs)
         postures = np.vstack([start, *(leg.positions for leg in legs)])
         covers, ends = (covered(arm, some, request.held) for some in (postures, postures[-1:]))
         return MotionPlan(found.route, legs, covers, ends)
-
-    def _arm(self, name: str) -> ArmModel:
-        if name not in self._arms:
-            raise UnknownName("arm", name, self._arms)
-        return self._arms[name]
 
 
 def _outside(arm: ArmModel, start: Array) -> str:
@@ -111,16 +108,6 @@ def _outside(arm: ArmModel, start: Array) -> str:
     if beyond[worst] <= _START_SLACK:
         return ""
     return f"the arm starts with {arm.spec.joints[worst]} at {start[worst]:.3f} rad, outside its limits"
-
-
-def _timed(chain: Chain, limits: JointLimits) -> tuple[Trajectory, ...]:
-    legs = []
-    for leg in chain.legs:
-        if isinstance(leg, FreeLeg):
-            legs.append(_joined([time_path(piece, limits) for piece in leg.pieces]))
-        else:
-            legs.append(time_path(leg.line.postures, limits, leg.speed / max(leg.line.length, 1e-9)))
-    return tuple(legs)
 
 
 def _joined(pieces: list[Trajectory]) -> Trajectory:

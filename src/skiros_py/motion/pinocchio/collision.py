@@ -105,7 +105,10 @@ class CollisionScene:
         self._held = self._add_held(held) if held else []
         for first, second in sorted(self_pairs):
             self._pair(self._shapes.getGeometryId(first), self._shapes.getGeometryId(second), None)
-        self._guard_robot_from_held()
+        for shape_id in self._held:
+            for i, joint, _ in self._robot:
+                if joint != self._arm.model.njoints - 1:
+                    self._pair(shape_id, i, None)
         to_base = base.inverse()
         for obstacle in obstacles:
             self._add_obstacle(obstacle, to_base @ obstacle.pose)
@@ -134,12 +137,6 @@ class CollisionScene:
         tip = self._arm.model.frames[self._arm.tip]
         mount = tip.placement * se3(held.pose)
         return [self._add(_HELD, tip.parentJoint, mount, block) for block in held.solid.primitives]
-
-    def _guard_robot_from_held(self) -> None:
-        for shape_id in self._held:
-            for i, joint, _ in self._robot:
-                if joint != self._arm.model.njoints - 1:
-                    self._pair(shape_id, i, None)
 
     def _add_obstacle(self, obstacle: Obstacle, pose: Pose) -> None:
         placement = se3(pose)

@@ -55,7 +55,8 @@ class IkSolver:
             pose, jacobian = self._arm.tip_jacobian(q)
             error = pin.log6(pose.actInv(goal)).vector
             pulled = towards is not None and iteration < pulls
-            if not pulled and _small(error):
+            close = error[:3] @ error[:3] < _POSITION_TOLERANCE**2 and error[3:] @ error[3:] < _ANGLE_TOLERANCE**2
+            if close and not pulled:
                 return q
             drift = strength * (towards - q) if towards is not None and pulled else nowhere
             q = self._step(q, jacobian, error, drift)
@@ -115,11 +116,6 @@ def solutions(
         if len(found) >= count:
             break
     return sorted(found, key=lambda q: float(np.linalg.norm(q - reference)))
-
-
-def _small(error: Array) -> bool:
-    linear, angular = error[:3], error[3:]
-    return bool(linear @ linear < _POSITION_TOLERANCE**2 and angular @ angular < _ANGLE_TOLERANCE**2)
 
 
 class PinocchioKinematics:

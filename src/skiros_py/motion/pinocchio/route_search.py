@@ -32,65 +32,6 @@ _CENTRING = 0.01  # share of the way to the middle of the joints' ranges made up
 _ITERATIONS = 12
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Line:
-    """A straight motion of the tip.
-
-    Attributes:
-        postures: Joint angles [rad] at even steps along the line, shape (n, joints), n >= 2.
-        length: Way of the tip [m].
-    """
-
-    postures: Array
-    length: float
-
-
-class LineFollower:
-    """Follows straight lines with inverse kinematics, each posture from the one before.
-
-    Args:
-        arm: The kinematic model.
-        solver: Inverse kinematics.
-    """
-
-    def __init__(self, arm: ArmModel, solver: InverseKinematics) -> None:
-        self._arm = arm
-        self._solver = solver
-        self._middle = (arm.lower + arm.upper) / 2.0
-
-    def follow(self, start: Array, goal: pin.SE3, checker: Checker) -> Line | str:
-        """Follows the line from where the tip is at ``start`` to ``goal``.
-
-        Args:
-            start: Joint angles [rad].
-            goal: Pose of the tip at the end, in the robot's base frame.
-            checker: Checks for collisions on the way.
-
-        Returns:
-            The line, or why it is not possible.
-        """
-        origin = self._arm.tip_pose(start)
-        length = float(np.linalg.norm(goal.translation - origin.translation))
-        postures = [start]
-        for share in _shares(origin, goal, length):
-            posture = self._next(postures[-1], _between(origin, goal, share), checker)
-            if isinstance(posture, str):
-                return f"{posture}, {1000 * share * length:.0f} mm after its start"
-            postures.append(posture)
-        return Line(np.array(postures), length)
-
-    def _next(self, previous: Array, target: pin.SE3, checker: Checker) -> Array | str:
-        posture = self._solver.solve(
-            target.homogeneous, previous, towards=self._middle, strength=_CENTRING, iterations=_ITERATIONS
-        )
-        if posture is None:
-            return "the arm cannot follow it (a joint limit or the end of its reach)"
-        if np.abs(posture - previous).max() > _LARGEST_JUMP:
-            return "the arm would have to flip over"
-        contact = checker.contact(posture)
-        return str(contact) if contact else posture
-
-
 def _shares(origin: pin.SE3, goal: pin.SE3, length: float) -> Array:
     angle = float(np.linalg.norm(pin.log3(origin.rotation.T @ goal.rotation)))
     steps = max(1, math.ceil(length / _STEP), math.ceil(angle / _TURN_STEP))
@@ -136,12 +77,15 @@ class FreeMoves:
         arm: The kinematic model.
         checker: Checks for collisions.
         rng: Source of the random choices.
-        effort: Bound of planning around things.
+        effort: How many postures may be checked; planning is bounded by this and not by time, so that it is repeatable.
+
+    Attributes:
+        effort: How many may still be checked.
     """
 
-    def __init__(self, arm: ArmModel, checker: Checker, rng: np.random.Generator, effort: Effort) -> None:
+    def __init__(self, arm: ArmModel, checker: Checker, rng: np.random.Generator, effort: int) -> None:
         self._arm = arm
-        self._effort = effort
+        self.effort = effort
         self._checker = checker
         self._rng = rng
         # What a joint moves sweeps at most the rest of the arm: the nearer to the tip, the less.
@@ -160,12 +104,12 @@ class FreeMoves:
         return path if path and all(self.straight(a, b) for a, b in pairwise(path)) else None
 
     def _clear(self, posture: Array) -> bool:
-        self._effort.spend()
+        self.effort -= 1
         return self._checker.clear(posture)
 
     def _connect(self, start: Array, goal: Array) -> list[Array] | None:
         here, there = _Tree(start), _Tree(goal)
-        while not self._effort.spent():
+        while self.effort > 0:
             sample = self._sample(start, goal)
             leaf = self._extend(here, sample)
             if leaf is not None:
@@ -267,27 +211,19 @@ _EFFORT = 4000  # postures checked for each of them at most
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class FreeLeg:
-    """A free move: path pieces with joint angles [rad] at even steps; the arm rests between pieces."""
+class Leg:
+    """One move.
+
+    Attributes:
+        goal: Joint angles at its end [rad].
+        pieces: Joint angles [rad] at even steps along the path, each of shape (n, joints), n >= 2; the arm rests
+            between pieces. None for a free move that is not planned yet.
+        rate: Greatest rate of the path parameter [1/s]: tip speed over tip way for a straight line.
+    """
 
     goal: Array
     pieces: tuple[Array, ...] = ()
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class LineLeg:
-    """A straight move and the greatest tip speed on it [m/s]."""
-
-    line: Line
-    speed: float
-
-    @property
-    def goal(self) -> Array:
-        """Joint angles at its end [rad]."""
-        return np.asarray(self.line.postures[-1])
-
-
-Leg = FreeLeg | LineLeg
+    rate: float = math.inf
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -345,7 +281,7 @@ class RouteSearch:
         self._scene = scene
         self._to_base = se3(base.inverse())
         self._rng = np.random.default_rng(seed)
-        self._follower = LineFollower(arm, solver)
+        self._middle = (arm.lower + arm.upper) / 2.0
         self._free = scene.checker(_FREE_MARGIN)
         self._refusals: list[Refusal] = []
         self._known: dict[Pose, list[Array]] = {}
@@ -387,10 +323,32 @@ class RouteSearch:
     def _legs(self, chain: Chain, move: Move, *, first: bool) -> Iterable[Leg] | str:
         if isinstance(move, LineMove):
             checker = self._scene.checker(_LINE_MARGIN, move.touching, chain.end if first else None)
-            line = self._follower.follow(chain.end, self._in_base(move.pose), checker)
-            return line if isinstance(line, str) else [LineLeg(line, move.speed)]
+            return self._line(chain.end, self._in_base(move.pose), move.speed, checker)
         goals = self._goals(chain, move)
-        return goals if isinstance(goals, str) else [FreeLeg(goal) for goal in goals]
+        return goals if isinstance(goals, str) else [Leg(goal) for goal in goals]
+
+    def _line(self, start: Array, goal: pin.SE3, speed: float, checker: Checker) -> list[Leg] | str:
+        """Follows the line from where the tip is at ``start``, each posture from the one before; or says why not."""
+        origin = self._arm.tip_pose(start)
+        length = float(np.linalg.norm(goal.translation - origin.translation))
+        postures = [start]
+        for share in _shares(origin, goal, length):
+            posture = self._next(postures[-1], _between(origin, goal, share), checker)
+            if isinstance(posture, str):
+                return f"{posture}, {1000 * share * length:.0f} mm after its start"
+            postures.append(posture)
+        return [Leg(postures[-1], (np.array(postures),), speed / max(length, 1e-9))]
+
+    def _next(self, previous: Array, target: pin.SE3, checker: Checker) -> Array | str:
+        posture = self._solver.solve(
+            target.homogeneous, previous, towards=self._middle, strength=_CENTRING, iterations=_ITERATIONS
+        )
+        if posture is None:
+            return "the arm cannot follow it (a joint limit or the end of its reach)"
+        if np.abs(posture - previous).max() > _LARGEST_JUMP:
+            return "the arm would have to flip over"
+        contact = checker.contact(posture)
+        return str(contact) if contact else posture
 
     def _goals(self, chain: Chain, move: JointMove | PoseMove) -> list[Array] | str:
         """Returns the postures that end a free move, the nearest first."""
@@ -429,33 +387,30 @@ class RouteSearch:
     def _planned(self, chain: Chain, *, around: bool) -> Chain | None:
         """Returns the chain with its free moves planned, or None."""
         legs: list[Leg] = []
-        here, effort = chain.start, Effort(_EFFORT)
+        here, effort = chain.start, _EFFORT
         for number, leg in enumerate(chain.legs):
-            if isinstance(leg, FreeLeg):
-                pieces = self._free_path(here, leg.goal, effort, around=around)
-                if pieces is None:
+            if not leg.pieces:
+                checker = self._scene.checker(_FREE_MARGIN, start=here)
+                moves = FreeMoves(self._arm, checker, self._rng, effort)
+                pieces = _free_path(moves, checker, here, leg.goal, around=around)
+                if not pieces:
                     self._refusals.append(Refusal(chain.route, number, "free move", _NO_WAY))
                     return None
-                legs.append(replace(leg, pieces=pieces))
-            else:
-                legs.append(leg)
+                leg, effort = replace(leg, pieces=pieces), moves.effort
+            legs.append(leg)
             here = leg.goal
         return replace(chain, legs=tuple(legs))
 
-    def _free_path(self, start: Array, goal: Array, effort: Effort, *, around: bool) -> tuple[Array, ...] | None:
-        checker = self._scene.checker(_FREE_MARGIN, start=start)
-        moves = FreeMoves(self._arm, checker, self._rng, effort)
-        if moves.straight(start, goal):
-            return (np.linspace(start, goal, 5),)
-        way_points = moves.around(start, goal) if around else None
-        return _smooth(way_points, checker) if way_points else None
 
-
-def _smooth(way_points: list[Array], checker: Checker) -> tuple[Array, ...]:
+def _free_path(moves: FreeMoves, checker: Checker, start: Array, goal: Array, *, around: bool) -> tuple[Array, ...]:
+    """Returns the pieces of a free path; none where it is not found."""
+    if moves.straight(start, goal):
+        return (np.linspace(start, goal, 5),)
+    way_points = moves.around(start, goal) if around else None
+    if not way_points:
+        return ()
     rounded = round_corners(way_points, checker.clear)
-    if rounded is not None:
-        return (rounded,)
-    return tuple(np.linspace(a, b, 5) for a, b in pairwise(way_points))
+    return (rounded,) if rounded is not None else tuple(np.linspace(a, b, 5) for a, b in pairwise(way_points))
 
 
 def _spread(chains: list[Chain], count: int) -> list[Chain]:

@@ -8,14 +8,12 @@ from typing import Any
 from skiros_py.errors import DeviceError
 from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.device import FakeRobot
-from skiros_py.ports.driver import require_known
+from skiros_py.ports.driver import ModelCell
 from skiros_py.ports.guard import DeviceModels, KindGuard, model_of
 from skiros_py.ports.values import Commands, DepthImage, Pending, Snapshot
 
-_PERIOD = 1.0 / 200.0
 
-
-class FakeCell:
+class FakeCell(ModelCell):
     """A :class:`skiros_py.ports.driver.CellDriver` for trying skills and plans without physics.
 
     Each device is the fake of its kind. Bodies do not exist: nothing can be seen, held or bumped into.
@@ -33,9 +31,8 @@ class FakeCell:
 
     def __init__(self, spec: CellSpec, *, seed: int = 0) -> None:
         self.seed = seed
-        self.devices = spec.devices
-        self._halted = False
-        self._robots = [(group.carrier, FakeRobot(_PERIOD, group.start)) for group in spec.groups]
+        super().__init__(spec.devices)
+        self._robots = [(group.carrier, FakeRobot(self.period, group.start)) for group in spec.groups]
         fakes = {
             device.id: model_of(device, "fake", robot)
             for group, (_, robot) in zip(spec.groups, self._robots, strict=True)
@@ -48,11 +45,6 @@ class FakeCell:
         self._snapshot = Snapshot(0, 0.0, self._carriers.start(self._states))
 
     @property
-    def period(self) -> float:
-        """Length of one control cycle [s]."""
-        return _PERIOD
-
-    @property
     def kind(self) -> str:
         """Name of the adapter."""
         return "fake"
@@ -60,24 +52,11 @@ class FakeCell:
     @property
     def braking_time(self) -> float:
         """Longest time from full speed to standstill [s]: most stand in the next cycle."""
-        return max(self._carriers.braking_time, self._models.braking_time) + _PERIOD
+        return max(self._carriers.braking_time, self._models.braking_time) + self.period
 
-    def read(self) -> Snapshot:
-        """Returns the present state without advancing time."""
-        return self._snapshot
-
-    def exchange(self, commands: Commands) -> Snapshot:
-        """Does what the commands say and returns the state one period later.
-
-        Raises:
-            DeviceError: A command is malformed or for a device that does not exist.
-        """
-        require_known(commands, self._snapshot.devices)
+    def _step(self, commands: Commands) -> None:
         for models in (self._carriers, self._models):
-            models.command({} if self._halted else commands)
-        cycle = self._snapshot.cycle + 1
-        self._snapshot = Snapshot(cycle, cycle * _PERIOD, self._states())
-        return self._snapshot
+            models.command(commands)
 
     def _states(self) -> dict[str, Any]:
         """Returns the state of each device: first of those that move robots, which say where the others are."""
@@ -92,14 +71,6 @@ class FakeCell:
         """Runs the code of kinds under a guard."""
         for models in (self._carriers, self._models):
             models.contain(guard)
-
-    def halt(self) -> None:
-        """Stands still from the next exchange on, whatever is commanded; for any thread."""
-        self._halted = True
-
-    def release(self) -> None:
-        """Obeys commands again."""
-        self._halted = False
 
     def capture(self, camera: str) -> Pending[DepthImage]:
         """Refuses: there is nothing to see.

@@ -171,34 +171,34 @@ class PyBulletEngine:
             model = self._robot(name).model
             narrowed = {} if link is None else {"linkIndexA": model.link(link)}
             points = self.client.getContactPoints(model.body, **narrowed)
-        names = {body.index: name for name, body in self._bodies.items()} | {self._floor: FLOOR}
-        links = {robot.model.body: robot for robot in self._robots.values()}
-
-        def told(index: int, number: int) -> tuple[str, str]:
-            robot = links.get(index)
-            return (names[index], "") if robot is None else (robot.name, robot.model.link_names[number])
-
+        named = self._naming()
         return tuple(
-            Contact(*told(point[1], point[3]), *told(point[2], point[4]), point[5], point[7], -point[8], point[9])
+            Contact(*named(point[1], point[3]), *named(point[2], point[4]), point[5], point[7], -point[8], point[9])
             for point in points
         )
 
     def cast_rays(self, starts: Array, ends: Array) -> tuple[RayHit | None, ...]:
         """Returns what each ray meets first."""
         found: list[RayHit | None] = []
-        most = self.client.MAX_RAY_INTERSECTION_BATCH_SIZE
-        names = {body.index: name for name, body in self._bodies.items()} | {self._floor: FLOOR}
-        robots = {robot.model.body: robot for robot in self._robots.values()}
+        most, named = self.client.MAX_RAY_INTERSECTION_BATCH_SIZE, self._naming()
         for first in range(0, len(starts), most):
             batch = slice(first, first + most)
             for index, number, fraction, point, normal in self.client.rayTestBatch(
                 np.asarray(starts[batch]).tolist(), np.asarray(ends[batch]).tolist()
             ):
-                robot = robots.get(index)
-                link = "" if robot is None else robot.model.link_names[number]
-                name = names.get(index) if robot is None else robot.name
-                found.append(None if name is None else RayHit(name, link, fraction, point, normal))
+                found.append(None if index < 0 else RayHit(*named(index, number), fraction, point, normal))
         return tuple(found)
+
+    def _naming(self) -> Callable[[int, int], tuple[str, str]]:
+        """Returns what gives the names of a body or robot and of its link by PyBullet's numbers."""
+        names = {body.index: name for name, body in self._bodies.items()} | {self._floor: FLOOR}
+        robots = {robot.model.body: robot for robot in self._robots.values()}
+
+        def named(index: int, number: int) -> tuple[str, str]:
+            robot = robots.get(index)
+            return (names[index], "") if robot is None else (robot.name, robot.model.link_names[number])
+
+        return named
 
     def apply_wrench(self, name: str, wrench: Wrench, *, at: Vector | None = None, link: str = "") -> None:
         """Applies a wrench during the next step."""

@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cache, lru_cache
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NoReturn
 
-from lark import Lark, Token, Transformer
+from lark import Lark, Token, Transformer, v_args
 from lark.exceptions import UnexpectedCharacters, UnexpectedInput, UnexpectedToken, VisitError
 
 from skiros_py.errors import DescriptionError, UnknownName
@@ -249,12 +249,22 @@ _COMPARE: Mapping[str, Callable[[Any, Any], bool]] = MappingProxyType(
 # ---------------------------------------------------------------------- grammar
 
 
+def _operation(sign: str, function: Callable[..., float]) -> Callable[..., Term]:
+    apply = _numeric(f"'{sign}'", function)
+
+    def operation(_self: object, *parts: Term) -> Term:
+        return lambda look_up: apply(*(part(look_up) for part in parts))
+
+    return operation
+
+
 @dataclass(frozen=True, slots=True)
 class _Parsed:
     term: Term
     names: tuple[Token, ...] = field(default=())
 
 
+@v_args(inline=True)
 class _Terms(Transformer[Token, Term]):
     """Makes functions of a parse tree, from the inside out; collects the names of parameters and devices."""
 
@@ -262,50 +272,39 @@ class _Terms(Transformer[Token, Term]):
         super().__init__()
         self.found: list[Token] = []
 
-    def start(self, parts: Sequence[Term]) -> Term:
-        return parts[0]
+    def start(self, term: Term) -> Term:
+        return term
 
-    def disjunction(self, parts: Sequence[Term]) -> Term:
+    def disjunction(self, *parts: Term) -> Term:
         return lambda look_up: any(_truth("or", part(look_up)) for part in parts)
 
-    def conjunction(self, parts: Sequence[Term]) -> Term:
+    def conjunction(self, *parts: Term) -> Term:
         return lambda look_up: all(_truth("and", part(look_up)) for part in parts)
 
-    def negation(self, parts: Sequence[Term]) -> Term:
+    def negation(self, term: Term) -> Term:
         def negation(look_up: Lookup) -> Any:
-            value = parts[0](look_up)
+            value = term(look_up)
             _needs("truth value", "'not'", value)
             return value if isinstance(value, Sample) else not value
 
         return negation
 
-    def comparison(self, parts: Sequence[Any]) -> Term:
-        left, sign, right = parts
+    def comparison(self, left: Term, sign: Token, right: Term) -> Term:
         return lambda look_up: _compare(left(look_up), str(sign), right(look_up))
 
-    def sum(self, parts: Sequence[Term]) -> Term:
-        return _operation("+", operator.add, parts)
+    sum = _operation("+", operator.add)
+    difference = _operation("-", operator.sub)
+    product = _operation("*", operator.mul)
+    quotient = _operation("/", operator.truediv)
+    negative = _operation("-", operator.neg)
 
-    def difference(self, parts: Sequence[Term]) -> Term:
-        return _operation("-", operator.sub, parts)
-
-    def product(self, parts: Sequence[Term]) -> Term:
-        return _operation("*", operator.mul, parts)
-
-    def quotient(self, parts: Sequence[Term]) -> Term:
-        return _operation("/", operator.truediv, parts)
-
-    def negative(self, parts: Sequence[Term]) -> Term:
-        return _operation("-", operator.neg, parts)
-
-    def call(self, parts: Sequence[Any]) -> Term:
-        name, *arguments = parts
+    def call(self, name: Token, *arguments: Term) -> Term:
         if name not in _FUNCTIONS:
             raise UnknownName("function", str(name), _FUNCTIONS)
         return lambda look_up: _FUNCTIONS[name](*(argument(look_up) for argument in arguments))
 
-    def item(self, parts: Sequence[Any]) -> Term:
-        vector, number = parts[0], int(parts[1])
+    def item(self, vector: Term, index: Token) -> Term:
+        number = int(index)
 
         def item(look_up: Lookup) -> Any:
             value = vector(look_up)
@@ -318,28 +317,28 @@ class _Terms(Transformer[Token, Term]):
 
         return item
 
-    def name(self, parts: Sequence[Token]) -> Term:
-        self.found.append(parts[0])
-        name = str(parts[0])
-        return lambda look_up: look_up(name)
+    def name(self, name: Token) -> Term:
+        self.found.append(name)
+        return self.signal(name)
 
-    def signal(self, parts: Sequence[Token]) -> Term:
-        name = str(parts[0])
-        return lambda look_up: look_up(name)
+    def signal(self, name: Token) -> Term:
+        return lambda look_up: look_up(str(name))
 
-    def number(self, parts: Sequence[Token]) -> Term:
-        value = float(parts[0])
-        return lambda _look_up: value
+    def number(self, number: Token) -> Term:
+        return _constant(float(number))
 
-    def text(self, parts: Sequence[Token]) -> Term:
-        value = str(parts[0])[1:-1].replace('\\"', '"')
-        return lambda _look_up: value
+    def text(self, text: Token) -> Term:
+        return _constant(str(text)[1:-1].replace('\\"', '"'))
 
-    def true(self, _parts: Sequence[Token]) -> Term:
-        return lambda _look_up: True
+    def true(self) -> Term:
+        return _constant(True)
 
-    def false(self, _parts: Sequence[Token]) -> Term:
-        return lambda _look_up: False
+    def false(self) -> Term:
+        return _constant(False)
+
+
+def _constant(value: float | str) -> Term:
+    return lambda _look_up: value
 
 
 def _truth(word: str, value: Any) -> bool:
@@ -355,11 +354,6 @@ def _compare(left: Any, sign: str, right: Any) -> Any:
     if _kinds(left).isdisjoint(_kinds(right)):
         raise _Unknown(f"{_said(left)} ({_kind(left)}) cannot be compared with {_said(right)} ({_kind(right)})")
     return _TRUTH if sampled else bool(left != right if sign == "!=" else left == right)
-
-
-def _operation(sign: str, function: Callable[..., float], parts: Sequence[Term]) -> Term:
-    apply = _numeric(f"'{sign}'", function)
-    return lambda look_up: apply(*(part(look_up) for part in parts))
 
 
 @cache

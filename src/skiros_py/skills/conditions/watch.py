@@ -156,12 +156,16 @@ class _Watched:
 
 
 class Watch:
-    """Some conditions under watch; made by :meth:`Watches.add`."""
+    """Some conditions under watch; made by :meth:`Watches.add`.
+
+    Attributes:
+        stale: Whether something that one of them reads may have changed.
+    """
 
     def __init__(self, watches: Watches, conditions: Sequence[Condition], binding: Binding) -> None:
         self._watches = watches
         self._watched = tuple(_Watched(self, condition, binding) for condition in conditions)
-        self._stale = True
+        self.stale = True
         self._senses = False
         self._broken: Verdict | None = None
 
@@ -171,7 +175,7 @@ class Watch:
         Raises:
             SkirosError: A condition cannot be evaluated.
         """
-        if self._stale or self._senses:
+        if self.stale or self._senses:
             self._look()
         return self._broken
 
@@ -180,23 +184,19 @@ class Watch:
         """What was found last of each condition that was evaluated."""
         return tuple((one.condition, one.verdict) for one in self._watched if one.verdict.text)
 
-    def touch(self) -> None:
-        """Has those conditions that are stale evaluated when it is asked next."""
-        self._stale = True
-
     def close(self) -> None:
         """Ends it; it answers as it did last."""
-        self._stale = self._senses = False
+        self.stale = self._senses = False
         self._watches.forget(self._watched)
 
     def _look(self) -> None:
-        self._stale = False
+        self.stale = False
         try:
             for one in self._watched:
                 if one.stale or one.senses:
                     self._watches.evaluate(one)
         except BaseException:
-            self._stale = True
+            self.stale = True
             raise
         self._senses = any(one.senses for one in self._watched)
         self._broken = next((one.verdict for one in self._watched if not one.verdict), None)
@@ -271,4 +271,4 @@ class Watches:
 
 def _touch(one: _Watched) -> None:
     one.stale = True
-    one.watch.touch()
+    one.watch.stale = True

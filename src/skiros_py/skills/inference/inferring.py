@@ -95,7 +95,9 @@ def infer(
         reasons |= found.reasons
         verdicts |= found.missing
     for key in missing(description.params, values):
-        verdicts.setdefault(key, Verdict(False, _must_be_given(description.param(key))))
+        param = description.param(key)
+        unit = f" [{param.unit}]" if param.unit else ""
+        verdicts.setdefault(key, Verdict(False, f"{key}: a {param.type_name}{unit} must be given"))
     if verdicts:
         return Missing({p.key: verdicts[p.key] for p in description.params if p.key in verdicts}, values)
     return Inferred(values, {p.key: reasons[p.key] for p in description.params if p.key in reasons})
@@ -118,10 +120,6 @@ class _Group:
     params: tuple[Param, ...]
     needs: tuple[Condition, ...]
     known: Mapping[str, str]
-
-    @property
-    def keys(self) -> tuple[str, ...]:
-        return tuple(param.key for param in self.params)
 
     def without(self, params: Sequence[Param]) -> _Group:
         keys = {param.key for param in params}
@@ -223,11 +221,6 @@ def _nothing_fits(
         return Verdict(False, f"{param.key}: {_listed(fitting)} are left: say which")
     text = f"{param.key}: {best[param.key]}, the best of {len(fitting)} candidates"
     return Verdict(False, text, tuple(need.evaluate(view, best) for need in lacking))
-
-
-def _must_be_given(param: Param) -> str:
-    unit = f" [{param.unit}]" if param.unit else ""
-    return f"{param.key}: a {param.type_name}{unit} must be given"
 
 
 def _listed(names: Sequence[str]) -> str:

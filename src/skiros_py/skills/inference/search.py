@@ -10,7 +10,7 @@ in the order of the world's own answers, that of their characters: ``ball_10`` c
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from skiros_py.errors import DescriptionError, SkirosError
@@ -310,17 +310,13 @@ def _cost(param: Param, element: str, view: WorldView) -> float:
         value: object = view.value(element, param.cost)
     else:
         assert param.cost is not None
-        value = _worked_out(param.key, param.cost, element, view)
+        try:
+            value = param.cost(view, element)
+        except SkirosError:
+            raise
+        except Exception as error:
+            what = f"the cost of {element} as parameter {param.key}"
+            raise DescriptionError(f"{what} could not be worked out: {type(error).__name__}: {error}") from error
     if isinstance(value, bool) or not isinstance(value, int | float) or math.isnan(value):
         return math.inf
     return float(value)
-
-
-def _worked_out(key: str, cost: Callable[[WorldView, str], float], element: str, view: WorldView) -> object:
-    try:
-        return cost(view, element)
-    except SkirosError:
-        raise
-    except Exception as error:
-        text = f"the cost of {element} as parameter {key} could not be worked out: {type(error).__name__}: {error}"
-        raise DescriptionError(text) from error

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from typing import Any
 
 from skiros_py.errors import DescriptionError, UnknownName
@@ -62,11 +62,8 @@ def _value_faults(param: Param) -> Iterator[str]:
         yield f"a vector has any number of numbers: say type 'number' with length {param.length}"
     if param.limits is not None and param.type not in ("number", "integer"):
         yield f"limits are for numbers, and it is {param.type_name}"
-    if param.unit and param.type in _WITHOUT_UNIT:
+    if param.unit and param.type in ("text", "boolean", "class", "pose"):
         yield f"{param.type_name} has no unit, so not '{param.unit}'"
-
-
-_WITHOUT_UNIT = ("text", "boolean", "class", "pose")
 
 
 def _default_faults(param: Param) -> Iterator[str]:
@@ -75,41 +72,27 @@ def _default_faults(param: Param) -> Iterator[str]:
     elif not param.kind.has_default and param.default is not None:
         yield f"it is {param.kind.name} and cannot have a default: make it OFFLINE or CONFIG"
     elif param.default is not None:
-        values = _values(param)
-        if values is None:
-            yield f"its default must be a tuple of {param.length or 'any number of'} values, not {param.default!r:.100}"
-        elif not all(_is_of(param, value) for value in values):
-            yield f"its default must be {_says(param)}, not {param.default!r:.100}"
+        several = isinstance(param.default, tuple) and param.length in (0, len(param.default))
+        if param.length != 1 and not several:
+            count = param.length or "any number of"
+            yield f"its default must be a tuple of {count} values, not {param.default!r:.100}"
+        elif wrong := _wrong(param, (param.default,) if param.length == 1 else param.default):
+            yield f"its default must be {wrong}, not {param.default!r:.100}"
 
 
-def _values(param: Param) -> tuple[Any, ...] | None:
-    """The values that the default is made of, or None where there are not as many as there should be."""
-    if param.length == 1:
-        return (param.default,)
-    if not isinstance(param.default, tuple) or param.length not in (0, len(param.default)):
-        return None
-    return param.default
-
-
-def _is_of(param: Param, value: Any) -> bool:
+def _wrong(param: Param, values: tuple[Any, ...]) -> str:
+    """Returns what a value of the parameter is, where one of some values is none; else an empty text."""
     if not isinstance(param.type, str):
-        return isinstance(value, param.type)
-    if param.is_element:
-        return isinstance(value, str) and bool(value)
-    return _accepts(VALUE_TYPES[param.type].check, value)
-
-
-def _accepts(check: Callable[[Any], Any], value: Any) -> bool:
-    try:
-        return bool(check(value) == value)
-    except ValueError:
-        return False
-
-
-def _says(param: Param) -> str:
-    if not isinstance(param.type, str):
-        return f"a {param.type_name}"
-    return "the id of an element" if param.is_element else VALUE_TYPES[param.type].says
+        good, says = all(isinstance(value, param.type) for value in values), f"a {param.type_name}"
+    elif param.is_element:
+        good, says = all(isinstance(value, str) and value for value in values), "the id of an element"
+    else:
+        type_ = VALUE_TYPES[param.type]
+        try:
+            good, says = all(bool(type_.check(value) == value) for value in values), type_.says
+        except ValueError:
+            return type_.says
+    return "" if good else says
 
 
 def _check_variables(param: Param, keys: Collection[str], where: str) -> None:

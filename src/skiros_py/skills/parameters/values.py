@@ -6,6 +6,7 @@ import json
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -65,55 +66,37 @@ def _pose_numbers(pose: Pose) -> list[float]:
     return [float(word) for word in DATATYPES["sk:poseLiteral"].format(pose).split()]
 
 
-def _of(curie: str, says: str, schema: str) -> ValueType:
+def _of(curie: str, says: str, schema: Mapping[str, Any], **other: Callable[[Any], Any]) -> ValueType:
     datatype = DATATYPES[curie]
-    return ValueType(says, datatype.check, datatype.parse, datatype.format, schema={"type": schema})
+    usual: dict[str, Any] = {"check": datatype.check, "parse": datatype.parse, "text": datatype.format}
+    return ValueType(says, schema=MappingProxyType(schema), **(usual | other))
 
 
-_NUMBERS: Mapping[str, Any] = MappingProxyType({"type": "array", "items": {"type": "number"}})
+_NUMBERS: Mapping[str, Any] = {"type": "array", "items": {"type": "number"}}
+_POSE = 'a pose "x y z roll pitch yaw" of finite numbers [m, rad]'
+_SIX = {**_NUMBERS, "minItems": 6, "maxItems": 6}
 
 VALUE_TYPES: Mapping[str, ValueType] = MappingProxyType(
     {
         "number": ValueType("a finite number", _check_number, _parse_number, repr, schema={"type": "number"}),
-        "integer": _of("xsd:integer", "a whole number", "integer"),
-        "text": _of("xsd:string", "a text", "string"),
-        "boolean": _of("xsd:boolean", "true or false", "boolean"),
-        "pose": ValueType(
-            'a pose "x y z roll pitch yaw" of finite numbers [m, rad]',
-            _check_pose,
-            DATATYPES["sk:poseLiteral"].parse,
-            DATATYPES["sk:poseLiteral"].format,
-            _pose_numbers,
-            {**_NUMBERS, "minItems": 6, "maxItems": 6},
-        ),
-        "vector": ValueType(
-            "finite numbers separated by blanks",
-            DATATYPES["sk:vectorLiteral"].check,
-            DATATYPES["sk:vectorLiteral"].parse,
-            DATATYPES["sk:vectorLiteral"].format,
-            list,
-            _NUMBERS,
-        ),
-        "class": _of("xsd:string", "the name of a class", "string"),
+        "integer": _of("xsd:integer", "a whole number", {"type": "integer"}),
+        "text": _of("xsd:string", "a text", {"type": "string"}),
+        "boolean": _of("xsd:boolean", "true or false", {"type": "boolean"}),
+        "pose": _of("sk:poseLiteral", _POSE, _SIX, check=_check_pose, json=_pose_numbers),
+        "vector": _of("sk:vectorLiteral", "finite numbers separated by blanks", _NUMBERS, json=list),
+        "class": _of("xsd:string", "the name of a class", {"type": "string"}),
     }
 )
 """By the name that a parameter gives."""
 
-_TYPES: dict[ValueClass, ValueType] = {}
 
-
+@cache
 def custom_type(class_: ValueClass) -> ValueType:
     """Returns how values of a Python class are checked, read and written.
 
     Raises:
         DescriptionError: pydantic does not know how to.
     """
-    if class_ not in _TYPES:
-        _TYPES[class_] = _made(class_)
-    return _TYPES[class_]
-
-
-def _made(class_: ValueClass) -> ValueType:
     from pydantic import TypeAdapter
     from pydantic.errors import PydanticUserError
 
@@ -193,9 +176,10 @@ def read_value(param: Param, value: Any, view: WorldView) -> Any:
         read = _one(param, value) if param.length == 1 else _several(param, value)
     except (ValueError, RecursionError) as error:
         raise UsageError(_refusal(param, value, str(error))) from None
-    if param.type == "class":
-        return _classes(read, view)
-    return read
+    if param.type != "class":
+        return read
+    resolve = view.ontology.resolve_class
+    return tuple(map(resolve, read)) if isinstance(read, tuple) else resolve(read)
 
 
 def as_text(param: Param, value: Any) -> str:
@@ -249,7 +233,7 @@ def schema(param: Param) -> dict[str, Any]:
 
 
 def _type_of(param: Param) -> ValueType:
-    return VALUE_TYPES[param.type] if isinstance(param.type, str) else custom_type(param.type)
+    return VALUE_TYPES[param.type] if isinstance(param.type, str) else custom_type(param.type)  # type: ignore[arg-type]
 
 
 def _one(param: Param, value: Any) -> Any:
@@ -284,12 +268,6 @@ def _refusal(param: Param, value: Any, why: str) -> str:
     return f"parameter {param.key} takes {says}{unit}, not {shown(value)}{': ' + why if why else ''}"
 
 
-def _classes(read: Any, view: WorldView) -> Any:
-    if isinstance(read, tuple):
-        return tuple(view.ontology.resolve_class(name) for name in read)
-    return view.ontology.resolve_class(read)
-
-
 def _element(param: Param, value: Any, view: WorldView) -> str:
     class_ = param.element_class
     if not isinstance(value, str):
@@ -297,7 +275,9 @@ def _element(param: Param, value: Any, view: WorldView) -> str:
     name = value if view.has(value) else _labelled(param, value, view)
     type_ = view.element(name).type
     if not view.ontology.is_a(type_, class_):
-        raise UsageError(f"parameter {param.key} takes a {class_}, and {name} is a {type_}. {_there_are(class_, view)}")
+        names = view.instances(class_)
+        there = f"There are {', '.join(names[:20])}{', …' if len(names) > 20 else ''}." if names else "There is none."
+        raise UsageError(f"parameter {param.key} takes a {class_}, and {name} is a {type_}. {there}")
     return name
 
 
@@ -310,13 +290,6 @@ def _labelled(param: Param, label: str, view: WorldView) -> str:
     if found:
         raise UsageError(f"parameter {param.key}: {', '.join(found[:20])} are all called {shown(label)}: say which")
     raise UnknownName("element", label, names, where=f"for parameter {param.key}, a {param.element_class}")
-
-
-def _there_are(class_: str, view: WorldView) -> str:
-    names = view.instances(class_)
-    if not names:
-        return "There is none."
-    return f"There are {', '.join(names[:20])}{', …' if len(names) > 20 else ''}."
 
 
 Arguments = Mapping[str, Any]
@@ -342,7 +315,11 @@ def read_arguments(params: Sequence[Param], given: Mapping[str, Any], view: Worl
         if value is None and key in by_key:
             continue
         try:
-            values[key] = _read(key, value, by_key, view)
+            if key not in by_key:
+                raise UnknownName("parameter", key, by_key)
+            if by_key[key].kind is Kind.CONFIG:
+                raise UsageError(f"parameter {key} is fixed when the module is loaded: it cannot be given at a call")
+            values[key] = read_value(by_key[key], value, view)
         except UsageError as fault:
             faults.append(fault)
     if len(faults) > 1:
@@ -355,12 +332,3 @@ def read_arguments(params: Sequence[Param], given: Mapping[str, Any], view: Worl
 def missing(params: Iterable[Param], values: Mapping[str, Any]) -> tuple[str, ...]:
     """Returns the keys of required parameters that are not specified: a module does not run before all are."""
     return tuple(param.key for param in params if param.kind.is_required and values.get(param.key) is None)
-
-
-def _read(key: str, value: Any, by_key: Mapping[str, Param], view: WorldView) -> Any:
-    if key not in by_key:
-        raise UnknownName("parameter", key, by_key)
-    param = by_key[key]
-    if param.kind is Kind.CONFIG:
-        raise UsageError(f"parameter {key} is fixed when the module is loaded: it cannot be given at a call")
-    return read_value(param, value, view)

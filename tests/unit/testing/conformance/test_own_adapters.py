@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import pytest
 
-from skiros_py.motion.adapters import WorkerArmPlanner
-from skiros_py.motion.base_paths import ShapelyBasePlanner
+from skiros_py.motion.adapters import WorkerPlanner, arm_motion, base_paths
 from skiros_py.motion.pinocchio.kinematics import kinematics_of
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.kairos import Kairos
@@ -51,9 +52,9 @@ class TestSimulatedCell(CellDriverContract):
         return SimulatedCell(spec, seed=1)
 
 
-class TestWorkerArmPlanner(ArmPlannerContract):
+class TestArmMotion(ArmPlannerContract):
     def make(self, robot: RobotSpec) -> ArmPlanner:
-        return WorkerArmPlanner(robot)
+        return WorkerPlanner("motion", partial(arm_motion, robot))
 
 
 class TestPinocchioKinematics(KinematicsContract):
@@ -61,9 +62,9 @@ class TestPinocchioKinematics(KinematicsContract):
         return kinematics_of(robot.model)
 
 
-class TestShapelyBasePlanner(BasePlannerContract):
+class TestBasePaths(BasePlannerContract):
     def make(self) -> BasePlanner:
-        return ShapelyBasePlanner()
+        return WorkerPlanner("base paths", base_paths)
 
 
 class TestFastDownward(PlannerContract):
