@@ -59,7 +59,7 @@ class Person:
 
     def asked(self, about: str) -> Locator:
         """What stands at the top of the page and waits for an answer."""
-        top = self.page.get_by_role("region", name="Messages that need somebody")
+        top = self.page.get_by_role("region", name="Messages that need attention")
         return top.get_by_role("alert").filter(has_text=about)
 
     def choose_in_tree(self, thing: str) -> Locator:
@@ -105,7 +105,7 @@ class Person:
     def want(self, **places: str) -> None:
         """Says anew what shall lie where."""
         self.open("Goal")
-        goal = self.page.get_by_role("region", name="What shall be so")
+        goal = self.page.get_by_role("region", name="Conditions of the goal")
         forget = goal.get_by_role("button", name="Remove all conditions")
         if forget.is_enabled():
             forget.click()

@@ -132,7 +132,7 @@ def test_stop_all_halts_everything_and_a_reset_lets_it_go_on(station, visit, exp
     assert served.services.station.session.cycle.halted
     expect(page).to_have_title(re.compile("halted"))
     page.get_by_role("button", name="Reset").click()
-    page.get_by_role("button", name="I have looked: reset").click()
+    page.get_by_role("button", name="I have checked: reset").click()
     expect(page.get_by_text("Everything is halted")).to_have_count(0)
     assert not served.services.station.session.cycle.halted
 
@@ -244,7 +244,7 @@ def test_who_shows_a_key_is_let_in_and_out_again(station, visit, axe, expect):
     _, key = key_of(served, "operator")
     page = visit(served.url, expected=REFUSED)
     sign_in(page, "sk_00000000_wrong")
-    expect(page.get_by_role("alert")).to_contain_text("opens nothing")
+    expect(page.get_by_role("alert")).to_contain_text("is not valid")
     assert axe(page) == []
     sign_in(page, key)
     expect(page.get_by_role("button", name="Signed in: anna, operator")).to_be_visible()

@@ -105,7 +105,7 @@ def has_it_brought_but_stops_on_the_way(anna: Typist) -> None:
     anna.expect(anna.page.get_by_text("The stop was obeyed.")).to_be_visible()
     anna.go(anna.button("Reset …"), by="Shift+Tab")
     anna.keys("Enter")
-    anna.push("I have looked: reset")
+    anna.push("I have checked: reset")
     anna.expect(anna.page.get_by_text("Everything is halted")).to_have_count(0)
     anna.keeps_the_focus()
     anna.go(anna.asked("A job is held").get_by_role("button", name="Try again"))

@@ -72,6 +72,6 @@ test("faults are shown at their fields", async () => {
 test("Enter adds a text to a list", async () => {
   const said = vi.fn();
   show("choose", said);
-  await userEvent.type(screen.getByPlaceholderText("Write one and press Enter"), "red{Enter}blue{Enter}");
+  await userEvent.type(screen.getByPlaceholderText("Type one and press Enter"), "red{Enter}blue{Enter}");
   expect(said).toHaveBeenLastCalledWith({ options: ["red", "blue"] });
 });
