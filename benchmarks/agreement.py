@@ -1,4 +1,4 @@
-"""Whether the problem that leaves out what a goal cannot need has a plan just where the whole one has."""
+"""Compares reduced and complete problems: whether one has a plan exactly if the other has."""
 
 from __future__ import annotations
 

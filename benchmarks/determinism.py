@@ -1,4 +1,4 @@
-"""The same seed twice, once alone and once beside a process that hogs the CPU: the same digest.
+"""Runs the same seed twice, once alone and once beside busy processes, and compares the digests.
 
     uv run python benchmarks/determinism.py
 

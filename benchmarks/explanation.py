@@ -1,9 +1,9 @@
-"""Why there is no plan: is the cause right, is it quick, and does every repair that is offered work?
+"""Why there is no plan: whether the cause is right, how long it takes, and whether every repair works.
 
     uv run python benchmarks/explanation.py
 
-Tasks that have a plan are spoilt in a way drawn from a seed, so that the cause is known. Each repair is then applied to
-a fresh copy of the world, as a person would, and another planner than the one that tried it has to find a plan.
+Tasks that have a plan are modified in a way drawn from a seed, so that the cause is known. Each repair is then applied
+to a fresh copy of the world, as a person would, and a planner other than the one that verified it must find a plan.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ _RIGHT, _CAUSE, _ALL = 0.95, 0.5, 5.0
 
 @dataclass
 class Tally:
-    """What was counted over all mutations; times in seconds."""
+    """Counts over all mutations; times in seconds."""
 
     tasks: int = 0
     wrong: list[str] = field(default_factory=list)
@@ -93,7 +93,7 @@ def _has_plan(mutation: Mutation, goal: Sequence[Condition], checking: Planner) 
 
 
 def _in_a_large_world() -> float:
-    """Returns how long the cause takes where there are 500 parts in 50 boxes [s]."""
+    """Returns the time to find the cause among 500 parts in 50 boxes [s]."""
     boxes = [f"scene:box_{n} a tiny:Box ; sk:on scene:floor ." for n in range(50)]
     parts = [f"scene:part_{n} a tiny:Ball ; sk:in scene:box_{n % 50} ." for n in range(500)]
     world = tiny_world(*boxes, *parts, "scene:ball_9 a tiny:Ball ; sk:in scene:slot_1 .", robots=2)

@@ -1,9 +1,9 @@
-"""What the kernel costs: a cycle with 1,000 behaviours, successors, watched conditions, and 100 plug-ins at start-up.
+"""The cost of the kernel: cycles with 1,000 behaviours, successors, watched conditions, and 100 plug-ins at start-up.
 
     uv run --group bench python benchmarks/kernel.py
 
 Cycles of ours, of py_trees and of a bare loop over generators are timed in turn in the same run, while the watchdog
-watches ours; ratios of medians decide. Of process starts, which others disturb more, the best of several counts.
+watches ours; ratios of medians decide. For process starts, which are noisier, the best of several counts.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ _STEPS = 100
 _CONDITIONS = 100
 _PLUGINS = 100
 _IN_A_ROW = 50
-"""Cycles of one kind that are timed before the next kind has its turn."""
+"""Cycles of one kind that are timed before those of the next kind."""
 
 Tick = Callable[[], object]
 
@@ -66,13 +66,13 @@ def main() -> int:
 
 
 class Busy(Primitive["Busy.Params"]):
-    """Runs for ever."""
+    """Runs forever."""
 
     name = "busy"
 
     @dataclass(frozen=True, slots=True)
     class Params:
-        """It takes none."""
+        """Takes no parameters."""
 
     def execute(self) -> Execution[Outcome]:
         """Yields in every cycle."""
@@ -81,12 +81,12 @@ class Busy(Primitive["Busy.Params"]):
 
 
 class Instant(Busy):
-    """Is done in the tick in which it starts."""
+    """Ends in the tick in which it starts."""
 
     name = "instant"
 
     def execute(self) -> Execution[Outcome]:
-        """Returns."""
+        """Returns at once."""
         yield from ()
         return Success()
 
@@ -152,7 +152,7 @@ def _cycles(rounds: int) -> list[Figure]:
 
 class _Crowd(ControlCycle):
     def step_without_stages(self) -> None:
-        """Does what a cycle does, without signals and mix."""
+        """One cycle without signals and mix."""
         self._obey_halt()
         self._do(self._exchanging, self.board.exchange)
         self._settle()
@@ -203,7 +203,7 @@ def _for_ever() -> Execution[None]:
 
 
 def _py_trees() -> Tick | None:
-    """Returns a tick of the peer's tree: a parallel of behaviours that all run; None where it is not installed."""
+    """Returns a tick of py_trees' tree, a parallel of running behaviours; None if py_trees is missing."""
     try:
         py_trees: Any = importlib.import_module("py_trees")
     except ImportError:
@@ -242,7 +242,7 @@ def _timed(tick: Tick) -> float:
 
 
 def _successors() -> Figure:
-    """Counts the cycles of a sequence of steps of one tick each: one more than a cycle for each would be idle."""
+    """Counts the cycles of a sequence of steps of one tick each; more than one cycle per step would be idle."""
     skill = _skill("steps", Sequence(tuple(Do.of("instant") for _ in range(_STEPS))))
     with Bench(tiny_world(), [skill], [Instant]) as bench:
         before = bench.cycle.board.snapshot.cycle
@@ -271,7 +271,7 @@ def _plan_steps() -> Figure:
 
 
 def _watched() -> Figure:
-    """Times one cycle's look at conditions of which nothing changed."""
+    """Times one cycle's check of conditions whose values have not changed."""
     world = tiny_world()
     conditions = [REACHABLE(element) for element in sorted(world.instances("sk:Location"))]
     watched = [conditions[n % len(conditions)] for n in range(_CONDITIONS)]

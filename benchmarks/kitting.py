@@ -1,9 +1,9 @@
-"""Kitting over many seeds: how often it works, how sure the robot is of itself, how long it takes.
+"""Kitting over many seeds: success rate, agreement of belief and truth, and durations.
 
     uv run python benchmarks/kitting.py --seeds 50
 
-Each seed is a fresh ``skiros run`` in a process of its own, with part poses drawn anew; the bars are those of the
-project. Every failed try is listed with its reason.
+Each seed is a fresh ``skiros run`` in a separate process, with newly drawn part poses; the bars are those of the
+project. Every failed attempt is listed with its reason.
 """
 
 from __future__ import annotations
@@ -89,7 +89,7 @@ def _median(values: Iterable[float]) -> float:
 
 
 def _first_tries(runs: list[dict[str, Any]]) -> list[bool]:
-    """Tells for each part that was to be picked whether the first pick worked."""
+    """Returns for each part to be picked whether the first pick succeeded."""
     result = []
     for run in runs:
         seen: set[str] = set()
@@ -102,7 +102,7 @@ def _first_tries(runs: list[dict[str, Any]]) -> list[bool]:
 
 
 def _cycle_times(runs: list[dict[str, Any]]) -> list[float]:
-    """Returns for each placed part the simulated time of its picks and places, without the driving [s]."""
+    """Returns for each placed part the simulated time of its picks and places, without driving [s]."""
     times: list[float] = []
     for run in runs:
         by_part: dict[str, float] = {}

@@ -1,7 +1,7 @@
-"""Tasks of the tiny domain that have no plan, drawn from a seed, with the cause that follows from how they were spoilt.
+"""Tasks of the tiny domain without a plan, drawn from a seed, with the cause that follows from their modification.
 
-Each mutation starts from a task that has a plan and spoils one thing; what it expects is said where it spoils, and
-nothing of it is asked of the explanation.
+Each mutation starts from a task that has a plan and modifies one thing; the expected cause is defined with the
+modification, independently of the explanation.
 """
 
 from __future__ import annotations
@@ -86,14 +86,14 @@ class Expected:
     skill: str | None = None
 
     def is_met(self, cause: Cause) -> bool:
-        """Tells whether a cause is the expected one."""
+        """Returns whether a cause is the expected one."""
         named = self.skill is None or cause.skill == self.skill
         return cause.kind is self.kind and named and self.elements <= set(cause.elements)
 
 
 @dataclass(frozen=True, slots=True)
 class Mutation:
-    """A spoilt task.
+    """A modified task.
 
     Attributes:
         name: How it was spoilt.
@@ -114,12 +114,12 @@ class Mutation:
     again: Callable[[], Mutation] | None = None
 
     def is_explained(self, causes: Sequence[Cause]) -> bool:
-        """Tells whether the causes are the expected one, for the expected conditions, and no other."""
+        """Returns whether the only cause is the expected one, for the expected conditions."""
         return len(causes) == 1 and self.expected.is_met(causes[0]) and set(causes[0].conditions) == set(self.spoilt)
 
 
 def mutations(seed: int, rounds: int = 2) -> Iterator[Mutation]:
-    """Draws spoilt tasks: each way to spoil one, so many times, each time in a world of its own.
+    """Draws modified tasks: each kind of modification a number of times, each in a world of its own.
 
     Args:
         seed: Where the random numbers start.
@@ -135,7 +135,7 @@ def _drawn(spoil: Callable[[_Draw], Mutation], key: str) -> Mutation:
 
 
 class _Draw:
-    """A random world of which the rest of a goal can be reached, and the means to spoil it."""
+    """A random world in which the rest of a goal is reachable, and methods to modify it."""
 
     def __init__(self, random: Random) -> None:
         self.random = random
@@ -160,20 +160,20 @@ class _Draw:
     # ------------------------------------------------------------ spoiling
 
     def without_skill(self, name: str, agents: Sequence[str]) -> None:
-        """Takes a skill away from some who could have it."""
+        """Removes a skill from some of its subsystems."""
         self.unable[name] = tuple(agents)
 
     def needing(self, name: str, condition: Condition) -> None:
-        """Makes a skill need something more."""
+        """Adds a precondition to a skill."""
         self.skills[name] = replace(self.skills[name], pre=(*self.skills[name].pre, condition))
 
     def moved(self, element: str, relation: str, place: str) -> None:
-        """Puts an element somewhere else."""
+        """Moves an element to another place."""
         with self.world.transaction("mutation", "moved") as tx:
             tx.place(element, relation, place)
 
     def added(self, class_: str, name: str, place: str) -> str:
-        """Adds an element in a place."""
+        """Adds an element at a place."""
         with self.world.transaction("mutation", "added") as tx:
             tx.add(class_, id=name)
             tx.place(name, IN, place)
@@ -185,7 +185,7 @@ class _Draw:
             tx.set(element, property_, value)
 
     def related(self, subject: str, relation: str, object_: str) -> None:
-        """States a relation."""
+        """Adds a relation."""
         with self.world.transaction("mutation", "told") as tx:
             tx.relate(subject, relation, object_)
 
@@ -216,7 +216,7 @@ class _Draw:
         elements: Sequence[str] = (),
         skill: str | None = None,
     ) -> Mutation:
-        """Makes the mutation, mostly with a further condition in the goal that can well be reached."""
+        """Makes the mutation, usually with a further, reachable condition in the goal."""
         able = tuple(
             Capability(s, tuple(a for a in self.world.instances(s.agent_class) if a not in self.unable.get(s.name, ())))
             for s in self.skills.values()
@@ -393,7 +393,7 @@ def _empty_and_full(draw: _Draw) -> Mutation:
 
 
 def _cannot_leave(draw: _Draw) -> Mutation:
-    """A robot that drives with empty hands only cannot hold what lies in one place and stand in another."""
+    """A robot that drives only with empty hands cannot hold an element of one place and stand at another."""
     gripper = Param("Gripper", "sk:Gripper", "What it must not carry.", Kind.HARDWARE)
     drive = draw.skills["drive"]
     careful = (HAS_PART("Arm", "Gripper"), HAS_PART("Robot", "Arm"), EMPTY_HANDED("Gripper"))

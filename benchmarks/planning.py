@@ -1,8 +1,8 @@
-"""From world model to validated plan: against the bare planner on the same files, and in worlds that grow.
+"""From world model to validated plan: compared with the bare planner on the same files, and in growing worlds.
 
     uv run python benchmarks/planning.py
 
-What is compared is timed in turn in the same run; the ratio of the medians decides.
+Compared programs are timed in turn in the same run; the ratio of the medians decides.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ def main() -> int:
 
 
 def _against_bare(pairs: int) -> list[Figure]:
-    """Three parts, one robot: with Fast Downward and with Kairos against the bare programs, warm and at first."""
+    """Three parts, one robot: Fast Downward and Kairos compared with the bare programs, warm and for the first plan."""
     world = kitting_world()
     ours, bare, quick, bare_quick, first = [], [], [], [], []
     planners: tuple[Planner, Planner] = (FastDownward(), Kairos())
@@ -112,7 +112,7 @@ def _many_robots() -> list[Figure]:
 
 
 def _crowded(pairs: int) -> list[Figure]:
-    """The goal of three parts in a small world and in one a thousand times as large, each written to in between."""
+    """The goal of three parts in a small world and in one a thousand times larger, with writes in between."""
     small, large = crowded(parts=40, boxes=10, others=30), crowded(parts=50_000, boxes=10_000, others=40_000)
     planner = FastDownward()
     times: dict[int, list[float]] = {id(small): [], id(large): []}
@@ -131,7 +131,7 @@ def _crowded(pairs: int) -> list[Figure]:
 
 
 def _written(times: int) -> list[Figure]:
-    """The complete problem of 500 parts in 50 boxes; whole: with everything in it, needed or not."""
+    """The complete problem of 500 parts in 50 boxes; `whole` includes everything."""
     world = crowded(parts=500, boxes=50)
     found = []
     for whole in (False, True):
@@ -147,7 +147,7 @@ def _replanned() -> list[Figure]:
 
 
 def _agreeing(problems: int) -> list[Figure]:
-    """Random problems: the relevant part has a plan just where the whole has, and every plan is replayed."""
+    """Random problems: the reduced problem has a plan exactly if the complete one has, and every plan is replayed."""
     planner = Kairos()
     wrong = [text for seed in range(problems) if (text := disagreement(random_task(seed), planner))]
     planner.close()
@@ -157,7 +157,7 @@ def _agreeing(problems: int) -> list[Figure]:
 
 
 def _threads() -> list[Figure]:
-    """A thousand goals from eight threads, where that benchmark is there."""
+    """A thousand goals from eight threads, if that benchmark is present."""
     if importlib.util.find_spec("planning_threads") is None:
         return []
     figures: list[Figure] = importlib.import_module("planning_threads").figures()
@@ -180,7 +180,7 @@ def _write(world: WorldView, *, whole: bool) -> None:
 
 
 def _planned_at_first(world: WorldView) -> Planned:
-    """Plans with a planner that has loaded nothing."""
+    """Plans with a new planner."""
     planner = FastDownward()
     try:
         return _planned(planner, world, THREE)
@@ -193,12 +193,12 @@ _KAIROS = ("domain.pddl", "problem.pddl", "--format", "json", "--output", "plan"
 
 
 def _run(folder: str, *command: str) -> None:
-    """Runs a planner alone, as it would be typed."""
+    """Runs a planner alone, as from a shell."""
     subprocess.run(command, cwd=folder, stdout=subprocess.DEVNULL, check=True, env=dict(os.environ))
 
 
 def _timed(work: Callable[[], object]) -> float:
-    """Returns the wall time that something takes [s]."""
+    """Returns the wall time of a call [s]."""
     started = time.perf_counter()
     work()
     return time.perf_counter() - started

@@ -1,4 +1,4 @@
-"""What planning in its own process takes of the control thread, and how soon a stop is answered while it plans."""
+"""Control-thread time used by planning in its own process, and the latency of a stop during planning."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def figures(rounds: int = 5) -> list[Figure]:
 
 
 def _longest_hold(rounds: int) -> float:
-    """Plans and checks plans as the control thread does; returns the longest processor time of one cycle [s]."""
+    """Plans and checks plans like the control thread; returns the maximum processor time of one cycle [s]."""
     world = crowded(parts=500, boxes=50)
     goal = tuple(OBJECT_AT_LOCATION(PART_CLASSES[i], f"kit_1_{'abc'[i]}") for i in range(3))
     holds: list[float] = []
@@ -91,7 +91,7 @@ class _Thinking:
         return _Never()
 
     def close(self) -> None:
-        """Nothing is under way."""
+        """Does nothing."""
 
 
 def _thinking() -> Planners:
@@ -100,7 +100,7 @@ def _thinking() -> Planners:
 
 
 def _stop_in_lockstep() -> float:
-    """Returns how long it takes from the wish to the end of a task that waits for its plan [s]."""
+    """Returns the time from the stop to the end of a task that waits for its plan [s]."""
     world = tiny_world()
     with closing(PlanningProcess(world, _thinking)) as host, Bench(world, planning=host) as bench:
         task = bench.tasks.begin(bench.goal("In(ball_1, slot_1)"))

@@ -1,4 +1,4 @@
-"""How long it takes, on a fake robot, from a pick that knocks its part down to the next step of another plan."""
+"""The time from a pick that drops its part to the next step of the new plan, on a fake robot."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _GOAL = ("ObjectAtLocation(Starter, kit_1_a)", "ObjectAtLocation(compressor_1, k
 
 
 class Slip(Primitive[Any]):
-    """Knocks the first part that is picked to the floor; otherwise it only notes when it starts."""
+    """Drops the first picked part; later it only records its start."""
 
     name: ClassVar[str] = "slip"
     world: ClassVar[World]
@@ -37,12 +37,12 @@ class Slip(Primitive[Any]):
 
     @dataclass(frozen=True, slots=True)
     class Params:
-        """What it does."""
+        """Description."""
 
         what: str = param("sk:SpatialThing", "What it is about.")
 
     def execute(self) -> Execution[Outcome]:
-        """Fails, or notes how long ago that was [s]."""
+        """Fails, or records the time since the failure [s]."""
         if Slip.failed is not None:
             Slip.times.append(time.perf_counter() - Slip.failed)
         elif self.params.what in Slip.world.instances(kitting.PART):

@@ -1,9 +1,9 @@
-"""Goals planned for from many threads at once: each gets a plan of its own, and nothing is left behind.
+"""Planning from many threads at once: each goal gets its own plan, and no processes or files are left.
 
     uv run python benchmarks/planning_threads.py
 
-A wrong plan is one that, replayed, does not reach the goal of its thread; or one that the service refused, whatever
-another planner said then.
+A plan is wrong if its replay does not reach the goal of its thread, or if the service refused it, regardless of the
+answers of other planners.
 """
 
 from __future__ import annotations
@@ -110,7 +110,7 @@ def _goals(count: int) -> list[tuple[Condition, ...]]:
 
 
 def _verdict(planners: Planners, world: World, goal: Sequence[Condition]) -> str:
-    """Plans for a goal; returns what is wrong with the plan, or nothing."""
+    """Plans for a goal; returns the fault of the plan, or nothing."""
     able = [Capability(skill, world.instances(skill.agent_class)) for skill in _SKILLS]
     try:
         planned = plan(planners, world, able, goal)
@@ -123,7 +123,7 @@ def _verdict(planners: Planners, world: World, goal: Sequence[Condition]) -> str
 
 
 def _left_behind(folder: Path) -> set[str]:
-    """Returns our children, and what lies in the folder for temporary files."""
+    """Returns our child processes, and the content of the folder for temporary files."""
     running = {f"process {child.pid}" for child in psutil.Process().children(recursive=True)}
     return running | {str(path) for path in folder.iterdir()}
 

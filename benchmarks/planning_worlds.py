@@ -1,4 +1,4 @@
-"""Worlds to plan in, as large as wanted: parts in boxes, kits on tables, robots."""
+"""Worlds of any size for planning: parts in boxes, kits on tables, robots."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from skiros_skills.pick import DESCRIPTION as PICK
 from skiros_skills.place import DESCRIPTION as PLACE
 
 PART_CLASSES = (kitting.STARTER, kitting.ALTERNATOR, kitting.COMPRESSOR, kitting.RELAY_BOX)
-"""What the parts are, in turn."""
+"""Classes of the parts, in turn."""
 
 
 def kitting_world() -> World:
@@ -30,12 +30,12 @@ def kitting_world() -> World:
 
 
 def able(view: WorldView) -> list[Capability]:
-    """Returns drive, pick and place of every robot there is."""
+    """Returns drive, pick and place for every robot."""
     return [Capability(skill, view.instances(skill.agent_class)) for skill in (DRIVE, PICK, PLACE)]
 
 
 def crowded(*, parts: int = 0, boxes: int = 0, kits: int = 0, robots: int = 1, others: int = 0) -> World:
-    """Returns the world of the scene ``kitting`` with more in it.
+    """Returns the world of the scene ``kitting`` with additional elements.
 
     Args:
         parts: How many more parts there are, of all classes in turn, spread over the boxes.

@@ -1,4 +1,4 @@
-"""Random goals of the tiny domain with everything that goals can say: and, or, not, for all, exists, classes."""
+"""Random goals of the tiny domain with all constructs: and, or, not, for all, exists, classes."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ _CLASSES = ("Ball", "RedBall", "Giant")
 _BOXES = ("box_a", "box_b")
 
 _Scope = tuple[tuple[str, str], ...]
-"""The variables of the quantifiers around, each with its class."""
+"""The variables of the enclosing quantifiers, with their classes."""
 
 
 def goal_in_turns(chance: random.Random, world: World) -> tuple[Condition, ...]:
-    """Returns a choice of what is wanted in one slot, and one of these in another: to be done one after the other.
+    """Returns an alternative for one slot, and one of these in another slot, to be achieved in order.
 
     Only the other choice does not stand in the way of what comes later.
     """
@@ -29,7 +29,7 @@ def goal_in_turns(chance: random.Random, world: World) -> tuple[Condition, ...]:
 
 
 def random_goal(chance: random.Random, world: World, depth: int = 2) -> tuple[Condition, ...]:
-    """Returns one or two conditions, each nested so deep at most; what makes no sense is drawn again."""
+    """Returns one or two conditions up to a nesting depth; meaningless ones are drawn again."""
     while True:
         texts = [_text(chance, world, (), depth) for _ in range(chance.randint(1, 2))]
         try:
@@ -68,7 +68,7 @@ def _plain(chance: random.Random, world: World, scope: _Scope) -> str:
 
 
 def _one(chance: random.Random, world: World, scope: _Scope, kind: str) -> str:
-    """Returns a ball or a slot: rather a variable than one by name, now and then any of a class."""
+    """Returns a ball or a slot: usually a variable, otherwise a name, sometimes a class."""
     variables = [name for name, class_ in scope if (class_ == "Slot") == (kind == "Slot")]
     if variables and chance.random() < 0.7:
         return chance.choice(variables)

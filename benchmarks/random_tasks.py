@@ -1,4 +1,4 @@
-"""Random worlds and goals of the tiny domain, from a seed: to compare two ways of planning with each other."""
+"""Random worlds and goals of the tiny domain, drawn from a seed, to compare two ways of planning."""
 
 from __future__ import annotations
 
@@ -32,14 +32,14 @@ TAKE = replace(
     params=(*PICK.params[:3], Param("Slot", "tiny:Slot", "Where it lies."), PICK.params[4]),
     pre=(*PICK.pre[:2], IN_CONTAINER("Ball", "Slot"), EMPTY_HANDED("Gripper")),
 )
-"""Like pick, out of slots."""
+"""Like pick, from slots."""
 
 _BALLS = ("tiny:Ball", "tiny:RedBall", "tiny:Giant")
 
 
 @dataclass(frozen=True, slots=True)
 class RandomTask:
-    """A world, what can be done in it, and a goal that may or may not be reachable."""
+    """A world, its skills, and a goal that may be unreachable."""
 
     world: World
     capabilities: tuple[Capability, ...]
@@ -58,7 +58,7 @@ def random_task(seed: int) -> RandomTask:
 
 
 def mixed_task(seed: int) -> RandomTask:
-    """Returns the task of a seed with composite goals, and now and then with numbers that count, and with stock."""
+    """Returns the task of a seed with composite goals, and sometimes with sequence numbers and stock."""
     chance = random.Random(seed)  # noqa: S311  a seed must give the same task again
     facts = _facts(chance)
     facts += _numbers(chance) if chance.random() < 0.5 else []
@@ -78,7 +78,7 @@ def _able(chance: random.Random, world: World) -> tuple[Capability, ...]:
 
 
 def _numbers(chance: random.Random) -> list[str]:
-    """Lets sequence and work numbers count, and gives some places such."""
+    """Enables sequence and work numbers, and gives some places numbers."""
     numbers = [("box_a", "sequence"), ("box_b", "sequence"), ("slot_1", "work"), ("slot_2", "work")]
     given = [f"scene:{place} sk:{kind}Number {chance.randint(1, 3)} ." for place, kind in numbers]
     return ["scene:floor sk:useSequenceNumbers true .", *(fact for fact in given if chance.random() < 0.8)]
@@ -98,7 +98,7 @@ def _facts(chance: random.Random) -> list[str]:
 
 
 def _scatter(chance: random.Random, world: World) -> None:
-    """Puts some balls into slots and grippers, one into each at most."""
+    """Puts some balls into slots and grippers, at most one into each."""
     balls = list(world.instances("tiny:Ball"))
     places = [(place, "sk:in") for place in world.instances("tiny:Slot")]
     places += [(gripper, "sk:heldBy") for gripper in world.instances("sk:Gripper")]

@@ -1,10 +1,10 @@
-"""The REST API under load: a real server, asked from a second process.
+"""The REST API under load: a real server, called from a second process.
 
     uv run python benchmarks/rest.py
     uv run python benchmarks/rest.py --seconds 10 --only orders
 
-Latencies of orders are counted from the moment when each was due, not from when it could be sent: a server that stalls
-is not let off the orders that had to wait meanwhile.
+Latencies of orders are measured from the time at which each was due, not from its sending, so that a stalling server is
+charged for the orders that had to wait.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from rest_settings import JOB, SCENE
 from table import Figure, finish
 
 _TIMES = 1.2
-"""How much more memory 10,000 jobs and 100,000 events may take than 1,000 jobs."""
+"""Maximum ratio of memory after 10,000 jobs and 100,000 events to that after 1,000 jobs."""
 
 
 def main() -> int:
@@ -99,7 +99,7 @@ def _events(_options: argparse.Namespace) -> list[Figure]:
 
 
 def _load(part: str, server: Server, *arguments: str) -> dict[str, float]:
-    """Has a second process ask the server, and returns what it measured."""
+    """Runs the load in a second process, and returns its measurements."""
     command = [sys.executable, str(Path(__file__).with_name("rest_load.py")), part, server.url, str(server.pid)]
     done = subprocess.run([*command, *arguments], check=True, capture_output=True, text=True)
     said: dict[str, float] = json.loads(done.stdout.splitlines()[-1])

@@ -1,4 +1,4 @@
-"""Asks a server much, and prints as JSON how it went; a process of its own, started by ``rest.py``."""
+"""Loads a server and prints the measurements as JSON; a separate process, started by ``rest.py``."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ _CLIENTS = 50
 _STUCK = 20
 _MARK = "the part of change "
 _CHANGES = 20.0
-"""Changes of the world a second while events are measured."""
+"""Changes of the world per second while events are measured."""
 
 
 def main() -> int:
-    """Runs one part and prints what it measured."""
+    """Runs one part and prints its measurements."""
     part, url, pid, *arguments = sys.argv[1:]
     print(json.dumps(asyncio.run(_PARTS[part](url, psutil.Process(int(pid)), *arguments))))
     return 0
@@ -86,7 +86,7 @@ async def _orders(url: str, _server: psutil.Process, seconds: str) -> dict[str, 
 
 
 async def _bare(client: httpx2.AsyncClient) -> float:
-    """How long the shortest answer takes that goes through the whole stack [ms]."""
+    """Returns the latency of the smallest answer that passes the whole stack [ms]."""
     begun = time.perf_counter()
     (await client.get("/jobs", params={"limit": 1})).raise_for_status()
     return (time.perf_counter() - begun) * 1e3
@@ -126,7 +126,7 @@ async def _events(url: str, server: psutil.Process, seconds: str) -> dict[str, f
 
 
 async def _listened(url: str, seconds: float) -> tuple[list[float], int, int]:
-    """Has 50 clients listen while the world changes; returns latencies [ms], events each, and how many are missing."""
+    """Lets 50 clients listen while the world changes; returns latencies [ms], events for each, missing events."""
     late: list[float] = []
     heard: Counter[int] = Counter()
     changes = int(seconds * _CHANGES)
@@ -158,7 +158,7 @@ async def _listened(url: str, seconds: float) -> tuple[list[float], int, int]:
 
 
 async def _change(client: httpx2.AsyncClient, changes: int, rate: float) -> None:
-    """Changes the label of a part so often."""
+    """Changes the label of a part a number of times."""
     begun = time.perf_counter()
     for index in range(changes):
         await asyncio.sleep(max(0.0, begun + index / rate - time.perf_counter()))
@@ -181,7 +181,7 @@ def _never_reads(url: str) -> socket.socket:
 
 
 async def _jobs(url: str, server: psutil.Process, first: str, last: str) -> dict[str, float]:
-    """Has jobs done whose goal holds already."""
+    """Runs jobs whose goal holds already."""
     async with _client(url) as client:
         for index in range(int(first), int(last)):
             body = {"goal": "EmptyHanded(gripper_1)"}
@@ -193,7 +193,7 @@ async def _jobs(url: str, server: psutil.Process, first: str, last: str) -> dict
 
 
 async def _changes(url: str, server: psutil.Process, events: str) -> dict[str, float]:
-    """Changes the world until so many events have happened."""
+    """Changes the world until a number of events has occurred."""
     async with _client(url) as client:
         while (number := await _last_event(client)) < int(events):
             await _change(client, min(2000, int(events) - number), 1e9)
@@ -201,7 +201,7 @@ async def _changes(url: str, server: psutil.Process, events: str) -> dict[str, f
 
 
 async def _last_event(client: httpx2.AsyncClient) -> int:
-    """Reads off how many events there were since the server started."""
+    """Returns the number of events since the start of the server."""
     figures = (await client.get(f"{str(client.base_url).split('/api/')[0]}/metrics")).raise_for_status().text
     found = re.search(r"^skiros_events_total (\S+)$", figures, re.MULTILINE)
     assert found is not None

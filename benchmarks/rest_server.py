@@ -1,4 +1,4 @@
-"""A real server process for the REST benchmark, and what the benchmark itself asks of it."""
+"""A real server process for the REST benchmark, and the benchmark's own requests."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _PATIENCE = 120.0
 
 @dataclass(frozen=True, slots=True)
 class Server:
-    """A server that runs.
+    """A running server.
 
     Attributes:
         url: Address of its API.
@@ -36,12 +36,12 @@ class Server:
         httpx2.put(f"{self.url}/jobs/{job}", json=body, timeout=30.0).raise_for_status()
 
     def job(self, job: str) -> dict[str, Any]:
-        """Returns a job as it is now."""
+        """Returns the present state of a job."""
         found: dict[str, Any] = httpx2.get(f"{self.url}/jobs/{job}", timeout=30.0).raise_for_status().json()
         return found
 
     def wait_for_start(self, job: str) -> None:
-        """Returns when the job has a plan and runs."""
+        """Waits until the job has a plan and runs."""
         deadline = time.monotonic() + _PATIENCE
         while not self.job(job)["plan"]:
             if time.monotonic() > deadline:
@@ -49,7 +49,7 @@ class Server:
             time.sleep(0.1)
 
     def wait_for_end(self, job: str) -> float:
-        """Returns how long the job took from its dispatch to its end [s of run time].
+        """Returns the time from dispatch to end of the job [s of run time].
 
         Raises:
             Halted: Everything was halted, so that it would never end.
@@ -69,12 +69,12 @@ class Server:
 
 
 class Halted(RuntimeError):
-    """Everything was halted, as the watchdog does on a machine that has too much to do."""
+    """Everything was halted, for example by the watchdog on an overloaded machine."""
 
 
 @contextlib.contextmanager
 def running(scene: str, data: Path, *options: str) -> Iterator[Server]:
-    """Runs ``skiros serve`` in a process of its own while the block runs."""
+    """Runs ``skiros serve`` in a separate process during the block."""
     command = [sys.executable, "-m", "skiros_py.cli", "serve", scene, "--data", str(data), "--port", "0", *options]
     with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
         try:

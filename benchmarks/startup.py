@@ -1,8 +1,8 @@
-"""Wall time and memory of the default run, and how fast help answers.
+"""Wall time and memory of the default run, and the latency of help.
 
     uv run python benchmarks/startup.py
 
-Absolute figures count as best of five; memory is the greatest sum over all processes of a run.
+Absolute figures count as best of five; memory is the maximum total over all processes of a run.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ def _measure(*arguments: str) -> tuple[float, float]:
 
 
 def _measure_command(command: list[str]) -> tuple[float, float]:
-    """Returns wall time [s] and the greatest sum of resident memory over the process and its children [MiB]."""
+    """Returns wall time [s] and the maximum total resident memory of the process and its children [MiB]."""
     started = time.perf_counter()
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, stdin=subprocess.DEVNULL)
     peak = [0.0]

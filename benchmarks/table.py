@@ -1,4 +1,4 @@
-"""What every benchmark prints: a table of figures with their bars, and a summary as the last line."""
+"""The output of every benchmark: a table of figures with their bars, and a summary in the last line."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Two robots against one, in physics: how long the same goal takes, and whether the robots ever touch each other.
+"""Two robots compared with one, in physics: makespan for the same goal, and contacts between the robots.
 
     uv run python benchmarks/two_robots.py
 
@@ -31,7 +31,7 @@ _EVERY = 5  # cycles between two looks at what touches what
 
 @dataclass(frozen=True, slots=True)
 class _Run:
-    """What one run gave: simulated and wall time [s], memory of all processes [MB], contacts between robots."""
+    """Results of one run: simulated and wall time [s], memory of all processes [MB], contacts between robots."""
 
     reached: bool
     makespan: float
@@ -114,7 +114,7 @@ def _run(goal: Sequence[str], seed: int, robot: str | None) -> _Run:
 
 
 def _by_hand(kits: int, seed: int) -> float:
-    """Returns how long one robot takes that always takes the shortest way [s]: planners know of no distances."""
+    """Returns the makespan of one robot that always takes the shortest way [s]: planners know no distances."""
     sides = {"starter": "north", "alternator": "north", "compressor": "south", "relay_box": "south"}
     with Session(_SCENE, Options(seed=seed, robot="robot_1")) as session:
         for n in range(1, kits + 1):
@@ -130,7 +130,7 @@ def _by_hand(kits: int, seed: int) -> float:
 
 
 def _memory() -> float:
-    """Returns what this process and those it has started have in memory of their own [MB]."""
+    """Returns the private memory of this process and its children [MB]."""
     own = psutil.Process()
     return sum(process.memory_full_info().uss for process in (own, *own.children(recursive=True))) / 1e6
 

@@ -1,11 +1,11 @@
-"""The pages in a real browser, drawn by software: how soon, how smooth, how large.
+"""The pages in a real browser with software rendering: loading time, frame rate, latencies and memory.
 
     uv run --all-groups python benchmarks/web.py
     uv run --all-groups python benchmarks/web.py --only frames
     uv run --all-groups python benchmarks/web.py --only memory --minutes 60
 
-Server, physics and browser share the machine. What the control cycle does beside the browser is compared with what it
-does alone, in the same run.
+Server, physics and browser share the machine. The rate of the control cycle with the browser is compared with its rate
+without, in the same run.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from web_large import large_scene
 _TRIES = 5
 _MEGABYTE = 1e6
 _CALM = 700.0
-"""How long the pages are left alone between two tries [ms]."""
+"""Idle time of the pages between two attempts [ms]."""
 
 
 def main() -> int:
@@ -80,7 +80,7 @@ def _opening(browser: Browser, _options: argparse.Namespace) -> list[Figure]:
 
 
 def _open(browser: Browser, server: Server) -> tuple[float, dict[str, int]]:
-    """Returns after how long a page is usable [s], and what it has loaded by then and in the two seconds after."""
+    """Returns the time until a page is usable [s], and the data loaded by then and in the next two seconds."""
     page = new_page(browser)
     came = transferred(page)
     start = time.monotonic()
@@ -138,7 +138,7 @@ _COUNT = """
 
 
 def _rate(counted: list[tuple[float, int, str]]) -> tuple[float, float]:
-    """Returns how many frames were drawn while the robot moved [1/s], and for which share of the time it did."""
+    """Returns the frame rate while the robot moved [1/s], and the share of time in which it moved."""
     pairs = list(pairwise(counted))
     moved = [(then, now) for then, now in pairs if then[2] != now[2]]
     seconds = sum(now[0] - then[0] for then, now in moved) / 1000.0
@@ -182,7 +182,7 @@ def _change(browser: Browser, _options: argparse.Namespace) -> list[Figure]:
 
 
 def _move(shift: float) -> tuple[dict[str, Any], str]:
-    """Returns a change of where a thing is, and what is true when it is drawn there."""
+    """Returns a change of a pose, and a test in the page whether it is drawn."""
     x = 1.5 + shift
     pose = {"position": [x, 0.5, 0.0], "orientation": [0.0, 0.0, 0.0, 1.0], "frame": None}
     return {"properties": {"sk:pose": pose}}, f"Math.abs(window.skiros3d.pose('rack_1')[0] - {x}) < 1e-6 && drawn()"
@@ -206,7 +206,7 @@ _WATCH = """
 
 
 def _change_to_pixels(page: Page, server: Server, change: dict[str, Any], done: str) -> float:
-    """Returns how long it takes from the request to the painted result [ms]; both clocks are the machine's."""
+    """Returns the time from the request to the painted result [ms]; both clocks are the machine's."""
     page.evaluate(_WATCH, done)
     start = time.time() * 1000.0
     url = f"{server.url}/elements/rack_1"
@@ -238,7 +238,7 @@ def _large(browser: Browser, options: argparse.Namespace) -> list[Figure]:
 
 
 def _memory(browser: Browser, options: argparse.Namespace) -> list[Figure]:
-    """One job after the other on the pretending robot, a few times as quick as a real one: the more events.
+    """Runs jobs on the fake robot, at several times real time, to cause more events.
 
     The operator looks at another tab for each of them, and at the first one whenever memory is read.
     """
@@ -273,7 +273,7 @@ def _memory(browser: Browser, options: argparse.Namespace) -> list[Figure]:
 
 
 def _job(server: Server, job: str) -> None:
-    """Has parts brought to the kit, and puts them back where they were."""
+    """Lets the robot fill the kit, then moves the parts back."""
     server.order(job)
     server.wait_for_end(job)
     for part, place in (("starter_1", "pallet_a"), ("alternator_1", "pallet_a"), ("compressor_1", "pallet_b")):

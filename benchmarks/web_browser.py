@@ -1,4 +1,4 @@
-"""A real browser for the benchmark of the pages, and what it tells of itself."""
+"""A real browser for the benchmark of the pages, with its own measurements."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _PATIENCE = 60_000.0
 
 @contextmanager
 def browsing() -> Iterator[Browser]:
-    """Runs the machine's Chromium, without a window, while the block runs.
+    """Runs the machine's Chromium, headless, during the block.
 
     Raises:
         FileNotFoundError: There is none.
@@ -38,21 +38,21 @@ def browsing() -> Iterator[Browser]:
 
 
 def new_page(browser: Browser) -> Page:
-    """Returns a page of a browser that has seen nothing yet."""
+    """Returns a page of a browser with an empty cache."""
     page = browser.new_context(viewport={"width": 1280, "height": 800}).new_page()
     page.set_default_timeout(_PATIENCE)
     return page
 
 
 def ready(page: Page) -> None:
-    """Returns when an operator can work: the stop button, the first tab and the things in the 3D view are there."""
+    """Returns when the page is usable: stop button, first tab and elements in the 3D view are shown."""
     page.get_by_role("button", name="Stop all").wait_for()
     page.get_by_role("tabpanel").get_by_role("button").first.wait_for()
     page.wait_for_function("() => window.skiros3d?.frames > 0 && window.skiros3d.shown().length > 0")
 
 
 class _Counter:
-    """Counts what comes over the network, as it comes: compressed."""
+    """Counts compressed bytes received over the network."""
 
     def __init__(self, session: CDPSession) -> None:
         self.bytes = {"pages": 0, "api": 0}
@@ -70,12 +70,12 @@ class _Counter:
 
 
 def transferred(page: Page) -> dict[str, int]:
-    """Returns how many bytes come from now on, by whether they are the pages' own or data; it goes on counting."""
+    """Returns the bytes received from now on, separately for the pages and for data; keeps counting."""
     return _Counter(page.context.new_cdp_session(page)).bytes
 
 
 def heap(page: Page) -> float:
-    """Returns what the page's scripts hold after the garbage was collected [MiB]."""
+    """Returns the heap of the page's scripts after garbage collection [MiB]."""
     session = page.context.new_cdp_session(page)
     session.send("HeapProfiler.collectGarbage")
     used: float = session.send("Runtime.getHeapUsage")["usedSize"]
@@ -105,7 +105,7 @@ _WATCH = """
 
 
 def cost_of(page: Page, event: str, act: Callable[[], None], done: str, *, drawn: bool = False) -> float:
-    """Returns how long something takes from the input to the painted result [ms], by the page's own clock.
+    """Returns the time from an input to the painted result [ms], by the page's own clock.
 
     Args:
         page: The page.

@@ -1,4 +1,4 @@
-"""A scene of many things in the pages: what an operator does with it, and how long until it is seen."""
+"""A scene of many elements in the pages: latencies of an operator's interactions."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ _PLACE = "pallet_a"
 _TREE = "document.querySelector('[role=tree]')"
 _SEARCH = "Search by name, id or class"
 _NOWHERE = (400.0, 80.0)
-"""Where the 3D view shows nothing [px]."""
+"""A position without elements in the 3D view [px]."""
 _SETTLED = 400.0
-"""How long the pages are left alone between two tries [ms]."""
+"""Idle time of the pages between two attempts [ms]."""
 
 
 def large_scene(browser: Browser, server: Server, pages: str, objects: int) -> dict[str, list[float]]:
-    """Returns how long each interaction takes, try by try [ms].
+    """Returns the latency of each interaction, for each attempt [ms].
 
     Args:
         browser: The browser.
@@ -52,7 +52,7 @@ def large_scene(browser: Browser, server: Server, pages: str, objects: int) -> d
 
 
 def _fill(server: Server, objects: int) -> None:
-    """Adds parts in rows beside each other; the pretending robot does not mind them."""
+    """Adds parts in rows side by side, which the fake robot ignores."""
     side = math.ceil(math.sqrt(objects))
     operations = [
         {
@@ -80,7 +80,7 @@ def _row(page: Page, name: str) -> Locator:
 
 
 def _branch(page: Page) -> float:
-    """Opens the branch that has all of them."""
+    """Expands the branch that contains all of them."""
     page.get_by_role("tree").evaluate("(tree) => tree.parentElement.scrollTo(0, 0)")
     _row(page, _PLACE).click()
     page.wait_for_timeout(_SETTLED)
@@ -101,7 +101,7 @@ def _arrow(page: Page) -> float:
 
 
 def _marked(name: str) -> str:
-    """It is marked in the tree, and its details are there."""
+    """Whether it is marked in the tree and its details are shown."""
     return f"""
       [...document.querySelectorAll("[role=treeitem][aria-selected=true]")].some(
         (row) => /{name}(?!\\d)/.test(row.textContent),
@@ -131,7 +131,7 @@ def _spot(page: Page, name: str) -> tuple[float, float]:
 
 
 def _click(page: Page, name: str) -> float:
-    """Clicks on a thing in 3D."""
+    """Clicks on an element in 3D."""
     x, y = _spot(page, name)
     page.mouse.move(x, y)
     page.wait_for_timeout(_SETTLED)
@@ -139,7 +139,7 @@ def _click(page: Page, name: str) -> float:
 
 
 def _point(page: Page, name: str) -> float:
-    """Moves the pointer to a thing, until it is drawn as pointed at, with its name."""
+    """Moves the pointer to an element, until it is drawn as hovered, with its label."""
     x, y = _spot(page, name)
     page.mouse.click(*_NOWHERE)
     page.wait_for_timeout(_SETTLED)
@@ -148,14 +148,14 @@ def _point(page: Page, name: str) -> float:
 
 
 def _turn(page: Page) -> float:
-    """Turns the view by a key."""
+    """Turns the view with a key."""
     page.get_by_role("application").focus()
     page.wait_for_timeout(_SETTLED)
     return cost_of(page, "keydown", lambda: page.keyboard.press("ArrowLeft"), "true", drawn=True)
 
 
 def _search(page: Page, name: str) -> float:
-    """Puts in the id of a thing, until that alone is listed."""
+    """Searches for an id, until only that element is listed."""
     box = page.get_by_label(_SEARCH).first
     box.fill("")
     page.wait_for_timeout(2 * _SETTLED)

@@ -1,8 +1,8 @@
-"""The world model against rdflib doing the same work in the same run.
+"""The world model compared with rdflib on the same work in the same run.
 
     uv run python benchmarks/world.py [--threads-seconds 60]
 
-Bars on times hold for the best of five measurements; the last rows run in a process of their own, whose memory counts.
+Bars on times hold for the best of five measurements; the last rows run in a separate process, whose memory counts.
 """
 
 from __future__ import annotations
@@ -242,7 +242,7 @@ def _million() -> Iterator[Figure]:
 
 
 def _big() -> int:
-    """Runs in a process of its own, so that its memory is the platform's alone."""
+    """Runs in a separate process, so that its memory is only that of the platform."""
     ontology = Ontology.load([ROOT / "ontologies"])
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "million.ttl"
@@ -269,7 +269,7 @@ def _big() -> int:
 
 
 def _peak_mib() -> float:
-    """Greatest resident memory of this process alone; getrusage's would count what a parent had before exec."""
+    """Peak resident memory of this process alone; getrusage would include the parent's memory before exec."""
     status = Path("/proc/self/status").read_text(encoding="ascii")
     return int(next(line for line in status.splitlines() if line.startswith("VmHWM")).split()[1]) / 1024
 

@@ -1,8 +1,8 @@
-"""Kills a process that writes to a world, again and again, and looks for what it was told was kept.
+"""Kills a process that writes to a world, repeatedly, and checks that every acknowledged change is kept.
 
     uv run python benchmarks/world_crash.py [--rounds 500] [--seed 0]
 
-Each round a process writes to the same data directory (elements, moves, removals, what was learned, goals, compaction)
+Each round a process writes to the same data directory (elements, moves, removals, learned concepts, goals, compaction)
 until it is killed with SIGKILL at a random moment; then everything is compared with a naive model.
 """
 

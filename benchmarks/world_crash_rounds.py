@@ -1,7 +1,7 @@
-"""Rounds of a process that writes to a world and is killed: nothing that it was told was kept may be gone.
+"""Rounds in which a process that writes to a world is killed: no acknowledged change may be lost.
 
-The child says each thing before it does it and again when it is done; the parent keeps a naive model of what was done,
-kills the child at a random moment, opens the directory and compares.
+The child announces each operation before it executes it and acknowledges it afterwards; the parent keeps a naive model
+of the acknowledged operations, kills the child at a random moment, opens the directory and compares.
 """
 
 from __future__ import annotations
@@ -45,12 +45,12 @@ scene:box_c a tiny:Box ; rdfs:label "box_c" ; sk:on scene:floor .
 """
 
 Work = list[Any]
-"""One thing to do: its name and what it is done with."""
+"""One operation: its name and its arguments."""
 
 
 @dataclass(slots=True)
 class Outcome:
-    """What came of all rounds.
+    """The results of all rounds.
 
     Attributes:
         rounds: How many there were.
@@ -68,7 +68,7 @@ class Outcome:
 
 
 def run(rounds: int, folder: Path, seed: int = 0) -> Outcome:
-    """Kills as many processes; see the module.
+    """Kills a number of processes; see the module.
 
     Args:
         rounds: How many.
@@ -97,7 +97,7 @@ def run(rounds: int, folder: Path, seed: int = 0) -> Outcome:
 
 
 class _Model:
-    """What must be there, in plain dictionaries.
+    """The expected content, in plain dictionaries.
 
     Attributes:
         shown: What the file of what was learned shows where no child came to work since it was last looked at.
@@ -116,7 +116,7 @@ class _Model:
         self.ever = set(self.things)
 
     def do(self, work: Work) -> list[str]:
-        """Does one thing and returns the ids that it gives."""
+        """Executes one operation and returns the new ids."""
         before = copy.deepcopy(self._facts())
         given: list[str] = getattr(self, f"_{work[0]}")(*work[1:]) or []
         if self._facts() != before:
@@ -124,11 +124,11 @@ class _Model:
         return given
 
     def facts(self) -> object:
-        """Returns everything, in the form of :func:`_facts`."""
+        """Returns the whole content, in the form of :func:`_facts`."""
         return (self.version, *copy.deepcopy(self._facts()))
 
     def learned(self) -> dict[str, str]:
-        """Returns the labels of what was learned."""
+        """Returns the labels of the learned concepts."""
         return {name: thing[1] for name, thing in self.things.items() if is_learned(name)}
 
     def _facts(self) -> tuple[object, ...]:
@@ -166,10 +166,10 @@ class _Model:
         self.goals = sorted(set(goals))
 
     def _compact(self, keep: int) -> None:
-        """Changes nothing that there is."""
+        """Changes nothing."""
 
     def _mistake(self) -> None:
-        """Changes nothing: it is refused."""
+        """Is refused, and changes nothing."""
 
     def _name(self, stem: str) -> str:
         number = 1 + max((int(n.rpartition("_")[2]) for n in self.ever if n.rpartition("_")[0] == stem), default=0)
@@ -178,7 +178,7 @@ class _Model:
 
 
 def _replay(model: _Model, said: Sequence[dict[str, Any]], outcome: Outcome) -> Work | None:
-    """Does in the model what the child was told is done; returns what it was at when it died."""
+    """Executes in the model the operations acknowledged by the child; returns the one during which it died."""
     pending: Work | None = None
     for line in said:
         if "fault" in line:
@@ -203,7 +203,7 @@ def _replay(model: _Model, said: Sequence[dict[str, Any]], outcome: Outcome) -> 
 def _check(
     model: _Model, pending: Work | None, ontology: Ontology, folder: Path, outcome: Outcome, *, in_copy: bool
 ) -> _Model:
-    """Compares what is there with the model; returns the model of what is there."""
+    """Compares the content with the model; returns the model of the content."""
     after = copy.deepcopy(model)
     if pending is not None:
         after.do(pending)
@@ -231,7 +231,7 @@ def _check(
 
 @contextmanager
 def _directory(folder: Path, *, in_copy: bool) -> Iterator[Path]:
-    """The directory itself, or a copy: then the next child finds it just as the killed one left it."""
+    """The directory itself, or a copy, so that the next child finds it as the killed one left it."""
     if not in_copy or not (folder / "data").exists():
         yield folder / "data"
         return
@@ -241,7 +241,7 @@ def _directory(folder: Path, *, in_copy: bool) -> Iterator[Path]:
 
 
 def _shown(ontology: Ontology, file: Path) -> dict[str, str]:
-    """The labels in the file of what was learned, which must be whole at any moment."""
+    """The labels in the file of learned concepts, which must be complete at any time."""
     if not file.exists():
         return {}
     world = World(ontology)
@@ -283,14 +283,14 @@ def _thing(element: Element) -> list[object]:
 
 
 class _Children:
-    """Makes a child at a time, of a process that has everything loaded already: starting from nothing takes seconds."""
+    """Forks children of a process that has imported everything, since a fresh start takes seconds."""
 
     def __init__(self, folder: Path) -> None:
         command = [sys.executable, __file__, str(folder)]
         self._mother = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
 
     def until_killed(self, seed: int, rng: random.Random) -> list[dict[str, Any]]:
-        """Lets a child work, kills it at some moment, and returns all that it said."""
+        """Lets a child work, kills it at some moment, and returns its output."""
         assert self._mother.stdin is not None
         self._mother.stdin.write(b"%d\n" % seed)
         self._mother.stdin.flush()
@@ -303,7 +303,7 @@ class _Children:
         return [*lines, *self._lines()] if not _dead(lines) else lines
 
     def close(self) -> None:
-        """Ends the mother."""
+        """Ends the parent process."""
         assert self._mother.stdin is not None
         self._mother.stdin.close()
         self._mother.wait()
@@ -311,7 +311,7 @@ class _Children:
         self._mother.stdout.close()
 
     def _lines(self, most: int | None = None) -> list[dict[str, Any]]:
-        """Reads what the child says, until it is dead or has said the most that is wanted."""
+        """Reads the output of the child, until it is dead or has written the requested amount."""
         lines: list[dict[str, Any]] = []
         while not _dead(lines) and (most is None or len(lines) < most):
             lines.append(self._line())
@@ -331,7 +331,7 @@ def _dead(lines: Sequence[dict[str, Any]]) -> bool:
 
 
 def _mother(folder: Path) -> None:
-    """Makes a child for each line with a seed, and says when it is dead."""
+    """Forks a child for each line with a seed, and reports when it is dead."""
     ontology = Ontology.load(_ONTOLOGIES)
     while seed := sys.stdin.readline():
         pid = os.fork()

@@ -1,9 +1,9 @@
-"""Threads that read and write one world at the same time, and what they saw that nobody wrote.
+"""Threads that read and write one world concurrently, and torn or lost values that they observed.
 
     uv run --group test python benchmarks/world_threads.py [--seconds 60]
 
-Half of the threads write: each moves three parts of its own here and there, adds and removes parts, and all count
-up one value that they share. The others take snapshots and look for states that no transaction left.
+Half of the threads write: each moves three parts of its own, adds and removes parts, and all increment
+one shared value. The others take snapshots and search for states that no transaction has produced.
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ _SHARED = "starter_shared"
 _BOXES = ("left", "right")
 _KEPT = 10
 _SWITCH = 1e-4
-"""Threads take turns so often [s]: fifty times as often as usual."""
+"""Interval at which threads switch [s]: a fiftieth of the default."""
 
 
 @dataclass(slots=True)
 class Outcome:
-    """What happened.
+    """The results.
 
     Attributes:
         seconds: How long the threads ran [s].
@@ -56,12 +56,12 @@ class Outcome:
 
     @property
     def faults(self) -> int:
-        """How much went wrong."""
+        """The number of faults."""
         return len(self.errors) + len(self.torn) + len(self.lost)
 
 
 def run(seconds: float, *, threads: int = 8, opens: Callable[[Ontology], World] = World) -> Outcome:
-    """Has threads read and write one world, then looks for writes that are missing.
+    """Lets threads read and write one world, then searches for lost writes.
 
     Args:
         seconds: For how long [s].
@@ -93,7 +93,7 @@ def run(seconds: float, *, threads: int = 8, opens: Callable[[Ontology], World] 
 
 
 class _Writer:
-    """Moves its three parts together and counts on each how often; counts the shared value up; adds and removes."""
+    """Moves its three parts together and counts their moves; counts up the shared value; adds and removes elements."""
 
     def __init__(self, world: World, number: int) -> None:
         self._world = world
@@ -135,7 +135,7 @@ class _Writer:
 
 
 class _Reader:
-    """Looks for parts that were not moved together, are in two places or count backwards."""
+    """Searches for parts that were not moved together, are in two places or count backwards."""
 
     def __init__(self, world: World, writers: int) -> None:
         self._world = world
@@ -181,7 +181,7 @@ def _own(writer: int) -> tuple[str, ...]:
 
 
 def _together(jobs: list[Callable[[], None]], seconds: float, errors: list[str]) -> float:
-    """Does each job again and again in a thread of its own; returns for how long [s]."""
+    """Repeats each job in a thread of its own; returns the duration [s]."""
     stop = threading.Event()
 
     def repeat(job: Callable[[], None]) -> None:

@@ -1,4 +1,4 @@
-"""The work that world models are compared on: storage places full of parts, each with three properties and a place."""
+"""The workload for comparing world models: storage places full of parts, each with three properties and a place."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ _XSD = rdflib.XSD
 
 
 def best(measure: Callable[[], float], times: int = 5) -> float:
-    """Returns the best of several measurements: other work on the machine can only make it slower."""
+    """Returns the best of several measurements, since other work on the machine only adds time."""
     return min(measure() for _ in range(times))
 
 
 def seconds_of(work: Callable[[], object]) -> float:
-    """Returns how long something takes [s]."""
+    """Returns the duration of a call [s]."""
     started = time.perf_counter()
     work()
     return time.perf_counter() - started
@@ -44,7 +44,7 @@ def seconds_per_call(work: Callable[[int], object], calls: int) -> float:
 
 
 def furnished(ontology: Ontology, places: int) -> World:
-    """Returns a world with a floor and storage places, and no parts yet."""
+    """Returns a world with a floor and storage places, without parts."""
     world = World(ontology)
     with world.transaction("benchmark", "storage places") as tx:
         tx.add("sk:Floor", id="floor")
@@ -61,7 +61,7 @@ def add_part(tx: Transaction, number: int, places: int) -> str:
 
 
 def part_triples(number: int, places: int) -> list[tuple[rdflib.URIRef, rdflib.URIRef, rdflib.term.Node]]:
-    """Returns the same part as rdflib has it."""
+    """Returns the same part for rdflib."""
     part = rdflib.URIRef(f"{SCENE}starter_{number + 1}")
     literals = {"mass": (0.5 + number % 7, _XSD.decimal), "missing": (False, _XSD.boolean)}
     literals["missedLooks"] = (number % 3, _XSD.integer)
@@ -75,7 +75,7 @@ def part_triples(number: int, places: int) -> list[tuple[rdflib.URIRef, rdflib.U
 
 
 def write_scene(path: Path, parts: int, places: int) -> int:
-    """Writes a scene file with so many parts and returns its number of statements."""
+    """Writes a scene file with a number of parts and returns its number of statements."""
     with path.open("w", encoding="utf-8") as file:
         file.write(f"@prefix sk: <{CORE}> .\n@prefix scene: <{SCENE}> .\n@prefix kitting: <{KITTING}> .\n")
         file.write("@prefix rdfs: <http://www.w3.org/2000/01/rdf-schema#> .\n")

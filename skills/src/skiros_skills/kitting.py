@@ -18,15 +18,15 @@ COMPARTMENT: Final = ClassName("kitting:Compartment")
 COMPRESSOR: Final = ClassName("kitting:Compressor")
 """An air-conditioning compressor, its head on top of the +x end."""
 DOCKING_PLACE: Final = ClassName("kitting:DockingPlace")
-"""One of several places beside a thing (that has it as a piece) from which a robot can work at it."""
+"""One of several places from which a robot can work at a thing, which has it as a piece."""
 KIT: Final = ClassName("kitting:Kit")
 """A fixed tray of 2 x 2 compartments with walls 0.006 m thick and 0.033 m high on a floor of 0.006 m."""
 PALLET: Final = ClassName("kitting:Pallet")
 """A raised pallet; parts lie on its top at 0.45 m."""
 PARKING_PLACE: Final = ClassName("kitting:ParkingPlace")
-"""Where a robot stands in nobody's way."""
+"""A place at which a robot does not block others."""
 PART: Final = ClassName("kitting:Part")
-"""Something that belongs into a kit."""
+"""A part for a kit."""
 RACK: Final = ClassName("kitting:Rack")
 """A tall rack that robots must drive around."""
 RELAY_BOX: Final = ClassName("kitting:RelayBox")
@@ -36,7 +36,7 @@ SHELF: Final = ClassName("kitting:Shelf")
 STARTER: Final = ClassName("kitting:Starter")
 """A starter motor lying on its foot, the solenoid at its +x end."""
 STORAGE_PLACE: Final = ClassName("kitting:StoragePlace")
-"""Where parts are stored until they are wanted."""
+"""A place where parts are stored until they are needed."""
 TABLE: Final = ClassName("kitting:Table")
 """A block of a table, top at 0.50 m."""
 

@@ -11,7 +11,7 @@ from skiros_py.world.names import ClassName, PropertyName, RelationName
 # ---------------------------------------------------------------- classes
 
 AGENT: Final = ClassName("sk:Agent")
-"""A robot subsystem that has a skill manager of its own."""
+"""A robot subsystem with its own skill manager."""
 ARM: Final = ClassName("sk:Arm")
 """A manipulator."""
 BASE: Final = ClassName("sk:Base")
@@ -19,29 +19,29 @@ BASE: Final = ClassName("sk:Base")
 CAMERA: Final = ClassName("sk:Camera")
 """A camera with colour and depth."""
 CONTAINER: Final = ClassName("sk:Container")
-"""Something that holds things in it."""
+"""An element that can contain things."""
 DECK: Final = ClassName("sk:Deck")
 """The loading surface of a robot."""
 DEVICE: Final = ClassName("sk:Device")
 """A part of a robot that senses or acts."""
 ELEMENT: Final = ClassName("sk:Element")
-"""Anything the world model has an individual for."""
+"""Anything with an individual in the world model."""
 FLOOR: Final = ClassName("sk:Floor")
-"""The ground that everything stands on; also where a dropped thing is."""
+"""The ground on which everything stands, and on which dropped things lie."""
 FURNITURE: Final = ClassName("sk:Furniture")
-"""A thing that never moves and that robots drive around."""
+"""A static thing that robots drive around."""
 GRIPPER: Final = ClassName("sk:Gripper")
 """A parallel gripper."""
 LEARNED_DURATION: Final = ClassName("sk:LearnedDuration")
-"""How long a skill (sk:ofSkill) took, done by agents of a class (sk:appliesTo): sk:runTimes."""
+"""Durations (sk:runTimes) of a skill (sk:ofSkill) executed by agents of a class (sk:appliesTo)."""
 LOCALISER: Final = ClassName("sk:Localiser")
 """Estimates the pose of its robot in the map."""
 LOCATION: Final = ClassName("sk:Location")
-"""Something at, in or on which things can be."""
+"""An element at, in or on which others can be."""
 MANIPULATABLE: Final = ClassName("sk:Manipulatable")
 """A thing that a gripper can take."""
 MODULE: Final = ClassName("sk:Module")
-"""Something that a skill manager can run."""
+"""A unit that a skill manager can run."""
 OBJECT: Final = ClassName("sk:Object")
 """A physical thing."""
 PRIMITIVE: Final = ClassName("sk:Primitive")
@@ -49,32 +49,32 @@ PRIMITIVE: Final = ClassName("sk:Primitive")
 ROBOT: Final = ClassName("sk:Robot")
 """A robot as a whole, made of devices."""
 ROOT: Final = ClassName("sk:Root")
-"""A location that is not itself anywhere: the only spatial things without a placement."""
+"""A location without a placement of its own: the only such spatial things."""
 SCENE: Final = ClassName("sk:Scene")
-"""The scene itself: bears the goals that go with it. Not an element."""
+"""The scene itself, with its goals. Not an element."""
 SKILL: Final = ClassName("sk:Skill")
-"""Something that an agent can do."""
+"""A module with conditions, which an agent can execute."""
 SPATIAL_THING: Final = ClassName("sk:SpatialThing")
-"""Anything that is somewhere."""
+"""Anything that has a place."""
 STATION: Final = ClassName("sk:Station")
-"""A named spot that a robot can stand at."""
+"""A named pose at which a robot can stand."""
 STOCK: Final = ClassName("sk:Stock")
-"""So many things of one class (sk:stockOf, sk:stockCount) in a container that have no individuals of their own; a
-piece (sk:hasA) of the container, which may have several. Planning takes any of them; one gets an individual when a
-robot sets about taking it."""
+"""A number of things of one class (sk:stockOf, sk:stockCount) in a container, without individuals of their own; a
+piece (sk:hasA) of the container, which may have several. Planning uses any of them; one becomes an individual just
+before a robot takes it."""
 SURFACE: Final = ClassName("sk:Surface")
-"""Something that things stand on."""
+"""An element on which things can stand."""
 TAUGHT_DRIVING_POSE: Final = ClassName("sk:TaughtDrivingPose")
-"""Where a robot base docks to work at things of a class: has sk:drivingPose."""
+"""Pose of a robot base for working at things of a class: has sk:drivingPose."""
 TAUGHT_GRASP: Final = ClassName("sk:TaughtGrasp")
-"""How a gripper takes things of a class: has sk:graspPose and sk:graspWidth."""
+"""Grasp for things of a class: has sk:graspPose and sk:graspWidth."""
 TAUGHT_PLACING_POSE: Final = ClassName("sk:TaughtPlacingPose")
-"""How things are put into containers of a class: has sk:placingPose."""
+"""Placing pose for containers of a class: has sk:placingPose."""
 TAUGHT_POSE: Final = ClassName("sk:TaughtPose")
-"""A pose that a robot was taught for a class of things (sk:appliesTo): it counts for each that has none of its own,
-before what the class says. Of several for one class the last counts."""
+"""A pose that a robot was taught for a class (sk:appliesTo): it applies to each element without a value of its own,
+and takes precedence over the value of the class. Of several for one class the last applies."""
 UNKNOWN_LOCATION: Final = ClassName("sk:UnknownLocation")
-"""Where something is that is at no known place, such as a robot between stations."""
+"""The place of things without a known place, such as a robot between stations."""
 
 # ---------------------------------------------------------------- relations
 
@@ -87,14 +87,13 @@ BEHIND: Final = RelationName("sk:behind")
 BELOW: Final = RelationName("sk:below")
 """The object is above the subject."""
 BUILT_LIKE: Final = RelationName("sk:builtLike")
-"""In a scene file: the robot gets pieces of its own, made like those of the other, and whatever else that one is
-said to be, as far as the scene does not say it otherwise. The piece base_1 of robot_1 becomes base_2 of robot_2. Not
-stored."""
+"""In a scene file: the robot gets its own copies of the other's pieces, and all its other properties, unless the
+scene states them differently. The piece base_1 of robot_1 becomes base_2 of robot_2. Not stored."""
 COMPUTED: Final = RelationName("sk:computed")
-"""Worked out on demand by a reasoner, never stored."""
+"""Computed on demand by a reasoner, never stored."""
 FITS_IN: Final = RelationName("sk:fitsIn")
-"""The thing's outline, as it stands, has room in the container with 0.008 m to spare both ways, lengthwise or
-across."""
+"""The thing's outline, in its present orientation, fits into the container with 0.008 m to spare in both directions,
+lengthwise or across."""
 GRASPABLE_BY: Final = RelationName("sk:graspableBy")
 """The thing's sk:graspWidth is less than the gripper's sk:maxGap."""
 HAS_A: Final = RelationName("sk:hasA")
@@ -110,19 +109,19 @@ IN: Final = RelationName("sk:in")
 IN_FRONT_OF: Final = RelationName("sk:inFrontOf")
 """The subject's box lies wholly beyond the object's front (+x of the object's frame)."""
 INSIDE: Final = RelationName("sk:inside")
-"""The subject's box lies in the object's, out of which it may stick at the top (+z of the object's frame) only."""
+"""The subject's box lies in the object's, except that it may protrude at the top (+z of the object's frame)."""
 LEFT_OF: Final = RelationName("sk:leftOf")
 """The subject's box lies wholly beyond the object's left side (+y of the object's frame)."""
 MOUNTED_ON: Final = RelationName("sk:mountedOn")
 """The device that carries this one."""
 NEAR: Final = RelationName("sk:near")
-"""There are at most 0.5 m between the two boxes."""
+"""The distance between the two boxes is at most 0.5 m."""
 ON: Final = RelationName("sk:on")
 """The thing stands on the surface."""
 OVERLAPS: Final = RelationName("sk:overlaps")
-"""The two boxes share room, not just a side."""
+"""The two boxes overlap in volume, not only in a face."""
 PLACEMENT: Final = RelationName("sk:placement")
-"""Where a thing is. A thing has one placement across the whole family; a new one moves it."""
+"""The place of a thing. A thing has one placement across the whole family; a new one moves it."""
 POSE_FRAME: Final = RelationName("sk:poseFrame")
 """The element in whose frame sk:pose is given; without it, the map."""
 RESTS_ON: Final = RelationName("sk:restsOn")
@@ -131,9 +130,9 @@ middle is over the object's box."""
 RIGHT_OF: Final = RelationName("sk:rightOf")
 """The subject's box lies wholly beyond the object's right side (-y of the object's frame)."""
 START_LOCATION: Final = RelationName("sk:startLocation")
-"""Where the robot is when a run begins."""
+"""The location of the robot at the start of a run."""
 STRUCTURE: Final = RelationName("sk:structure")
-"""What a thing is built of. A piece has one owner and goes with it."""
+"""The pieces of a thing. A piece has one owner and moves with it."""
 
 # ---------------------------------------------------------------- properties
 
@@ -142,88 +141,89 @@ COMMENT: Final = PropertyName("rdfs:comment")
 LABEL: Final = PropertyName("rdfs:label")
 """What people call it."""
 ADAPTER: Final = PropertyName("sk:adapter")
-"""Names of the adapters that serve a robot or device where several could, separated by blanks."""
+"""Names of the adapters selected for a robot or device, separated by blanks."""
 ADDRESS: Final = PropertyName("sk:address")
-"""Where the driver reaches the hardware: a host, a port, a serial number, as the driver wants it."""
+"""Address of the hardware: a host, a port, a serial number, as the driver expects it."""
 APPLIES_TO: Final = PropertyName("sk:appliesTo")
-"""Of something that was learned: the class of things that it is about."""
+"""The class to which a learned concept applies."""
 DEPTH_NOISE: Final = PropertyName("sk:depthNoise")
 """Standard deviation of the depth noise [m]."""
 DRIVER: Final = PropertyName("sk:driver")
-"""Name of the driver of a robot or device, where it is not that of the cell or of its robot."""
+"""Name of the driver of a robot or device, if it is not that of the cell or of its robot."""
 DRIVING_POSE: Final = PropertyName("sk:drivingPose")
-"""Where a robot base docks to work here: its pose in this element's own frame [m, rad]."""
+"""Pose of a robot base for working here, in this element's own frame [m, rad]."""
 FOOTPRINT: Final = PropertyName("sk:footprint")
-"""Corners x y x y … of the outline on the floor, counter-clockwise, in the frame of the device that carries the
-robot, or of a robot that nothing moves [m]."""
+"""Corners x y x y … of the outline on the floor, counter-clockwise, in the frame of the device that moves the robot,
+or of a robot without such a device [m]."""
 FRAME: Final = PropertyName("sk:frame")
 """URDF link that the device's readings refer to; for a camera, its optical frame."""
 GOAL: Final = PropertyName("sk:goal")
-"""A goal that goes with the scene, in the goal language; all of them hold at the end."""
+"""A goal of the scene, in the goal language; all of them are to be reached."""
 GRASP_HEIGHT: Final = PropertyName("sk:graspHeight")
 """Height above the element's frame at which fingers close [m]."""
 GRASP_POSE: Final = PropertyName("sk:graspPose")
-"""Pose of the arm's tip in this element's frame when the fingers close: more exact than sk:graspHeight [m, rad]."""
+"""Pose of the arm's tip in this element's frame when the fingers close; takes precedence over sk:graspHeight [m,
+rad]."""
 GRASP_WIDTH: Final = PropertyName("sk:graspWidth")
-"""Finger gap when the thing is held; across its y axis, where no sk:graspPose says otherwise [m]."""
+"""Finger gap when the thing is held; across its y axis unless sk:graspPose is given [m]."""
 HEADING_NOISE: Final = PropertyName("sk:headingNoise")
 """Standard deviation of the error of the heading [rad]."""
 HEIGHT: Final = PropertyName("sk:height")
 """Image height [px]."""
 HOLLOW: Final = PropertyName("sk:hollow")
-"""True when its solid is the room inside, not matter."""
+"""True if its solid is the inner volume, not matter."""
 HOME: Final = PropertyName("sk:home")
-"""Joint angles in which the arm starts and travels [rad]."""
+"""Joint angles at the start and while driving [rad]."""
 JOINTS: Final = PropertyName("sk:joints")
 """Joint names in the robot's URDF, separated by blanks, in the order of every vector about the device."""
 LATENCY: Final = PropertyName("sk:latency")
 """Time from request to answer [s]."""
 MASS: Final = PropertyName("sk:mass")
-"""Mass [kg]; 0 for what never moves."""
+"""Mass [kg]; 0 for static elements."""
 MAX_ANGULAR: Final = PropertyName("sk:maxAngular")
-"""Greatest angular speed [rad/s]."""
+"""Maximum angular speed [rad/s]."""
 MAX_ANGULAR_ACCELERATION: Final = PropertyName("sk:maxAngularAcceleration")
-"""Greatest angular acceleration and braking [rad/s²]."""
+"""Maximum angular acceleration and braking [rad/s²]."""
 MAX_DEPTH: Final = PropertyName("sk:maxDepth")
-"""Greatest depth that is measured [m]."""
+"""Maximum measured depth [m]."""
 MAX_FORCE: Final = PropertyName("sk:maxForce")
-"""Greatest force per finger [N]."""
+"""Maximum force per finger [N]."""
 MAX_GAP: Final = PropertyName("sk:maxGap")
-"""Greatest gap between the fingers [m]."""
+"""Maximum gap between the fingers [m]."""
 MAX_LINEAR: Final = PropertyName("sk:maxLinear")
-"""Greatest linear speed [m/s]."""
+"""Maximum linear speed [m/s]."""
 MAX_LINEAR_ACCELERATION: Final = PropertyName("sk:maxLinearAcceleration")
-"""Greatest linear acceleration and braking [m/s²]."""
+"""Maximum linear acceleration and braking [m/s²]."""
 MIN_DEPTH: Final = PropertyName("sk:minDepth")
-"""Smallest depth that is measured [m]."""
+"""Minimum measured depth [m]."""
 MISSED_LOOKS: Final = PropertyName("sk:missedLooks")
-"""How many clear looks in a row did not show it where it is believed to be."""
+"""Number of consecutive clear looks in which it was not seen at its believed place."""
 MISSING: Final = PropertyName("sk:missing")
-"""True when it was looked for where it should be and not seen."""
+"""True if it was not seen at its expected place."""
 MODEL: Final = PropertyName("sk:model")
-"""Name of the model that drivers know how to build: of a robot, or of a device that belongs to none."""
+"""Name of the model of a robot, or of a device without a robot."""
 MODULE_DESCRIPTION: Final = PropertyName("sk:moduleDescription")
-"""What a person needs to know to start the module: its help, its parameters, its implementations."""
+"""The data that a person needs to start the module: help, parameters, implementations."""
 OF_SKILL: Final = PropertyName("sk:ofSkill")
-"""Name of the skill that something was learned of."""
+"""Name of the skill to which a learned concept refers."""
 PLACING_POSE: Final = PropertyName("sk:placingPose")
-"""Pose, in this element's frame, of a thing that is put into it when it is let go [m, rad]."""
+"""Pose, in this element's frame, at which a thing placed into it is released [m, rad]."""
 POSE: Final = PropertyName("sk:pose")
 """Pose of the element's frame in the map, or in the frame of its sk:poseFrame [m, rad]."""
 POSITION_NOISE: Final = PropertyName("sk:positionNoise")
 """Standard deviation of the error of the position in x and in y [m]."""
 RUN_TIMES: Final = PropertyName("sk:runTimes")
-"""How long the last runs took that worked, the newest last [s]."""
+"""Durations of the last successful runs, newest last [s]."""
 SEQUENCE_NUMBER: Final = PropertyName("sk:sequenceNumber")
-"""Where on its round a robot comes to the location: within one task no robot visits a lower number after a higher
-one. Locations without a number are visited at any time."""
+"""Position of the location in a robot's round: within one task no robot visits a lower number after a higher one.
+Locations without a number can be visited at any time."""
 SIZE: Final = PropertyName("sk:size")
 """Full extents around the element's frame, x y or x y z [m]."""
 SOLID: Final = PropertyName("sk:solid")
 """Shape: a list of boxes (size x, y, z) and cylinders (size radius, length along z) with their centres 'at' and
 fixed-axis 'rpy', in the element's frame, which lies on the support plane [m, rad]."""
 STOCK_COUNT: Final = PropertyName("sk:stockCount")
-"""How many of them there are that have no individual of their own."""
+"""The number of elements without individuals of their own."""
 STOCK_OF: Final = PropertyName("sk:stockOf")
 """The class of the things."""
 SUPPORT_HALF_EXTENTS: Final = PropertyName("sk:supportHalfExtents")
@@ -233,7 +233,7 @@ SUPPORT_OFFSET: Final = PropertyName("sk:supportOffset")
 TIP: Final = PropertyName("sk:tip")
 """URDF link that motions are planned for."""
 USE_SEQUENCE_NUMBERS: Final = PropertyName("sk:useSequenceNumbers")
-"""True when the sequence and work numbers of a scene count; said of its floor."""
+"""True if the sequence and work numbers of a scene are used; a property of its floor."""
 VERSION: Final = PropertyName("sk:version")
 """Version of the implementation that is tried first."""
 VERTICAL_FOV: Final = PropertyName("sk:verticalFov")
@@ -241,5 +241,5 @@ VERTICAL_FOV: Final = PropertyName("sk:verticalFov")
 WIDTH: Final = PropertyName("sk:width")
 """Image width [px]."""
 WORK_NUMBER: Final = PropertyName("sk:workNumber")
-"""Whose turn it is, such as of several kits: what a task wants in or at the one of the lower number is done before
-it begins with the next."""
+"""Order of work, for example among several kits: the goal of a task for the one with the lower number is reached
+before it starts with the next."""
