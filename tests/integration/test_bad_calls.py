@@ -262,7 +262,7 @@ def test_a_primitive_with_bad_parameters_does_not_start(arguments: Mapping[str, 
     assert trial.seconds < 0.1
 
 
-def test_a_module_that_nobody_offers_is_unknown() -> None:
+def test_a_module_without_a_provider_is_unknown() -> None:
     with Bench(tiny_world()) as bench, pytest.raises(UnknownName, match="Did you mean 'drive'"):
         bench.run("drove")
 

@@ -64,7 +64,7 @@ def recursing_deeper(depth: int) -> Outcome:
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )
-def test_what_breaks_in_a_run_is_that_modules_failure_in_its_own_name(behaviour: Behaviour, told: str) -> None:
+def test_an_exception_in_a_run_is_a_failure_of_that_module(behaviour: Behaviour, told: str) -> None:
     with Bench(tiny_world(), (), [bad(behaviour), Moving]) as bench:
         outcome = bench.run("bad", base="base_1")
 
@@ -172,7 +172,7 @@ class BreaksBeforeItYields(Moving):
         BreaksBeforeItYields,
     ],
 )
-def test_what_breaks_before_it_runs_is_that_modules_failure(primitive: type[Moving]) -> None:
+def test_an_exception_before_the_run_is_a_failure_of_that_module(primitive: type[Moving]) -> None:
     with Bench(tiny_world(), (), [primitive, Moving]) as bench:
         outcome = bench.run("bad", base="base_1")
 
@@ -191,7 +191,7 @@ def test_a_module_that_broke_within_a_skill_fails_the_skill_and_names_itself() -
     assert [verdict.holds for verdict in trial.verdicts] == [False]
 
 
-def test_what_breaks_in_one_branch_stops_the_other() -> None:
+def test_an_exception_in_one_branch_stops_the_other() -> None:
     other = type("Other", (Moving,), {"name": "other", "__doc__": "-", "execute": lambda self: self.drive(1e9)})
     both = Parallel.of(Do.of("bad", base=P("Base")), Do.of("other", base="base_2"))
     world = tiny_world(robots=2)
@@ -206,7 +206,7 @@ def test_what_breaks_in_one_branch_stops_the_other() -> None:
 # ------------------------------------------------------------------ without end
 
 
-def test_what_yields_for_ever_is_cancelled_by_a_timeout() -> None:
+def test_an_endless_generator_is_cancelled_by_a_timeout() -> None:
     skill = Skill(DRIVE, Timeout(Do.of("bad", base=P("Base")), 1.0))
     with Bench(tiny_world(), (skill,), [bad(yielding(None)), Moving], driver="any") as bench:
         outcome = bench.run("drive", Location="box_a")
@@ -217,7 +217,7 @@ def test_what_yields_for_ever_is_cancelled_by_a_timeout() -> None:
         assert_others_go_on(bench)
 
 
-def test_what_yields_for_ever_is_stopped_at_once() -> None:
+def test_an_endless_generator_is_stopped_at_once() -> None:
     with Bench(tiny_world(), (), [bad(yielding(None)), Moving]) as bench:
         running = bench.start("bad", base="base_1")
         bench.advance(0.3)
@@ -284,7 +284,7 @@ CLOSING_BADLY = [
 
 
 @pytest.mark.parametrize("behaviour", CLOSING_BADLY)
-def test_whatever_it_does_when_it_is_stopped_the_robot_halts(behaviour: Behaviour) -> None:
+def test_regardless_of_its_reaction_to_a_stop_the_robot_halts(behaviour: Behaviour) -> None:
     with Bench(tiny_world(), (), [bad(behaviour), Moving]) as bench:
         running = bench.start("bad", base="base_1")
         bench.advance(0.3)
@@ -296,7 +296,7 @@ def test_whatever_it_does_when_it_is_stopped_the_robot_halts(behaviour: Behaviou
 
 
 @pytest.mark.parametrize("behaviour", CLOSING_BADLY)
-def test_whatever_it_does_when_it_is_cancelled_the_skill_ends_and_the_robot_halts(behaviour: Behaviour) -> None:
+def test_regardless_of_its_reaction_a_cancelled_skill_ends_and_the_robot_halts(behaviour: Behaviour) -> None:
     skill = Skill(DRIVE, Do.of("bad", base=P("Base")))
     with Bench(tiny_world(), (skill,), [bad(behaviour), Moving], driver="any") as bench:
         outcome = bench.run("drive", Location="box_a", cancel=lambda: "the world changed" if bench.time > 0.3 else "")
@@ -389,7 +389,9 @@ def sleeps(bad: Bad) -> Execution[Outcome]:
 @pytest.mark.parametrize(
     "behaviour", [spins, spins_and_catches_exceptions, spins_and_catches_everything_for_a_while, sleeps]
 )
-def test_what_holds_the_cycle_is_interrupted_named_and_the_robot_halts_until_it_is_reset(behaviour: Behaviour) -> None:
+def test_code_that_blocks_the_cycle_is_interrupted_and_named_and_the_robot_halts_until_reset(
+    behaviour: Behaviour,
+) -> None:
     with Bench(tiny_world(), (), [bad(behaviour), Moving], overrun=0.2) as bench:
         outcome = bench.run("bad", base="base_1")
 

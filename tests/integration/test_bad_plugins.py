@@ -63,7 +63,7 @@ def faults_of(session: Session, distribution: str) -> dict[str, str]:
         ("from skiros_py.skills.skill import SkillDescription\nSkillDescription('', '', '', '', ())", "skill name"),
     ],
 )
-def test_a_plug_in_that_breaks_at_import_is_told_with_its_origin_and_hurts_nobody(
+def test_a_plug_in_that_raises_on_import_is_reported_with_its_origin_and_affects_no_other(
     install: Install, tmp_path: Path, text: str, told: str
 ) -> None:
     install("sk_fine", {"skills": {"hop": "HOP"}, "conditions": {"TinyAt": "AT"}}, GOOD)
@@ -115,7 +115,7 @@ class Undeclared(Primitive):
 """
 
 
-def test_primitives_that_lack_something_are_told_and_hurt_nobody(install: Install, tmp_path: Path) -> None:
+def test_incomplete_primitives_are_reported_and_affect_no_other(install: Install, tmp_path: Path) -> None:
     install("sk_fine", {"skills": {"hop": "HOP"}, "conditions": {"TinyAt": "AT"}}, GOOD)
     names = {
         "no_params": "NoParams",

@@ -56,7 +56,7 @@ def test_the_built_in_plug_ins_keep_all_rules_and_their_skills_do_what_they_decl
     assert all(ran["where"] for ran in answer["ran"])
 
 
-def test_what_needs_a_real_robot_is_listed_as_not_run() -> None:
+def test_skills_for_real_robots_are_listed_as_not_run() -> None:
     told = run("skiros-skills").stdout
     answer = json.loads(run("skiros-skills", "--json").stdout)
 
@@ -118,7 +118,7 @@ def test_the_package_is_forgotten_afterwards(tmp_path: Path) -> None:
         run("sk_gone")
 
 
-def test_what_does_not_load_is_a_finding_at_the_line_that_raised(tmp_path: Path) -> None:
+def test_a_plug_in_that_does_not_load_is_a_finding_at_the_line_that_raised(tmp_path: Path) -> None:
     package = written(tmp_path, "sk_boom", "x = 1\ny = x / 0\n", skill("boom", "sk_boom:BOOM"))
 
     result = run(str(package))

@@ -111,7 +111,7 @@ def test_a_polite_kill_ends_a_command_whose_control_thread_is_stuck(run: Start, 
     assert time.monotonic() - begun < 6.0
 
 
-def test_what_a_primitive_prints_also_from_c_never_gets_into_the_answer_in_json(run: Start) -> None:
+def test_output_of_a_primitive_even_from_c_never_mixes_with_the_json_answer(run: Start) -> None:
     chatter = "print('chatter'); os.write(1, b'more chatter'); sys.stdout.write('and more')"
     status, out, err = ended(run(chatter, "--json"))
 

@@ -364,7 +364,7 @@ DRIVE = {"type": "do", "module": "drive_base"}
         "unknown device",
     ],
 )
-def test_what_the_station_does_not_offer_is_refused_with_its_place(cell: Cell, wrong: Any, said: str) -> None:
+def test_a_module_that_the_station_does_not_offer_is_refused_with_its_place(cell: Cell, wrong: Any, said: str) -> None:
     tree = {"parameters": [MOVER], "body": {"type": "sequence", "children": [note("a"), wrong]}}
 
     faults = cell.faults("tree", tree)

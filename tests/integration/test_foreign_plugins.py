@@ -90,7 +90,7 @@ def test_skills_that_cannot_work_here_are_left_out_and_reported_and_the_rest_is_
         assert session.run(["TinyAt(robot_1, box_a)"]).reached
 
 
-def test_a_module_that_breaks_while_it_is_imported_hurts_nobody(install: Install, tmp_path: Path) -> None:
+def test_a_module_that_raises_on_import_does_not_affect_others(install: Install, tmp_path: Path) -> None:
     install("sk_good", {"skills": {"hop": "HOP"}, "conditions": {"TinyAt": "AT"}}, GOOD)
     install("sk_broken", {"skills": {"dive": "DIVE"}, "conditions": {"Wet": "WET"}}, "1 / 0")
 
@@ -185,7 +185,7 @@ class Paint(Reasoner):
 
 
 @pytest.mark.parametrize("command", [["scene", "check"], ["scene", "show"], ["plan"]])
-def test_whoever_opens_a_world_is_told_once_on_stderr_which_plug_ins_did_not_load(
+def test_opening_a_world_reports_failed_plug_ins_once_on_stderr(
     install: Install,
     command: list[str],
     tmp_path: Path,

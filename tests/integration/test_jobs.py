@@ -113,7 +113,7 @@ def test_another_order_under_the_same_id_is_refused(session):
         session.jobs.submit(order("a", ALTERNATOR))
 
 
-def test_a_goal_that_nobody_understands_is_refused_and_nothing_is_kept(session):
+def test_an_unparsable_goal_is_refused_and_not_stored(session):
     with pytest.raises(UnknownName, match="condition 'InnKit'"):
         session.jobs.submit(order("a", "InnKit(Starter, kit_1)"))
     assert not session.jobs.store.page().jobs
@@ -215,7 +215,7 @@ def test_after_a_kill_in_mid_motion_the_job_waits_for_a_person(data):
         assert session.jobs.job("b").state is JobState.ALLOWED_TO_START
 
 
-def test_after_a_kill_a_retry_ends_well_and_does_nothing_twice(data):
+def test_after_a_kill_a_retry_succeeds_and_repeats_nothing(data):
     run_until(data, "pick")
     with Session("kitting", Options(fake=True, data=data)) as session:
         session.jobs.answer("a", "retry", by="ann")

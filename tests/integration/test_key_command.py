@@ -52,7 +52,7 @@ def test_a_key_can_be_made_before_there_is_anything_else_and_is_shown_once(tmp_p
     assert "anna: never used" in listed.stdout
 
 
-def test_what_is_wrong_is_said_in_one_line(tmp_path: Path) -> None:
+def test_a_fault_is_reported_in_one_line(tmp_path: Path) -> None:
     nothing = _skiros("list", "--data", str(tmp_path))
     _skiros("create", "anna", "--role", "admin", "--data", str(tmp_path))
     unknown = _skiros("revoke", "nope", "--data", str(tmp_path))

@@ -157,7 +157,7 @@ def test_each_condition_of_the_report_has_its_time() -> None:
     assert all(0.0 < c.wall <= report.wall for c in report.conditions)
 
 
-def test_what_was_reached_before_a_stop_counts_as_reached() -> None:
+def test_conditions_reached_before_a_stop_count_as_reached() -> None:
     with Session("kitting", Options(fake=True)) as session:
         session.monitor.subscribe(lambda e: (e.module, e.status) == ("place", Status.TERMINATED) and session.stop())
         report = session.run(["InKit(Starter, kit_1) and InKit(Alternator, kit_1)"])

@@ -79,7 +79,7 @@ def test_a_device_is_jogged_and_taught_with_from_the_shell(said: Ask, served: Se
     assert str(refused.exception) == "jog_tool of arm_1: there is no planner for the arm: jog the joints instead"
 
 
-def test_what_does_not_exist_is_named(client: Client) -> None:
+def test_a_missing_element_is_named(client: Client) -> None:
     with pytest.raises(ProblemError, match=r"unknown device 'griper_1'.* Did you mean 'gripper_1'") as refused:
         client.devices.close("griper_1")
 

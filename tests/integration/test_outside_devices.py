@@ -460,7 +460,7 @@ def test_foreign_devices_are_commanded_and_stop_where_they_are_told(world: World
             DeviceHandle(board, "wrench_1").command(lab.OmniTwist(0.0, 0.0, 0.0))
 
 
-def test_what_stands_on_a_turntable_moves_with_it(world: World) -> None:
+def test_a_body_on_a_turntable_moves_with_it(world: World) -> None:
     lab = pytest.importorskip("lab_devices")
     with Bench(world, robots=["robot_1"]) as bench:
         table = DeviceHandle(bench.context.board, "table_1")

@@ -71,7 +71,7 @@ def test_an_unknown_robot_is_refused_before_anything_is_started(tmp_path: Path) 
         opened(tiny_scene(tmp_path), robot="robbie")
 
 
-def test_a_plugin_that_did_not_load_hurts_nobody(tmp_path: Path) -> None:
+def test_a_plugin_that_did_not_load_affects_no_other(tmp_path: Path) -> None:
     scene = str(tiny_scene(tmp_path))
 
     with Session(scene, Options(fake=True), catalogue=catalogue(FAULT)) as session:

@@ -128,7 +128,7 @@ def test_a_goal_is_planned_for_though_the_process_is_killed_meanwhile(
     assert isinstance(asked.result().value.outcome, Plan)
 
 
-def test_what_hangs_is_killed_when_it_is_cancelled_and_others_go_on(process: PlanningProcess, world: World) -> None:
+def test_a_hanging_request_is_killed_when_cancelled_and_others_continue(process: PlanningProcess, world: World) -> None:
     hanging, other = process.ask(Hanging()), process.ask(Sleeping(3.0))
     time.sleep(0.3)
     assert process.pid is not None
@@ -180,7 +180,7 @@ def test_what_it_has_loaded_for_one_request_is_there_for_the_next(process: Plann
     assert len(pids) == 1
 
 
-def test_what_cannot_travel_is_refused_by_name(process: PlanningProcess) -> None:
+def test_an_object_that_cannot_be_serialised_is_refused_by_name(process: PlanningProcess) -> None:
     with pytest.raises(PlanningError, match=r"the request cannot be sent to the planning process: .*lock"):
         process.ask(_Locked(threading.Lock()))
 
@@ -201,7 +201,7 @@ def test_what_is_made_in_memory_travels(process: PlanningProcess) -> None:
     assert process.ask(Local()).result().value is True
 
 
-def test_what_breaks_is_a_fault_of_planning(process: PlanningProcess) -> None:
+def test_an_exception_is_a_fault_of_planning(process: PlanningProcess) -> None:
     class Broken:
         def answer(self, _state: Index, _planners: Planners, _stopped: Callable[[], bool]) -> None:
             raise ZeroDivisionError("of nothing")

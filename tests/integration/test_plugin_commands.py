@@ -135,7 +135,7 @@ def test_one_group_or_one_name_is_shown_by_itself(zoo: Any) -> None:
         (["--group", "skils"], "unknown group 'skils'. Did"),
     ],
 )
-def test_names_that_nobody_knows_are_answered_with_the_nearest(zoo: Any, arguments: list[str], says: str) -> None:
+def test_unknown_names_are_answered_with_the_nearest(zoo: Any, arguments: list[str], says: str) -> None:
     assert isinstance(error := invoke("plugins", *arguments).exception, UnknownName)
     assert str(error).startswith(says)
 

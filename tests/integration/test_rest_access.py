@@ -139,7 +139,7 @@ def test_a_page_is_told_what_it_need_not_offer(admin: httpx2.Client, stranger: h
     assert "create_key" in ours["operations"]
 
 
-def test_the_log_of_requests_that_would_have_addresses_in_it_is_off(served: Served) -> None:
+def test_the_access_log_with_urls_is_off(served: Served) -> None:
     assert not logging.getLogger("uvicorn.access").propagate
 
 
@@ -154,7 +154,7 @@ def test_keys_stand_in_no_log(served: Served, admin: httpx2.Client, caplog: pyte
     assert secret[12:] not in admin.get("/audit?limit=1000").text
 
 
-def test_guessing_is_slowed_down_and_hurts_nobody_else(served: Served, admin: httpx2.Client) -> None:
+def test_guessing_is_slowed_down_without_affecting_others(served: Served, admin: httpx2.Client) -> None:
     with httpx2.Client(base_url=f"{served.url}/api/v1") as guesser:
         answers = [guesser.post("/session", json={"key": f"sk_12345678_{number:043}"}) for number in range(15)]
 

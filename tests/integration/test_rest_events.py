@@ -172,7 +172,7 @@ def test_a_stream_is_resumed_after_the_last_event_that_was_seen(served, http, he
     ("given", "code"),
     [("0000aaaa-3", "restarted"), ("garbage", "unknown"), ("%00%ff", "unknown"), ("{epoch}-999999", "future")],
 )
-def test_a_place_that_means_nothing_here_gets_a_reset_and_then_what_happens(served, http, given, code):
+def test_an_unknown_position_gets_a_reset_and_then_new_events(served, http, given, code):
     place = given.format(epoch=served.services.station.events.epoch)
     items = follow(http, calls.stream_events(kinds=["world"]), after=place)
     reset = next(items)
@@ -195,7 +195,7 @@ def test_a_place_that_is_too_long_ago_gets_a_reset(served, http):
 
 
 @pytest.mark.parametrize("query", ["kind=weather", "limit=0", "limit=1001", "after=" + "x" * 200, "job=" + "x" * 300])
-def test_a_wrong_wish_is_refused(http, query):
+def test_a_wrong_request_is_refused(http, query):
     assert http.get(f"/events/recent?{query}").status_code == 422
 
 
@@ -267,7 +267,7 @@ def _resident():
     return int(Path("/proc/self/statm").read_text().split()[1]) * 4096
 
 
-def test_a_client_that_never_reads_costs_nobody_anything(served, http):
+def test_a_client_that_never_reads_does_not_affect_others(served, http):
     """100,000 events of 1 kB pass by it; what it does not take is not kept for it."""
     events, bursts, each = served.services.station.events, 50, 2000
     text = "x" * 1000
@@ -450,7 +450,7 @@ def test_a_broken_connection_is_made_again_and_nothing_is_missed_or_comes_twice(
         items.close()
 
 
-def test_the_client_gives_up_where_nobody_answers_and_says_where():
+def test_the_client_gives_up_without_an_answer_and_names_the_address():
     with (
         httpx2.Client(base_url="http://127.0.0.1:9/api/v1") as http,
         pytest.raises(Unreachable, match=r"127\.0\.0\.1:9"),

@@ -42,7 +42,7 @@ def b64(data: object) -> str:
 JWT = f"{b64({'alg': 'none'})}.{b64({'sub': 'admin', 'role': 'admin', 'exp': 4e9})}."
 
 
-def test_an_expired_and_a_revoked_key_open_nothing_any_more(locked: Served, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_expired_and_revoked_keys_give_no_access(locked: Served, monkeypatch: pytest.MonkeyPatch) -> None:
     keys = locked.services.keys
     _, short = keys.create("short", Role.ADMIN, expires=(datetime.now(UTC) + timedelta(hours=1)).timestamp())
     revoked, secret = keys.create("gone", Role.ADMIN)
@@ -75,13 +75,13 @@ def test_a_form_of_a_foreign_page_changes_nothing_though_the_browser_sends_the_c
     "host", ["evil.example", "127.0.0.1.evil.example", "localhost.evil.example:80", "[::2]", "x@y"]
 )
 @pytest.mark.parametrize("path", ["/api/v1/jobs", "/api/v1/events", "/api/v1/docs", "/healthz", "/api/v1/stop"])
-def test_a_name_that_was_bent_to_this_machine_leads_to_nothing(locked: Served, host: str, path: str) -> None:
+def test_a_foreign_host_name_for_this_machine_is_refused(locked: Served, host: str, path: str) -> None:
     with httpx2.Client(base_url=locked.url) as client:
         answer = client.get(path, headers={"Host": host})
     assert answer.status_code in (400, 403)
 
 
-def test_a_key_in_an_address_is_neither_taken_nor_logged(locked: Served, caplog: pytest.LogCaptureFixture) -> None:
+def test_a_key_in_a_url_is_neither_accepted_nor_logged(locked: Served, caplog: pytest.LogCaptureFixture) -> None:
     _, secret = locked.services.keys.create("careless", Role.ADMIN)
     with caplog.at_level(logging.DEBUG), api_of(locked) as api:
         for query in (f"key={secret}", f"api_key={secret}", f"token={secret}", f"access_token={secret}"):
@@ -110,7 +110,7 @@ def test_a_key_in_an_address_is_neither_taken_nor_logged(locked: Served, caplog:
         {"X-HTTP-Method-Override": "GET"},
     ],
 )
-def test_nothing_that_is_no_key_opens_the_door(locked: Served, headers: dict[str, str]) -> None:
+def test_only_valid_keys_give_access(locked: Served, headers: dict[str, str]) -> None:
     with api_of(locked) as api:
         answers = [
             api.get("/jobs", headers=headers),
@@ -184,7 +184,7 @@ def target() -> Iterator[Target]:
 WHOLE_LIFE = ["AllowedToStart", "Running", "Ended"]
 
 
-def test_a_target_that_fails_at_first_is_told_everything_in_order_and_a_slow_one_delays_no_job(
+def test_a_target_that_fails_at_first_gets_all_messages_in_order_and_a_slow_one_delays_no_job(
     target: Target, tmp_path: Path
 ) -> None:
     settings, lets_go, failures = replace(ServerSettings(), webhook_hosts=("127.0.0.1",)), threading.Event(), []
@@ -218,7 +218,7 @@ def test_a_target_that_fails_at_first_is_told_everything_in_order_and_a_slow_one
     ["http://169.254.169.254/x", "http://localhost:9/x", "http://[::1]:9/", "file:///etc/passwd", "http://evil.example/",
      "http://127.0.0.1@evil.example/", "gopher://127.0.0.1/", "http://0177.0.0.1/", "http://2130706433/", "http://"],
 )  # fmt: skip
-def test_a_webhook_leads_nowhere_but_where_the_operator_of_the_server_allowed(open_: Served, url: str) -> None:
+def test_a_webhook_reaches_only_allowed_hosts(open_: Served, url: str) -> None:
     with api_of(open_) as api:
         refused = api.post("/webhooks", json={"url": url})
         assert refused.status_code == 422, refused.text
@@ -232,7 +232,7 @@ def open_(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
         yield served
 
 
-def test_what_a_target_did_not_take_before_the_server_was_killed_it_gets_afterwards_in_order(
+def test_messages_undelivered_at_a_kill_of_the_server_are_delivered_afterwards_in_order(
     target: Target, tmp_path: Path
 ) -> None:
     target.answer = lambda _event: 503

@@ -48,7 +48,7 @@ def placed(api: httpx2.Client, part: str) -> int:
     return sum(str((edit["new"] or {}).get("place", "")).startswith("kit_1_") for edit in edits)
 
 
-def test_what_was_planned_or_done_at_a_kill_waits_for_a_person_and_nothing_is_done_twice(tmp_path: Path) -> None:
+def test_after_a_kill_running_jobs_wait_for_a_person_and_nothing_is_done_twice(tmp_path: Path) -> None:
     planner, data = HeldPlanner(tmp_path), tmp_path / "data"
     with started(data, "--planner-command", planner.command) as (server, api):
         api.put("/jobs/kit", json=STARTER).raise_for_status()

@@ -62,7 +62,7 @@ def test_of_two_engineers_who_saw_the_same_the_second_looks_again_and_one_who_sa
     assert bert.put("/scene", json={"name": "kitting_two"}).status_code == 428
 
 
-def test_what_one_engineer_has_locked_another_does_not_change_in_any_way(
+def test_an_element_locked_by_one_engineer_cannot_be_changed_by_another(
     api: httpx2.Client, engineers: tuple[httpx2.Client, httpx2.Client]
 ) -> None:
     _, bert = engineers
@@ -103,7 +103,7 @@ def test_while_a_job_runs_no_scene_takes_the_place_of_this_one_and_an_edit_of_so
     assert over(api, "kit")["outcome"] == "succeeded"
 
 
-def test_of_twenty_engineers_who_save_one_scene_at_once_nobody_overwrites_what_they_have_not_seen(
+def test_twenty_engineers_who_save_one_scene_at_once_overwrite_no_unseen_version(
     api: httpx2.Client,
 ) -> None:
     seen = {"If-Match": api.post("/scenes", json={"name": "shared"}).headers["etag"]}
@@ -244,7 +244,7 @@ def test_names_that_differ_in_case_only_are_never_two_scenes(api: httpx2.Client)
     assert api.get("/scenes/CASED").status_code in (404, 422)
 
 
-def test_a_scene_for_which_the_disk_has_no_room_is_told_and_the_old_one_stays(
+def test_a_scene_that_does_not_fit_on_the_disk_is_reported_and_the_old_one_stays(
     served: Served, api: httpx2.Client, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     seen = api.post("/scenes", json={"name": "kept"})

@@ -61,7 +61,9 @@ def test_fifty_repeats_and_fifty_other_orders_at_once_leave_a_running_job_undist
     assert len(api.get("/jobs").json()["items"]) == 1
 
 
-def test_fifty_different_orders_under_one_id_at_once_are_one_job_and_the_others_are_told(api: httpx2.Client) -> None:
+def test_fifty_different_orders_under_one_id_at_once_make_one_job_and_the_others_are_refused(
+    api: httpx2.Client,
+) -> None:
     def put(number: int) -> httpx2.Response:
         return api.put("/jobs/one", json={**HOLDS, **LATER, "priority": number})
 
@@ -123,7 +125,7 @@ def test_a_goal_that_holds_and_one_that_cannot_are_outcomes_of_their_own(
         ("InKit(Starter)", "GoalSyntax"),
     ],
 )
-def test_a_goal_that_names_what_there_is_not_is_refused_and_no_job(api: httpx2.Client, goal: str, code: str) -> None:
+def test_a_goal_with_unknown_names_is_refused_and_makes_no_job(api: httpx2.Client, goal: str, code: str) -> None:
     refused = api.put("/jobs/goal", json={"goal": goal})
     assert refused.status_code == 422, refused.text
     assert refused.json()["code"] in (code, "InvalidRequest")
@@ -186,7 +188,7 @@ def test_a_job_that_is_aborted_gives_its_robot_to_the_next(api: httpx2.Client) -
     assert over(api, "first")["outcome"] == "aborted"
 
 
-def test_whoever_jogs_a_robot_that_a_job_has_is_refused_and_the_job_goes_on(api: httpx2.Client) -> None:
+def test_jogging_a_robot_used_by_a_job_is_refused_and_the_job_continues(api: httpx2.Client) -> None:
     api.put("/jobs/kit", json=STARTER).raise_for_status()
     until(lambda: moves(api, "kit"))
 

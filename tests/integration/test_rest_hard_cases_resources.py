@@ -56,7 +56,7 @@ def test_a_thousand_requests_and_two_hundred_closed_streams_leave_no_file_and_no
     assert threading.active_count() <= threads + 5
 
 
-def test_what_edits_and_jobs_leave_on_the_disk_is_little_and_the_log_of_events_is_bounded(tmp_path: Path) -> None:
+def test_edits_and_jobs_leave_little_on_the_disk_and_the_event_log_is_bounded(tmp_path: Path) -> None:
     left = []
     for _ in range(2):
         with serving("kitting", tmp_path) as served, api_of(served) as api:
@@ -74,7 +74,7 @@ def test_what_edits_and_jobs_leave_on_the_disk_is_little_and_the_log_of_events_i
 # ------------------------------------------------------------------ processes
 
 
-def test_a_polite_kill_while_a_job_runs_and_streams_are_open_ends_in_good_order_and_the_job_is_held(
+def test_sigterm_during_a_job_with_open_streams_ends_cleanly_and_the_job_is_held(
     tmp_path: Path,
 ) -> None:
     with ServerProcess("kitting", "--fake", "--pace", "3", data=tmp_path) as server, server.client() as client:

@@ -178,7 +178,7 @@ def test_stops_at_the_moment_of_natural_completion_leave_one_end_that_is_true(
 # ------------------------------------------------------------------ case 6: the world changes behind the plan
 
 
-def test_a_part_that_somebody_removes_behind_the_plan_ends_the_job_cleanly(api: httpx2.Client) -> None:
+def test_a_part_removed_during_the_plan_ends_the_job_cleanly(api: httpx2.Client) -> None:
     order(api)
     until(lambda: moves(api, "kit"))
 
@@ -190,7 +190,7 @@ def test_a_part_that_somebody_removes_behind_the_plan_ends_the_job_cleanly(api: 
     assert "place" not in steps(api, "kit")
 
 
-def test_a_part_that_somebody_moves_behind_the_plan_is_fetched_from_where_it_is_then(api: httpx2.Client) -> None:
+def test_a_part_moved_during_the_plan_is_fetched_from_its_new_place(api: httpx2.Client) -> None:
     order(api)
     until(lambda: moves(api, "kit"))
 
@@ -203,7 +203,7 @@ def test_a_part_that_somebody_moves_behind_the_plan_is_fetched_from_where_it_is_
     assert actual["place"].startswith("kit_1_")
 
 
-def test_a_compartment_that_somebody_fills_behind_the_plan_is_left_alone(api: httpx2.Client) -> None:
+def test_a_compartment_filled_during_the_plan_is_left_alone(api: httpx2.Client) -> None:
     order(api)
     until(lambda: moves(api, "kit"))
     wanted = api.get("/jobs/kit/plan").json()["steps"][-1]["arguments"]["Compartment"]

@@ -73,9 +73,7 @@ def test_two_hundred_readers_that_take_a_little_now_and_then_stop_neither_job_no
     until(lambda: served.services.streams.open == 0)
 
 
-def test_whoever_read_too_slowly_is_told_of_the_gap_and_learns_the_end_of_the_job_nevertheless(
-    served: Served, api: httpx2.Client
-) -> None:
+def test_a_slow_reader_gets_a_reset_and_still_learns_the_end_of_the_job(served: Served, api: httpx2.Client) -> None:
     with api.sse("/events?kind=job&kind=task") as source:
         first = next(event for event in source if event.id)
     for _ in range(6000):
@@ -103,7 +101,7 @@ def test_no_last_event_id_breaks_a_stream(api: httpx2.Client, place: str) -> Non
     assert first.event in ("reset", "message", "")
 
 
-def test_a_reader_hears_of_the_end_of_its_job_over_a_kill_of_the_server(tmp_path: Path) -> None:
+def test_a_reader_learns_the_end_of_its_job_despite_a_kill_of_the_server(tmp_path: Path) -> None:
     port = [0]
 
     def redirect(request: httpx2.Request) -> None:

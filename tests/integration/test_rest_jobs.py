@@ -157,7 +157,7 @@ def test_another_order_under_the_same_id_needs_the_version_that_was_seen(api):
     assert api.put("/jobs/change", json={**OTHER, **LATER}).json() == changed.json()
 
 
-def test_what_has_begun_takes_no_other_order(api):
+def test_a_started_job_takes_no_other_order(api):
     done = api.put("/jobs/over", json=HOLDS, headers=DONE)
     refused = problem(api.put("/jobs/over", json=OTHER, headers={"If-Match": done.headers["etag"]}), 409)
     assert (refused["code"], refused["return_status"]) == ("InvalidJobOrderStatus", 1 << 3)
@@ -438,7 +438,7 @@ def test_an_alarm_is_answered_as_long_as_it_asks_what_was_seen(api, served):
     assert problem(api.post(f"/alarms/{alarm['id']}/answer", json=seen), 409)["code"] == "WrongState"
 
 
-def test_where_there_is_no_plan_it_is_explained_as_data_and_in_sentences(api):
+def test_a_missing_plan_is_explained_as_data_and_in_sentences(api):
     job = api.put("/jobs/hopeless", json=HOPELESS, headers=DONE).json()
     assert (state(job)[0], job["outcome"]) == ("Aborted", "no plan")
     explained = api.get("/jobs/hopeless/explanation").json()
@@ -520,7 +520,7 @@ def test_the_client_says_the_same(served):
         assert client.send(calls.start_job(kept.id, "go")).state.number in (2, 3, 5)
 
 
-def test_a_query_parameter_that_nobody_knows_is_refused_before_anything_is_ordered(api):
+def test_an_unknown_query_parameter_is_refused_before_anything_is_ordered(api):
     answer = problem(api.put("/jobs/mistyped", params={"strt": "false"}, json=HOLDS), 422)
 
     assert "did you mean 'start'" in answer["detail"].lower()

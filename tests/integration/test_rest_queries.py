@@ -108,7 +108,7 @@ def test_each_kind_of_value_can_be_bound(api: httpx2.Client, value: Any, other: 
 @pytest.mark.parametrize(
     "update", ["INSERT DATA { sk:a sk:b sk:c }", "DELETE WHERE { ?a ?b ?c }", "DROP ALL", "CLEAR ALL"]
 )
-def test_nothing_is_changed_by_a_question(api: httpx2.Client, update: str) -> None:
+def test_a_query_changes_nothing(api: httpx2.Client, update: str) -> None:
     before = api.get("/world").json()["version"]
 
     assert "changes" in refused(ask(api, update))
@@ -124,7 +124,7 @@ def test_a_question_nested_thousands_deep_is_refused(api: httpx2.Client, deep: s
     goes_on(api)
 
 
-def test_nobody_else_is_asked(api: httpx2.Client) -> None:
+def test_no_other_endpoint_is_queried(api: httpx2.Client) -> None:
     asked: list[str] = []
 
     class Listener(BaseHTTPRequestHandler):
@@ -151,7 +151,7 @@ def test_nobody_else_is_asked(api: httpx2.Client) -> None:
     assert asked == []
 
 
-def test_a_question_that_takes_too_long_is_broken_off(api: httpx2.Client) -> None:
+def test_a_query_that_takes_too_long_is_cancelled(api: httpx2.Client) -> None:
     product = "SELECT (COUNT(*) AS ?n) { ?a ?b ?c . ?d ?e ?f . ?g ?h ?i . ?j ?k ?l }"
 
     assert "took longer than 0.5 s" in refused(ask(api, product, time_limit=0.5))
@@ -163,7 +163,7 @@ def test_an_answer_that_is_too_large_is_refused(api: httpx2.Client) -> None:
     goes_on(api)
 
 
-def test_who_asks_too_much_at_once_is_told_to_come_again(api: httpx2.Client) -> None:
+def test_too_many_queries_at_once_are_refused_with_a_retry_time(api: httpx2.Client) -> None:
     product = "SELECT (COUNT(*) AS ?n) { ?a ?b ?c . ?d ?e ?f . ?g ?h ?i . ?j ?k ?l }"
     statuses: list[tuple[int, str | None]] = []
 

@@ -171,7 +171,7 @@ def test_a_refusal_names_the_modules_that_the_kind_has_for_it(api) -> None:
     assert none == "gripper_1: devices of kind 'gripper' have no module to teach"
 
 
-def test_nobody_jogs_a_robot_that_does_something(api) -> None:
+def test_a_busy_robot_cannot_be_jogged(api) -> None:
     asks = done(api, modules.run_module("arm_1", "confirm", {"question": "Is it so?"}))
     refused = sent(api, robots.jog_device("base_1", {"dx": 0.1}))
     home = sent(api, robots.jog_device("arm_1", module="home"))
@@ -183,7 +183,7 @@ def test_nobody_jogs_a_robot_that_does_something(api) -> None:
     assert followed(api, done(api, robots.jog_device("base_1", {"dx": 0.1}))).status == "succeeded"
 
 
-def test_nobody_jogs_a_robot_whose_task_goes_on(api) -> None:
+def test_a_robot_with_a_running_task_cannot_be_jogged(api) -> None:
     steps = [{"skill": "drive", "arguments": {"Location": place}} for place in ("pallet_a", "kit_1")]
     name = api.post("/tasks", json={"steps": steps, "iterate": None}).json()["name"]
     refused = sent(api, robots.jog_device("gripper_1", {"gap": 0.02}))

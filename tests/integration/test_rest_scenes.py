@@ -84,7 +84,7 @@ def test_loading_a_scene_brings_its_robots_up_and_keeps_what_was_learned(served:
     assert served.services.station.session.world.has(mug)
 
 
-def test_what_was_loaded_is_one_change_that_can_be_undone(served: Served, http: httpx2.Client) -> None:
+def test_loading_is_one_change_that_can_be_undone(served: Served, http: httpx2.Client) -> None:
     before = now(served)
     http.put("/scene", json={"name": "kitting_carried"}, headers=ANY)
     assert http.get("/scene").json()["name"] == "kitting_carried"
@@ -95,7 +95,7 @@ def test_what_was_loaded_is_one_change_that_can_be_undone(served: Served, http: 
     assert http.get("/scene").json()["name"] == "kitting"
 
 
-def test_opening_a_session_anew_writes_nothing_into_the_world(served: Served, http: httpx2.Client) -> None:
+def test_reopening_a_session_writes_nothing_into_the_world(served: Served, http: httpx2.Client) -> None:
     before = http.get("/scene").headers["ETag"]
     http.post("/simulation/reset").raise_for_status()
 
@@ -339,7 +339,7 @@ def test_installed_scenes_are_neither_replaced_nor_removed(served: Served, http:
     assert [(answer.status_code, answer.json()["code"]) for answer in answers] == [(409, "SceneInstalled")] * 2
 
 
-def test_a_folder_that_takes_no_files_is_told_and_nothing_is_half_written(
+def test_an_unwritable_folder_is_reported_and_nothing_is_partly_written(
     served: Served, http: httpx2.Client, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     blocked = served.services.station.data / "blocked"

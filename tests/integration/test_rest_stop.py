@@ -90,7 +90,7 @@ def test_a_stop_halts_everything_and_says_who_wanted_it_and_why(http):
     assert http.get("/stop").json() == said
 
 
-def test_a_stop_is_obeyed_in_the_next_cycle(served, http):
+def test_a_stop_takes_effect_in_the_next_cycle(served, http):
     """The cycle after the one in which it came begins with no task left."""
     session = served.services.station.session
     ticks, halts = [], []
@@ -128,7 +128,7 @@ def test_a_second_stop_changes_nothing(http):
     ],
 )
 @pytest.mark.parametrize("type_", ["application/json", "text/plain", "no type at all"])
-def test_whatever_the_body_is_it_is_obeyed(shared, body, type_):
+def test_a_stop_takes_effect_with_any_body(shared, body, type_):
     served, http = shared
     try:
         answer = http.post("/stop", content=body, headers={"Content-Type": type_})
@@ -148,7 +148,7 @@ def shared(tmp_path_factory):
         yield served, http
 
 
-def test_a_stop_whose_body_never_comes_is_obeyed(served, http):
+def test_a_stop_whose_body_never_arrives_takes_effect(served, http):
     url = httpx2.URL(served.url)
     with socket.create_connection((url.host, url.port), timeout=20) as one:
         one.sendall(b"POST /api/v1/stop HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 500\r\n\r\n{")
@@ -217,7 +217,7 @@ def test_a_stop_while_the_station_is_braked_to_be_opened_anew_holds_until_somebo
     until(lambda: served.services.station.session.jobs.job("kit").state is JobState.ENDED)
 
 
-def test_a_station_that_is_opened_anew_was_halted_by_nobody(served, http):
+def test_a_reopened_station_has_no_author_of_a_halt(served, http):
     served.services.station.control.reopen()
     assert http.get("/stop").json()["halted"] is False
     assert [one["type"] for one in http.get("/events/recent").json()["items"] if one["kind"] == "alarm"] == []
@@ -303,7 +303,7 @@ def test_a_lost_manager_is_an_alarm_until_there_is_another(served, http):
     until(lambda: not active(http, "manager"))
 
 
-def test_a_broken_control_cycle_is_an_alarm_until_the_station_is_opened_anew(served, http):
+def test_a_broken_control_cycle_is_an_alarm_until_the_station_is_reopened(served, http):
     def breaks():
         raise RuntimeError("the driver is gone")
 

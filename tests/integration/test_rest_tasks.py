@@ -85,7 +85,7 @@ def test_a_goal_is_pursued_and_kept_with_plan_order_steps_and_report(api) -> Non
     assert done(api, calls.list_tasks(active=False)).items[0].name == task.name
 
 
-def test_a_goal_that_nobody_understands_begins_nothing(api) -> None:
+def test_an_unparsable_goal_starts_nothing(api) -> None:
     before = done(api, calls.list_tasks())
 
     for goal in (["InKit(Starter"], ["Nonsense(kit_1)"], ["InKit(Nothing, kit_1)"]):
@@ -149,7 +149,7 @@ def test_a_sequence_is_answered_with_all_steps_checked_as_those_before_leave_the
     assert done(api, docs.get_document("sequence", "round")) == early
 
 
-def test_nobody_overwrites_a_sequence_that_they_have_not_seen(api) -> None:
+def test_a_sequence_cannot_be_overwritten_without_its_version(api) -> None:
     made = written(api, "shared", PALLET)
     written(api, "shared", PALLET, KIT, seen=made.revision)
 

@@ -35,7 +35,7 @@ def test_everything_that_can_be_seen_is_told_with_its_shape(api: httpx2.Client) 
     assert all(element["shape"] in view["shapes"] for element in view["elements"] if element["shape"])
 
 
-def test_whoever_knows_the_view_is_told_that_nothing_changed_until_something_did(api: httpx2.Client) -> None:
+def test_a_known_view_is_answered_with_not_modified_until_it_changes(api: httpx2.Client) -> None:
     first = api.get("/view")
     known = {"If-None-Match": f'W/"0", {first.headers["etag"]}'}
 
@@ -50,7 +50,7 @@ def test_whoever_knows_the_view_is_told_that_nothing_changed_until_something_did
     assert later.json()["version"] == written.json()["version"] > first.json()["version"]
 
 
-def test_a_page_reads_anew_only_what_events_name(served: Served) -> None:
+def test_a_page_fetches_only_elements_named_in_events(served: Served) -> None:
     with Client(served.url) as client:
         view = client.world.view(["kit_1_a", "never_there"])
 
@@ -58,7 +58,7 @@ def test_a_page_reads_anew_only_what_events_name(served: Served) -> None:
     assert view.gone == ("never_there",)
 
 
-def test_a_wish_that_makes_no_sense_is_refused_in_words(api: httpx2.Client) -> None:
+def test_a_senseless_request_is_refused_with_a_reason(api: httpx2.Client) -> None:
     answers = [api.get("/view", params={"elements": "kit_1"}), api.get("/view", params={"element": ["x"] * 101})]
 
     assert [answer.status_code for answer in answers] == [422, 422]

@@ -270,7 +270,7 @@ def test_a_placement_is_one_relation_that_moves(api: httpx2.Client) -> None:
     assert "place it elsewhere" in problem(api.delete(f"{path}/pallet_b", headers=ANYHOW), 422)["detail"]
 
 
-def test_what_is_removed_is_gone_but_its_history_stays(api: httpx2.Client) -> None:
+def test_a_removed_element_is_gone_but_its_history_stays(api: httpx2.Client) -> None:
     one = add(api)
     response = api.delete(f"/elements/{one['id']}", headers={"If-Match": f'"{one["version"]}"'})
 
@@ -461,7 +461,7 @@ def test_undo_takes_back_what_people_did_one_by_one(api: httpx2.Client) -> None:
     assert api.get(f"/elements/{first['id']}").status_code == api.get(f"/elements/{second['id']}").status_code == 404
 
 
-def test_what_something_was_built_on_is_not_undone(served: Served, api: httpx2.Client) -> None:
+def test_a_change_on_which_others_depend_is_not_undone(served: Served, api: httpx2.Client) -> None:
     one = add(api)
     with served.services.station.session.world.transaction("look", "seen there", writer=Writer.SKILL) as tx:
         tx.place(one["id"], "sk:in", "pallet_b")
@@ -476,7 +476,7 @@ def test_what_something_was_built_on_is_not_undone(served: Served, api: httpx2.C
 # ------------------------------------------------------------------ locks
 
 
-def test_what_somebody_locked_only_they_edit(api: httpx2.Client) -> None:
+def test_a_locked_element_can_be_edited_only_by_its_owner(api: httpx2.Client) -> None:
     def as_(user: str) -> dict[str, str]:
         return {**ANYHOW, "X-Skiros-User": user}
 

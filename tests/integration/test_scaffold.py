@@ -343,7 +343,7 @@ BAD = {
 
 
 @pytest.mark.parametrize("line", BAD)
-def test_what_is_wrong_is_said_and_nothing_is_written(line: str, package: Path, skiros: Skiros) -> None:
+def test_faults_are_reported_and_nothing_is_written(line: str, package: Path, skiros: Skiros) -> None:
     before = texts(package)
 
     status, out, err = skiros("new", *words(line))

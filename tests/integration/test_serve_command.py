@@ -93,7 +93,7 @@ def lives(pid: int) -> bool:
 # ---------------------------------------------------------------- while it runs
 
 
-def test_a_second_server_of_a_directory_is_told_where_the_first_one_is(
+def test_a_second_server_of_a_directory_gets_the_address_of_the_first(
     server: ServerProcess, refusals: Refusals
 ) -> None:
     out, err = refusals.told("serve", "--data", str(server.data), "--fake", "--port", "0", "--json")
@@ -127,7 +127,7 @@ def test_logs_are_one_object_a_line_where_that_is_asked_for(server: ServerProces
 # ---------------------------------------------------------------- refused before anything is opened
 
 
-def test_a_port_that_somebody_has_is_refused_before_anything_is_opened(tmp_path: Path, refusals: Refusals) -> None:
+def test_a_port_in_use_is_refused_before_anything_is_opened(tmp_path: Path, refusals: Refusals) -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = str(taken.getsockname()[1])
         _, err = refusals.told("serve", "kitting", "--fake", "--data", str(tmp_path / "data"), "--port", port)
@@ -197,7 +197,7 @@ def test_a_data_directory_that_cannot_be_made_is_named(tmp_path: Path, refusals:
 
 
 @pytest.mark.parametrize("option", ["--allow-host", "--allow-origin", "--webhook-host"])
-def test_what_can_never_match_is_refused_before_anything_is_opened(
+def test_an_option_that_can_never_match_is_refused_before_anything_is_opened(
     tmp_path: Path, refusals: Refusals, option: str
 ) -> None:
     data = str(tmp_path / "data")

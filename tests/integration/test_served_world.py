@@ -149,7 +149,7 @@ def test_it_is_refused_the_same_with_and_without_a_server(
 
 
 @pytest.mark.parametrize("command", [["compact"], ["create", "kitting"]], ids=lambda command: command[0])
-def test_what_only_the_owner_can_do_says_who_that_is(
+def test_an_operation_reserved_to_the_owner_names_the_owner(
     twins: Twins, command: list[str], monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     code, _, err = refused(monkeypatch, capfd, "world", *command, "--data", str(twins.served))

@@ -77,7 +77,7 @@ def test_a_scene_is_asked_from_a_shell_and_a_table_comes() -> None:
     assert [line.strip() for line in result.stdout.splitlines()] == ["part", *IN_PALLET_A, "3 rows"]
 
 
-def test_what_is_wrong_ends_a_shell_command_with_one_line_and_status_two() -> None:
+def test_a_fault_ends_a_shell_command_with_one_line_and_status_two() -> None:
     result = subprocess.run(
         [str(SKIROS), "world", "query", "kitting", "ASK { ?s ?p }"], capture_output=True, text=True, check=False
     )

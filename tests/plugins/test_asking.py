@@ -33,7 +33,7 @@ def test_yes_is_success_and_no_is_failure_with_the_question(bench: Bench) -> Non
         ("refill", {"place": "box_a", "what": "tiny:Ball"}),
     ],
 )
-def test_where_nobody_listens_a_question_fails_at_once(bench: Bench, module: str, arguments: dict[str, object]) -> None:
+def test_without_a_listener_a_question_fails_at_once(bench: Bench, module: str, arguments: dict[str, object]) -> None:
     outcome = bench.run(module, **arguments)
 
     assert isinstance(outcome, Failure)
@@ -55,7 +55,7 @@ def test_a_question_waits_for_its_answer_and_is_closed_by_it(bench: Bench) -> No
     assert any("Ada answered: yes" in event.text for event in bench.events)
 
 
-def test_a_question_that_nobody_answers_fails_after_its_patience_and_is_withdrawn(bench: Bench) -> None:
+def test_an_unanswered_question_fails_after_its_timeout_and_is_withdrawn(bench: Bench) -> None:
     answers(bench.questions, {})
 
     outcome = bench.run("confirm", question="Go on?", patience=2.0)
@@ -127,7 +127,7 @@ def test_what_a_person_brought_beyond_what_was_missing_is_new(bench: Bench) -> N
     assert "ball_2" in brought
 
 
-def test_what_a_person_cannot_bring_changes_no_belief(bench: Bench) -> None:
+def test_an_item_that_a_person_cannot_bring_changes_no_belief(bench: Bench) -> None:
     answers(bench.questions, {"Bring": "cannot"})
     before = bench.world.version
 

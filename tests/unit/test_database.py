@@ -27,7 +27,7 @@ def _add(database: Database, name: str, *, waits: bool = True) -> None:
 
 
 @pytest.mark.parametrize("waits", [True, False])
-def test_who_looks_up_sees_what_was_committed_and_nothing_of_what_is_going_on(database: Database, waits: bool) -> None:
+def test_a_reader_sees_only_committed_data(database: Database, waits: bool) -> None:
     _add(database, "first", waits=waits)
     with database.transaction() as connection:
         connection.execute("INSERT INTO things VALUES ('second')")
@@ -35,12 +35,12 @@ def test_who_looks_up_sees_what_was_committed_and_nothing_of_what_is_going_on(da
     assert database.looked_up("SELECT name FROM things") == [("first",), ("second",)]
 
 
-def test_who_looks_up_cannot_write(database: Database) -> None:
+def test_a_reader_cannot_write(database: Database) -> None:
     with pytest.raises(Exception, match="readonly"):
         database.looked_up("INSERT INTO things VALUES ('x')")
 
 
-def test_who_looks_up_for_long_keeps_nobody_from_writing(database: Database) -> None:
+def test_a_long_read_does_not_block_writers(database: Database) -> None:
     for number in range(300):
         _add(database, str(number), waits=False)
     looking = threading.Thread(

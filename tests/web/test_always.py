@@ -239,7 +239,7 @@ def sign_in(page: Page, key: str) -> None:
     page.get_by_role("button", name="Sign in").click()
 
 
-def test_who_shows_a_key_is_let_in_and_out_again(station, visit, axe, expect):
+def test_a_key_signs_in_and_the_login_can_be_ended(station, visit, axe, expect):
     served = station(settings=ServerSettings(authentication="keys"))
     _, key = key_of(served, "operator")
     page = visit(served.url, expected=REFUSED)
@@ -263,7 +263,7 @@ def test_a_viewer_sees_everything_and_may_not_stop(station, visit, expect):
     expect(stop_button(page)).to_have_attribute("aria-disabled", "true")
 
 
-def test_who_loses_the_key_in_the_midst_of_work_signs_in_again_and_finds_the_page_as_it_was(station, visit, expect):
+def test_after_a_revoked_key_and_a_new_login_the_page_is_unchanged(station, visit, expect):
     served = station(settings=ServerSettings(authentication="keys"))
     (number, key), (_, other) = key_of(served, "operator"), key_of(served, "operator")
     page = visit(served.url, at="#/world", expected=REFUSED)

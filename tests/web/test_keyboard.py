@@ -53,7 +53,7 @@ class Typist(Person):
         self.page.wait_for_function("() => document.activeElement !== document.body")
 
 
-def test_who_has_no_mouse_adds_a_part_has_it_brought_stops_resets_and_replays(station, visit, expect):
+def test_by_keyboard_alone_a_part_is_added_fetched_stopped_reset_and_replayed(station, visit, expect):
     served = station()
     anna = Typist(visit(served.url), served.url, expect)
     expect(anna.page.get_by_text("connected", exact=True)).to_be_visible()

@@ -231,9 +231,7 @@ def taught_height(ben: Engineer) -> float:
 # ---------------------------------------------------------------------- two people, a template, a restart
 
 
-def test_who_edits_what_somebody_else_has_just_changed_sees_theirs_against_mine_and_overwrites_nothing(
-    station, visit, expect
-):
+def test_a_concurrent_edit_shows_both_versions_and_overwrites_nothing(station, visit, expect):
     served = station()
     anna, ben = (Person(visit(served.url, at="#/world", expected=REFUSED), served.url, expect) for _ in range(2))
     for person in (anna, ben):
@@ -286,7 +284,7 @@ def free_port() -> int:
         return int(listening.getsockname()[1])
 
 
-def test_the_pages_work_on_when_the_server_was_killed_and_started_anew(visit, expect, data: Path):
+def test_the_pages_recover_after_the_server_is_killed_and_restarted(visit, expect, data: Path):
     port = free_port()
     with ServerProcess("kitting", "--fake", data=data, port=port) as first:
         anna = Person(visit(first.url, at="#/world", expected=REFUSED), first.url, expect)

@@ -164,7 +164,7 @@ def test_the_first_success_ends_the_others() -> None:
     assert "slow stops" in texts()
 
 
-def test_a_race_that_nobody_wins_says_why_of_each() -> None:
+def test_a_race_without_a_winner_gives_the_reason_of_each_branch() -> None:
     race = Parallel.of(step("a", ends="flat tyre"), step("b", cycles=3, ends="wrong way"), policy=Policy.FIRST_SUCCESS)
 
     assert outcome_of(race) == Failure("flat tyre; wrong way")

@@ -107,7 +107,7 @@ def test_what_is_right(kind: str, value: Any) -> None:
         ("scenes", "kitting.ttl", "it is a str, nothing for scenes: name a package with scene files, or a Path"),
     ],
 )
-def test_what_is_wrong_is_told_with_what_would_be_right(kind: str, value: Any, says: str) -> None:
+def test_a_fault_is_reported_with_the_valid_choices(kind: str, value: Any, says: str) -> None:
     assert (problem(kind, value) or "nothing").startswith(says)
 
 

@@ -121,7 +121,7 @@ def test_undo_takes_back_what_a_person_did_last(data: str) -> None:
     assert answer("show", "ball_1", "--data", data)["properties"] == {}
 
 
-def test_what_was_learned_is_listed_forgotten_and_brought_back(data: str) -> None:
+def test_a_learned_concept_is_listed_forgotten_and_restored(data: str) -> None:
     assert invoke("learned", "list", "--data", data).output == "learned:ball_1 (tiny:Ball) 'mug', about tiny:RedBall\n"
 
     assert invoke("learned", "forget", "learned:ball_1", "--data", data).output == "change 4: forgets learned:ball_1\n"
@@ -150,7 +150,7 @@ def test_compaction_says_what_is_remembered(data: str) -> None:
     assert answer("compact", "--data", data) == {"remembered_from": 3, "version": 3}
 
 
-def test_what_is_wrong_is_said_in_one_message(
+def test_all_faults_are_reported_in_one_message(
     data: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def refused(*arguments: str) -> str:

@@ -40,14 +40,14 @@ def test_the_token_is_not_shown(owned: Path) -> None:
         assert "secret" not in repr(server)
 
 
-def test_what_a_killed_server_left_is_no_server(tmp_path: Path) -> None:
+def test_the_address_file_of_a_killed_server_is_ignored(tmp_path: Path) -> None:
     lock = DirectoryLock(tmp_path)
     with announced(tmp_path, URL, "secret"):
         lock.release()
         assert find_server(tmp_path) is None
 
 
-def test_what_a_killed_server_left_is_no_server_while_another_program_uses_the_directory(owned: Path) -> None:
+def test_the_address_file_of_a_killed_server_is_ignored_while_another_program_uses_the_directory(owned: Path) -> None:
     with announced(owned, URL, "secret") as server:
         (owned / "server.json").write_text(server.model_copy(update={"pid": 1}).model_dump_json(), encoding="utf-8")
         assert find_server(owned) is None

@@ -31,7 +31,7 @@ def test_a_key_in_the_address_is_refused_without_being_shown() -> None:
 
 
 @pytest.mark.parametrize("key", ["two words", "line\nbreak", "schlüssel"])
-def test_what_cannot_be_a_key_is_refused_without_being_shown(key: str) -> None:
+def test_an_invalid_key_is_refused_without_being_shown(key: str) -> None:
     with pytest.raises(UsageError) as refused:
         settings_for(URL, key, 1.0)
 
@@ -81,7 +81,7 @@ def test_an_answer_that_is_not_understood_is_a_fault() -> None:
         result_of(GET, answered(200, b"no json"), URL)
 
 
-def test_where_nobody_answers_it_says_how_to_start_a_server() -> None:
+def test_without_an_answer_it_explains_how_to_start_a_server() -> None:
     with pytest.raises(Unreachable, match="skiros serve") as fault:
         result_of(GET, httpx2.ConnectError("refused"), URL)
 

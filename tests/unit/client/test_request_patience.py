@@ -31,15 +31,15 @@ def answered(status: int, retry_after: str) -> ProblemError:
 CUT = broken(httpx2.ReadError("cut"))
 
 
-def test_what_may_be_repeated_is_sent_again_when_the_connection_breaks() -> None:
+def test_a_repeatable_request_is_sent_again_when_the_connection_breaks() -> None:
     assert wait_after(CUT, READ) is True
 
 
-def test_what_may_have_been_done_already_is_not_sent_again() -> None:
+def test_a_request_that_may_have_been_executed_is_not_sent_again() -> None:
     assert wait_after(CUT, ONCE) is False
 
 
-def test_what_never_reached_the_server_is_sent_again_whatever_it_is() -> None:
+def test_any_request_that_never_reached_the_server_is_sent_again() -> None:
     assert wait_after(broken(httpx2.ConnectError("refused")), ONCE) is True
 
 

@@ -83,7 +83,7 @@ both = pytest.mark.parametrize("later", [False, True], ids=["blocking", "asynchr
 
 
 @both
-def test_what_got_lost_is_sent_again(later: bool) -> None:
+def test_a_lost_request_is_sent_again(later: bool) -> None:
     with unreliable(cuts=2) as (url, server):
         assert send(url, READ, later=later) == {"fine": True}
     assert len(server.seen) == 3
@@ -99,7 +99,7 @@ def test_all_tries_of_an_order_are_the_same_to_the_server(later: bool) -> None:
 
 
 @both
-def test_what_must_not_be_done_twice_is_sent_once(later: bool) -> None:
+def test_a_request_that_must_not_be_repeated_is_sent_once(later: bool) -> None:
     with unreliable(cuts=1) as (url, server), pytest.raises(Unreachable):
         send(url, ONCE, later=later)
     assert len(server.seen) == 1

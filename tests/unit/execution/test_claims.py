@@ -44,7 +44,7 @@ def test_a_claim_is_given_back_at_the_end_of_its_block_whatever_happens() -> Non
     assert claims.request("wave", ["arm"]).granted
 
 
-def test_who_gives_up_waiting_is_passed_over() -> None:
+def test_a_request_that_gives_up_waiting_is_skipped() -> None:
     claims = Claims()
     wave = claims.request("wave", ["arm"])
     claims.request("pick", ["arm"]).release()

@@ -218,7 +218,7 @@ def test_reset_is_refused_while_something_moves() -> None:
     cycle.reset()
 
 
-def test_halting_stops_every_task_whoever_asks_for_it() -> None:
+def test_halting_by_any_caller_stops_every_task() -> None:
     cycle, log = new_cycle(), []
 
     def presses_the_button() -> Iterator[None]:
@@ -263,7 +263,7 @@ def test_a_task_cannot_wait_for_its_own_end() -> None:
         cycle.run(cycle.start(waits()))
 
 
-def test_a_base_that_nobody_commands_stands_still() -> None:
+def test_a_base_without_commands_stands_still() -> None:
     cycle = new_cycle()
 
     def nudge() -> Iterator[None]:

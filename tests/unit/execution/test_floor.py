@@ -94,7 +94,7 @@ def test_what_lies_behind_a_robot_is_free_before_it_has_arrived() -> None:
     assert floor.is_driving("robot_1")
 
 
-def test_who_asked_first_goes_first() -> None:
+def test_robots_get_the_floor_in_the_order_of_their_requests() -> None:
     floor = floor_with((0.0, 0.0), (2.0, -2.0), (3.0, 2.0))
     crossing = straight(floor, 1, (0.0, 0.0), (4.0, 0.0))
     waiting = straight(floor, 2, (2.0, -2.0), (2.0, 4.0))
@@ -262,7 +262,7 @@ def test_a_base_that_drives_sideways_claims_what_it_sweeps_on_the_way_and_nothin
     assert crossing.free
 
 
-def test_a_base_that_touches_no_floor_claims_none_and_blocks_nobody() -> None:
+def test_a_base_that_touches_no_floor_claims_none_and_blocks_no_other() -> None:
     floor = floor_with((0.0, 0.0), (1.0, 0.0))
     way = floor.ask("robot_2", (), Pose((1.0, 0.0, 1.0)), PosePath((Pose((0.0, 0.0, 1.0)), Pose((3.0, 0.0, 1.0)))))
 

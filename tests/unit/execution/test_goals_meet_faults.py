@@ -111,7 +111,7 @@ def test_when_the_only_manager_that_can_goes_the_goal_ends_with_a_report(goes: C
     ],
     ids=["closed", "lost"],
 )
-def test_when_a_manager_goes_another_that_can_do_it_does(goes: Callable[[Bench, str], None]) -> None:
+def test_another_manager_takes_over_when_one_is_removed(goes: Callable[[Bench, str], None]) -> None:
     with Bench(tiny_world(robots=2), LINGERING, (Linger,)) as bench:
         chosen: list[str] = []
 
@@ -162,7 +162,7 @@ def test_a_manager_that_comes_while_a_goal_is_pursued_is_planned_with() -> None:
     assert report.steps[-1].arguments["Arm"] == "arm_2"
 
 
-def test_planning_with_a_skill_that_nobody_offers_any_more_is_refused_with_reasons() -> None:
+def test_planning_with_a_skill_that_is_no_longer_offered_is_refused_with_reasons() -> None:
     with Bench(tiny_world()) as bench:
         bench.managers.close("arm_1")
         report = bench.pursue(GOAL)
@@ -184,7 +184,7 @@ def test_a_module_that_somebody_else_runs_already_is_waited_for() -> None:
 # ------------------------------------------------------------------ modules that hang
 
 
-def test_what_is_stopped_from_outside_is_a_failed_step_and_tried_again() -> None:
+def test_a_step_stopped_from_outside_counts_as_failed_and_is_retried() -> None:
     with Bench(tiny_world(), LINGERING, (Linger,)) as bench:
         during_pick(bench, lambda: bench.managers["arm_1"].stop())
         report = pursue(bench)
@@ -272,7 +272,7 @@ def test_a_condition_that_breaks_while_it_is_planned_with_is_a_fault_of_planning
     assert "sys.exit(3)" in str(panel.as_json())
 
 
-def test_a_condition_that_hangs_while_a_plan_is_checked_does_not_keep_a_stop_from_being_obeyed() -> None:
+def test_a_condition_that_hangs_during_a_plan_check_does_not_delay_a_stop() -> None:
     hangs: list[bool] = []
     checked: list[float] = []
 

@@ -255,7 +255,7 @@ def test_a_signal_of_a_device_that_fails_is_switched_off_and_its_readers_fail_by
 
 @pytest.mark.parametrize("how", ["raises", "returns NaN"])
 @pytest.mark.parametrize("member", sorted(AT_THE_START - {"simulate"}))
-def test_what_fails_when_a_cell_is_brought_up_is_refused_by_name(
+def test_a_device_that_fails_at_the_start_of_a_cell_is_refused_by_name(
     monkeypatch: pytest.MonkeyPatch, member: str, how: str
 ) -> None:
     fault = Fault(how)

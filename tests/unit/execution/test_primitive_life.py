@@ -152,7 +152,7 @@ def test_a_wrong_configuration_is_refused_by_name_before_anything_runs(config: d
 # ------------------------------------------------------------------ start, stop, recover, reset
 
 
-def test_what_refuses_at_its_start_does_nothing_and_gives_its_reason() -> None:
+def test_a_primitive_that_fails_in_start_does_nothing_and_gives_its_reason() -> None:
     class Wary(Roll):
         def start(self) -> Failure | None:
             return Failure("the battery is low", -7)
@@ -188,7 +188,7 @@ def test_what_is_stopped_before_its_first_tick_never_lives() -> None:
     assert lived == ["load", "start", "done"]
 
 
-def test_what_a_timeout_breaks_off_is_stopped_and_recovers_before_the_skill_goes_on() -> None:
+def test_a_run_cancelled_by_a_timeout_recovers_before_the_skill_continues() -> None:
     body = Fallback.of(Timeout(Do.of("roll", seconds=9.0), 0.05), Do.of("roll", seconds=0.01))
     with bench_of(Roll, body=body) as bench:
         bench.run("drive", Location="floor")
@@ -259,7 +259,7 @@ def test_a_reset_is_refused_while_it_runs_and_of_what_nobody_knows() -> None:
             bench.managers["base_1"].reset("rol")
 
 
-def test_what_breaks_in_its_reset_says_so_and_is_loaded_anew() -> None:
+def test_a_module_whose_reset_raises_is_reported_and_loaded_again() -> None:
     class Stuck(Roll):
         @classmethod
         def reset(cls, context: RunContext, loaded: Any) -> Any:
@@ -395,7 +395,7 @@ def test_what_is_cancelled_with_its_caller_recovers_first_while_it_still_has_its
     assert lived == ["load", "start", "stop", *["recover"] * 3, "the caller recovers"]
 
 
-def test_what_its_author_breaks_off_recovers_before_the_next_call() -> None:
+def test_a_call_cancelled_by_its_author_recovers_before_the_next_call() -> None:
     def does(caller: Calls) -> Execution[Outcome]:
         first = caller.call("roll", seconds=9.0)
         for _ in range(5):
@@ -442,7 +442,7 @@ def test_a_caller_that_breaks_ends_what_it_has_called_which_recovers() -> None:
     assert lived == ["load", "start", "stop", *["recover"] * 3]
 
 
-def test_calling_what_nobody_knows_breaks_the_caller_by_that_name() -> None:
+def test_calling_an_unknown_module_fails_the_caller_with_that_name() -> None:
     def does(caller: Calls) -> Execution[Outcome]:
         return (yield from caller.call("rol"))
 

@@ -95,7 +95,7 @@ def test_whoever_has_left_hears_no_more() -> None:
     assert heard == []
 
 
-def test_a_listener_that_breaks_keeps_nobody_from_an_answer(caplog: pytest.LogCaptureFixture) -> None:
+def test_a_listener_that_raises_does_not_prevent_the_answer(caplog: pytest.LogCaptureFixture) -> None:
     monitor, heard = monitored(), list[LibraryCall]()
 
     def broken(_call: LibraryCall) -> None:

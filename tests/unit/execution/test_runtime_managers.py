@@ -109,7 +109,7 @@ def offered(world: World, agent: str) -> list[str]:
 # ------------------------------------------------------------------ coming and going
 
 
-def test_a_manager_that_goes_takes_its_individuals_with_it() -> None:
+def test_a_removed_manager_takes_its_individuals_with_it() -> None:
     with bench_of() as bench:
         before = len(bench.world.instances("sk:Skill")) + len(bench.world.instances("sk:Primitive"))
         assert offered(bench.world, "arm_1") == ["pick", "place"]
@@ -134,7 +134,7 @@ def test_what_a_manager_that_goes_runs_is_stopped_and_told_when_it_stands() -> N
         assert bench.cycle.board.still
 
 
-def test_a_manager_that_went_starts_nothing_whoever_still_holds_it() -> None:
+def test_a_removed_manager_starts_nothing_even_through_old_references() -> None:
     with bench_of() as bench:
         manager = bench.managers["base_1"]
         bench.managers.close("base_1")
@@ -310,7 +310,7 @@ def test_a_manager_pauses_resumes_and_stops_all_it_runs() -> None:
         assert not manager.running
 
 
-def test_what_is_paused_is_stopped_at_once() -> None:
+def test_a_paused_run_is_stopped_at_once() -> None:
     with bench_of() as bench:
         running = bench.managers["base_1"].start("roll", {"seconds": 9.0})
         running.pause()
@@ -416,7 +416,7 @@ def test_the_manager_of_whatever_does_not_come_back_is_lost_and_no_other(backgro
         assert manager.lost == f"{'watch of gripper_2' if background else 'idle of arm_2'} does not come back"
 
 
-def test_a_manager_that_is_lost_while_it_writes_keeps_nobody_waiting() -> None:
+def test_a_manager_lost_while_writing_does_not_block_others() -> None:
     with bench_of() as bench:
         with bench.world.transaction("pick", "does not come back from here"):
             watching = threading.Thread(target=bench.managers["arm_1"].lose, args=("it is stuck",))

@@ -80,7 +80,7 @@ def test_a_sample_says_its_cycle_and_its_source(board: DeviceBoard) -> None:
     assert (sample.value, sample.cycle, sample.source) == (1.0, 2, "maker of one")
 
 
-def test_what_a_device_offers_is_a_signal(board: DeviceBoard) -> None:
+def test_the_values_of_a_device_are_signals(board: DeviceBoard) -> None:
     base = "base_1"
     signals = Signals(board, [Provider("back", lambda inputs: -inputs[f"{base}.linear"], f"{base}.linear")])
 
@@ -119,7 +119,7 @@ def test_a_missing_mandatory_signal_is_refused_with_the_nearest_name(board: Devi
         Signals(board, [Provider("distance", lambda _: 1.0), Provider("far", lambda _: True, "distence")])
 
 
-def test_what_reads_a_signal_of_a_device_that_this_cell_lacks_is_left_out_and_named(
+def test_a_provider_that_reads_a_signal_of_a_missing_device_is_left_out_and_named(
     board: DeviceBoard, caplog: pytest.LogCaptureFixture
 ) -> None:
     soft = Provider("soft", lambda inputs: inputs["gripper_9.force"], "gripper_9.force")
@@ -156,7 +156,7 @@ def test_a_ring_and_a_signal_that_is_provided_twice_are_refused_with_the_distrib
         Signals(board, twins, sources=["lab 1.0", "hut 2.0"])
 
 
-def test_what_is_switched_off_is_logged_once(board: DeviceBoard, caplog: pytest.LogCaptureFixture) -> None:
+def test_switching_off_is_logged_once(board: DeviceBoard, caplog: pytest.LogCaptureFixture) -> None:
     signals = Signals(board, [Provider("broken", raises)], sources=["lab 1.0"])
 
     for _ in range(3):
@@ -191,7 +191,7 @@ def test_a_signal_that_is_provided_twice_is_refused(board: DeviceBoard) -> None:
     ],
     ids=["raises", "not a number", "infinite", "too short", "a text"],
 )
-def test_what_breaks_is_switched_off_and_named_and_so_is_what_depends_on_it(
+def test_a_provider_that_raises_is_switched_off_and_named_with_its_dependants(
     board: DeviceBoard, compute: Callable[[Mapping[str, Value]], Any], length: int | None, why: str
 ) -> None:
     broken = Provider("broken", compute, length=length)
@@ -308,7 +308,7 @@ def test_one_that_hangs_is_interrupted_and_named_and_after_a_reset_the_rest_goes
     assert signals.read("fine").value == 1.0
 
 
-def test_what_reads_a_signal_of_a_plug_in_that_brings_none_is_left_out_and_named(board: DeviceBoard) -> None:
+def test_a_provider_that_reads_a_missing_signal_of_a_plug_in_is_left_out_and_named(board: DeviceBoard) -> None:
     providers = [Provider("softer", lambda _: 1.0, "soft"), Provider("fine", lambda _: 5.0)]
     signals = Signals(board, providers, missing="signals 'soft' of lab 1.0: KeyError: 'no'")
 

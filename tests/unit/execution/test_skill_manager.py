@@ -29,7 +29,7 @@ def test_each_subsystem_offers_the_skills_of_its_class(bench: Bench) -> None:
     }
 
 
-def test_what_is_offered_is_written_into_the_world(bench: Bench) -> None:
+def test_the_offered_modules_are_written_into_the_world(bench: Bench) -> None:
     skills = bench.world.objects("arm_1", "sk:hasSkill")
 
     assert sorted(bench.world.element(skill).label for skill in skills) == ["pick", "place"]

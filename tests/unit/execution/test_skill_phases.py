@@ -250,7 +250,7 @@ def test_a_finish_is_done_to_its_end_also_when_it_is_cancelled() -> None:
     assert texts().count("finish") == 9
 
 
-def test_what_waits_for_its_devices_is_cancelled_at_once() -> None:
+def test_a_run_waiting_for_its_devices_is_cancelled_at_once() -> None:
     with bench_of(way(note("body"))) as bench:
         claim = bench.managers.claims.request("somebody", ["base_1"])
         running = bench.start("drive", Location="box_a")
@@ -357,7 +357,7 @@ def test_what_is_left_out_is_inferred_anew_at_each_start() -> None:
     assert texts() == ["red_ball_1", "ball_1"]
 
 
-def test_what_was_inferred_and_why_is_told() -> None:
+def test_inferred_values_are_reported_with_their_reasons() -> None:
     with bench_of(way(AssertEffects(0.01))) as bench:
         bench.run("drive", Location="box_a")
 

@@ -275,7 +275,7 @@ def test_a_parameter_with_a_default_need_not_be_specified() -> None:
     assert texts() == ["fast"]
 
 
-def test_what_is_specified_comes_before_the_default() -> None:
+def test_a_specified_value_takes_precedence_over_the_default() -> None:
     run(note(P("Speed"), goes="box_a"), {**TO_A, "Speed": "slow"}, description=with_params(SPEED))
 
     assert texts() == ["slow"]

@@ -68,7 +68,7 @@ def raises_generator_exit() -> None:
         (raises_generator_exit, GeneratorExit, ModuleError),
     ],
 )
-def test_what_a_task_raises_ends_that_task_only(
+def test_an_exception_in_a_task_ends_only_that_task(
     break_it: Callable[[], None], fault: type[BaseException], told: type[Exception]
 ) -> None:
     cycle, log = new_cycle(), []
@@ -89,7 +89,7 @@ def test_what_a_task_raises_ends_that_task_only(
         _ = task.result
 
 
-def test_what_would_have_ended_the_program_is_told_in_words() -> None:
+def test_an_exit_of_the_program_is_reported_in_words() -> None:
     cycle = new_cycle()
 
     def leaves() -> Iterator[None]:
@@ -225,7 +225,7 @@ def test_a_command_from_clean_up_is_never_sent() -> None:
     assert cycle.board.snapshot.state("base_1", BaseState).pose == SPEC.robots[0].start
 
 
-def test_a_stop_takes_back_nobody_elses_commands() -> None:
+def test_a_stop_revokes_only_its_own_commands() -> None:
     cycle = new_cycle()
     other = cycle.start(idle())
     cycle.start(drive(cycle))
@@ -268,7 +268,7 @@ class Runaway(FakeCell):
         return super().exchange({"base_1": BaseTwist(0.5, 0.0)})
 
 
-def test_what_does_not_come_to_a_standstill_in_the_braking_time_is_a_fault_by_name(
+def test_a_device_still_moving_after_the_braking_time_is_a_fault_by_name(
     caplog: pytest.LogCaptureFixture,
 ) -> None:
     cycle = ControlCycle(DeviceBoard(Runaway(SPEC)))
@@ -355,7 +355,7 @@ def test_a_resumed_task_goes_on_where_it_paused() -> None:
     assert task.clock.now == pytest.approx(stood + 1.0 - RAMP / 2)
 
 
-def test_what_a_task_commands_slows_down_with_its_clock() -> None:
+def test_the_commands_of_a_task_slow_down_with_its_clock() -> None:
     cycle = new_cycle()
     task = cycle.start(drive(cycle))
     cycles(cycle, 2)

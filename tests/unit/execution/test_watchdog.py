@@ -241,7 +241,7 @@ def test_waiting_for_a_worker_is_no_overrun(cycle: ControlCycle, watchdog: Watch
     assert not cycle.halted
 
 
-def test_a_cycle_that_nobody_steps_is_no_overrun(cycle: ControlCycle, watchdog: Watchdog) -> None:
+def test_a_cycle_that_is_not_stepped_is_no_overrun(cycle: ControlCycle, watchdog: Watchdog) -> None:
     cycle.start(idle([]))
     cycle.step()
     time.sleep(3 * LIMIT)
@@ -352,7 +352,7 @@ def test_a_piece_of_work_may_be_allowed_more_time_than_a_tick(cycle: ControlCycl
     assert not cycle.halted
 
 
-def test_what_takes_longer_than_it_was_allowed_is_interrupted(cycle: ControlCycle, watchdog: Watchdog) -> None:
+def test_a_call_longer_than_its_limit_is_interrupted(cycle: ControlCycle, watchdog: Watchdog) -> None:
     def loads() -> None:
         with cycle.activity.allowing(3 * LIMIT):
             hog()

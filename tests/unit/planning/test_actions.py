@@ -322,7 +322,7 @@ def test_an_existential_never_means_a_parameter_of_its_name() -> None:
     assert not [atom for atom in look.pre if "?box" in atom.arguments]
 
 
-def test_what_must_hold_while_it_runs_must_hold_when_it_starts() -> None:
+def test_hold_conditions_must_hold_at_the_start() -> None:
     gripper = Param("Gripper", "sk:Gripper", "What it must not carry.")
     careful = replace(DRIVE, params=(*DRIVE.params, gripper), hold=(EMPTY_HANDED("Gripper"),))
 

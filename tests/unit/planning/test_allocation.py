@@ -87,7 +87,7 @@ def test_what_a_robot_holds_it_places_itself() -> None:
     assert 1 in dealt["robot_1"]
 
 
-def test_who_lacks_a_skill_gets_nothing_that_needs_it() -> None:
+def test_a_robot_without_a_skill_gets_no_part_that_needs_it() -> None:
     world = kit_world(4, 2)
     task = timed_task(world, *filled(4), agents=["base_1", "base_2", "arm_2"])
 

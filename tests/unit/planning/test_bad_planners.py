@@ -143,7 +143,7 @@ def test_one_that_may_not_be_run_is_named(tmp_path: Path) -> None:
         ("print('\\x1b[2J(((')", "it left no plan, and ended with code 0:\n\ufffd[2J((("),
     ],
 )
-def test_what_is_no_plan_is_a_fault_of_the_planner(tmp_path: Path, text: str, words: str) -> None:
+def test_an_invalid_plan_is_a_fault_of_the_planner(tmp_path: Path, text: str, words: str) -> None:
     assert words in fault(script(tmp_path, text))
 
 
@@ -154,7 +154,7 @@ def test_where_no_plan_is_proved_anyway_it_does_not_matter_what_a_planner_answer
     assert "ball_1" in outcome.reasons[0]
 
 
-def test_one_out_of_memory_says_so(tmp_path: Path) -> None:
+def test_a_planner_out_of_memory_is_reported(tmp_path: Path) -> None:
     planner = script(tmp_path, "x = bytearray(1 << 30)", limits=Limits(memory=256 << 20))
 
     assert fault(planner) == (
@@ -168,7 +168,7 @@ def test_of_one_that_breaks_in_python_its_words_are_told_and_not_its_stack(tmp_p
     assert fault(planner) == "planner 'planner' ended with code 1:\nhello\nValueError: out of cheese"
 
 
-def test_one_out_of_time_is_given_up(tmp_path: Path) -> None:
+def test_a_planner_out_of_time_is_given_up(tmp_path: Path) -> None:
     planner = script(tmp_path, "import time\nwrite(PLAN)\ntime.sleep(3600)", limits=Limits(time=0.5))
 
     assert fault(planner) == "planner 'planner' found no answer in 0.5 s"
@@ -180,7 +180,7 @@ def test_one_that_prints_without_end_is_stopped(tmp_path: Path) -> None:
     assert fault(planner).startswith("planner 'planner' printed more than 1 MiB: 'xxx")
 
 
-def test_one_that_fills_the_disk_is_stopped(tmp_path: Path) -> None:
+def test_a_planner_that_fills_the_disk_is_stopped(tmp_path: Path) -> None:
     text = "while True: open('big', 'ab').write(b'x' * 100_000)"
 
     words = fault(script(tmp_path, text, limits=Limits(file=1 << 20)))
@@ -279,7 +279,7 @@ def test_where_all_break_each_is_named(tmp_path: Path) -> None:
     ],
     ids=["ignores SIGTERM", "children", "children of their own group", "closed output", "chatters", "locked folder"],
 )
-def test_whatever_it_does_it_is_stopped_soon_with_all_it_has_started(tmp_path: Path, text: str) -> None:
+def test_any_program_is_stopped_soon_with_all_its_processes(tmp_path: Path, text: str) -> None:
     planner = script(tmp_path, text)
     texts = tiny_pddl(tiny_world(), IN_CONTAINER("ball_1", "slot_1"))
     pending = planner.solve(texts.domain, texts.problem)
@@ -294,7 +294,7 @@ def test_whatever_it_does_it_is_stopped_soon_with_all_it_has_started(tmp_path: P
 
 
 @pytest.mark.parametrize("text", [LEAVES_GROUP, "import os, time\nif os.fork() == 0: time.sleep(3600)\n"])
-def test_what_it_leaves_behind_when_it_ends_is_ended_too(tmp_path: Path, text: str) -> None:
+def test_processes_left_behind_at_its_end_are_ended_too(tmp_path: Path, text: str) -> None:
     assert isinstance(planned(script(tmp_path, f"{text}write(PLAN)")).outcome, Plan)
 
 

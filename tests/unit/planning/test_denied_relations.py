@@ -126,7 +126,7 @@ def names(world: World, goal: str, *skills: SkillDescription) -> list[str]:
     return [step.skill for step in outcome.steps]
 
 
-def test_what_is_undone_and_done_again_is_planned() -> None:
+def test_an_effect_undone_and_redone_is_planned() -> None:
     world = tiny_world()
     with world.transaction("test", "knows its way") as tx:
         tx.relate("robot_1", "tiny:knows", "box_a")

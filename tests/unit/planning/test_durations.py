@@ -26,7 +26,7 @@ class Run:
     skill: str = "drive"
 
 
-def test_what_an_author_declares_counts_until_something_is_learned() -> None:
+def test_a_declared_duration_is_used_until_one_is_learned() -> None:
     world = tiny_world()
 
     assert duration_of(world, DECLARED, "sk:Base") == 20.0

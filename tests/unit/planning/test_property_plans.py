@@ -142,7 +142,7 @@ def test_a_value_that_is_so_at_the_start_needs_no_step() -> None:
         ("", "robot_1 has no charge, and no skill changes it"),
     ],
 )
-def test_a_battery_that_nobody_charges_is_the_reason(charge: str, why: str) -> None:
+def test_a_battery_without_a_charging_skill_is_the_reason(charge: str, why: str) -> None:
     text = why_not(tiny_world(*FACTS, charge), OPEN("door_1"))
 
     assert text.endswith(f"skill 'push' would do it, but needs that the charge of a Robot is at least 20, and {why}")
@@ -157,7 +157,7 @@ def test_a_door_without_a_key_of_its_kind_is_the_reason() -> None:
     assert "made for what is like door_1" in text
 
 
-def test_a_goal_nobody_can_bring_about_says_what_is_the_case() -> None:
+def test_an_unreachable_goal_is_reported_with_the_present_state() -> None:
     assert why_not(WORLD, FULL("robot_1")) == (
         "Full(robot_1) cannot be reached: the charge of robot_1 is 40, not 100, and no skill changes it"
     )
@@ -254,7 +254,7 @@ def test_not_any_and_not_all_are_pushed_inwards() -> None:
 GENTLE = ConditionType("Gentle", (Role("gripper", "sk:Gripper"),), Expression("gripper.force < 5.0"), "-")
 
 
-def test_what_can_only_be_sensed_is_refused_as_a_precondition_and_as_a_goal() -> None:
+def test_a_sensor_condition_is_refused_as_a_precondition_and_as_a_goal() -> None:
     words = r"'\w+.force < 5.0' can only be sensed"
     with pytest.raises(PlanningError, match=rf"skill 'pick', precondition Gentle\(Gripper\): {words}"):
         actions_of(replace(PICK, pre=(GENTLE("Gripper"),)), tiny_ontology())

@@ -65,7 +65,7 @@ def test_where_the_module_ends_with_a_code_that_is_the_code_and_nothing_follows(
     assert (ended.code, ended.output) == (7, "argument one loaded True\n")
 
 
-def test_what_breaks_in_the_module_is_printed(resident: Resident, tmp_path: Path) -> None:
+def test_an_exception_in_the_module_is_printed(resident: Resident, tmp_path: Path) -> None:
     ended = ran(resident, tmp_path, of("nothing_of_that_name"))
 
     assert ended.code == 1
@@ -82,7 +82,7 @@ def waiting(resident: Resident, folder: Path) -> tuple[ResidentRun, psutil.Proce
         time.sleep(0.01)
 
 
-def test_a_run_is_killed_when_nobody_waits_for_it(resident: Resident, tmp_path: Path) -> None:
+def test_a_run_is_killed_when_its_caller_stops_waiting(resident: Resident, tmp_path: Path) -> None:
     run, process = waiting(resident, tmp_path)
     assert not run.has_ended()
     run.kill()

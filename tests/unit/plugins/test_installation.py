@@ -53,7 +53,7 @@ def test_metadata_that_are_half_gone_do_not_keep_the_others_from_being_found(sit
     assert "x" not in found
 
 
-def test_entry_points_that_nobody_can_read_are_reported_with_their_origin(site: Any) -> None:
+def test_unreadable_entry_points_are_reported_with_their_origin(site: Any) -> None:
     info = site.install("sk-odd", {"skills": {"x": "y"}})
     (info / "entry_points.txt").write_text("[skiros.skills]\nno equals sign\n", encoding="utf-8")
 

@@ -45,7 +45,7 @@ RUDE = "class Rude(BaseException):\n    def __str__(self): raise OSError\nraise 
         ("raise ExceptionGroup('all', [OSError(), ValueError()])", "ExceptionGroup: all (2 sub-exceptions)"),
     ],
 )
-def test_a_plugin_that_fails_to_load_is_reported_and_hurts_nobody(site: Any, text: str, reason: str) -> None:
+def test_a_plugin_that_fails_to_load_is_reported_and_affects_no_other(site: Any, text: str, reason: str) -> None:
     site.install("plug-good", {"testing_only": {"good": "plug_good:X"}}, {"plug_good.py": "X = 1"})
     module = f"plug_bad_{len(text)}"
     site.install("plug-bad", {"testing_only": {"bad": f"{module}:X"}}, {f"{module}.py": text})
@@ -84,7 +84,7 @@ def test_an_interrupt_that_is_not_the_users_is_the_plugins_fault(site: Any, hand
     assert ["KeyboardInterrupt" in fault.reason for fault in faults] == [True]
 
 
-def test_what_a_plugin_prints_while_it_is_imported_does_not_mix_with_an_answer(
+def test_output_of_a_plugin_during_import_does_not_mix_with_an_answer(
     site: Any, capsys: pytest.CaptureFixture[str]
 ) -> None:
     site.install("plug-loud", {"testing_only": {"loud": "plug_loud:X"}}, {"plug_loud.py": "print('hello'); X = 1"})
@@ -143,5 +143,5 @@ def test_of_two_of_one_name_neither_counts_and_both_origins_are_named(site: Any)
         assert "plug-one 0.3 (plug_one:X) and plug-two 0.3 (plug_two:X); neither counts" in fault.reason
 
 
-def test_a_group_that_nobody_fills_is_empty() -> None:
+def test_a_group_without_plug_ins_is_empty() -> None:
     assert load_plugins("skiros.nobody_fills_this") == ((), ())

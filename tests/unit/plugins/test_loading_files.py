@@ -56,7 +56,7 @@ def test_where_the_files_are(site: Any, value: str, files: dict[str, str], folde
         ("sk_fn.deep", {"sk_fn/__init__.py": ""}, "there is no package 'sk_fn.deep': the entry point is stale"),
     ],
 )
-def test_what_names_no_files_is_reported(site: Any, value: str, files: dict[str, str], says: str) -> None:
+def test_an_entry_point_without_files_is_reported(site: Any, value: str, files: dict[str, str], says: str) -> None:
     site.install("sk-files", {"robots": {"own": value}}, files)
 
     fault = named()

@@ -64,7 +64,7 @@ def test_a_recording_never_outgrows_its_limit_and_says_what_it_left_out(
     assert len(events) + left_out.get("/runs", 0) == 100
 
 
-def test_what_was_written_is_there_after_the_process_was_killed(tmp_path: Path) -> None:
+def test_written_data_is_kept_when_the_process_is_killed(tmp_path: Path) -> None:
     path = tmp_path / "killed.mcap"
     program = f"""
 import time

@@ -26,7 +26,7 @@ def _read(stream: io.StringIO) -> list[dict]:
     return [json.loads(line) for line in stream.getvalue().splitlines()]
 
 
-def test_what_a_plug_in_logs_in_the_usual_way_is_one_json_object_with_its_job(lines):
+def test_a_log_record_of_a_plug_in_is_one_json_object_with_its_job(lines):
     logging.getLogger("my_plugin").warning("only %d left", 3, extra={"job": "kit-1"})
 
     (entry,) = _read(lines)

@@ -76,7 +76,7 @@ def test_pages_are_what_is_read_and_nothing_of_the_api(method: str, path: str, p
     assert is_page(method, path) is page
 
 
-def test_the_first_page_is_asked_for_anew_each_time_and_says_what_it_may_load(client: TestClient) -> None:
+def test_the_first_page_is_always_revalidated_and_declares_its_sources(client: TestClient) -> None:
     page = client.get("/")
 
     assert (page.status_code, page.content, page.headers["cache-control"]) == (200, INDEX, "no-cache")

@@ -77,7 +77,7 @@ def test_where_events_are_gone_there_is_a_reset_and_then_only_what_is_new(stream
     assert [one["id"] for one in read(second)] == [position_text(log, 151)]
 
 
-def test_who_reads_too_slowly_gets_a_reset_and_not_a_silent_gap(streams, log):
+def test_a_slow_reader_gets_a_reset_instead_of_a_silent_gap(streams, log):
     write(log, 1)
     _, frame = take(streams, 2, then=lambda: write(log, 500))
     (reset,) = read(frame)

@@ -47,7 +47,7 @@ def test_no_text_at_all_breaks_it(text):
     assert isinstance(find_position(EventLog(1), text), Reset)
 
 
-def test_a_reset_says_what_to_read_anew(log):
+def test_a_reset_lists_the_resources_to_read_again(log):
     gap = missed(log, 3)
     assert gap is not None
     assert gap.why == "the events 4 to 20 are not kept any more"

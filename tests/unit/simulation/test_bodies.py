@@ -120,7 +120,7 @@ def test_a_window_without_a_display_is_refused_with_the_alternative(monkeypatch,
         SimulatedCell(kitting.cell_spec(), seed=1, gui=True)
 
 
-def test_what_the_library_raises_arrives_as_a_device_error(make_cell, kitting):
+def test_exceptions_of_the_library_become_device_errors(make_cell, kitting):
     cell = make_cell(kitting.cell_spec())
 
     with pytest.raises(DeviceError, match="PyBullet, getJointInfo"):

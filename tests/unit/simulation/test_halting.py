@@ -57,7 +57,7 @@ def test_without_commands_it_stands_within_its_braking_time_too(cell, kitting):
     assert cell.read().state("arm", ArmState).still
 
 
-def test_a_released_cell_stands_until_it_is_commanded_and_then_obeys(cell, kitting):
+def test_a_released_cell_stands_until_it_is_commanded_and_then_moves(cell, kitting):
     cell.halt()
     cell.exchange({"base": FULL})
     cell.release()

@@ -139,7 +139,7 @@ def test_every_other_field_is_looked_at_too(make: Callable[[], object], right: s
     ],
     ids=["call", "below", "guard", "check", "query", "after the loop"],
 )
-def test_what_refers_to_no_parameter_is_refused_when_the_skill_is_made(body: Any, told: str) -> None:
+def test_a_reference_to_an_unknown_parameter_is_refused_when_the_skill_is_made(body: Any, told: str) -> None:
     with pytest.raises(UnknownName, match=told):
         Skill(DRIVE, body)
 

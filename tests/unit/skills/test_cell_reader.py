@@ -47,7 +47,7 @@ def test_a_body_is_what_has_a_shape_and_is_no_robot() -> None:
         ("arm_1", "sk:home", "arm_1 has no numbers for sk:home"),
     ],
 )
-def test_what_a_robot_lacks_is_named_by_element_and_property(element: str, property_: str, message: str) -> None:
+def test_a_missing_property_of_a_robot_is_named_with_its_element(element: str, property_: str, message: str) -> None:
     world = tiny_world()
     with world.transaction("test", "forget it") as tx:
         tx.set(element, property_, None)
@@ -117,7 +117,7 @@ def test_of_more_than_any_place_has_room_for_no_bodies_are_made() -> None:
         (stock('sk:stockOf "tiny:Ball"', "sk:stockCount 3"), "stock is a stock of no place"),
     ],
 )
-def test_what_a_stock_lacks_is_said(fact: str, message: str) -> None:
+def test_a_missing_property_of_a_stock_is_reported(fact: str, message: str) -> None:
     with pytest.raises(DescriptionError, match=message):
         read_cell(tiny_world(fact), ["robot_1"])
 

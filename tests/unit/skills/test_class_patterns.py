@@ -52,7 +52,7 @@ def test_an_element_is_of_its_class_and_of_those_above_it() -> None:
     assert (verdict.holds, verdict.text) == (False, "ball_1 is a Ball, not a RedBall")
 
 
-def test_a_class_that_nobody_declares_is_an_error_that_names_it() -> None:
+def test_an_undeclared_class_is_an_error_that_names_it() -> None:
     with pytest.raises(UnknownName, match="tiny:Bal"):
         IsA("it", "tiny:Bal").evaluate(tiny_world(), {"it": "ball_1"})
 
@@ -87,6 +87,6 @@ def test_anything_will_do_for_what_is_related_to_just_something(tmp_path: Path) 
     assert made_for(world, "any_key_1", "slot_1")
 
 
-def test_a_relation_that_nobody_declares_is_an_error_that_names_it() -> None:
+def test_an_undeclared_relation_is_an_error_that_names_it() -> None:
     with pytest.raises(UnknownName, match="tiny:madefor"):
         ClassRelated("tiny:madefor", "a", "b").evaluate(tiny_world(), {"a": "ball_1", "b": "box_a"})

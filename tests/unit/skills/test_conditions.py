@@ -227,7 +227,7 @@ def test_renaming_touches_free_variables_only() -> None:
 @pytest.mark.parametrize(
     "condition", [IN_CONTAINER("ball_1", "moon"), HOLDING("moon", "ball_1"), FITS("ball_1", "moon")]
 )
-def test_what_speaks_of_an_element_that_is_not_there_does_not_hold_and_says_so(condition: Condition) -> None:
+def test_a_condition_about_a_missing_element_does_not_hold_and_says_so(condition: Condition) -> None:
     world = tiny_world()
 
     verdict = condition.evaluate(world)

@@ -143,7 +143,7 @@ def test_a_pattern_of_a_foreign_kind_is_named() -> None:
         (Do.of("look"), "primitive 'look' needs at"),
     ],
 )
-def test_a_call_that_nobody_answers_is_named(call: Do, problem: str) -> None:
+def test_an_unanswered_call_is_named(call: Do, problem: str) -> None:
     assert problems_of_body(call) == (problem,)
 
 

@@ -58,7 +58,7 @@ def test_work_is_done_in_the_control_thread_and_its_result_returned(start: Start
     )
 
 
-def test_what_work_raises_is_raised_where_it_was_asked_for(start: Start) -> None:
+def test_an_exception_of_the_work_is_raised_at_its_caller(start: Start) -> None:
     control = start()
 
     with pytest.raises(WrongState, match="no"):
@@ -82,7 +82,7 @@ def test_work_asked_for_in_the_control_thread_is_done_at_once(start: Start) -> N
     assert control.call(lambda _: control.call(lambda session: session.scene)) == "kitting"
 
 
-def test_the_control_thread_does_not_open_its_own_session_anew(start: Start) -> None:
+def test_the_control_thread_does_not_reopen_its_own_session(start: Start) -> None:
     control = start()
 
     with pytest.raises(UsageError, match="in another thread"):
@@ -90,7 +90,7 @@ def test_the_control_thread_does_not_open_its_own_session_anew(start: Start) -> 
     assert control.alive
 
 
-def test_whoever_waits_too_long_is_told_to_come_again_and_nothing_is_done(
+def test_a_request_that_waits_too_long_is_refused_with_a_retry_time(
     start: Start, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     control, go_on, done = start(), threading.Event(), []
@@ -130,7 +130,7 @@ def test_a_broken_cycle_is_told_and_only_a_new_session_helps(start: Start) -> No
     assert ends == ["kitting"]
 
 
-def test_who_calls_while_the_session_is_opened_anew_gets_the_new_one(start: Start) -> None:
+def test_a_call_during_a_reopening_gets_the_new_session(start: Start) -> None:
     opened: list[Session] = []
     control = start(opened=opened.append)
     with ThreadPoolExecutor(8) as pool:
@@ -188,9 +188,7 @@ def test_a_session_that_cannot_be_opened_at_first_is_a_fault_of_start(tmp_path: 
     control.close()
 
 
-def test_listeners_that_break_at_the_end_keep_nobody_from_ending(
-    start: Start, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_listeners_that_raise_at_the_end_do_not_prevent_it(start: Start, caplog: pytest.LogCaptureFixture) -> None:
     control = start(closed=lambda _: raise_(RuntimeError("listener")))
     control.reopen()
 
@@ -237,7 +235,7 @@ def test_a_queued_job_goes_on_in_the_next_session_though_nobody_asks(start: Star
     wait_for(lambda: not control.session.jobs.job("job").state.is_open)
 
 
-def test_after_the_end_everybody_is_refused_and_nobody_waits(start: Start) -> None:
+def test_after_the_end_all_requests_are_refused_and_none_waits(start: Start) -> None:
     control, go_on = start(), threading.Event()
     control.soon(lambda _: go_on.wait(30.0))
     with ThreadPoolExecutor(2) as pool:

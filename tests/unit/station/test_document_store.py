@@ -15,7 +15,7 @@ def store(tmp_path):
     kept.close()
 
 
-def test_what_is_written_is_there_when_the_file_is_opened_again(store, tmp_path):
+def test_written_data_is_there_when_the_file_is_opened_again(store, tmp_path):
     store.put("sequence", 'it\'s "odd"\n', {"steps": [1, None, "ä"]})
     store.close()
     again = DocumentStore(tmp_path / "server.db")
@@ -41,7 +41,7 @@ def test_another_version_than_the_expected_one_is_not_overwritten(store):
     assert store.find("sequence", "a") == second
 
 
-def test_what_is_removed_and_made_anew_is_another_version(store):
+def test_a_document_removed_and_created_again_has_another_version(store):
     first = store.put("sequence", "a", 1)
     store.remove("sequence", "a")
     assert store.get("sequence", "a") is None
@@ -54,7 +54,7 @@ def test_what_is_not_there_is_named_with_what_is_like_it(store):
         store.find("sequence", "fil kit")
 
 
-def test_who_listens_hears_of_what_was_written_and_removed(tmp_path):
+def test_listeners_receive_written_and_removed_documents(tmp_path):
     heard = []
     told = DocumentStore(tmp_path / "told.db", lambda what, one: heard.append((what, one.name, one.version)))
     with closing(told):

@@ -47,7 +47,7 @@ def test_a_mark_that_is_reset_after_it_was_read_is_gone(tmp_path: Path) -> None:
     assert HaltMark(tmp_path / "halted.json").read() is None
 
 
-def test_a_stop_that_cannot_be_written_is_obeyed_all_the_same(tmp_path: Path) -> None:
+def test_a_stop_that_cannot_be_stored_still_takes_effect(tmp_path: Path) -> None:
     mark = HaltMark(tmp_path / "nowhere" / "halted.json")
     mark.keep(HALT)
     settled(mark)

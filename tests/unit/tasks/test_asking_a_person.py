@@ -42,7 +42,7 @@ def with_a_giant() -> World:
     return tiny_world(GIANT)
 
 
-def test_what_cannot_be_reached_is_asked_about_with_reason_and_choices() -> None:
+def test_an_unreachable_condition_asks_a_person_with_reason_and_choices() -> None:
     with Bench(with_a_giant()) as bench:
         task = begin(bench, "In(giant_1, slot_2)", GOAL)
         bench.until(lambda: task.question is not None)

@@ -63,7 +63,7 @@ def test_a_task_that_is_stopped_before_its_first_cycle_does_nothing() -> None:
     assert (task.report.outcome, task.report.steps) == (Outcome.STOPPED, ())
 
 
-def test_what_a_stopped_task_did_not_reach_says_that_it_was_stopped() -> None:
+def test_unreached_conditions_of_a_stopped_task_give_the_stop_as_reason() -> None:
     with Bench(tiny_world(), LONG) as bench:
         task = begin(bench)
         bench.advance(1.0)

@@ -291,7 +291,7 @@ def test_a_thousand_parentheses_and_ten_thousand_conditions_are_read() -> None:
     assert either.evaluate(WORLD)
 
 
-def test_parentheses_that_nobody_closes_are_pointed_at_the_end() -> None:
+def test_unclosed_parentheses_are_reported_at_the_end() -> None:
     with pytest.raises(GoalSyntaxError) as caught:
         parse("(" * 10_000)
 

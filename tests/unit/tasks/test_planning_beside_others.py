@@ -76,7 +76,7 @@ def outcome(task: TaskHandle) -> Outcome | None:
     return task.report.outcome if task.report else None
 
 
-def test_a_plan_that_another_task_has_outdated_meanwhile_is_made_anew() -> None:
+def test_a_plan_outdated_by_another_task_is_replanned() -> None:
     planner = Withholding()
     with Bench(tiny_world(), SLOW, planner=planner) as bench:
         tasks = not_in_lockstep(bench, planner)

@@ -144,7 +144,7 @@ def move(bench: Bench, ball: str, relation: str, place: str) -> None:
         tx.place(ball, relation, place)
 
 
-def test_a_part_that_is_moved_is_planned_for_anew_and_the_trace_says_why() -> None:
+def test_a_moved_part_is_replanned_and_the_trace_gives_the_reason() -> None:
     with Bench(tiny_world(), SLOW) as bench:
         when(bench, "drive", Status.STARTED, lambda: move(bench, "ball_1", "sk:in", "box_b"))
         task = begin(bench)

@@ -11,7 +11,7 @@ from skiros_py.testing.tiny import DRIVE, PICK, PLACE
 SKILLS = {skill.name: skill for skill in (DRIVE, PICK, PLACE)}
 
 
-def test_who_asks_for_what_is_free_gets_it() -> None:
+def test_a_request_for_free_devices_is_granted() -> None:
     reservations = Reservations()
 
     assert reservations.claim("a", ["robot_1"], ())
@@ -19,7 +19,7 @@ def test_who_asks_for_what_is_free_gets_it() -> None:
     assert reservations.of_others("a") == {"robot_2"}
 
 
-def test_who_wants_what_another_has_waits_and_can_say_for_what() -> None:
+def test_a_request_for_claimed_devices_waits_and_names_them() -> None:
     reservations = Reservations()
     assert reservations.claim("a", ["robot_1", "ball_1"], ())
 
@@ -29,7 +29,7 @@ def test_who_wants_what_another_has_waits_and_can_say_for_what() -> None:
     assert reservations.claim("b", ["robot_1"], ())
 
 
-def test_who_asked_first_comes_first() -> None:
+def test_requests_are_served_in_order() -> None:
     reservations = Reservations()
     assert reservations.claim("a", ["r"], ())
     for who in ("b", "c"):

@@ -243,7 +243,7 @@ def test_a_skill_that_goes_away_is_a_problem_of_its_step() -> None:
 # ------------------------------------------------------------------ what is left out
 
 
-def test_what_a_step_leaves_out_is_inferred_for_its_check_too() -> None:
+def test_omitted_arguments_of_a_step_are_inferred_for_its_check_too() -> None:
     place = Step("place", {"Ball": "ball_1", "Slot": "slot_1"})
 
     (alone,) = check_steps(tiny_world(), (place,), SKILLS)

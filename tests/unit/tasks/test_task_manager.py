@@ -80,7 +80,7 @@ def test_a_goal_that_holds_already_does_nothing() -> None:
     assert report.conditions[0].tries == 0
 
 
-def test_what_fails_once_is_tried_again() -> None:
+def test_a_step_that_fails_once_is_retried() -> None:
     with trying(tiny_world(), ball_1=1) as bench:
         report = bench.pursue("In(ball_1, slot_1)")
 

@@ -91,9 +91,7 @@ def test_of_an_individual_with_classes_of_other_lines_what_does_not_fit_is_passe
         ("my:a a my:Tray ; sk:near my:b .\nmy:b a my:Tray .", 10, "computed by a reasoner"),
     ],
 )
-def test_what_does_not_fit_is_refused_with_its_line(
-    root: Path, tmp_path: Path, text: str, line: int, says: str
-) -> None:
+def test_an_invalid_entry_is_refused_with_its_line(root: Path, tmp_path: Path, text: str, line: int, says: str) -> None:
     with pytest.raises(FileError) as caught:
         world_of(root, tmp_path, text)
 

@@ -170,7 +170,7 @@ def test_what_is_learned_refers_to_nothing_else_in_the_scene(world: World) -> No
     assert len(world.objects(robot, "sk:hasA")) == 3
 
 
-def test_what_was_learned_is_instantiated_as_it_was(world: World) -> None:
+def test_a_learned_concept_is_instantiated_unchanged(world: World) -> None:
     with world.transaction("teacher", "there and back") as tx:
         again = instantiate(tx, learn(tx, "kit_1"), Placement("sk:on", "kit_table"))
 

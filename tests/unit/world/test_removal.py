@@ -39,7 +39,7 @@ def test_what_cannot_be_there_in_the_same_way_keeps_its_own(world: World) -> Non
     assert world.placement("starter_1") == Placement("sk:on", "pallet_a")
 
 
-def test_what_a_gripper_holds_is_not_removed_nor_what_it_is_a_piece_of(world: World) -> None:
+def test_a_held_element_and_its_owner_cannot_be_removed(world: World) -> None:
     with world.transaction("pick", "fingers closed") as tx:
         tx.place("starter_1", "sk:heldBy", "gripper_1")
 

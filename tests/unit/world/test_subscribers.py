@@ -38,7 +38,7 @@ def test_subscribers_are_told_in_the_order_in_which_they_came(world: World) -> N
     assert told == [("first", 2), ("second", 2), ("third", 2)]
 
 
-def test_nobody_is_told_of_what_took_no_effect(world: World) -> None:
+def test_changes_without_effect_notify_no_subscriber(world: World) -> None:
     told: list[Change] = []
     world.subscribe(told.append)
 
@@ -70,7 +70,7 @@ def test_one_that_raises_is_logged_and_hurts_neither_the_writer_nor_others(
     ]
 
 
-def test_what_a_subscriber_writes_is_told_to_all_after_what_it_was_told(world: World) -> None:
+def test_changes_by_a_subscriber_are_sent_to_all_after_the_change_it_received(world: World) -> None:
     before, after, told_meanwhile = list[int](), list[int](), list[int]()
 
     def react(change: Change) -> None:
@@ -127,7 +127,7 @@ def test_who_subscribes_while_others_are_told_hears_of_later_changes(world: Worl
     assert late == [3]
 
 
-def test_who_subscribes_within_a_transaction_is_told_of_it(world: World) -> None:
+def test_a_subscriber_added_within_a_transaction_receives_it(world: World) -> None:
     told: list[int] = []
     with world.transaction("look", "not there") as tx:
         world.subscribe(lambda change: told.append(change.number))

@@ -112,7 +112,7 @@ def test_who_watches_a_condition_hears_of_what_is_taught_and_forgotten() -> None
     assert (before is None, taught is None, watch.broken() is None) == (False, True, False)
 
 
-def test_what_was_taught_survives_a_restart(tmp_path: Path) -> None:
+def test_learned_concepts_survive_a_restart(tmp_path: Path) -> None:
     with DataDirectory.open(tmp_path / "data", tiny_ontology()) as directory:
         lesson = teach(directory.world, "tiny:Slot", -2.0)
 

@@ -153,7 +153,7 @@ def test_removing_takes_the_pieces_along_and_moves_what_was_in_them_to_where_it_
     assert isinstance(world.changes[-1].edits[-1], ElementEdit)
 
 
-def test_what_a_removed_robot_held_is_where_the_robot_was(world: World) -> None:
+def test_the_part_held_by_a_removed_robot_is_at_the_robots_place(world: World) -> None:
     with world.transaction("pick", "fingers closed") as tx:
         tx.place("starter_1", "sk:heldBy", "gripper_1")
         tx.place("robot_1", "sk:at", "pallet_a")
@@ -231,7 +231,7 @@ def test_one_refusal_names_everything_wrong_and_what_is_allowed(world: World) ->
         (lambda tx: tx.add("kitting:Kit", id="this", placement=Placement("sk:on", "floor")), "the scene itself"),
     ],
 )
-def test_what_the_ontology_does_not_allow_is_refused(
+def test_a_change_that_violates_the_ontology_is_refused(
     world: World, write: Callable[[Transaction], object], says: str
 ) -> None:
     assert says in refusal(world, write)

@@ -105,7 +105,7 @@ def test_an_element_that_was_removed_since_is_gone_and_one_that_never_was_is_unk
         weigh(world, 1.0, expects={"relay_box_9": 1})
 
 
-def test_what_was_refused_takes_no_id_and_no_version(world: World) -> None:
+def test_a_refused_change_uses_no_id_and_no_version(world: World) -> None:
     place = Placement("sk:in", "pallet_a")
 
     def write_nonsense() -> None:

@@ -10,7 +10,7 @@ from skiros_py.world.world import World
 
 
 @pytest.mark.parametrize("writer", [Writer.PERSON, Writer.JOB])
-def test_who_locks_a_kit_has_its_compartments_too(world: World, writer: Writer) -> None:
+def test_a_lock_on_a_kit_includes_its_compartments(world: World, writer: Writer) -> None:
     world.locks.acquire(["kit_1"], "anna", 60)
 
     with (

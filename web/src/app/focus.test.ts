@@ -24,18 +24,18 @@ async function pressAndDisable(id: string): Promise<void> {
   press();
   button(id).blur(); // as browsers do for disabled elements
   button(id).disabled = true;
-  await told();
+  await settled();
 }
 
 /** Lets mutation observers run. */
-const told = () => new Promise((resume) => setTimeout(resume, 10));
+const settled = () => new Promise((resume) => setTimeout(resume, 10));
 
 test("when the focused element disappears, the focus returns to the previous one", async () => {
   button("one").focus();
   button("two").focus();
   press();
   document.querySelector("div")?.remove();
-  await told();
+  await settled();
   expect(document.activeElement).toBe(button("one"));
 });
 
@@ -44,7 +44,7 @@ test("elements that have disappeared are skipped", async () => {
   press();
   button("three").remove();
   button("two").remove();
-  await told();
+  await settled();
   expect(document.activeElement).toBe(button("one"));
 });
 
@@ -54,7 +54,7 @@ test("an element that takes the focus itself keeps it", async () => {
   press();
   document.querySelector("div")?.remove();
   button("three").focus();
-  await told();
+  await settled();
   expect(document.activeElement).toBe(button("three"));
 });
 
@@ -62,7 +62,7 @@ test("an element that was disabled for a while gets the focus back", async () =>
   await pressAndDisable("two");
   expect(document.activeElement).toBe(document.body);
   button("two").disabled = false;
-  await told();
+  await settled();
   expect(document.activeElement).toBe(button("two"));
 });
 
@@ -71,7 +71,7 @@ test("the focus is not restored for users of a pointer", async () => {
   button("two").focus();
   document.dispatchEvent(new Event("pointerdown"));
   document.querySelector("div")?.remove();
-  await told();
+  await settled();
   expect(document.activeElement).toBe(document.body);
 });
 
@@ -83,7 +83,7 @@ test("the focus is not taken back while it moves from one element to another", a
   await Promise.resolve(); // an observer would have run by now
   button("one").removeAttribute("disabled");
   button("three").focus();
-  await told();
+  await settled();
   expect(document.activeElement).toBe(button("three"));
 });
 
@@ -91,7 +91,7 @@ test("the focus does not return to a disabled element after the user has moved o
   await pressAndDisable("two");
   press(" ");
   button("two").disabled = false;
-  await told();
+  await settled();
   expect(document.activeElement).toBe(document.body);
 });
 
@@ -102,7 +102,7 @@ test("a modifier alone does not count as keyboard use", async () => {
   button("two").blur();
   press("Control");
   button("three").remove();
-  await told();
+  await settled();
   expect(document.activeElement).toBe(document.body);
 });
 
@@ -112,9 +112,9 @@ test("while a dialog is open nothing behind it gets the focus", async () => {
   button("four").focus();
   press();
   button("four").remove();
-  await told();
+  await settled();
   expect(document.activeElement).toBe(document.body);
   document.querySelector("[aria-modal]")?.remove();
-  await told();
+  await settled();
   expect(document.activeElement).toBe(button("one"));
 });

@@ -38,7 +38,7 @@ export function AddCondition({ words, onAdd }: Props) {
       onSearchChange={setSearch}
       filter={({ options, search: text }) =>
         (options as ComboboxItem[]).filter(({ value, label }) =>
-          says(text, value, label, byName.get(value)?.help ?? ""),
+          matches(text, value, label, byName.get(value)?.help ?? ""),
         )
       }
       renderOption={({ option }) => <Offer label={option.label} word={byName.get(option.value)} />}
@@ -48,7 +48,7 @@ export function AddCondition({ words, onAdd }: Props) {
   );
 }
 
-function says(wanted: string, ...texts: string[]): boolean {
+function matches(wanted: string, ...texts: string[]): boolean {
   const small = wanted.trim().toLowerCase();
   return texts.some((text) => text.toLowerCase().includes(small));
 }

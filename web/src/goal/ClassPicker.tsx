@@ -13,7 +13,7 @@ interface Props {
 export function ClassPicker({ label, class_, value, onChange }: Props) {
   const { data: tree } = useQuery(classTree(class_));
   const options = tree
-    ? classesOf(tree).map(({ name, label: said }) => ({ value: name, label: said || localName(name) }))
+    ? classesOf(tree).map(({ name, label: title }) => ({ value: name, label: title || localName(name) }))
     : [];
   return (
     <Select

@@ -65,7 +65,7 @@ function useWanted(draft: Draft) {
 }
 
 function useShownGhosts(verdicts: readonly Verdict[]): void {
-  const said = JSON.stringify(ghostsOf(verdicts.flatMap(({ conditions }) => conditions)));
-  const ghosts = useMemo(() => JSON.parse(said) as ReturnType<typeof ghostsOf>, [said]);
+  const json = JSON.stringify(ghostsOf(verdicts.flatMap(({ conditions }) => conditions)));
+  const ghosts = useMemo(() => JSON.parse(json) as ReturnType<typeof ghostsOf>, [json]);
   useEffect(() => useGhosts.getState().show(ghosts), [ghosts]);
 }

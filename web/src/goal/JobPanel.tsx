@@ -14,7 +14,7 @@ import classes from "./goal.module.css";
 import { intoView } from "../widgets/intoView";
 import { GoalText } from "./GoalText";
 import { Progress } from "./Progress";
-import { Said } from "./Said";
+import { ServerText } from "./ServerText";
 
 type Job = Schema<"Job">;
 
@@ -87,7 +87,7 @@ function Course({ job }: { job: Job }) {
           <List size="sm">
             {job.reasons.map((reason) => (
               <List.Item key={reason}>
-                <Said text={reason} />
+                <ServerText text={reason} />
               </List.Item>
             ))}
           </List>
@@ -116,7 +116,7 @@ function Ends({ conditions }: { conditions: Job["conditions"] }) {
           <GoalText goal={[condition]} />
           {reason && (
             <>
-              : <Said text={reason} />
+              : <ServerText text={reason} />
             </>
           )}
         </List.Item>

@@ -1,10 +1,10 @@
 import { List, Text } from "@mantine/core";
 import { useTranslation } from "react-i18next";
 import { causeOf } from "./causes";
-import { type CheckedCondition, rowSaid } from "./goals";
+import { type CheckedCondition, rowOfShort } from "./goals";
 import type { Preview } from "./preview";
 import { RowText } from "./RowText";
-import { Said } from "./Said";
+import { ServerText } from "./ServerText";
 
 interface Props {
   cause: Preview["causes"][number];
@@ -27,13 +27,13 @@ export function Reason({ cause: data, conditions }: Props) {
       <List size="sm" aria-label={t("cause.conditions")}>
         {cause.conditions.map((text) => (
           <List.Item key={text}>
-            <RowText row={rowSaid(text, conditions)} />
+            <RowText row={rowOfShort(text, conditions)} />
           </List.Item>
         ))}
       </List>
       {cause.why && (
         <Text size="sm">
-          <Said text={cause.why} named={cause.named} />
+          <ServerText text={cause.why} named={cause.named} />
         </Text>
       )}
       {!cause.text.endsWith(`: ${cause.why}`) && cause.text !== cause.why && cause.why !== "" && (

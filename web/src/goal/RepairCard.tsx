@@ -6,10 +6,10 @@ import { MayButton } from "../widgets/MayButton";
 import { notifyProblem } from "../widgets/problems";
 import { notifyChange } from "../widgets/undo";
 import { isUntouched, useDraft } from "./draft";
-import { type CheckedCondition, type GoalOrder, goalOrder, keyed, repaired, rowSaid } from "./goals";
+import { type CheckedCondition, type GoalOrder, goalOrder, keyed, repaired, rowOfShort } from "./goals";
 import type { Preview } from "./preview";
 import { RowText } from "./RowText";
-import { Said } from "./Said";
+import { ServerText } from "./ServerText";
 
 type Repair = Preview["repairs"][number];
 
@@ -38,7 +38,7 @@ export function RepairCard({ preview, repair, conditions, named, again }: Props)
 function Changes({ repair, conditions, named }: Pick<Props, "repair" | "conditions" | "named">) {
   const { t } = useTranslation("goal");
   const { edits, without, instead, elements, text } = repair;
-  const condition = (said: string) => <RowText key={said} row={rowSaid(said, conditions)} />;
+  const condition = (short: string) => <RowText key={short} row={rowOfShort(short, conditions)} />;
   return (
     <div>
       {instead.map(({ condition: old, by }) => (
@@ -48,17 +48,17 @@ function Changes({ repair, conditions, named }: Pick<Props, "repair" | "conditio
       ))}
       {edits.map((edit, index) => (
         <Text key={index} size="sm">
-          <Said text={edit} named={elements} />
+          <ServerText text={edit} named={elements} />
         </Text>
       ))}
-      {without.map((said) => (
-        <Text key={said} size="sm">
-          <Trans t={t} i18nKey="repair.without" components={{ condition: condition(said) }} />
+      {without.map((short) => (
+        <Text key={short} size="sm">
+          <Trans t={t} i18nKey="repair.without" components={{ condition: condition(short) }} />
         </Text>
       ))}
       {edits.length + instead.length + without.length === 0 && (
         <Text size="sm">
-          <Said text={text} named={named} />
+          <ServerText text={text} named={named} />
         </Text>
       )}
     </div>

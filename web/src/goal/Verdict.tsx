@@ -4,7 +4,7 @@ import { useTranslation } from "react-i18next";
 import type { Verdict as Check } from "./checks";
 import classes from "./goal.module.css";
 import { namesIn } from "./goals";
-import { Said } from "./Said";
+import { ServerText } from "./ServerText";
 
 const LOOKS: Record<Check["state"], { icon: TablerIcon; color: string }> = {
   incomplete: { icon: IconPencil, color: "dimmed" },
@@ -26,7 +26,7 @@ export function Verdict({ verdict: { state, why, conditions } }: { verdict: Chec
         <strong>{t(`verdict.${state}`)}</strong>
         {why && (
           <span className={classes.why}>
-            : <Said text={why} named={named} />
+            : <ServerText text={why} named={named} />
           </span>
         )}
       </span>

@@ -44,8 +44,8 @@ export function keyed(rows: readonly NewRow[]): Row[] {
 export function goalOf(row: Row): Goal | null {
   if (row.kind === "text") return row.text.trim() || null;
   if (row.arguments.some((argument) => !argument)) return null;
-  const said = { condition: row.word, arguments: row.arguments };
-  return row.not ? { not: said } : said;
+  const data = { condition: row.word, arguments: row.arguments };
+  return row.not ? { not: data } : data;
 }
 
 /** The goal of all rows; null while it is empty or incomplete. */
@@ -107,7 +107,7 @@ export function isSame(text: string, other: string): boolean {
 }
 
 /** The row for a condition in short form: completed from a condition of the goal if it is one. */
-export function rowSaid(text: string, conditions: readonly CheckedCondition[]): NewRow {
+export function rowOfShort(text: string, conditions: readonly CheckedCondition[]): NewRow {
   const same = conditions.find((one) => isSame(one.text, text));
   if (same !== undefined) return rowOf(same);
   const row = readRow(text);
@@ -143,6 +143,6 @@ export function repaired(conditions: readonly CheckedCondition[], { without, ins
   const left = conditions.filter(({ text }) => !without.some((one) => isSame(one, text)));
   return left.map((condition) => {
     const exchange = instead.find((one) => isSame(one.condition, condition.text));
-    return exchange === undefined ? rowOf(condition) : rowSaid(exchange.by, conditions);
+    return exchange === undefined ? rowOf(condition) : rowOfShort(exchange.by, conditions);
   });
 }

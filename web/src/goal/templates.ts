@@ -65,8 +65,8 @@ export const EMPTY: Piece = { class: "", quantity: 1, id: "", location: "", use:
 
 /** The fields of materials that a template uses; always includes the class. */
 export function fieldsOf({ per_material: each }: Content): Field[] {
-  const said = JSON.stringify(each ?? null);
-  return FIELDS.filter((field) => field === "class" || said.includes(JSON.stringify({ material: field })));
+  const json = JSON.stringify(each ?? null);
+  return FIELDS.filter((field) => field === "class" || json.includes(JSON.stringify({ material: field })));
 }
 
 /** Whether rows may have a quantity: if pieces are told apart, each needs its own row. */
@@ -119,10 +119,10 @@ export interface Variable {
 /** The elements named in the conditions, without duplicates, with parameter names derived from their roles. */
 export function variablesOf(conditions: readonly CheckedCondition[], words: readonly ConditionWord[]): Variable[] {
   const found = new Map<string, Variable>();
-  for (const said of inner(conditions.map(({ data }) => data))) {
-    if (!isWord(said)) continue;
-    const roles = words.find(({ name }) => name === said.condition)?.roles ?? [];
-    for (const [index, id] of said.arguments.entries()) {
+  for (const word of inner(conditions.map(({ data }) => data))) {
+    if (!isWord(word)) continue;
+    const roles = words.find(({ name }) => name === word.condition)?.roles ?? [];
+    for (const [index, id] of word.arguments.entries()) {
       const role = roles[index];
       if (role === undefined || id.includes(":") || found.has(id)) continue;
       const taken = [...found.values()].filter(({ name }) => name.replace(/_\d+$/, "") === role.name).length;

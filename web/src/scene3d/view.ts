@@ -29,20 +29,20 @@ const FIRST = 15; // ms: collects simultaneous changes
 const AGAIN = 1000; // ms
 const MOST = 100; // ids in one URL
 
-export function viewFrom(told: WorldView): View {
+export function viewFrom(fetched: WorldView): View {
   return {
-    version: told.version,
-    elements: new Map(told.elements.map((element) => [element.id, element])),
-    shapes: told.shapes,
+    version: fetched.version,
+    elements: new Map(fetched.elements.map((element) => [element.id, element])),
+    shapes: fetched.shapes,
   };
 }
 
 /** The view merged with fetched elements; the previous view is not modified. */
-export function merged(view: View, told: WorldView): View {
+export function merged(view: View, fetched: WorldView): View {
   const elements = new Map(view.elements);
-  for (const id of told.gone) elements.delete(id);
-  for (const element of told.elements) elements.set(element.id, element);
-  return { version: told.version, elements, shapes: { ...view.shapes, ...told.shapes } };
+  for (const id of fetched.gone) elements.delete(id);
+  for (const element of fetched.elements) elements.set(element.id, element);
+  return { version: fetched.version, elements, shapes: { ...view.shapes, ...fetched.shapes } };
 }
 
 /** The elements to fetch after an event: their ids, "all", or none. */
@@ -107,11 +107,11 @@ class Reader {
 
   private async take(ids: string[] | undefined): Promise<boolean> {
     try {
-      const told = (await answer(api.GET("/api/v1/view", { params: { query: { element: ids } } }))) as WorldView;
+      const fetched = (await answer(api.GET("/api/v1/view", { params: { query: { element: ids } } }))) as WorldView;
       if (this.ended) return true;
       const { view } = useLiveView.getState();
       const whole = ids === undefined || view === null;
-      useLiveView.setState({ view: whole ? viewFrom(told) : merged(view, told), problem: null });
+      useLiveView.setState({ view: whole ? viewFrom(fetched) : merged(view, fetched), problem: null });
       return true;
     } catch (problem) {
       useLiveView.setState({ problem });

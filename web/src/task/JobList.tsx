@@ -25,7 +25,7 @@ export function JobList({ current, open }: ListProps) {
   const [kind, setKind] = useState<Kind>("every");
   const [text, setText] = useState("");
   const { data, error, refetch } = useJobs(period);
-  const jobs = (data ?? []).filter((job) => isOf(job, kind) && says(job, text.trim().toLowerCase()));
+  const jobs = (data ?? []).filter((job) => isOf(job, kind) && matches(job, text.trim().toLowerCase()));
   return (
     <div className={classes.list}>
       <TextInput
@@ -121,7 +121,7 @@ function isOf(job: Schema<"Job">, kind: Kind): boolean {
   return job.ended !== null && (jobMood(job) === "good") === (kind === "good");
 }
 
-function says(job: Schema<"Job">, wanted: string): boolean {
+function matches(job: Schema<"Job">, wanted: string): boolean {
   const { id, order, outcome, state } = job;
   const all = [id, order.description, ...order.goal, order.work_master, outcome ?? "", state.text].join(" ");
   return wanted === "" || all.toLowerCase().includes(wanted);

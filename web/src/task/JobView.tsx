@@ -8,7 +8,7 @@ import { GoalText } from "../goal/GoalText";
 import { showReplay, useReplay } from "../scene3d/replay";
 import { notifyProblem } from "../widgets/problems";
 import { Status } from "../widgets/Status";
-import { forget, useIsGone } from "./gone";
+import { forget, useIsGone } from "./removedJobs";
 import { JobCommands } from "./JobCommands";
 import { JobReport } from "./JobReport";
 import { NewSequenceButton } from "./NewSequenceButton";

@@ -37,7 +37,7 @@ export function OpenStepForm({ form, fate, sequence, skills, pending, edit, clos
       {form.seen.version !== sequence.version && (
         <Alert color="orange" role="alert" title={t("conflict.title")} p="xs" mb="xs">
           <Versions seen={form.seen} there={sequence} skills={skills} />
-          <Text size="sm">{says()}</Text>
+          <Text size="sm">{notice()}</Text>
         </Alert>
       )}
       <StepForm
@@ -51,7 +51,7 @@ export function OpenStepForm({ form, fate, sequence, skills, pending, edit, clos
     </li>
   );
 
-  function says(): string {
+  function notice(): string {
     if (fate.fate === "removed") return t("conflict.removed");
     const now = sequence.steps[fate.at];
     if (fate.fate === "stays" || now === undefined) return t("conflict.stays", { place: fate.at + 1 });

@@ -30,7 +30,7 @@ export function OutputPane({ name, from, to }: Props) {
     [rows, all, from, to],
   );
   const agents = [...new Set(inTime.map((row) => row.agent))].filter(Boolean).sort();
-  const shown = inTime.filter((row) => (agent === null || row.agent === agent) && says(row, wanted));
+  const shown = inTime.filter((row) => (agent === null || row.agent === agent) && matches(row, wanted));
   return (
     <Stack gap="xs" h="100%">
       <Group gap="xs" align="end">
@@ -74,7 +74,7 @@ export function OutputPane({ name, from, to }: Props) {
   );
 }
 
-function says(row: OutputRow, wanted: string): boolean {
+function matches(row: OutputRow, wanted: string): boolean {
   return wanted === "" || `${row.module} ${row.caller} ${row.status} ${row.text}`.toLowerCase().includes(wanted);
 }
 

@@ -62,7 +62,7 @@ export function SequenceSteps(props: Props) {
     if (over === null || active.id === over.id) return;
     move(Number(active.id) - 1, Number(over.id) - 1, "drag");
   };
-  const said: Announcements = {
+  const announcements: Announcements = {
     onDragStart: ({ active }) => t("step.lifted", { at: active.id }),
     onDragOver: ({ over }) => (over === null ? undefined : t("step.over", { at: over.id })),
     onDragEnd: ({ over }) => (over === null ? t("step.left") : t("step.dropped", { at: over.id })),
@@ -73,7 +73,7 @@ export function SequenceSteps(props: Props) {
       sensors={sensors}
       collisionDetection={closestCenter}
       onDragEnd={end}
-      accessibility={{ announcements: said, screenReaderInstructions: { draggable: t("step.howToMove") } }}
+      accessibility={{ announcements, screenReaderInstructions: { draggable: t("step.howToMove") } }}
     >
       <SortableContext items={ids} strategy={verticalListSortingStrategy}>
         <Stack gap={4} component="ol" m={0} p={0} aria-label={t("step.list")} ref={list}>

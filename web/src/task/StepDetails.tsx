@@ -164,11 +164,11 @@ function Changes({ numbers }: { numbers: readonly number[] }) {
 }
 
 function Edit({ edit }: { edit: Schema<"Change">["edits"][number] }) {
-  const { element, says } = editText(edit);
+  const { element, text } = editText(edit);
   return (
     <li>
       {element !== "" && <ElementName id={element} />}
-      {` ${says}`}
+      {` ${text}`}
     </li>
   );
 }

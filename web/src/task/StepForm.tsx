@@ -108,8 +108,8 @@ function given(skills: Skills, step: WantedStep | undefined): Arguments {
 }
 
 function texts(values: Arguments): Record<string, string> {
-  const said = Object.entries(values).filter(([, value]) => value !== undefined && value !== null && value !== "");
+  const given = Object.entries(values).filter(([, value]) => value !== undefined && value !== null && value !== "");
   return Object.fromEntries(
-    said.map(([key, value]) => [key, typeof value === "string" ? value : JSON.stringify(value)]),
+    given.map(([key, value]) => [key, typeof value === "string" ? value : JSON.stringify(value)]),
   );
 }

@@ -8,7 +8,7 @@ import { comesBackTo, useTab } from "../app/useTab";
 import { useStation } from "../live/station";
 import { detailOf, type Place, placeOf } from "./address";
 import { JobView } from "./JobView";
-import { comeBack, lastTask, remember } from "./lately";
+import { selectionToRestore, lastTask, remember } from "./lastSelection";
 import { Lists, ListsDrawer } from "./Lists";
 import { Problem } from "./Problem";
 import classes from "./task.module.css";
@@ -19,7 +19,7 @@ const SequenceView = lazy(() => import("./SequenceView"));
 const ROOM = 700; // px: in narrower windows the list is behind a button
 
 // Returning to the tab shows its last content; its button leads from there to the running task.
-comesBackTo("task", (isOpen) => (isOpen ? "" : comeBack(underWay())));
+comesBackTo("task", (isOpen) => (isOpen ? "" : selectionToRestore(underWay())));
 
 /** Past and running tasks, and sequences of steps created by people (Fig. 4 of the paper). */
 export default function TaskTab() {

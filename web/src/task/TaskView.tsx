@@ -28,8 +28,8 @@ function Known({ task }: { task: Schema<"TaskInfo"> }) {
   const { t } = useTranslation("task");
   const [chosen, choose] = useState<string | null>(null);
   const skills = useSkills();
-  const { run: told, error, isPending, refetch } = useTaskRun(task.name);
-  const run = withRound(told, task.goal.length > 0 ? [] : task.plan);
+  const { run: fetched, error, isPending, refetch } = useTaskRun(task.name);
+  const run = withRound(fetched, task.goal.length > 0 ? [] : task.plan);
   const state = { mood: taskMood(task), text: taskState(t, task) };
   const title = task.goal.join(", ") || t("task.sequence", { count: task.plan.length });
   return (

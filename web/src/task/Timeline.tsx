@@ -52,7 +52,7 @@ function DrawnTimeline({ name, run, skills, paused, nothing, now, chosen, choose
       <Group gap={4}>
         <Tools zoom={zoom} live={run.end === null} table={table} showTable={showTable} />
         <Text size="sm" ml="auto" role="status">
-          {said(layout, now, t)}
+          {summary(layout, now, t)}
         </Text>
       </Group>
       {table ? (
@@ -77,7 +77,7 @@ function DrawnTimeline({ name, run, skills, paused, nothing, now, chosen, choose
     </Stack>
   );
 
-  function said({ eta }: TimelineLayout, at: number, say: typeof t): string {
+  function summary({ eta }: TimelineLayout, at: number, say: typeof t): string {
     const took = span(at - run.begun);
     if (run.end !== null) return say("timeline.took", { time: took });
     return eta === null

@@ -59,12 +59,12 @@ interface Props {
 
 export function TimelineBar({ bar, x, y, width, chosen, choose }: Props) {
   const { t } = useTranslation("task");
-  const says = t(`bar.${bar.kind}`, { title: bar.title, state: t(`stepStates.${bar.state}`), attempt: bar.attempt });
+  const label = t(`bar.${bar.kind}`, { title: bar.title, state: t(`stepStates.${bar.state}`), attempt: bar.attempt });
   const thin = bar.kind === "plan" || bar.kind === "old";
   const height = thin ? PLAN : ROW - 3;
   const drawn = (
     <>
-      <title>{says}</title>
+      <title>{label}</title>
       <rect x={x} y={y} width={width} height={height} rx={3} style={look(bar)} />
       {!thin && (
         <svg x={x} y={y} width={width} height={height} aria-hidden>
@@ -80,7 +80,7 @@ export function TimelineBar({ bar, x, y, width, chosen, choose }: Props) {
     <g
       role="button"
       tabIndex={thin ? -1 : 0}
-      aria-label={says}
+      aria-label={label}
       aria-pressed={chosen}
       className={`${classes.bar} ${chosen ? classes.chosen : ""}`}
       onClick={choose}

@@ -49,11 +49,11 @@ export function TimelineTable({ run, layout, chosen, choose }: Props) {
 
 function Title({ bar, choose }: { bar: Bar; choose: (step: string) => void }) {
   const { step, title, attempt } = bar;
-  const said = attempt > 1 ? `${title} (${attempt}×)` : title;
-  if (step === null) return <Text size="sm">{said}</Text>;
+  const text = attempt > 1 ? `${title} (${attempt}×)` : title;
+  if (step === null) return <Text size="sm">{text}</Text>;
   return (
     <Button variant="subtle" size="compact-xs" onClick={() => choose(step)}>
-      {said}
+      {text}
     </Button>
   );
 }

@@ -10,7 +10,7 @@ import { useOutput } from "./output";
 import type { Skills } from "../api/cell";
 import { schedule, type Slot } from "./schedule";
 import type { Run, Step } from "./trace";
-import { messagesOf, type Said, skillTree, taskTree, wayOf } from "./tree";
+import { messagesOf, type StateTexts, skillTree, taskTree, wayOf } from "./tree";
 import { STEP_MOODS, stepState, stepTitle } from "./words";
 
 interface Props {
@@ -31,7 +31,7 @@ export default function TreePane({ run, skills, title, state, nothing, chosen, c
   const present = run.plans.at(-1);
   const slots = present === undefined ? [] : schedule(present, run.steps, skills, 0);
   const step = run.steps.find(({ key }) => key === chosen) ?? run.steps.at(-1);
-  const said: Said = { step: (one) => t(`stepStates.${one}`), module: (status) => moduleStatus(t, status) };
+  const texts: StateTexts = { step: (one) => t(`stepStates.${one}`), module: (status) => moduleStatus(t, status) };
   if (slots.length === 0 && run.steps.length === 0) return <Text c="dimmed">{nothing}</Text>;
   return (
     <Stack gap="xs" h="100%">
@@ -51,13 +51,13 @@ export default function TreePane({ run, skills, title, state, nothing, chosen, c
       />
       <Box h="max(280px, 45vh)">
         {shown === "skill" && step !== undefined ? (
-          <SkillGraph step={step} run={run} skills={skills} said={said} />
+          <SkillGraph step={step} run={run} skills={skills} texts={texts} />
         ) : (
           <TaskGraph
             run={run}
             slots={slots}
             skills={skills}
-            said={said}
+            texts={texts}
             title={title}
             state={state}
             chosen={chosen}
@@ -72,14 +72,14 @@ export default function TreePane({ run, skills, title, state, nothing, chosen, c
 interface TaskProps extends Omit<Props, "run" | "nothing"> {
   run: Run;
   slots: readonly Slot[];
-  said: Said;
+  texts: StateTexts;
 }
 
-function TaskGraph({ run, slots, skills, said, title, state, chosen, choose }: TaskProps) {
+function TaskGraph({ run, slots, skills, texts, title, state, chosen, choose }: TaskProps) {
   const { t } = useTranslation("task");
   const planned = new Set(slots.flatMap((slot) => slot.runs));
   const others = run.steps.filter((step) => !planned.has(step));
-  const { nodes, edges } = taskTree({ title, state, slots, others }, skills, said);
+  const { nodes, edges } = taskTree({ title, state, slots, others }, skills, texts);
   const ids = new Map<string, string>([
     ...slots.flatMap((slot): [string, string][] => slot.runs.map((step) => [step.key, `step ${slot.index}`])),
     ...others.map((step): [string, string] => [step.key, `ran ${step.key}`]),
@@ -92,7 +92,7 @@ function TaskGraph({ run, slots, skills, said, title, state, chosen, choose }: T
   return <Graph label={t("tree.label")} nodes={nodes} edges={edges} chosen={node} onChoose={chooseNode} />;
 }
 
-function SkillGraph({ step, run, skills, said }: { step: Step; run: Run; skills: Skills; said: Said }) {
+function SkillGraph({ step, run, skills, texts }: { step: Step; run: Run; skills: Skills; texts: StateTexts }) {
   const { t } = useTranslation("task");
   const { data } = useModule(step.agent, step.skill);
   const rows = useOutput(({ rows: all }) => all);
@@ -100,10 +100,10 @@ function SkillGraph({ step, run, skills, said }: { step: Step; run: Run; skills:
   const root = {
     id: "skill",
     title: stepTitle(step, skills),
-    state: { mood: STEP_MOODS[state], text: said.step(state) },
+    state: { mood: STEP_MOODS[state], text: texts.step(state) },
   };
   const [way, messages] = wayOf(step, data?.implementations ?? [], messagesOf(step, rows, run.shift));
-  const { nodes, edges } = skillTree(root, step.skill, way, messages, said);
+  const { nodes, edges } = skillTree(root, step.skill, way, messages, texts);
   return <Graph label={t("tree.skillLabel", { skill: root.title })} nodes={nodes} edges={edges} />;
 }
 

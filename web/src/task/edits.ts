@@ -3,18 +3,18 @@
 export interface EditText {
   /** Id of the changed element; empty for none. */
   element: string;
-  says: string;
+  text: string;
 }
 
 export function editText(edit: Record<string, unknown>): EditText {
   const { old, new: next } = edit;
   const element = String(edit.element ?? edit.subject ?? "");
-  if (edit.edit === "placement") return { element, says: `${place(old)} → ${place(next)}` };
-  if (edit.edit === "property") return { element, says: `${edit.property}: ${plain(old)} → ${plain(next)}` };
+  if (edit.edit === "placement") return { element, text: `${place(old)} → ${place(next)}` };
+  if (edit.edit === "property") return { element, text: `${edit.property}: ${plain(old)} → ${plain(next)}` };
   if (edit.edit === "relation")
-    return { element, says: `${next === true ? "+" : "−"} ${edit.relation} ${edit.object}` };
-  if (edit.edit === "element") return { element, says: next == null ? "−" : "+" };
-  return { element, says: `${plain(old)} → ${plain(next)}` };
+    return { element, text: `${next === true ? "+" : "−"} ${edit.relation} ${edit.object}` };
+  if (edit.edit === "element") return { element, text: next == null ? "−" : "+" };
+  return { element, text: `${plain(old)} → ${plain(next)}` };
 }
 
 function place(value: unknown): string {

@@ -15,9 +15,9 @@ const OUTCOMES = [
 /** The activity or result of a job in words. */
 export function jobState(t: TFunction<"task">, job: Schema<"Job">): string {
   if (job.outcome !== null) return outcomeText(t, job.outcome);
-  const said = t(`jobStates.${job.state.text}`);
+  const text = t(`jobStates.${job.state.text}`);
   if (job.choices.length > 0) return t("job.asks");
-  return job.state.text === "Running" && job.detail === "planning" ? t("job.planning") : said;
+  return job.state.text === "Running" && job.detail === "planning" ? t("job.planning") : text;
 }
 
 /**

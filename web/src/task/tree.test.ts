@@ -97,9 +97,9 @@ test("a running step shows its present implementation, with the messages of that
     own(12, "by hand"),
     message(13, "pick/body/1", "started"),
   ];
-  const [way, said] = wayOf(picked(), WAYS, rows);
+  const [way, messages] = wayOf(picked(), WAYS, rows);
   expect(way?.label).toBe("by hand");
-  expect(said.map(({ time }) => time)).toEqual([12, 13]);
+  expect(messages.map(({ time }) => time)).toEqual([12, 13]);
 });
 
 test("an ended step shows the implementation named in its trace, even if its messages are gone", () => {

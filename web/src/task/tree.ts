@@ -9,7 +9,7 @@ import type { Slot } from "./schedule";
 import type { Step } from "./trace";
 import { STEP_MOODS, stepState, stepTitle, type StepState } from "./words";
 
-export interface Said {
+export interface StateTexts {
   /** The text of a state, for steps and for modules. */
   step: (state: StepState) => string;
   module: (status: string) => string;
@@ -48,8 +48,8 @@ export function wayOf(
   const own = messages.filter(({ path }) => path === step.skill);
   const label = step.implementation ?? own.findLast(({ implementation }) => implementation !== null)?.implementation;
   const way = ways.find((one) => one.label === label) ?? ways[0]; // which is tried first
-  const begun = own.find(({ implementation }) => implementation !== null && implementation === label);
-  return [way, begun === undefined ? [...messages] : messages.slice(messages.indexOf(begun))];
+  const first = own.find(({ implementation }) => implementation !== null && implementation === label);
+  return [way, first === undefined ? [...messages] : messages.slice(messages.indexOf(first))];
 }
 
 type Way = Schema<"Implementation">;
@@ -63,7 +63,7 @@ export interface Task {
 }
 
 /** Draws the task and its steps, each connected to its predecessors. */
-export function taskTree(task: Task, skills: Skills, said: Said): { nodes: GraphNode[]; edges: GraphEdge[] } {
+export function taskTree(task: Task, skills: Skills, texts: StateTexts): { nodes: GraphNode[]; edges: GraphEdge[] } {
   const nodes: GraphNode[] = [{ id: "task", title: task.title, state: task.state }];
   const edges: GraphEdge[] = [];
   for (const step of task.others) {
@@ -72,14 +72,14 @@ export function taskTree(task: Task, skills: Skills, said: Said): { nodes: Graph
     nodes.push({
       id: `ran ${step.key}`,
       title: stepTitle(step, skills),
-      state: { mood: STEP_MOODS[state], text: said.step(state) },
+      state: { mood: STEP_MOODS[state], text: texts.step(state) },
     });
     edges.push({ from: before === undefined ? "task" : `ran ${before.key}`, to: `ran ${step.key}` });
   }
   for (const slot of task.slots) {
     const state = stepState(slot.runs.at(-1));
     const tries = slot.runs.length > 1 ? ` (${slot.runs.length}×)` : "";
-    const text = said.step(state) + tries;
+    const text = texts.step(state) + tries;
     nodes.push({
       id: `step ${slot.index}`,
       title: stepTitle(slot.step, skills),
@@ -108,10 +108,10 @@ export function skillTree(
   skill: string,
   way: Pick<Way, "nodes" | "edges"> | undefined,
   messages: readonly OutputRow[],
-  said: Said,
+  texts: StateTexts,
 ): { nodes: GraphNode[]; edges: GraphEdge[] } {
   const own = (way?.nodes ?? []).map(({ path, title, module }) => {
-    const state = module === "" ? {} : { state: stateOf(`${skill}/${path}`, messages, said) };
+    const state = module === "" ? {} : { state: stateOf(`${skill}/${path}`, messages, texts) };
     return { id: path, title, ...state };
   });
   const edges = (way?.edges ?? []).map(({ source, target, label }) => {
@@ -122,9 +122,9 @@ export function skillTree(
 }
 
 /** The last message of a node's last run: for a node in a loop, that of the present round. */
-function stateOf(path: string, messages: readonly OutputRow[], said: Said): GraphNode["state"] & object {
+function stateOf(path: string, messages: readonly OutputRow[], texts: StateTexts): GraphNode["state"] & object {
   const last = messages.findLast((row) => row.path === path && row.status !== "event");
-  if (last === undefined) return { mood: "waiting", text: said.module("") };
-  const text = last.status === "error" ? `${said.module(last.status)} ${last.code}` : said.module(last.status);
+  if (last === undefined) return { mood: "waiting", text: texts.module("") };
+  const text = last.status === "error" ? `${texts.module(last.status)} ${last.code}` : texts.module(last.status);
   return { mood: moduleMood(last.status), text };
 }

@@ -32,36 +32,36 @@ export function useJobRun({ id, number, ended }: Schema<"Job">) {
   const over = ended !== null;
   const query = useQuery({
     queryKey: over ? ["past trace", id, number] : keys.tasks("trace of job", id), // no event invalidates the past
-    queryFn: () => (over ? pastOf(id) : happenings(id)),
+    queryFn: () => (over ? pastHistoryOf(id) : historyOf(id)),
     placeholderData: (before) => before,
     gcTime: FORGOTTEN_AFTER,
   });
   const replay = useReplay((shown) => (shown.replay?.job === id ? shown.replay : null));
-  const run = useMemo(() => readHappenings(query.data, replay), [query.data, replay]);
+  const run = useMemo(() => runOf(query.data, replay), [query.data, replay]);
   return { ...query, run };
 }
 
-interface Happenings {
+interface History {
   entries: TraceEntry[];
   /** Whether a task of the running server executes it; false after an interruption by a restart. */
-  inHand: boolean;
+  active: boolean;
 }
 
-async function pastOf(job: string): Promise<Happenings> {
-  return { entries: await entriesOfJob(job), inHand: false };
+async function pastHistoryOf(job: string): Promise<History> {
+  return { entries: await entriesOfJob(job), active: false };
 }
 
-async function happenings(job: string): Promise<Happenings> {
+async function historyOf(job: string): Promise<History> {
   const kept = await entriesOfJob(job);
   const { items } = await answer(api.GET("/api/v1/tasks", { params: { query: { active: true, limit: PAGE } } }));
-  const inHand = items.some(({ name }) => name === job);
-  return { entries: inHand ? joined(kept, await entriesOfTask(job)) : kept, inHand };
+  const active = items.some(({ name }) => name === job);
+  return { entries: active ? joined(kept, await entriesOfTask(job)) : kept, active };
 }
 
-function readHappenings(told: Happenings | undefined, replay: Schema<"Replay"> | null): Run {
-  if (told === undefined) return NO_RUN;
-  const run = readRun(told.entries, replay?.shifts);
-  return told.inHand ? run : cutOff(run, replay?.end);
+function runOf(fetched: History | undefined, replay: Schema<"Replay"> | null): Run {
+  if (fetched === undefined) return NO_RUN;
+  const run = readRun(fetched.entries, replay?.shifts);
+  return fetched.active ? run : cutOff(run, replay?.end);
 }
 
 export function useTaskRun(name: string) {

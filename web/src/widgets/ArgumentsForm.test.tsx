@@ -66,7 +66,7 @@ test("numbers are parsed, a minus sign may be typed first, and cleared fields ar
 test("faults are shown at their fields", async () => {
   show("jog_joints");
   await userEvent.type(screen.getByLabelText(/^deltas/), "0.1 x");
-  expect(screen.getByText(/not of the right kind/)).toBeInTheDocument();
+  expect(screen.getByText(/of the wrong type/)).toBeInTheDocument();
 });
 
 test("Enter adds a text to a list", async () => {

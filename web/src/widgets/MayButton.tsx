@@ -15,7 +15,7 @@ export function MayButton({ operation, disabled, loading = false, leftSection, .
   const may = useMay(operation);
   return (
     <Tooltip label={t("mayNot")} disabled={may}>
-      {/* Not disabled for the browser: its reason can be read by keyboard, too, and work in hand leaves it the focus. */}
+      {/* Only marked as disabled: its reason stays readable by keyboard, and it keeps the focus while it works. */}
       <Button
         {...rest}
         leftSection={loading ? <Loader size={16} color="currentColor" aria-hidden /> : leftSection}

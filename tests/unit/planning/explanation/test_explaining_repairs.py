@@ -57,7 +57,7 @@ def test_several_causes_are_repaired_together() -> None:
     assert found.repairs[0].text == "put ball_8 in box_a and put ball_9 in box_a"
 
 
-def test_what_nobody_can_do_in_the_scene_is_said_in_words() -> None:
+def test_a_goal_without_a_capable_robot_is_explained_in_words() -> None:
     world = tiny_world()
     task = tiny_task(world, AT_LOCATION("robot_1", "box_a"), agents=("arm_1",))
 

@@ -123,7 +123,7 @@ def test_a_place_of_the_wrong_kind_is_said_with_a_right_one(planners: Planners) 
     assert found.repairs[0].instead[0].as_json() == {"condition": "In(ball_1, box_b)", "by": "In(ball_1, slot_1)"}
 
 
-def test_what_a_repair_names_is_told_as_data(planners: Planners) -> None:
+def test_the_names_in_a_repair_are_data(planners: Planners) -> None:
     there = "scene:ball_9 a tiny:Ball ; sk:in scene:slot_1 ."
 
     found = explained(planners, "In(ball_1, slot_1)", facts=(there,))

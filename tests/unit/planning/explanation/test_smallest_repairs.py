@@ -100,7 +100,7 @@ def test_what_a_repair_brings_is_not_changed_by_it(planners: Planners) -> None:
     assert all(there.issuperset(edit.elements) for repair in found.repairs for edit in repair.edits)
 
 
-def test_what_a_repair_does_not_need_is_left_out_of_it(planners: Planners) -> None:
+def test_unneeded_changes_are_left_out_of_a_repair(planners: Planners) -> None:
     """The search begins with a cause that is none: what is done about it is of no use."""
     world = tiny_world(*TRAY, ball(8, "tray_1_1"), ball(9, "slot_1"))
     other, wanted = (parse_goal([text], world, WORDS) for text in ("Free(tray_1_1)", "Free(slot_1)"))

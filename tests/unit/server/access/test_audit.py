@@ -45,7 +45,7 @@ def test_what_was_done_is_there_after_the_end(tmp_path: Path) -> None:
     assert entry == _entry(1)
 
 
-def test_it_does_not_grow_without_end(log: AuditLog, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_its_size_is_bounded(log: AuditLog, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(audit_module, "_KEPT", 10)
     for number in range(2500):
         log.append(_entry(number))

@@ -68,7 +68,7 @@ def test_a_wrong_key_is_refused_even_where_none_is_needed(keys: KeyStore, shown:
     assert problem.headers["WWW-Authenticate"].startswith("Bearer")
 
 
-def test_who_guesses_has_to_wait_and_who_has_a_key_has_not(keys: KeyStore) -> None:
+def test_guessing_callers_must_wait_and_callers_with_a_key_need_not(keys: KeyStore) -> None:
     authenticator = Authenticator(ServerSettings(), keys)
     _, text = keys.create("anna", Role.VIEWER)
 
@@ -101,7 +101,7 @@ def test_a_login_stands_for_its_key_until_either_ends(keys: KeyStore) -> None:
     assert _refused(authenticator, cookie=f"{COOKIE}={other}").status == 401
 
 
-def test_who_came_in_may_stay_until_their_key_is_revoked(keys: KeyStore) -> None:
+def test_a_login_is_valid_until_its_key_is_revoked(keys: KeyStore) -> None:
     authenticator = Authenticator(ServerSettings(), keys)
     stranger = _caller(authenticator)
     assert authenticator.still(stranger)
@@ -116,7 +116,7 @@ def test_who_came_in_may_stay_until_their_key_is_revoked(keys: KeyStore) -> None
     assert not authenticator.still(anna)
 
 
-def test_who_locks_themselves_out_comes_in_again_with_the_token_of_this_machine(keys: KeyStore) -> None:
+def test_the_local_token_gives_access_when_all_keys_are_lost(keys: KeyStore) -> None:
     authenticator = Authenticator(ServerSettings(), keys)
     key, text = keys.create("anna", Role.ADMIN)
 

@@ -232,14 +232,14 @@ def test_a_body_that_is_not_sound_is_a_problem_document(door: _Doors, body: byte
     assert answer.json()["code"] == "InvalidRequest"
 
 
-def test_what_is_wrong_with_a_field_is_told_with_its_place(door: _Doors) -> None:
+def test_a_fault_in_a_field_is_reported_with_its_place(door: _Doors) -> None:
     problem = door().client.post("/things", json={"name": "x" * 11}).json()
 
     assert problem["errors"][0]["field"] == "body.name"
     assert "at most 10" in problem["detail"]
 
 
-def test_who_asks_too_often_waits_and_may_stop_everything_all_the_same(door: _Doors) -> None:
+def test_a_caller_over_its_rate_must_wait_but_may_still_stop_everything(door: _Doors) -> None:
     at = door(rate=5)
     operator, other = at.key(Role.OPERATOR), at.key(Role.VIEWER)
 
@@ -260,7 +260,7 @@ def test_too_much_at_once_is_put_off_but_not_a_stop(door: _Doors) -> None:
     assert at.client.post("/api/v1/stop").status_code == 200
 
 
-def test_what_breaks_inside_is_told_without_how_and_logged_with_the_request(
+def test_an_internal_error_is_answered_without_details_and_logged_with_the_request(
     door: _Doors, caplog: pytest.LogCaptureFixture
 ) -> None:
     answer = door().client.get("/broken", headers={"X-Request-Id": "mes-17"})
@@ -348,7 +348,7 @@ def _refusals(at: _Door, addresses: Iterable[str]) -> int:
     return len(at.guarded.audit.page(limit=1000))
 
 
-def test_nobody_fills_the_audit_log_by_being_refused(door: _Doors) -> None:
+def test_refused_requests_cannot_fill_the_audit_log(door: _Doors) -> None:
     assert _refusals(door(), ["192.0.2.1"] * 100) <= 31
 
 

@@ -37,7 +37,7 @@ def test_the_file_holds_nothing_that_opens_a_door(keys: KeyStore, tmp_path: Path
     assert text.rpartition("_")[2].encode() not in content
 
 
-def test_nobody_but_its_owner_reads_the_file(keys: KeyStore, tmp_path: Path) -> None:
+def test_only_its_owner_can_read_the_file(keys: KeyStore, tmp_path: Path) -> None:
     assert (tmp_path / FILE).stat().st_mode & 0o077 == 0
 
 
@@ -65,7 +65,7 @@ def test_a_revoked_key_is_none_and_being_revoked_twice_changes_nothing(keys: Key
     assert keys.revoke(key.id) == first
 
 
-def test_what_another_process_revokes_counts_at_once(keys: KeyStore, tmp_path: Path) -> None:
+def test_a_key_revoked_by_another_process_is_invalid_at_once(keys: KeyStore, tmp_path: Path) -> None:
     key, text = keys.create("anna", Role.ADMIN)
     assert keys.check(text) is not None
 
@@ -75,7 +75,7 @@ def test_what_another_process_revokes_counts_at_once(keys: KeyStore, tmp_path: P
     assert keys.check(text) is None
 
 
-def test_what_another_process_makes_counts_at_once(keys: KeyStore, tmp_path: Path) -> None:
+def test_a_key_created_by_another_process_is_valid_at_once(keys: KeyStore, tmp_path: Path) -> None:
     assert not keys.needed
 
     with closing(KeyStore(tmp_path)) as elsewhere:

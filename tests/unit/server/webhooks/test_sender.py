@@ -179,7 +179,7 @@ def test_every_try_of_a_message_has_the_same_id(tmp_path, target):
     assert len({event["id"] for event in target.events}) == 1
 
 
-def test_a_slow_target_delays_nobody_else(tmp_path, target):
+def test_a_slow_target_does_not_delay_others(tmp_path, target):
     slow, free = _Target(), threading.Event()
     slow.answer = lambda handler, _event: (free.wait(10), _status(handler, 200))
     jobs = _Jobs()
@@ -198,7 +198,7 @@ def test_a_slow_target_delays_nobody_else(tmp_path, target):
         slow.close()
 
 
-def test_thousands_that_wait_for_a_dead_or_resting_target_delay_nobody_else(tmp_path, target):
+def test_thousands_of_messages_for_a_dead_or_resting_target_delay_no_other(tmp_path, target):
     gone = _Target()
     gone.close()
     jobs = _Jobs()
@@ -286,7 +286,7 @@ def test_a_target_that_was_away_gets_everything_when_it_is_back(tmp_path):
     assert {event["subject"] for event in back.events} == {f"j{n}" for n in range(5)}
 
 
-def test_what_nobody_takes_for_a_day_is_a_dead_letter_and_the_next_message_goes_on(tmp_path, target):
+def test_a_message_undelivered_for_a_day_is_a_dead_letter_and_the_next_one_is_sent(tmp_path, target):
     target.answer = lambda handler, event: _status(handler, 500 if event["data"]["number"] == 1 else 200)
     jobs, dead = _Jobs(), []
     jobs.announce("j1")
@@ -338,7 +338,7 @@ def test_where_nobody_is_to_be_told_nothing_is_kept_for_it(tmp_path):
         _until(lambda: jobs.forgotten == 3)
 
 
-def test_a_webhook_that_rests_gets_later_what_happened_meanwhile(tmp_path, target):
+def test_a_resting_webhook_receives_missed_messages_later(tmp_path, target):
     jobs = _Jobs()
     jobs.announce("j1")
     with _office(tmp_path, jobs) as (store, office):

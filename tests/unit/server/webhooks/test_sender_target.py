@@ -55,12 +55,12 @@ def test_addresses_that_are_no_factory_system_are_refused_even_where_their_host_
         resolve(target_of("https://mes.example/", ["mes.example"]))
 
 
-def test_a_host_that_nobody_knows_is_told_so():
+def test_an_unknown_host_is_reported():
     with pytest.raises(UsageError, match="is not known"):
         resolve(target_of("https://no-such-host.invalid/", ["no-such-host.invalid"]))
 
 
-def test_what_is_connected_to_is_the_address_that_was_looked_at():
+def test_the_connection_goes_to_the_address_that_was_checked():
     target = target_of("http://localhost:81/x?y=1", ["localhost"])
 
     assert target.url_at(resolve(target)) in ("http://127.0.0.1:81/x?y=1", "http://[::1]:81/x?y=1")

@@ -465,7 +465,7 @@ def test_parallel_branches_may_take_one_device_where_both_share_it_or_one_only_r
     assert [f.rule for f in check(roam, there, rules=[RULES["same-device"]])] == ["same-device"] * refused
 
 
-def test_who_only_looks_on_takes_nothing() -> None:
+def test_read_access_claims_nothing() -> None:
     class Watch(Wave):
         """Looks on."""
 

@@ -50,7 +50,7 @@ def test_what_is_active_already_is_the_same_alarm_with_another_text(alarms, log)
     assert alarms.active == (other,)
 
 
-def test_what_comes_again_after_it_went_is_another_alarm(alarms):
+def test_a_cause_that_returns_after_it_was_cleared_is_another_alarm(alarms):
     first = alarms.raise_(AlarmKind.HALTED, "halted")
     alarms.clear(AlarmKind.HALTED)
     second = alarms.raise_(AlarmKind.HALTED, "halted")

@@ -45,7 +45,7 @@ def test_a_template_that_can_make_goals_is_fine(world):
         ),
     ],
 )
-def test_what_is_wrong_is_told_with_its_path(fields, said, world):
+def test_a_fault_is_reported_with_its_path(fields, said, world):
     faults = faults_of(world, **fields)
 
     assert any(re.search(said, str(fault)) for fault in faults)

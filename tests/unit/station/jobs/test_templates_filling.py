@@ -101,7 +101,7 @@ def test_a_template_has_a_greatest_size():
         ({"per_material": {"a": {"material": "clas"}}}, "per_material.a: unknown field of a material 'clas'"),
     ],
 )
-def test_what_is_wrong_with_placeholders_is_told_with_its_path(fields, said):
+def test_a_fault_in_placeholders_is_reported_with_its_path(fields, said):
     content = GoalTemplateContent.model_validate({"parameters": [{"name": "kit"}], **fields})
     assert any(said in str(fault) for fault in faults_of(content))
 

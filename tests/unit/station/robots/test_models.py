@@ -79,7 +79,7 @@ def test_a_model_that_was_made_is_kept(folder: Path, model: DrawnModel, monkeypa
     assert made(folder) == model
 
 
-def test_a_model_of_which_a_mesh_is_missing_is_made_anew(folder: Path, model: DrawnModel) -> None:
+def test_a_model_with_a_missing_mesh_is_rebuilt(folder: Path, model: DrawnModel) -> None:
     next(folder.glob("*/*.stl")).unlink()
 
     assert made(folder) == model

@@ -64,7 +64,7 @@ def test_nobody_knows_where_on_a_pallet_a_part_is_before_it_was_seen() -> None:
     assert (view["starter_1"].pose, view["starter_1"].place) == (None, "pallet_a")
 
 
-def test_what_rides_on_a_base_is_told_in_the_frame_of_that_base_wherever_that_is() -> None:
+def test_a_carried_element_has_its_pose_in_the_frame_of_its_base() -> None:
     world = world_of("kitting_carried")
     here, there = (seen(view_of(world.snapshot(), None, {"base_1": Pose.of(x, 0, 0)})) for x in (0.0, 3.0))
 

@@ -172,7 +172,7 @@ def test_more_open_jobs_than_the_limit_are_refused_and_earlier_ones_stand(jobs, 
 # ---------------------------------------------------------------------- updates and versions
 
 
-def test_an_order_is_updated_by_whoever_has_seen_its_latest_version(jobs):
+def test_an_order_can_be_updated_with_its_latest_version(jobs):
     first = jobs.submit(order())
     second = jobs.update(order(priority=1), "urgent", expects=first.version)
     assert (second.order.priority, second.version) == (1, first.version + 1)
@@ -195,7 +195,7 @@ def test_an_update_to_what_is_ordered_already_changes_nothing(jobs):
     assert jobs.update(order()) == first
 
 
-def test_what_has_begun_takes_no_other_order(jobs, bench):
+def test_a_started_job_takes_no_other_order(jobs, bench):
     over = done(jobs, bench)
     with pytest.raises(WrongState, match="takes no update"):
         jobs.update(order(priority=3))
@@ -203,7 +203,7 @@ def test_what_has_begun_takes_no_other_order(jobs, bench):
 
 
 @pytest.mark.parametrize("command", ["start", "revoke_start", "pause", "resume", "stop", "abort", "cancel", "clear"])
-def test_every_command_is_refused_to_whoever_has_not_seen_the_latest_version(jobs, command):
+def test_every_command_without_the_latest_version_is_refused(jobs, command):
     first = jobs.submit(order())
     with pytest.raises(StaleVersion, match="look again, then decide"):
         getattr(jobs, command)("a", expects=first.version + 7)
@@ -213,7 +213,7 @@ def test_every_command_is_refused_to_whoever_has_not_seen_the_latest_version(job
 # ---------------------------------------------------------------------- removing
 
 
-def test_what_waits_is_cancelled_and_not_cleared(jobs, store):
+def test_a_waiting_job_is_cancelled_and_not_cleared(jobs, store):
     jobs.submit(order())
     with pytest.raises(WrongState, match="'a' is not over"):
         jobs.clear("a")
@@ -284,7 +284,7 @@ def test_what_is_over_is_found_and_not_kept_in_memory(jobs, bench):
     assert (jobs.job("a"), list(jobs.store.page().jobs), jobs.store.page().jobs) == (over, [over], (over,))
 
 
-def test_whoever_goes_through_the_open_jobs_is_not_disturbed_by_new_ones(jobs):
+def test_iterating_over_open_jobs_is_not_disturbed_by_new_ones(jobs):
     for name in "abc":
         jobs.submit(order(name))
     seen = []

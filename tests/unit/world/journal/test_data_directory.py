@@ -270,7 +270,7 @@ def test_a_learned_file_that_cannot_be_understood_stops_a_new_directory_before_i
         assert data.world.version == 1
 
 
-def test_a_learned_file_that_cannot_be_written_stops_nobody_and_is_written_later(
+def test_a_learned_file_that_cannot_be_written_blocks_nothing_and_is_written_later(
     open_tiny: Open, weigh: Weigh, folder: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     data = open_tiny()
@@ -285,7 +285,7 @@ def test_a_learned_file_that_cannot_be_written_stops_nobody_and_is_written_later
     assert 'rdfs:label "mug"' in file.read_text(encoding="utf-8")
 
 
-def test_what_a_killed_process_left_of_the_learned_file_is_removed(open_tiny: Open, folder: Path) -> None:
+def test_remains_of_the_learned_file_of_a_killed_process_are_removed(open_tiny: Open, folder: Path) -> None:
     folder.mkdir()
     left = folder / ".learned.ttl.0123abcd.tmp"
     left.write_text("half", encoding="utf-8")

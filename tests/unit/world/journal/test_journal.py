@@ -50,7 +50,7 @@ def small_disk(limit: int) -> Iterator[None]:
 # ---------------------------------------------------------------- remembering
 
 
-def test_changes_are_remembered_in_order_by_whoever_opens_the_file_next(tmp_path: Path) -> None:
+def test_changes_are_kept_in_order_when_the_file_is_opened_again(tmp_path: Path) -> None:
     changes = [change(n) for n in range(1, 6)]
     with closing(Journal(tmp_path / "journal.db")) as journal:
         for one in changes:
@@ -249,7 +249,7 @@ def test_a_journal_that_forgot_everything_goes_on_counting(open_tiny: Open, weig
     assert again.world.stamp("slot_1").change == 1
 
 
-def test_compaction_gives_room_back(open_tiny: Open) -> None:
+def test_compaction_frees_disk_space(open_tiny: Open) -> None:
     data = open_tiny()
     for n in range(200):
         with data.world.transaction("ann", "a long text") as tx:

@@ -394,6 +394,6 @@ def test_a_function_without_an_answer_leaves_its_variable_unbound(call: str) -> 
     assert select(WORLD, f"SELECT ?n {{ BIND({call} AS ?n) }}") == [{"n": None}]
 
 
-def test_a_function_that_nobody_has_is_named() -> None:
+def test_an_unknown_function_is_named() -> None:
     with pytest.raises(UsageError, match="core#nothing"):
         select(WORLD, "SELECT ?n { BIND(sk:nothing(1) AS ?n) }")

@@ -306,7 +306,7 @@ def test_a_query_that_runs_for_ever_holds_up_no_other(
     assert all("took longer" in text for text in said)
 
 
-def test_who_finds_no_free_place_in_time_is_told(outside: OutsideQueries, others: set[psutil.Process]) -> None:
+def test_a_login_without_a_free_place_in_time_is_refused(outside: OutsideQueries, others: set[psutil.Process]) -> None:
     said: list[str] = []
     slow = [in_thread(outside, FOR_EVER, said) for _ in range(LIMITS.at_once)]
     wait_until(lambda: queries_running(others) == LIMITS.at_once)

@@ -60,7 +60,7 @@ def test_a_question_to_a_broken_reasoner_names_it(ontology: Ontology, answer: Ca
         world.related("floor", "sk:near", "pallet_a")
 
 
-def test_a_reasoner_that_cannot_say_whether_it_objects_stops_nobody_from_writing(
+def test_a_reasoner_whose_veto_raises_does_not_prevent_writing(
     ontology: Ontology, caplog: pytest.LogCaptureFixture
 ) -> None:
     world = world_with(ontology, boom)

@@ -80,7 +80,7 @@ def test_the_built_in_ones_come_by_the_same_door() -> None:
     assert faults == {}
 
 
-def test_what_a_distribution_brings_comes_after_the_built_in_ones(install: Install) -> None:
+def test_adapters_of_a_distribution_come_after_the_built_in_ones(install: Install) -> None:
     install("sk_colours", COLOURS, aaa="Colours")
 
     assert loaded() == (["sizes", "spatial", "colours"], {})
@@ -100,7 +100,7 @@ def test_what_a_distribution_brings_comes_after_the_built_in_ones(install: Insta
         ("Missing", "AttributeError: "),
     ],
 )
-def test_one_that_cannot_be_used_is_reported_and_hurts_nobody(install: Install, value: str, reason: str) -> None:
+def test_one_that_cannot_be_used_is_reported_and_affects_no_other(install: Install, value: str, reason: str) -> None:
     install(f"sk_bad_{value.lower()}", COLOURS, bad=value, good="Colours")
 
     names, faults = loaded()
@@ -135,7 +135,7 @@ def test_of_two_of_one_name_the_first_is_used(install: Install) -> None:
     assert faults["two"].reason == "there is a reasoner 'colours' already"
 
 
-def test_a_module_that_breaks_while_it_is_imported_hurts_nobody(install: Install) -> None:
+def test_a_module_that_raises_on_import_does_not_affect_others(install: Install) -> None:
     install("sk_shattered", "1 / 0", bad="X")
 
     names, faults = loaded()

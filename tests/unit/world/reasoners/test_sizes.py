@@ -178,7 +178,7 @@ def test_a_person_or_a_job_cannot_put_a_thing_where_it_does_not_fit(writer: Writ
 
 
 @pytest.mark.parametrize("writer", [Writer.SKILL, Writer.SYSTEM])
-def test_what_was_sensed_is_so(writer: Writer) -> None:
+def test_sensed_values_are_believed(writer: Writer) -> None:
     world = world_of(p=part((0.2, 0.1, 0.1)), small=crate((0.15, 0.15, 0.1)))
     with world.transaction("look", "seen there", writer=writer) as tx:
         tx.place("p", "sk:in", "small")

@@ -415,7 +415,7 @@ def test_an_unknown_key_is_refused_with_those_that_are_known(key: str) -> None:
         SPATIAL.store(tx, "a", key, 1.0)
 
 
-def test_what_the_world_refuses_is_refused() -> None:
+def test_a_change_refused_by_the_world_is_refused() -> None:
     world = world_of(TABLE)
 
     with pytest.raises(WorldError, match="needs a pose"), world.transaction("test", "?") as tx:

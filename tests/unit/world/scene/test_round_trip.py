@@ -75,7 +75,7 @@ def test_another_library_reads_the_same_statements(world: World) -> None:
 
 @settings(max_examples=40, deadline=None)
 @given(st.lists(scene_steps | learned_steps, max_size=6))
-def test_what_was_learned_is_read_as_it_was_written(steps: list[Step]) -> None:
+def test_learned_concepts_are_read_as_they_were_written(steps: list[Step]) -> None:
     world = made(steps, [])
     text = learned_turtle(world.snapshot())
     with tempfile.TemporaryDirectory() as folder:

@@ -156,7 +156,7 @@ def test_a_scene_needs_no_header_and_no_goal(ontology: Ontology, tmp_path: Path)
     assert (world.instances("sk:Manipulatable"), world.goals) == (("a",), ())
 
 
-def test_everything_that_is_wrong_is_told_at_once_each_with_its_line(ontology: Ontology, tmp_path: Path) -> None:
+def test_all_faults_are_reported_at_once_with_their_lines(ontology: Ontology, tmp_path: Path) -> None:
     with pytest.raises(FileError) as caught:
         scene_of(ontology, tmp_path, "scene:a a kitting:Starter .\nscene:b a kitting:Kit ; sk:heldBy scene:floor .")
 

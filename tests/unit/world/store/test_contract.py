@@ -71,7 +71,7 @@ def test_a_new_store_holds_nothing(empty: QuadStore) -> None:
 
 
 @pytest.mark.parametrize("way", ["add", "extend", "bulk_load"])
-def test_what_was_added_is_there_once(empty: QuadStore, way: str) -> None:
+def test_an_added_element_exists_once(empty: QuadStore, way: str) -> None:
     for _ in range(2):
         if way == "add":
             for one in FAMILY:

@@ -66,12 +66,12 @@ function Rate({ run }: { run: Run }) {
 
 function Inputs({ run }: { run: Run }) {
   const { t } = useTranslation("modules");
-  const said = Object.entries(run.arguments).filter(([, value]) => value !== null);
-  if (said.length === 0) return null;
+  const given = Object.entries(run.arguments).filter(([, value]) => value !== null);
+  if (given.length === 0) return null;
   return (
     <Text size="xs" c="dimmed">
-      {said.map(([key, value]) => `${key} = ${shown(value)}${key in run.given ? "" : " *"}`).join(", ")}
-      {said.some(([key]) => !(key in run.given)) && ` (${t("run.inferred")})`}
+      {given.map(([key, value]) => `${key} = ${shown(value)}${key in run.given ? "" : " *"}`).join(", ")}
+      {given.some(([key]) => !(key in run.given)) && ` (${t("run.inferred")})`}
     </Text>
   );
 }

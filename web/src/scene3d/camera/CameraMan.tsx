@@ -26,7 +26,7 @@ export function CameraMan() {
 
 function useFlights(controls: RefObject<Orbit | null>): void {
   const camera = useThree((three) => three.camera);
-  const wishes = useCamera((state) => state.wishes);
+  const requests = useCamera((state) => state.requests);
   const ready = useShownView() !== null;
   useEffect(() => {
     const { viewpoint } = useCamera.getState();
@@ -34,8 +34,8 @@ function useFlights(controls: RefObject<Orbit | null>): void {
     const to = viewing(viewpoint, camera, focusOf(viewpoint));
     if (to === null) return;
     const from = { position: camera.position.clone(), target: controls.current.target.clone() };
-    wake(fly(from, to, wishes === 0 || calm())); // the first view is not animated
-  }, [ready, wishes, camera, controls]);
+    wake(fly(from, to, requests === 0 || calm())); // the first view is not animated
+  }, [ready, requests, camera, controls]);
 }
 
 /** The subject of a viewpoint: a robot to follow, or the selected element. */

@@ -8,12 +8,12 @@ export type Viewpoint = (typeof VIEWPOINTS)[number];
 interface Camera {
   viewpoint: Viewpoint;
   /** Counts the requests, so that the same one can be repeated. */
-  wishes: number;
+  requests: number;
   look: (viewpoint: Viewpoint) => void;
 }
 
 export const useCamera = create<Camera>((set) => ({
   viewpoint: "overview",
-  wishes: 0,
-  look: (viewpoint) => set(({ wishes }) => ({ viewpoint, wishes: wishes + 1 })),
+  requests: 0,
+  look: (viewpoint) => set(({ requests }) => ({ viewpoint, requests: requests + 1 })),
 }));

@@ -32,7 +32,7 @@ export function Ghosts({ palette }: { palette: Palette }) {
 }
 
 function useSpots(): GhostSpot[] {
-  const wished = useGhosts((state) => state.ghosts);
+  const requested = useGhosts((state) => state.ghosts);
   const view = useLiveView((state) => state.view);
   const { data: jobs } = useQuery({
     queryKey: keys.jobs("running", "goals"),
@@ -42,8 +42,8 @@ function useSpots(): GhostSpot[] {
     if (view === null) return [];
     const ordered = (jobs?.items ?? []).flatMap((job) => ghostsOf(job as Schema<"Job">, view));
     const bounds = (key: string) => (key in view.shapes ? shapeOf(key, view.shapes[key]).bounds : null);
-    return ghostSpots([...wished, ...ordered].slice(0, MOST), view, bounds);
-  }, [wished, view, jobs]);
+    return ghostSpots([...requested, ...ordered].slice(0, MOST), view, bounds);
+  }, [requested, view, jobs]);
 }
 
 function GhostMesh({ spot, material }: { spot: GhostSpot; material: MeshLambertMaterial }) {

@@ -39,10 +39,10 @@ describe("ghosts", () => {
 
 describe("goals of a job", () => {
   const job = { id: "kit-1", conditions: [], order: { goal: ["InKit(Starter, kit)"] } };
-  const told = (rest: object) => ghostsOf({ ...job, ...rest } as unknown as Parameters<typeof ghostsOf>[0], VIEW);
+  const ghostsFor = (rest: object) => ghostsOf({ ...job, ...rest } as unknown as Parameters<typeof ghostsOf>[0], VIEW);
 
   it("are derived from target places", () => {
-    expect(told({})).toMatchObject([{ like: "Starter", place: "kit" }]);
+    expect(ghostsFor({})).toMatchObject([{ like: "Starter", place: "kit" }]);
   });
 
   it("are those not reached yet", () => {
@@ -50,10 +50,10 @@ describe("goals of a job", () => {
       { condition: "InKit(Starter, kit)", reached: true, reason: "" },
       { condition: "InKit(starter_2, kit)", reached: false, reason: "" },
     ];
-    expect(told({ conditions })).toMatchObject([{ like: "starter_2" }]);
+    expect(ghostsFor({ conditions })).toMatchObject([{ like: "starter_2" }]);
   });
 
   it("without a place make no ghost", () => {
-    expect(told({ order: { goal: ["Charged(robot_1)", "Near(kit, nowhere)"] } })).toEqual([]);
+    expect(ghostsFor({ order: { goal: ["Charged(robot_1)", "Near(kit, nowhere)"] } })).toEqual([]);
   });
 });

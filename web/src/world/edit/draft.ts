@@ -51,8 +51,8 @@ export function patchOf(before: Draft, after: Draft, reason: string): Patch {
 export function given(name: string, value: unknown): GivenValue {
   if (value === undefined || value === "") return null;
   // Without a frame the server keeps the old one, but here a missing frame means the map.
-  const told = name === POSE && isPose(value) ? { ...value, frame: value.frame ?? null } : value;
-  return told as GivenValue;
+  const written = name === POSE && isPose(value) ? { ...value, frame: value.frame ?? null } : value;
+  return written as GivenValue;
 }
 
 /** Returns the fields that cannot be saved, because a number is missing or malformed. */

@@ -24,11 +24,11 @@ interface Fault {
  */
 export function refusalOf(error: Error | null, draft: Draft, notAccepted: (field: string) => string): Refusal {
   if (error === null) return { byField: {}, rest: [] };
-  const told = error instanceof ApiProblem ? (error.details?.errors ?? []) : [];
-  if (told.length === 0) return reasons(problemText(error), Object.keys(draft));
+  const errors = error instanceof ApiProblem ? (error.details?.errors ?? []) : [];
+  if (errors.length === 0) return reasons(problemText(error), Object.keys(draft));
   const faults = new Map<string, Fault[]>();
   const rest: string[] = [];
-  for (const fault of told as unknown as FieldFault[]) {
+  for (const fault of errors as unknown as FieldFault[]) {
     const [name, place] = placeOf(fault.field, draft);
     const message = faultText(fault);
     if (name === undefined) rest.push(`${fault.field.replace(/^body\./, "")}: ${message}`);

@@ -13,7 +13,7 @@ interface Props {
 const NONE: readonly string[] = [];
 
 /** A sentence by the server, with elements and classes replaced by clickable labels. */
-export function Said({ text, named = NONE }: Props) {
+export function ServerText({ text, named = NONE }: Props) {
   const classes = useClassLabels();
   const elements = useLiveView(({ view }) => view?.elements);
   return namedIn(text, named, (word) => elements?.has(word) ?? false).map((piece, index) => {

@@ -2,7 +2,7 @@ import { renderHook } from "@testing-library/react";
 import type { Schema } from "../api/client";
 import { type EventInfo, emitEvent } from "../live/events";
 import { useReplay } from "../scene3d/replay";
-import { useIsGone } from "./gone";
+import { useIsGone } from "./removedJobs";
 
 function tell(type: string, subject: string): void {
   emitEvent({ kind: "job", type, subject, data: {} } as unknown as EventInfo);

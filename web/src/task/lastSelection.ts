@@ -19,6 +19,6 @@ export function lastTask(): string | null {
 }
 
 /** The selection to restore while `task` runs: empty for the task itself, or for none. */
-export function comeBack(task: string | null): string {
+export function selectionToRestore(task: string | null): string {
   return task === null || task === last.task ? last.detail : "";
 }
