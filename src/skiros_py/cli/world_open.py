@@ -116,7 +116,8 @@ class OpenWorld:
 
     def query(self, sparql: str, bindings: Mapping[str, Binding], *, entailed: bool, time_limit: float) -> Result:
         """Runs a SPARQL query."""
-        from skiros_py.world.queries.outside import Limits, OutsideQueries
+        from skiros_py.world.queries.outside import OutsideQueries
+        from skiros_py.world.queries.replica import Limits
 
         with OutsideQueries(self._world, Limits(rows=MOST_ROWS)) as queries:
             return queries.query(sparql, bindings, entailed=entailed, time_limit=time_limit)

@@ -70,7 +70,7 @@ def command(
     "-" is read from stdin. In --bind a value is a number, true or false, a text in double quotes, or else a name
     (pallet_a, kitting:Starter).
     """
-    from skiros_py.world.queries.outside import Limits
+    from skiros_py.world.queries.replica import Limits
 
     if as_json and as_csv:
         raise click.UsageError("--json and --csv are two ways to show one answer: give one of them")

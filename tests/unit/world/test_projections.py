@@ -112,7 +112,7 @@ def the_index_answers_as_the_graph(world: World, graph: rdflib.Graph, said: set[
 
 
 def the_store_holds_the_same_triples(world: World, graph: rdflib.Graph) -> None:
-    with world.store.opened() as store:
+    with world.store.opened() as (store, _):
         quads = store.quads(ox.NamedNode(SCENE_GRAPH))
     held = rdflib.Graph()
     for quad in quads:

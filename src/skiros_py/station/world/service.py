@@ -23,7 +23,8 @@ from skiros_py.world.element import Value
 from skiros_py.world.index import Index
 from skiros_py.world.literals import ANY_LITERAL, format_value
 from skiros_py.world.queries import Binding, Constructed, Result, Table, Text
-from skiros_py.world.queries.outside import Limits, OutsideQueries
+from skiros_py.world.queries.outside import OutsideQueries
+from skiros_py.world.queries.replica import Limits
 from skiros_py.world.vocabulary import ELEMENT
 
 

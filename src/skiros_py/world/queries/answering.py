@@ -9,7 +9,6 @@ from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from decimal import Decimal
-from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import pyoxigraph as ox
@@ -21,7 +20,6 @@ from skiros_py.world.literals import ANY_LITERAL, any_value, format_value, liter
 from skiros_py.world.names import Names
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.queries.text import QueryText, parsed
-from skiros_py.world.reasoners.registry import Reasoners
 from skiros_py.world.store.store import UNLIMITED, Answer, AnswerLimits, Functions, QuadStore, Rows, Term
 from skiros_py.world.terms import Family
 from skiros_py.world.world import World
@@ -169,32 +167,17 @@ class Question:
         bound = {term.value for term in terms.values() if isinstance(term, ox.NamedNode)}
         return cls(text, text.filled(terms), text.iris | bound if bound else text.iris)
 
-    def must_be(self, form: str) -> None:
-        """Checks the form of the query.
-
-        Raises:
-            UsageError: It has another form.
-        """
-        if self.text.form != form:
-            raise UsageError(f"the query is no {form} but {_A[self.text.form]}: ask it by {self.text.form.lower()}()")
-
-    def needs_state(self, ontology: Ontology, reasoners: Reasoners) -> bool:
-        """Returns whether the answer depends on reasoners."""
-        return not self.iris.isdisjoint(_reasoned(ontology, reasoners))
-
-    def answer(self, store: QuadStore, view: Index | None, limits: AnswerLimits = UNLIMITED) -> Answer:
+    def answer(self, store: QuadStore, view: Index, limits: AnswerLimits = UNLIMITED) -> Answer:
         """Runs it on a store.
 
         Args:
             store: The store; not shared meanwhile.
-            view: The state that it contains; None if the answer does not depend on reasoners.
+            view: The state that it contains.
             limits: Maximum size of the answer.
 
         Raises:
             UsageError: It cannot be answered; the text says why.
         """
-        if view is None:
-            return store.query(self.sparql, limits=limits)
         with self._worked_out(store, view):
             return store.query(self.sparql, functions=called_functions(view, self.iris), limits=limits)
 
@@ -214,9 +197,6 @@ def mentioned_relations(ontology: Ontology, iris: frozenset[str]) -> frozenset[s
     return frozenset(below for name in named for below in ontology.sub_relations(name))
 
 
-_A = {"SELECT": "a SELECT", "ASK": "an ASK", "CONSTRUCT": "a CONSTRUCT"}
-
-
 def typed(names: Names, answer: Answer) -> Result:
     """Returns an answer with names and Python values instead of terms."""
     if isinstance(answer, bool):
@@ -228,14 +208,6 @@ def typed(names: Names, answer: Answer) -> Result:
     statements = tuple(tuple(value_of(names, term) for term in triple) for triple in answer)
     turtle = ox.serialize(answer, format=ox.RdfFormat.TURTLE, prefixes=dict(names.prefixes)) or b""
     return Constructed(statements, turtle.decode())  # type: ignore[arg-type]  # three each, and none is missing
-
-
-@lru_cache(maxsize=8)
-def _reasoned(ontology: Ontology, reasoners: Reasoners) -> frozenset[str]:
-    """IRIs of all relations and functions that reasoners compute."""
-    computed = (name for name, relation in ontology.relations.items() if relation.family is Family.COMPUTED)
-    functions = (name for reasoner in reasoners for name in reasoner.functions)
-    return frozenset(ontology.names.iri(name) for name in (*computed, *functions))
 
 
 # ---------------------------------------------------------------- queries by our own code
@@ -291,12 +263,9 @@ def query(world: World, sparql: str, *, entailed: bool = False, **bindings: Bind
 def _result(world: World, sparql: str, form: str | None, bindings: dict[str, Binding], *, entailed: bool) -> Result:
     names = world.ontology.names
     question = Question.of(names, sparql, bindings)
-    if form is not None:
-        question.must_be(form)
-    if entailed or question.needs_state(world.ontology, world.reasoners):
-        with world.store.opened_with_state(entailed=entailed) as (store, view):
-            answer = question.answer(store, view)
-            return typed(names, answer)
-    with world.store.opened() as store:
-        answer = question.answer(store, None)
+    own = question.text.form
+    if form not in (None, own):
+        raise UsageError(f"the query is no {form} but {'an' if own == 'ASK' else 'a'} {own}: ask it by {own.lower()}()")
+    with world.store.opened(entailed=entailed) as (store, view):
+        answer = question.answer(store, view)
     return typed(names, answer)

@@ -10,20 +10,19 @@ import os
 import pickle
 import select
 import signal
+import socket
+import subprocess
 import threading
 import time
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Self
 
 from skiros_py.errors import DeviceError, SkirosError, UsageError, WorldError
 from skiros_py.processes import end_connected, packed, receive, send, start_python
-from skiros_py.world.change import Change
-from skiros_py.world.index import Index
 from skiros_py.world.queries.answering import Binding, Result
-from skiros_py.world.queries.replica import OUT_OF_MEMORY, Order
-from skiros_py.world.store.store import AnswerLimits
+from skiros_py.world.queries.replica import OUT_OF_MEMORY, USUAL_LIMITS, Limits, Order
 from skiros_py.world.world import World
 
 QUERIES = "skiros_py.world.queries.replica:QueryReplica"
@@ -36,82 +35,6 @@ _GRACE = 1.0
 _LOOK = 0.1
 """Interval between checks of the clock [s]."""
 _PIECE = 1 << 16
-
-
-class ReplicaProcess:
-    """A running replica of a world.
-
-    Attributes:
-        version: Number of the last change that it was sent.
-    """
-
-    def __init__(self, version: int, index: Index, program: str = QUERIES, *more: object) -> None:
-        """Starts one with a state, and waits until it is ready.
-
-        Args:
-            version: Number of the last change.
-            index: The state.
-            program: The class that handles its orders, see :func:`skiros_py.world.queries.replica.main`.
-            *more: Further arguments of that class.
-
-        Raises:
-            DeviceError: It does not start.
-        """
-        self.version = version
-        state = _packed(version, index, *more)
-        self._process, self._control = start_python("skiros_py.world.queries.replica:main", program)
-        try:
-            self._control.settimeout(_LONGEST_START)
-            send(self._control, state)
-            receive(self._control)
-        except (OSError, EOFError) as error:
-            self.close()
-            why = "SKIROS_DEBUG=1 shows why"
-            raise DeviceError(f"the process with the replica does not start ({why}): {error}") from None
-
-    def is_alive(self) -> bool:
-        """Returns True while it runs."""
-        return self._process.poll() is None
-
-    @property
-    def pid(self) -> int:
-        """Its id."""
-        return self._process.pid
-
-    def ask(self, changes: Sequence[Change], order: bytes) -> Pending:
-        """Sends it a query.
-
-        Args:
-            changes: The changes after its version.
-            order: The query, as bytes that its program decodes.
-
-        Raises:
-            DeviceError: It is gone.
-        """
-        payload = packed((tuple(changes), order))
-        (answer, answer_there), (status, status_there) = os.pipe(), os.pipe()
-        pending = Pending(answer, status, self)
-        try:
-            send(self._control, payload, [answer_there, status_there])
-        except OSError as error:
-            pending.close()
-            self.close()
-            raise DeviceError(f"the process with the replica is gone: {error}") from None
-        finally:
-            os.close(answer_there)
-            os.close(status_there)
-        if changes:
-            self.version = changes[-1].number
-        return pending
-
-    def close(self) -> None:
-        """Ends it and its running queries."""
-        end_connected(self._process, self._control, _GRACE)
-
-    def kill(self) -> None:
-        """Kills it."""
-        self._process.kill()
-        self._process.wait()
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,10 +55,10 @@ class Pending:
 
     Args:
         answer, status: Descriptors of the pipes for its answer, and for its start and exit status.
-        replica: The replica.
+        replica: The process of the replica.
     """
 
-    def __init__(self, answer: int, status: int, replica: ReplicaProcess) -> None:
+    def __init__(self, answer: int, status: int, replica: subprocess.Popen[bytes]) -> None:
         self._answer = answer
         self._status = status
         self._replica = replica
@@ -159,10 +82,10 @@ class Pending:
         try:
             ended = self.wait_unless(hangs, _LOOK)
         except DeviceError:
-            self._replica.kill()  # its pipes close a moment before it counts as ended
+            self._kill()  # its pipes close a moment before it counts as ended
             raise
         if ended is None:  # the replica itself hangs; the next query gets a new one
-            self._replica.kill()
+            self._kill()
         return ended or Ended(b"", -signal.SIGALRM)
 
     def wait_unless(self, stopped: Callable[[], bool], every: float) -> Ended | None:
@@ -203,6 +126,10 @@ class Pending:
         os.close(self._answer)
         os.close(self._status)
 
+    def _kill(self) -> None:
+        self._replica.kill()
+        self._replica.wait()
+
 
 class FollowingReplica:
     """The replica of a live world: started for the first order, up to date for each, started again if it died.
@@ -211,7 +138,7 @@ class FollowingReplica:
 
     Args:
         world: The world.
-        program: The class that handles its orders; see :class:`ReplicaProcess`.
+        program: The class that handles its orders, see :func:`skiros_py.world.queries.replica.main`.
         *more: Further arguments of that class.
         on_death: Called with the process id of one that died before it was closed.
     """
@@ -223,14 +150,15 @@ class FollowingReplica:
         self._program, self._more = program, more
         self._on_death = on_death
         self._lock = threading.Lock()
-        self._replica: ReplicaProcess | None = None
+        self._running: tuple[subprocess.Popen[bytes], socket.socket] | None = None
+        self._version = 0
         self._closed = False
 
     @property
     def pid(self) -> int | None:
         """Id of the process; None if it does not run."""
-        replica = self._replica
-        return None if replica is None or not replica.is_alive() else replica.pid
+        running = self._running
+        return None if running is None or running[0].poll() is not None else running[0].pid
 
     def start(self) -> None:
         """Starts the replica, as the first order would; a million triples take half a minute."""
@@ -240,18 +168,34 @@ class FollowingReplica:
     def ask(self, order: bytes) -> tuple[int, Pending]:
         """Sends it an order about the present world; returns the version of that, too.
 
+        Args:
+            order: The order, as bytes that its program decodes.
+
         Raises:
             DeviceError: It died, cannot be started, or was closed.
         """
         with self._lock:
-            replica = self._started()
+            process, control = self._started()
             try:
-                changes = self._world.changes_since(replica.version)
+                changes = self._world.changes_since(self._version)
             except WorldError:  # they are no longer kept
                 self._drop()
-                replica, changes = self._started(), ()
-            pending = replica.ask(changes, order)
-            return replica.version, pending
+                (process, control), changes = self._started(), ()
+            payload = packed((tuple(changes), order))
+            (answer, answer_there), (status, status_there) = os.pipe(), os.pipe()
+            pending = Pending(answer, status, process)
+            try:
+                send(control, payload, [answer_there, status_there])
+            except OSError as error:
+                pending.close()
+                self._drop()
+                raise DeviceError(f"the process with the replica is gone: {error}") from None
+            finally:
+                os.close(answer_there)
+                os.close(status_there)
+            if changes:
+                self._version = changes[-1].number
+            return self._version, pending
 
     def close(self) -> None:
         """Ends the process and its running orders; may be called twice."""
@@ -259,21 +203,33 @@ class FollowingReplica:
             self._closed = True
             self._drop()
 
-    def _started(self) -> ReplicaProcess:
+    def _started(self) -> tuple[subprocess.Popen[bytes], socket.socket]:
         if self._closed:  # a thread that was waiting must not start it again
             raise DeviceError("nothing is answered any more: the process with the replica was closed")
-        if self._replica is None or not self._replica.is_alive():
-            self._drop()
-            self._replica = ReplicaProcess(*self._world.state(), self._program, *self._more)
-        return self._replica
+        if self._running is not None and self._running[0].poll() is None:
+            return self._running
+        self._drop()
+        self._version, index = self._world.state()
+        state = _packed(self._version, index, *self._more)
+        process, control = start_python("skiros_py.world.queries.replica:main", self._program)
+        try:
+            control.settimeout(_LONGEST_START)
+            send(control, state)
+            receive(control)
+        except (OSError, EOFError) as error:
+            end_connected(process, control, _GRACE)
+            why = "SKIROS_DEBUG=1 shows why"
+            raise DeviceError(f"the process with the replica does not start ({why}): {error}") from None
+        self._running = process, control
+        return self._running
 
     def _drop(self) -> None:
-        replica, self._replica = self._replica, None
-        if replica is not None:
-            died = not replica.is_alive()
-            replica.close()
+        running, self._running = self._running, None
+        if running is not None:
+            died = running[0].poll() is not None
+            end_connected(*running, _GRACE)
             if died:
-                self._on_death(replica.pid)
+                self._on_death(running[0].pid)
 
 
 def _packed(*state: object) -> bytes:
@@ -286,29 +242,7 @@ def _packed(*state: object) -> bytes:
 LONGEST_TIME = 3600.0
 """Maximum time limit of any query [s]."""
 
-_MIB = 1 << 20
 _NO_BINDINGS: Mapping[str, Binding] = MappingProxyType({})
-
-
-@dataclass(frozen=True, slots=True)
-class Limits:
-    """Resource limits of one external query.
-
-    Attributes:
-        text: Characters of the query.
-        time: Seconds.
-        memory: Bytes in addition to the memory of the world itself.
-        rows: Rows or triples of the answer.
-        bytes: Characters of all terms of the answer together.
-        at_once: Queries that may run at the same time; others wait for their turn, up to their time limit.
-    """
-
-    text: int = 64 * 1024
-    time: float = 5.0
-    memory: int = 1024 * _MIB
-    rows: int = 10_000
-    bytes: int = 16 * _MIB
-    at_once: int = 4
 
 
 class OutsideQueries:
@@ -319,7 +253,7 @@ class OutsideQueries:
         limits: Limits of a query.
     """
 
-    def __init__(self, world: World, limits: Limits = Limits()) -> None:
+    def __init__(self, world: World, limits: Limits = USUAL_LIMITS) -> None:
         self.limits = limits
         self._turns = threading.BoundedSemaphore(limits.at_once)
         self._replica = FollowingReplica(world)
@@ -365,8 +299,7 @@ class OutsideQueries:
         limit = self.limits.time if time_limit is None else time_limit
         if not 0.0 < limit <= LONGEST_TIME:
             raise UsageError(f"a time limit is more than 0 and at most {LONGEST_TIME:g} s, not {limit:g}")
-        most = AnswerLimits(self.limits.rows, self.limits.bytes)
-        order = Order(sparql, dict(bindings), entailed, limit, self.limits.memory, most)
+        order = Order(sparql, dict(bindings), entailed, replace(self.limits, time=limit))
         if not self._turns.acquire(timeout=limit):
             raise UsageError(f"{self.limits.at_once} queries are running already, and none ended within {limit:g} s")
         try:
@@ -379,9 +312,9 @@ class OutsideQueries:
     def _outcome(self, order: Order) -> Result:
         packed_order = pickle.dumps(order)
         try:
-            ended = self._replica.ask(packed_order)[1].wait(order.time_limit)
+            ended = self._replica.ask(packed_order)[1].wait(order.limits.time)
         except DeviceError:  # the replica was killed: retry with a new one
-            ended = self._replica.ask(packed_order)[1].wait(order.time_limit)
+            ended = self._replica.ask(packed_order)[1].wait(order.limits.time)
         if ended.code != 0:
             raise UsageError(_why(ended.code, order))
         outcome = pickle.loads(ended.answer)  # noqa: S301  from our own process
@@ -394,9 +327,9 @@ class OutsideQueries:
 def _why(code: int, order: Order) -> str:
     """Returns why a query ended without an answer."""
     if code == -signal.SIGALRM:
-        return f"the query took longer than {order.time_limit:g} s: ask for less, or bind more of it"
+        return f"the query took longer than {order.limits.time:g} s: ask for less, or bind more of it"
     if code in (OUT_OF_MEMORY, -signal.SIGABRT, -signal.SIGKILL):
-        return f"the query needs more than {order.memory >> 20} MiB of memory: ask for less, or bind more of it"
+        return f"the query needs more than {order.limits.memory >> 20} MiB of memory: ask for less, or bind more of it"
     if code in (-signal.SIGSEGV, -signal.SIGBUS):
         return "the query is too deep or too long for the engine: take it apart"
     return f"the query was cancelled (status {code})"

@@ -15,7 +15,7 @@ import signal
 import socket
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from importlib import import_module
 
 from loky.backend.reduction import dumps
@@ -26,7 +26,7 @@ from skiros_py.world.change import Change
 from skiros_py.world.index import Index
 from skiros_py.world.queries.answering import Binding, Question, Result, typed
 from skiros_py.world.store import Projection
-from skiros_py.world.store.store import UNLIMITED, AnswerLimits
+from skiros_py.world.store.store import AnswerLimits
 
 OUT_OF_MEMORY = 77
 """Exit status of a query that could get no more memory; the engine itself aborts."""
@@ -68,6 +68,33 @@ class Replica(ABC):
         """Handles orders until the parent exits."""
 
 
+_MIB = 1 << 20
+
+
+@dataclass(frozen=True, slots=True)
+class Limits(AnswerLimits):
+    """Resource limits of one external query.
+
+    Attributes:
+        text: Characters of the query.
+        time: Seconds.
+        memory: Bytes in addition to the memory of the world itself.
+        rows: Rows or triples of the answer.
+        bytes: Characters of all terms of the answer together.
+        at_once: Queries that may run at the same time; others wait for their turn, up to their time limit.
+    """
+
+    text: int = 64 * 1024
+    time: float = 5.0
+    memory: int = 1024 * _MIB
+    rows: int = 10_000
+    bytes: int = 16 * _MIB
+    at_once: int = 4
+
+
+USUAL_LIMITS = Limits()
+
+
 @dataclass(frozen=True, slots=True)
 class Order:
     """A query to answer.
@@ -76,17 +103,13 @@ class Order:
         sparql: The query.
         bindings: Values of its parameters, by name.
         entailed: Whether to include triples entailed by OWL.
-        time_limit: Time limit [s].
-        memory: Memory limit [bytes].
-        limits: Maximum size of the answer.
+        limits: Its limits.
     """
 
     sparql: str
-    bindings: Mapping[str, Binding] = field(default_factory=dict)
-    entailed: bool = False
-    time_limit: float = 5.0
-    memory: int = 1 << 30
-    limits: AnswerLimits = UNLIMITED
+    bindings: Mapping[str, Binding]
+    entailed: bool
+    limits: Limits
 
 
 class QueryReplica(Replica):
@@ -148,7 +171,7 @@ class QueryReplica(Replica):
         """Answers one order in this process and ends it."""
         code = 1
         try:
-            limit(seconds=order.time_limit, memory=order.memory)
+            limit(seconds=order.limits.time, memory=order.limits.memory)
             gc.disable()
             os.nice(5)  # queries from outside come after everything else
             outcome = self._outcome(order)

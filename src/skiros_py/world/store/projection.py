@@ -229,46 +229,17 @@ class TripleStore:
         return self._projection.version
 
     @contextmanager
-    def opened(self) -> Iterator[QuadStore]:
-        """Lends the up-to-date store to one reader at a time."""
-        while True:
-            with self._lock:
-                if self._caught_up(self._world.version):
-                    yield self._projection.store
-                    return
-            self._rebuild()
-
-    @contextmanager
-    def opened_with_state(self, *, entailed: bool = False) -> Iterator[tuple[QuadStore, Index]]:
-        """Lends the store together with the corresponding state, to one reader at a time.
+    def opened(self, *, entailed: bool = False) -> Iterator[tuple[QuadStore, Index]]:
+        """Lends the up-to-date store together with the state that it contains, to one reader at a time.
 
         Args:
             entailed: Whether to lend the store that also contains entailed triples.
         """
-        while True:
-            # The state comes before the lock: a writer that holds the state may be waiting for the store.
-            version, index = self._world.state()
-            with self._lock:
-                remembered = self._caught_up(version)
-                if self.version == version:  # else another reader has gone on already
-                    yield (self._projection.entailed() if entailed else self._projection.store), index
-                    return
-            if not remembered:
-                self._rebuild()
-
-    def _caught_up(self, version: int) -> bool:
-        """Updates the store to at least a version; False if the changes are no longer kept."""
-        if self.version >= version:
-            return True
-        try:
-            changes = self._world.changes_since(self.version)
-        except WorldError:
-            return False
-        self._projection.follow(change for change in changes if change.number <= version)
-        return True
-
-    def _rebuild(self) -> None:
-        projection = Projection(*self._world.state(), self._new)
         with self._lock:
-            if projection.version > self.version:
-                self._projection = projection
+            version, index = self._world.state()
+            try:
+                changes = self._world.changes_since(self.version)
+                self._projection.follow(change for change in changes if change.number <= version)
+            except WorldError:  # they are no longer kept
+                self._projection = Projection(version, index, self._new)
+            yield (self._projection.entailed() if entailed else self._projection.store), index

@@ -309,7 +309,7 @@ def test_what_was_worked_out_is_seen_by_no_later_query() -> None:
         select(WORLD, "SELECT * { ?a sk:near ?b FILTER(?) }")
 
     assert counted(select(WORLD, everything)) == before
-    with WORLD.store.opened() as store:
+    with WORLD.store.opened() as (store, _):
         assert store.quads(COMPUTED_GRAPH) == []
 
 

@@ -44,7 +44,7 @@ def node(name: str) -> ox.NamedNode:
 
 
 def held(triples: TripleStore) -> set[ox.Quad]:
-    with triples.opened() as store:
+    with triples.opened() as (store, _):
         return set(store.quads())
 
 
@@ -77,7 +77,7 @@ def test_what_is_learned_is_in_its_own_graph_until_it_is_forgotten() -> None:
     before = held(triples)
     with world.transaction("teacher", "this is a mug") as tx:
         mug = tx.add("kitting:Starter", "mug", properties={"sk:mass": 0.75}, learned=True)
-    with triples.opened() as store:
+    with triples.opened() as (store, _):
         learned = store.quads(LEARNED)
 
     assert {(quad.subject, quad.object.value) for quad in learned} >= {(node(mug), "mug"), (node(mug), "0.75")}
@@ -206,7 +206,7 @@ def test_a_store_that_is_behind_what_is_remembered_begins_anew() -> None:
 
     with world.transaction("test", "and on it goes") as tx:
         tx.remove("floor_0")
-    with triples.opened_with_state() as (store, state):
+    with triples.opened() as (store, state):
         assert set(store.quads()) == fresh(world)
         assert "floor_0" not in state.ids()
 
@@ -288,15 +288,15 @@ def test_the_entailed_store_is_another_and_follows_the_version() -> None:
     world = a_world()
     triples = TripleStore(world)
     asked = f"ASK {{ <{node('starter_1').value}> <{node('sk:placement').value}> <{node('pallet_b').value}> }}"
-    with triples.opened_with_state(entailed=True) as (first, _):
+    with triples.opened(entailed=True) as (first, _):
         assert first.query(asked) is False
-    with triples.opened_with_state(entailed=True) as (again, _):
+    with triples.opened(entailed=True) as (again, _):
         assert again is first
     with world.transaction("test", "carried over") as tx:
         tx.place("starter_1", "sk:in", "pallet_b")
 
-    with triples.opened_with_state(entailed=True) as (second, _):
+    with triples.opened(entailed=True) as (second, _):
         assert second.query(asked) is True
-    with triples.opened() as stated:
+    with triples.opened() as (stated, _):
         assert stated.query(asked) is False
         assert INFERRED_GRAPH.value not in stated.graphs()
