@@ -32,7 +32,6 @@ from skiros_py.skills.conditions import (
     Unrelate,
     write_effects,
 )
-from skiros_py.skills.context import Questions
 from skiros_py.skills.inference import Inferred, Missing, infer
 from skiros_py.skills.lint.rule import leaves
 from skiros_py.skills.lint.rules.reach import brought_about
@@ -65,7 +64,8 @@ class Rig:
         self._cycle = runtime.cycle
         self._managers = runtime.managers
         self._looking = Chore("a contract test", interruptible=True)
-        _answer(runtime.questions)
+        questions = runtime.questions
+        questions.subscribe(lambda question: questions.answer(question.id, question.options[0], by="the contract test"))
 
     @contextmanager
     def watched(self) -> Iterator[None]:
@@ -130,11 +130,6 @@ def fake_rig(
         yield Rig(runtime)
 
 
-def _answer(questions: Questions) -> None:
-    """Answers each question with its first option."""
-    questions.subscribe(lambda question: questions.answer(question.id, question.options[0], by="the contract test"))
-
-
 def make_up(description: SkillDescription, world: World, given: Mapping[str, Any]) -> dict[str, Any]:
     """Adds an element for each element parameter not given, and makes the preconditions hold as far as possible.
 
@@ -148,18 +143,15 @@ def make_up(description: SkillDescription, world: World, given: Mapping[str, Any
     with world.transaction("contract test", f"prepares where {description.name} can start") as tx:
         for param in description.params:
             if param.is_element and values[param.key] is None and param.kind.is_required:
-                values[param.key] = _added(tx, param, world, is_piece=_is_piece(param.key, description, world))
+                stands = world.ontology.is_a(param.element_class, SPATIAL_THING)
+                stands = stands and not _is_piece(param.key, description, world)
+                place = Placement(ON, world.instances(FLOOR)[0]) if stands else None
+                values[param.key] = tx.add(param.element_class, placement=place)
         for condition in description.needs:
             bound = condition.bind(values)
             write_effects(tx, world.ontology, brought_about(bound))
             _give(tx, bound.pattern, world)
     return values
-
-
-def _added(tx: Transaction, param: Param, world: World, *, is_piece: bool) -> str:
-    is_spatial = world.ontology.is_a(param.element_class, SPATIAL_THING)
-    floor = Placement(ON, world.instances(FLOOR)[0]) if is_spatial and not is_piece else None
-    return tx.add(param.element_class, placement=floor)
 
 
 def _is_piece(key: str, description: SkillDescription, world: World) -> bool:
@@ -289,18 +281,21 @@ def find_case(
     idle: Case | None = None
     for way in _WAYS if may_make_up else _WAYS[:-1]:
         for ground in grounds:
+            reason = f"no subsystem can do {skill.description.name}"
             try:
                 rig = rig_in(ground)
             except SkirosError as error:
                 reasons.append(f"{ground.name}: {error}")
                 continue
-            found = way(skill, rig, ground, skills)
-            if isinstance(found, NoCase):
-                reasons.append(f"{ground.name}: {found.reason}")
-            elif _has_work(skill.description, found):
-                return found
-            else:
-                idle = idle or found
+            for found in way(skill, rig, ground, skills):
+                if isinstance(found, str):
+                    reason = found
+                elif _has_work(skill.description, found):
+                    return found
+                else:
+                    idle, reason = idle or found, ""
+            if reason:
+                reasons.append(f"{ground.name}: {reason}")
     return idle or NoCase("; ".join(dict.fromkeys(reasons)) or "there is no scene to try it in")
 
 
@@ -330,21 +325,13 @@ def _is_allowed(posts: Sequence[Condition], world: World) -> bool:
         return False
 
 
-def _as_it_is(skill: Skill, rig: Rig, ground: Ground, _skills: Sequence[Skill]) -> Case | NoCase:
-    idle: Case | None = None
-    reason = f"no subsystem can do {skill.description.name}"
+def _as_it_is(skill: Skill, rig: Rig, ground: Ground, _skills: Sequence[Skill]) -> Iterator[Case | str]:
     for agent, given in _beginnings(skill.description, rig, _MOST_TARGETS):
         found = _inferred(skill.description, given, rig, agent)
         if isinstance(found, Missing):
-            reason = str(found)
-            continue
-        reason = _unmet(skill, rig, found.values)
-        if not reason:
-            case = Case(rig, agent, found.values, ground.name)
-            if _has_work(skill.description, case):
-                return case
-            idle = idle or case
-    return idle or NoCase(reason)
+            yield str(found)
+        else:
+            yield _unmet(skill, rig, found.values) or Case(rig, agent, found.values, ground.name)
 
 
 def _beginnings(description: SkillDescription, rig: Rig, most: int) -> Iterator[tuple[str, dict[str, Any]]]:
@@ -373,22 +360,22 @@ def _unmet(skill: Skill, rig: Rig, values: Mapping[str, Any]) -> str:
     return ""
 
 
-def _after_other_skills(skill: Skill, rig: Rig, ground: Ground, skills: Sequence[Skill]) -> Case | NoCase:
+def _after_other_skills(skill: Skill, rig: Rig, ground: Ground, skills: Sequence[Skill]) -> Iterator[Case | str]:
     changing = [c for c in skill.description.needs if _is_changed(c, skills)]
+    yield "no other skills lead there" if changing else "no other skill can bring it about"
     if not changing:
-        return NoCase("no other skill can bring it about")
+        return
     steady = _needing(skill.description, [c for c in skill.description.needs if c not in changing])
-    reason = "no other skills lead there"
     for agent, given in _beginnings(steady, rig, _MOST_TARGETS // 10):
         found = _inferred(steady, given, rig, agent)
         if isinstance(found, Missing):
-            reason = str(found)
+            yield str(found)
             continue
         goal = [condition.bind(found.values) for condition in changing]
         simple = [condition for condition in goal if not isinstance(condition.pattern, Not | Nothing)]
         if any(rig.reach(aim) for aim in (goal, simple) if aim) and not _unmet(skill, rig, found.values):
-            return Case(rig, agent, found.values, f"{ground.name}, after other skills")
-    return NoCase(reason)
+            yield Case(rig, agent, found.values, f"{ground.name}, after other skills")
+            return
 
 
 def _is_changed(condition: Condition, skills: Sequence[Skill]) -> bool:
@@ -411,8 +398,7 @@ def _needing(description: SkillDescription, needs: Sequence[Condition]) -> Skill
     return replace(description, params=params, pre=tuple(needs))
 
 
-def _made_up(skill: Skill, rig: Rig, ground: Ground, _skills: Sequence[Skill]) -> Case | NoCase:
-    reason = f"no subsystem can do {skill.description.name}"
+def _made_up(skill: Skill, rig: Rig, ground: Ground, _skills: Sequence[Skill]) -> Iterator[Case | str]:
     structural = [c for c in skill.description.needs if _is_structural(c, rig.world)]
     bare = _needing(skill.description, structural)
     for agent in rig.agents(skill.description.name):
@@ -421,11 +407,13 @@ def _made_up(skill: Skill, rig: Rig, ground: Ground, _skills: Sequence[Skill]) -
         try:
             values = make_up(skill.description, rig.world, kept)
         except SkirosError as error:
-            return NoCase(f"cannot be made up: {error}")
-        reason = _unmet(skill, rig, values)
-        if not reason:
-            return Case(rig, agent, values, f"{ground.name}, made up")
-    return NoCase(reason)
+            yield f"cannot be made up: {error}"
+            return
+        if reason := _unmet(skill, rig, values):
+            yield reason
+        else:
+            yield Case(rig, agent, values, f"{ground.name}, made up")
+            return
 
 
 def _is_kept(key: str, description: SkillDescription) -> bool:
@@ -443,9 +431,5 @@ def _is_structural(condition: Condition, world: World) -> bool:
     )
 
 
-_WAYS: tuple[Callable[[Skill, Rig, Ground, Sequence[Skill]], Case | NoCase], ...] = (
-    _as_it_is,
-    _after_other_skills,
-    _made_up,
-)
-"""In order of trial."""
+_WAYS = (_as_it_is, _after_other_skills, _made_up)
+"""In order of trial; each yields cases, or reasons why there is none."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 from skiros_py.catalogue import Catalogue
@@ -24,7 +25,6 @@ from skiros_py.station.worlds import open_world
 from skiros_py.world.change import Edit, ElementEdit, PlacementEdit, PropertyEdit, RelationEdit
 from skiros_py.world.element import Placement
 from skiros_py.world.index import Index
-from skiros_py.world.ontology import Ontology
 from skiros_py.world.scene import describe, diff
 from skiros_py.world.vocabulary import HAS_A, MISSED_LOOKS, MISSING, POSE, POSE_FRAME
 
@@ -56,15 +56,15 @@ class _Declared:
     def __init__(self, world: Index, posts: Sequence[Condition]) -> None:
         self._ontology = world.ontology
         self._effects = [effect for condition in posts for effect in brought_about(condition)]
-        moved = {name for effect in self._effects for name in _placed(effect, world.ontology)}
+        moved = {
+            world.ontology.placed(effect.subject, effect.relation, effect.object)[0]
+            for effect in self._effects
+            if isinstance(effect, Relate) and world.ontology.is_placement(effect.relation)
+        }
         self._moved = moved | {part for name in moved for part in _parts(world, name)}
         self._emptied = {(p.relation, p.object) for p in (c.pattern for c in posts) if isinstance(p, Nothing)}
-        filled = (c.pattern for c in posts)
-        self._filled = {
-            (p.pattern.relation, p.pattern.object)
-            for p in filled
-            if isinstance(p, Not) and isinstance(p.pattern, Nothing)
-        }
+        filled = [c.pattern.pattern for c in posts if isinstance(c.pattern, Not)]
+        self._filled = {(p.relation, p.object) for p in filled if isinstance(p, Nothing)}
 
     def covers(self, edit: Edit) -> bool:
         """Returns whether an edit is implied or declared."""
@@ -77,7 +77,8 @@ class _Declared:
             case PropertyEdit(element, property_):
                 if element in self._moved and property_ in _OF_MOVED:
                     return True
-                return any(_assigns(effect, element, property_) for effect in self._effects)
+                assigned = [(e.subject, e.property) for e in self._effects if isinstance(e, Assign)]
+                return (element, property_) in assigned
             case _:
                 return False
 
@@ -94,14 +95,6 @@ class _Declared:
                 return False
 
 
-def _placed(effect: Effect, ontology: Ontology) -> Iterator[str]:
-    match effect:
-        case Relate(relation, subject, object_) if ontology.is_placement(relation):
-            yield ontology.placed(subject, relation, object_)[0]
-        case _:
-            pass
-
-
 def _parts(world: Index, element: str) -> Iterator[str]:
     for part in world.objects(element, HAS_A) if world.has(element) else ():
         yield part
@@ -110,10 +103,6 @@ def _parts(world: Index, element: str) -> Iterator[str]:
 
 def _is_at(placement: Placement | None, places: Collection[tuple[str, str]]) -> bool:
     return placement is not None and (placement.relation, placement.place) in places
-
-
-def _assigns(effect: Effect, element: str, property_: str) -> bool:
-    return isinstance(effect, Assign) and (effect.subject, effect.property) == (element, property_)
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,37 +148,56 @@ def check_contract(
         spot: Its location in the source.
         overrun: Wall time for which an author's code may block the cycle [s]; None for the watchdog's own limit.
     """
-    others = [s for s in skills if s.description.name != skill.description.name and is_testable(s)]
+    all_ = [*(s for s in skills if s.description.name != skill.description.name and is_testable(s)), skill]
 
-    def tried() -> Contract:
-        with ExitStack() as rigs:
+    def rig_in(stack: ExitStack, ground: Ground) -> Rig:
+        return stack.enter_context(fake_rig(ground.open(), all_, primitives or {}, overrun))
 
-            def rig_in(ground: Ground) -> Rig:
-                return rigs.enter_context(fake_rig(ground.open(), [*others, skill], primitives or {}, overrun))
+    def faults(case: Case, before: Index, _outcome: Outcome) -> Iterator[tuple[Rule, str]]:
+        posts = [condition.bind(case.arguments) for condition in skill.description.post]
+        for line in undeclared(before, case.rig.world.snapshot(), posts):
+            yield UNDECLARED_CHANGE, f"no postcondition declares {line}"
 
-            return _tried(skill, find_case(skill, grounds, [*others, skill], rig_in), spot)
-
-    return contained_contract(skill, spot, tried)
+    return _contract(skill, spot, partial(find_case, skill, grounds, all_), rig_in, faults)
 
 
-def contained_contract(skill: Skill, spot: Spot | None, trial: Callable[[], Contract]) -> Contract:
-    """Runs a trial; exceptions from an author's conditions and primitives become findings."""
+def _contract(
+    skill: Skill,
+    spot: Spot | None,
+    find: Callable[[Callable[[Ground], Rig]], Case | NoCase],
+    rig_in: Callable[[ExitStack, Ground], Rig],
+    faults: Callable[[Case, Index, Outcome], Iterator[tuple[Rule, str]]],
+) -> Contract:
+    """Finds a case for a skill, runs it, and reports missing effects and further faults.
+
+    Exceptions from an author's conditions and primitives become findings.
+    """
+
+    def finding(rule: Rule, text: str) -> Finding:
+        return Finding(rule.name, rule.severity, title(skill), text, spot)
+
     try:
-        return trial()
+        with ExitStack() as stack:
+            case = find(partial(rig_in, stack))
+            if isinstance(case, NoCase):
+                return Contract(
+                    skill, (finding(NEVER_TRIED, f"no world was found in which it can start: {case.reason}"),)
+                )
+            before = case.rig.world.snapshot()
+            outcome = case.rig.run(case.agent, skill.description.name, case.arguments)
+            with case.rig.watched():
+                missing = ((EFFECT_MISSING, text) for text in _missing_effects(skill, case, outcome))
+                texts = [(rule, f"{text} ({case.where})") for rule, text in (*missing, *faults(case, before, outcome))]
+            findings = tuple(finding(rule, text) for rule, text in texts)
+            return Contract(skill, findings, case.where, case.arguments, outcome)
     except KeyboardInterrupt:
         raise
     except BaseException as error:  # noqa: BLE001 - an author's code: it must not end the other trials
         why = f"a condition {error}" if isinstance(error, CycleOverrun) else words(error)
-        return Contract(skill, (finding(EFFECT_MISSING, skill, f"it could not be tried: {why}", spot),))
+        return Contract(skill, (finding(EFFECT_MISSING, f"it could not be tried: {why}"),))
 
 
-def never_tried(skill: Skill, reason: str, spot: Spot | None) -> Contract:
-    """Returns the result for a skill that cannot start in any world."""
-    text = f"no world was found in which it can start: {reason}"
-    return Contract(skill, (finding(NEVER_TRIED, skill, text, spot),))
-
-
-def missing_effects(skill: Skill, case: Case, outcome: Outcome) -> Iterator[str]:
+def _missing_effects(skill: Skill, case: Case, outcome: Outcome) -> Iterator[str]:
     """Yields the postconditions that do not hold after a run, with the reasons."""
     ended = f"; it failed: {outcome.reason}" if isinstance(outcome, Failure) else ""
     for condition in skill.description.post:
@@ -197,29 +205,6 @@ def missing_effects(skill: Skill, case: Case, outcome: Outcome) -> Iterator[str]
         if not verdict:
             why = "; ".join(line.strip() for line in verdict.lines()[1:])
             yield f"{condition.bind(case.arguments)} did not happen: {why}{ended}"
-
-
-def finding(rule: Rule, skill: Skill, text: str, spot: Spot | None) -> Finding:
-    """Returns a finding of a trial of a skill."""
-    return Finding(rule.name, rule.severity, title(skill), text, spot)
-
-
-def _tried(skill: Skill, case: Case | NoCase, spot: Spot | None) -> Contract:
-    if isinstance(case, NoCase):
-        return never_tried(skill, case.reason, spot)
-    before = case.rig.world.snapshot()
-    outcome = case.rig.run(case.agent, skill.description.name, case.arguments)
-    with case.rig.watched():
-        faults = list(_faults(skill, case, before, outcome))
-    findings = tuple(finding(rule, skill, f"{text} ({case.where})", spot) for rule, text in faults)
-    return Contract(skill, findings, case.where, case.arguments, outcome)
-
-
-def _faults(skill: Skill, case: Case, before: Index, outcome: Outcome) -> Iterator[tuple[Rule, str]]:
-    yield from ((EFFECT_MISSING, text) for text in missing_effects(skill, case, outcome))
-    posts = [condition.bind(case.arguments) for condition in skill.description.post]
-    for line in undeclared(before, case.rig.world.snapshot(), posts):
-        yield UNDECLARED_CHANGE, f"no postcondition declares {line}"
 
 
 _DRIVER = "pybullet"
@@ -241,44 +226,26 @@ def check_simulated(skill: Skill, scene: str, catalogue: Catalogue, spot: Spot |
         catalogue: Everything installed.
         spot: Its location in the source.
     """
-    ground = Ground(scene, lambda: open_world(scene))
     others = {key: one for key, one in catalogue.skills.items() if one.description.name != skill.description.name}
-    alone = replace(catalogue, skills={**others, _key(skill, catalogue.skills): skill})
+    own = next((key for key, one in catalogue.skills.items() if one == skill), skill.description.name)
+    alone = replace(catalogue, skills={**others, own: skill})
     simulable = [one for one in alone.skills.values() if is_simulable(one)]
+    sessions: list[Session] = []
 
-    def tried() -> Contract:
-        with ExitStack() as stack:
-            sessions: list[Session] = []
+    def rig_in(stack: ExitStack, _ground: Ground) -> Rig:
+        sessions.append(stack.enter_context(Session(scene, Options(), catalogue=alone)))
+        return Rig(sessions[-1].runtime)
 
-            def rig_in(_ground: Ground) -> Rig:
-                sessions.append(stack.enter_context(Session(scene, Options(), catalogue=alone)))
-                return Rig(sessions[-1].runtime)
+    def find(rigs: Callable[[Ground], Rig]) -> Case | NoCase:
+        found = find_case(skill, [Ground(scene, lambda: open_world(scene))], simulable, rigs, may_make_up=False)
+        return replace(found, where=f"{found.where}, simulated") if isinstance(found, Case) else found
 
-            case = find_case(skill, [ground], simulable, rig_in, may_make_up=False)
-            if isinstance(case, NoCase):
-                return never_tried(skill, case.reason, spot)
-            session = next(one for one in sessions if one.world is case.rig.world)
-            return _judged(skill, case, session, spot)
+    def untrue(case: Case, _before: Index, outcome: Outcome) -> Iterator[tuple[Rule, str]]:
+        """Yields the postconditions that the robot believes but that do not hold in the simulator."""
+        session = next(one for one in sessions if one.world is case.rig.world)
+        posts = [condition.bind(case.arguments) for condition in skill.description.post]
+        for condition, truth in zip(posts, judge(session.simulation, session.spec, session.world, posts), strict=True):
+            if truth is False and condition.evaluate(session.world):
+                yield EFFECT_MISSING, f"{condition} is believed, and is not so: it ended with {outcome}"
 
-    return contained_contract(skill, spot, tried)
-
-
-def _key(skill: Skill, skills: Mapping[str, Skill]) -> str:
-    return next((key for key, one in skills.items() if one == skill), skill.description.name)
-
-
-def _judged(skill: Skill, case: Case, session: Session, spot: Spot | None) -> Contract:
-    outcome = case.rig.run(case.agent, skill.description.name, case.arguments)
-    with case.rig.watched():
-        texts = [*missing_effects(skill, case, outcome), *_untrue(skill, case, outcome, session)]
-    where = f"{case.where}, simulated"
-    findings = tuple(finding(EFFECT_MISSING, skill, f"{text} ({where})", spot) for text in texts)
-    return Contract(skill, findings, where, case.arguments, outcome)
-
-
-def _untrue(skill: Skill, case: Case, outcome: Outcome, session: Session) -> Iterator[str]:
-    """Yields the postconditions that the robot believes but that do not hold in the simulator."""
-    posts = [condition.bind(case.arguments) for condition in skill.description.post]
-    for condition, truth in zip(posts, judge(session.simulation, session.spec, session.world, posts), strict=True):
-        if truth is False and condition.evaluate(session.world):
-            yield f"{condition} is believed, and is not so: it ended with {outcome}"
+    return _contract(skill, spot, find, rig_in, untrue)

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from skiros_py.server.services import Services
     from skiros_py.server.serving import Serving
-    from skiros_py.server.settings import Authentication, ServerSettings
+    from skiros_py.server.settings import ServerSettings
     from skiros_py.station.session import Options
 
 
@@ -79,6 +79,8 @@ _OVERRUN = 0.5
 """For how long a module may hold the control cycle at a pace [s]: it shares the interpreter with requests here."""
 _OVERRUN_SIMULATED = 2.0
 """The same for simulated robots: their time stands still meanwhile, and a busy machine is not the module's fault."""
+_SETTINGS = ("host", "port", "authentication", "allowed_hosts", "allowed_origins", "webhook_hosts")
+"""Options of the command that are settings of the server; the others are those of the session."""
 _ENDING = 9.0
 """Maximum time from the first signal to the end of the process [s]."""
 
@@ -103,35 +105,30 @@ Examples:
 @planner_options
 @click.option(
     "--auth",
+    "authentication",
     type=click.Choice(["auto", "keys", "none"]),
     default="auto",
     show_default=True,
     help="Whether requests need a key; auto: as soon as there is one.",
 )
-@click.option("--allow-host", multiple=True, metavar="NAME", help="Another name of the server; may be repeated.")
 @click.option(
-    "--allow-origin", multiple=True, metavar="ORIGIN", help="Web pages that may use it, such as https://mes.example."
+    "--allow-host", "allowed_hosts", multiple=True, metavar="NAME", help="Another name of the server; may be repeated."
 )
-@click.option("--webhook-host", multiple=True, metavar="HOST", help="Permitted target of webhooks: HOST or HOST:PORT.")
+@click.option(
+    "--allow-origin",
+    "allowed_origins",
+    multiple=True,
+    metavar="ORIGIN",
+    help="Web pages that may use it, such as https://mes.example.",
+)
+@click.option(
+    "--webhook-host", "webhook_hosts", multiple=True, metavar="HOST", help="Permitted target of webhooks: HOST[:PORT]."
+)
 @click.option(
     "--log", type=click.Choice(["console", "json"]), default="console", show_default=True, help="Format of the log."
 )
 @JSON
-def command(
-    scene: str,
-    data: Path | None,
-    host: str,
-    port: int,
-    pace: float | None,
-    driver: str | None,
-    auth: Authentication,
-    allow_host: tuple[str, ...],
-    allow_origin: tuple[str, ...],
-    webhook_host: tuple[str, ...],
-    log: Literal["console", "json"],
-    as_json: bool,
-    **others: Any,
-) -> int:
+def command(scene: str, data: Path | None, log: Literal["console", "json"], as_json: bool, **given: Any) -> int:
     """Serves SCENE, or the world that lives in the data directory, until Ctrl-C or SIGTERM.
 
     SCENE is the first content of a new data directory, and can be left out afterwards: world, jobs and keys live on
@@ -144,16 +141,9 @@ def command(
     from skiros_py.server.settings import ServerSettings
     from skiros_py.station.session import Options
 
-    settings = ServerSettings(
-        host=host,
-        port=port,
-        authentication=auth,
-        allowed_hosts=allow_host,
-        allowed_origins=allow_origin,
-        webhook_hosts=webhook_host,
-    )
-    overrun = None if pace is None else _OVERRUN if driver else _OVERRUN_SIMULATED
-    options = Options(pace=pace, driver=driver, overrun=overrun, data=data, **others)
+    settings = ServerSettings(**{name: given.pop(name) for name in _SETTINGS})
+    overrun = _OVERRUN if given["driver"] else _OVERRUN_SIMULATED
+    options = Options(data=data, overrun=None if given["pace"] is None else overrun, **given)
     _check_first_content(scene, data)
     with (
         switching_quickly(),

@@ -13,7 +13,17 @@ from skiros_py.behaviours import AssertEffects, Behaviour
 from skiros_py.config import find_scene, ontology_paths
 from skiros_py.planning.domain.pddl import PddlTexts, write_pddl
 from skiros_py.planning.problem.task import Capability, PlanningTask, build_task
-from skiros_py.skills.conditions import Computed, Condition, ConditionType, Has, Nothing, Related, Role, Verdict
+from skiros_py.skills.conditions import (
+    Computed,
+    Condition,
+    ConditionType,
+    Has,
+    Nothing,
+    Pattern,
+    Related,
+    Role,
+    Verdict,
+)
 from skiros_py.skills.parameters import Kind, Param
 from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.world.ontology import Ontology, load_installed
@@ -106,41 +116,26 @@ def _fits(view: WorldView, ball: str, slot: str) -> Verdict:
     return Verdict(not giant, f"{ball} {'does not fit' if giant else 'fits'} into {slot}")
 
 
-HAS_PART = ConditionType(
-    "HasPart", (Role("whole", "sk:SpatialThing"), Role("part", "sk:SpatialThing")), Related(HAS_A, "whole", "part"), "-"
+def _word(name: str, pattern: Pattern, help_: str, /, *, abstract: bool = False, **roles: str) -> ConditionType:
+    return ConditionType(name, tuple(Role(role, class_) for role, class_ in roles.items()), pattern, help_, abstract)
+
+
+HAS_PART = _word("HasPart", Related(HAS_A, "whole", "part"), "-", whole="sk:SpatialThing", part="sk:SpatialThing")
+AT_LOCATION = _word("At", Related(AT, "robot", "location"), "Stands.", robot="sk:Robot", location="sk:Location")
+REACHABLE = _word("Reachable", Has(DRIVING_POSE, "location"), "Known way.", location="sk:Location")
+IN_CONTAINER = _word(
+    "In", Related(IN, "ball", "place"), "Lies in.", abstract=True, ball="tiny:Ball", place="sk:Container"
 )
-AT_LOCATION = ConditionType(
-    "At",
-    (Role("robot", "sk:Robot"), Role("location", "sk:Location")),
-    Related(AT, "robot", "location"),
-    "Stands there.",
-)
-REACHABLE = ConditionType("Reachable", (Role("location", "sk:Location"),), Has(DRIVING_POSE, "location"), "Known way.")
-IN_CONTAINER = ConditionType(
-    "In", (Role("ball", "tiny:Ball"), Role("place", "sk:Container")), Related(IN, "ball", "place"), "Lies in.", True
-)
-HOLDING = ConditionType(
-    "Holding",
-    (Role("gripper", "sk:Gripper"), Role("ball", "tiny:Ball")),
-    Related(HELD_BY, "ball", "gripper"),
-    "Has it.",
-)
-EMPTY_HANDED = ConditionType("EmptyHanded", (Role("gripper", "sk:Gripper"),), Nothing(HELD_BY, "gripper"), "Holds nil.")
-FREE = ConditionType("Free", (Role("slot", "tiny:Slot"),), Nothing(IN, "slot"), "Nothing lies in the slot.")
-FITS = ConditionType(
-    "Fits", (Role("ball", "tiny:Ball"), Role("slot", "tiny:Slot")), Computed("tiny:fitsIn", "ball", "slot", _fits), "-"
-)
-CARRIES = ConditionType(
-    "Carries",
-    (Role("robot", "sk:Robot"), Role("ball", "tiny:Ball")),
-    Related("tiny:carries", "robot", "ball"),
-    "Rides.",
-)
+HOLDING = _word("Holding", Related(HELD_BY, "ball", "gripper"), "Has it.", gripper="sk:Gripper", ball="tiny:Ball")
+EMPTY_HANDED = _word("EmptyHanded", Nothing(HELD_BY, "gripper"), "Holds nil.", gripper="sk:Gripper")
+FREE = _word("Free", Nothing(IN, "slot"), "Nothing lies in the slot.", slot="tiny:Slot")
+FITS = _word("Fits", Computed("tiny:fitsIn", "ball", "slot", _fits), "-", ball="tiny:Ball", slot="tiny:Slot")
+CARRIES = _word("Carries", Related("tiny:carries", "robot", "ball"), "Rides.", robot="sk:Robot", ball="tiny:Ball")
 
 CONDITIONS: Mapping[str, ConditionType] = MappingProxyType(
     {
-        type_.name: type_
-        for type_ in (HAS_PART, AT_LOCATION, REACHABLE, IN_CONTAINER, HOLDING, EMPTY_HANDED, FREE, FITS, CARRIES)
+        word.name: word
+        for word in (HAS_PART, AT_LOCATION, REACHABLE, IN_CONTAINER, HOLDING, EMPTY_HANDED, FREE, FITS, CARRIES)
     }
 )
 """The words of the tiny domain."""

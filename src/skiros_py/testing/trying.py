@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import count
 from typing import Any, Self
 
 from skiros_py.catalogue import load_catalogue
@@ -13,6 +14,7 @@ from skiros_py.planning.planners.planner import Answer, Solved, Unsolvable
 from skiros_py.ports.adapters import NO_PORTS, Ports
 from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.driver import CellDriver
+from skiros_py.ports.values import Done
 from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.conditions import Condition, Verdict
 from skiros_py.skills.context import Question, Questions
@@ -65,20 +67,6 @@ def answers(questions: Questions, given: Mapping[str, str]) -> Answers:
     return Answers(questions, given)
 
 
-@dataclass(frozen=True, slots=True)
-class _Given:
-    """An answer that is available immediately."""
-
-    answer: Answer
-    latency: float = 0.0
-
-    def done(self) -> bool:
-        return True
-
-    def result(self) -> Answer:
-        return self.answer
-
-
 class GivenPlanner:
     """A :class:`~skiros_py.planning.planners.planner.Planner` that does not read its task.
 
@@ -93,9 +81,9 @@ class GivenPlanner:
     def __init__(self, *steps: str) -> None:
         self._answer: Answer = Solved(tuple(tuple(step.split()) for step in steps)) if steps else Unsolvable()
 
-    def solve(self, domain: str, problem: str) -> _Given:  # noqa: ARG002 - the port's signature
+    def solve(self, domain: str, problem: str) -> Done[Answer]:  # noqa: ARG002 - the port's signature
         """Answers."""
-        return _Given(self._answer)
+        return Done(self._answer)
 
     def close(self) -> None:
         """Does nothing; there is nothing to kill."""
@@ -225,39 +213,27 @@ def spoiled(
 
 
 def _with_fault(primitive: type[Primitive[Any]], fault: ModuleFault) -> type[Primitive[Any]]:
-    calls = _calls(fault.times)
+    calls = count(1)
 
     class Spoiled(primitive):  # type: ignore[valid-type,misc]  # a class made at run time
         __doc__ = primitive.__doc__
 
         def execute(self) -> Execution[Outcome]:
-            if next(calls):
+            if fault.times is None or next(calls) <= fault.times:
                 match fault:
                     case Fails():
                         return Failure(fault.reason, fault.code)
                     case Breaks():
                         raise fault.exception
                     case Slow():
-                        yield from _idle(self, fault.seconds)
+                        end = self.context.now + fault.seconds
+                        while self.context.now < end:
+                            yield
             outcome: Outcome = yield from super().execute()
             return outcome
 
     Spoiled.__name__, Spoiled.__qualname__ = primitive.__name__, primitive.__qualname__
     return Spoiled
-
-
-def _calls(times: int | None) -> Iterator[bool]:
-    """Yields for each call whether it has the fault."""
-    left = times
-    while True:
-        yield left is None or left > 0
-        left = None if left is None else left - 1
-
-
-def _idle(primitive: Primitive[Any], seconds: float) -> Execution[None]:
-    end = primitive.context.now + seconds
-    while primitive.context.now < end:
-        yield
 
 
 _LIMIT = 600.0
@@ -353,37 +329,23 @@ def _bench(
     ports: Ports,
     config: Mapping[str, Any] | None,
 ) -> Bench:
-    of_modules = [fault for fault in faults if isinstance(fault, ModuleFault)]
-    of_devices = [fault for fault in faults if not isinstance(fault, ModuleFault)]
-    return Bench(
-        world,
-        skills,
-        spoiled(primitives, of_modules),
-        cell=lambda spec: _cell(driver, spec, of_devices),
-        driver=_ANY,
-        planner=GivenPlanner(),
-        ports=ports,
-        config=config,
-    )
+    of_modules = [fault for fault in faults if not isinstance(fault, CellFault)]
+    of_devices = [fault for fault in faults if isinstance(fault, CellFault)]
+
+    def cell(spec: CellSpec) -> CellDriver:
+        own = driver(spec) if callable(driver) else _cell(driver, spec)
+        return FaultyCell(own, *of_devices) if of_devices else own
+
+    spoilt = spoiled(primitives, of_modules)
+    return Bench(world, skills, spoilt, cell=cell, driver=_ANY, planner=GivenPlanner(), ports=ports, config=config)
 
 
-def _cell(driver: Driver, spec: CellSpec, faults: Sequence[CellFault]) -> CellDriver:
-    cell = _made(driver, spec)
-    return FaultyCell(cell, *faults) if faults else cell
+def _cell(driver: str, spec: CellSpec) -> CellDriver:
+    if driver == "pybullet":
+        from skiros_py.simulation.cell import SimulatedCell  # heavy, and rarely needed
 
-
-def _made(driver: Driver, spec: CellSpec) -> CellDriver:
-    match driver:
-        case "fake":
-            return FakeCell(spec)
-        case "pybullet":
-            from skiros_py.simulation.cell import SimulatedCell  # heavy, and rarely needed
-
-            return SimulatedCell(spec, seed=0)
-        case str():
-            return load_catalogue().driver(driver, spec, seed=0)
-        case _:
-            return driver(spec)
+        return SimulatedCell(spec, seed=0)
+    return FakeCell(spec) if driver == "fake" else load_catalogue().driver(driver, spec, seed=0)
 
 
 def _try(

@@ -4,13 +4,14 @@
 
 from __future__ import annotations
 
+import json
 import math
 import threading
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from itertools import pairwise
-from typing import ClassVar, TypeVar
+from typing import ClassVar
 
 import pytest
 
@@ -19,7 +20,7 @@ from skiros_py.devices.camera import CameraSpec
 from skiros_py.devices.gripper import GripperSpec, GripperState, GripperTarget
 from skiros_py.devices.mobile_base import BaseSpec, BaseState, BaseTwist
 from skiros_py.errors import DeviceError
-from skiros_py.ports.cell import CellSpec
+from skiros_py.ports.cell import CellSpec, SpecT
 from skiros_py.ports.driver import CellDriver
 from skiros_py.ports.values import Commands, Snapshot
 from skiros_py.testing.conformance.cells import small_cell
@@ -95,9 +96,10 @@ class CellDriverContract(ABC):
         assert set(now.devices) == {id_ for id_, device in spec.devices.items() if device.state_type is not None}
         assert all(type(state) is spec.devices[id_].state_type for id_, state in now.devices.items())
         assert dict(cell.devices) == spec.devices
-        assert all(len(now.state(arm.id, ArmState).positions) == len(arm.joints) for arm in _arms(spec))
-        assert all(len(now.state(arm.id, ArmState).velocities) == len(arm.joints) for arm in _arms(spec))
-        assert all(map(math.isfinite, _numbers(now)))
+        assert all(len(now.state(arm.id, ArmState).positions) == len(arm.joints) for arm in spec.of(ArmSpec))
+        assert all(len(now.state(arm.id, ArmState).velocities) == len(arm.joints) for arm in spec.of(ArmSpec))
+        for id_, state in now.devices.items():
+            json.dumps(spec.devices[id_].encode(state), allow_nan=False)  # raises if a number is not finite
 
     def test_everything_stands_at_the_start(self, cell: CellDriver) -> None:
         now = _after(cell, 0.2)
@@ -121,7 +123,7 @@ class CellDriverContract(ABC):
     # ------------------------------------------------------------------ arms
 
     def test_an_arm_follows_its_set_points(self, cell: CellDriver) -> None:
-        for arm in _each(_arms(self.spec())):
+        for arm in self._each(ArmSpec):
             start = cell.read().state(arm.id, ArmState).positions
             wanted = _set_point(start, 1.0).positions
 
@@ -131,7 +133,7 @@ class CellDriverContract(ABC):
             assert reached == pytest.approx(wanted, abs=self.arm_tolerance)
 
     def test_an_arm_without_a_command_holds(self, cell: CellDriver) -> None:
-        for arm in _each(_arms(self.spec())):
+        for arm in self._each(ArmSpec):
             self._swing(cell, arm.id, cell.read().state(arm.id, ArmState).positions, 1.0)
             before = _after(cell, 0.5).state(arm.id, ArmState)
             after = _after(cell, 1.0).state(arm.id, ArmState)
@@ -140,7 +142,7 @@ class CellDriverContract(ABC):
             assert after.positions == pytest.approx(before.positions, abs=self.arm_tolerance)
 
     def test_an_arm_whose_commands_cease_in_motion_comes_to_a_standstill(self, cell: CellDriver) -> None:
-        for arm in _each(_arms(self.spec())):
+        for arm in self._each(ArmSpec):
             self._swing(cell, arm.id, cell.read().state(arm.id, ArmState).positions, 0.5)
             if self.inertia:
                 assert not cell.read().state(arm.id, ArmState).still, "it says that it stands in the middle of a motion"
@@ -150,7 +152,7 @@ class CellDriverContract(ABC):
     # ------------------------------------------------------------------ grippers
 
     def test_a_gripper_keeps_its_target_until_it_gets_another(self, cell: CellDriver) -> None:
-        for gripper in _each(_grippers(self.spec())):
+        for gripper in self._each(GripperSpec):
             half = gripper.max_gap / 2.0
 
             cell.exchange({gripper.id: GripperTarget(half, gripper.max_force / 2.0)})
@@ -164,7 +166,7 @@ class CellDriverContract(ABC):
     # ------------------------------------------------------------------ bases
 
     def test_a_base_drives_ahead_and_turns_as_told(self, cell: CellDriver) -> None:
-        for base in _each(_bases(self.spec())):
+        for base in self._each(BaseSpec):
             start = cell.read().state(base.id, BaseState).pose
             ahead = self._driven(cell, base, BaseTwist(base.max_linear / 4.0, 0.0), 1.0)
             stood = self._driven(cell, base, BaseTwist(0.0, 0.0), cell.braking_time)
@@ -176,7 +178,7 @@ class CellDriverContract(ABC):
             assert (stood.pose.inverse() @ turned.pose).yaw > 0.0
 
     def test_a_base_without_a_command_brakes_and_stands(self, cell: CellDriver) -> None:
-        for base in _each(_bases(self.spec())):
+        for base in self._each(BaseSpec):
             self._driven(cell, base, BaseTwist(base.max_linear / 4.0, 0.0), 0.5)
 
             stopped = _after(cell, cell.braking_time + cell.period).state(base.id, BaseState)
@@ -188,7 +190,7 @@ class CellDriverContract(ABC):
             assert later.pose.distance(stopped.pose) <= 0.02
 
     def test_a_base_that_drives_is_not_still(self, cell: CellDriver) -> None:
-        for base in _each(_bases(self.spec())):
+        for base in self._each(BaseSpec):
             driving = self._driven(cell, base, BaseTwist(base.max_linear / 4.0, 0.0), 0.5)
             stopped = _after(cell, cell.braking_time + cell.period).state(base.id, BaseState)
             turning = self._driven(cell, base, BaseTwist(0.0, base.max_angular / 4.0), 0.5)
@@ -200,7 +202,7 @@ class CellDriverContract(ABC):
     def test_a_base_keeps_its_limits_whatever_it_is_told(self, cell: CellDriver) -> None:
         if not self.inertia:
             pytest.skip("it has no inertia")
-        for base in _each(_bases(self.spec())):
+        for base in self._each(BaseSpec):
             far = BaseTwist(9.0 * base.max_linear, 0.0)
             count = int(0.5 / cell.period)
             speeds = [cell.read().state(base.id, BaseState).linear]
@@ -241,12 +243,12 @@ class CellDriverContract(ABC):
         waiting = _after(cell, 0.5)
 
         assert _stands(waiting)
-        for base in _bases(self.spec()):
+        for base in self.spec().of(BaseSpec):
             driving = self._driven(cell, base, BaseTwist(base.max_linear / 4.0, 0.0), 0.5)
             assert driving.linear > 0.0
 
     def test_a_halted_gripper_keeps_what_it_has(self, cell: CellDriver) -> None:
-        for gripper in _each(_grippers(self.spec())):
+        for gripper in self._each(GripperSpec):
             cell.exchange({gripper.id: GripperTarget(gripper.max_gap / 2.0, gripper.max_force / 2.0)})
             before = _after(cell, 2.0).state(gripper.id, GripperState)
             cell.halt()
@@ -283,6 +285,9 @@ class CellDriverContract(ABC):
 
     # ------------------------------------------------------------------ how the robot is moved
 
+    def _each(self, kind: type[SpecT]) -> tuple[SpecT, ...]:
+        return self.spec().of(kind) or pytest.skip("the robot has no such device")
+
     def _run(self, cell: CellDriver, seconds: float) -> Snapshot:
         """Moves everything that can move: bases ahead, arms back and forth around where they are."""
         start = cell.read()
@@ -291,7 +296,7 @@ class CellDriverContract(ABC):
         return cell.read()
 
     def _moving(self, start: Snapshot, time: float = 0.0) -> Commands:
-        bases = {base.id: BaseTwist(base.max_linear / 4.0, 0.0) for base in _bases(self.spec())}
+        bases = {base.id: BaseTwist(base.max_linear / 4.0, 0.0) for base in self.spec().of(BaseSpec)}
         arms = {arm: _set_point(state.positions, time / _SWING) for arm, state in start.of(ArmState).items()}
         return {**arms, **bases}
 
@@ -310,11 +315,6 @@ _SWING = 1.0
 """Time of an arm's test motion [s]."""
 _REACH = 0.1
 """How far each joint moves in it [rad]."""
-T = TypeVar("T")
-
-
-def _each(devices: tuple[T, ...]) -> tuple[T, ...]:
-    return devices or pytest.skip("the robot has no such device")
 
 
 def _set_point(start: tuple[float, ...], share: float) -> ArmTarget:
@@ -340,22 +340,3 @@ def _in_thread(call: Callable[[], None]) -> None:
     thread = threading.Thread(target=call)
     thread.start()
     thread.join(timeout=10.0)
-
-
-def _numbers(now: Snapshot) -> list[float]:
-    arms = [number for arm in now.of(ArmState).values() for number in (*arm.positions, *arm.velocities)]
-    grippers = [number for gripper in now.of(GripperState).values() for number in (gripper.gap, gripper.force)]
-    poses = [n for base in now.of(BaseState).values() for n in (*base.pose.position, *base.pose.orientation)]
-    return [*arms, *grippers, *poses, *(n for base in now.of(BaseState).values() for n in (base.linear, base.angular))]
-
-
-def _arms(spec: CellSpec) -> tuple[ArmSpec, ...]:
-    return spec.of(ArmSpec)
-
-
-def _grippers(spec: CellSpec) -> tuple[GripperSpec, ...]:
-    return spec.of(GripperSpec)
-
-
-def _bases(spec: CellSpec) -> tuple[BaseSpec, ...]:
-    return spec.of(BaseSpec)

@@ -39,7 +39,17 @@ from skiros_py.testing.conformance.pending import check_pending
 # ruff: noqa: D102 - the names of tests say what they claim
 
 
-class ArmPlannerContract(ABC):
+class _OfRobot:
+    def robot(self) -> RobotSpec:
+        """Returns the robot; override it for one of another kind."""
+        return small_cell(cameras=False).robots[0]
+
+    @property
+    def _arm(self) -> ArmSpec:
+        return self.robot().of(ArmSpec)[0]
+
+
+class ArmPlannerContract(_OfRobot, ABC):
     """Claims about an :class:`~skiros_py.ports.motion.ArmPlanner`; one planner serves all tests of the class.
 
     The robot's first arm must be able to move each joint by 0.2 rad from home, and its tip by 4 cm, in free space.
@@ -59,10 +69,6 @@ class ArmPlannerContract(ABC):
     @abstractmethod
     def make(self, robot: RobotSpec) -> ArmPlanner:
         """Returns the planner for a robot; it is closed by its ``close``, where it has one."""
-
-    def robot(self) -> RobotSpec:
-        """Returns the robot; override it for one of another kind."""
-        return small_cell(cameras=False).robots[0]
 
     @pytest.fixture(scope="class")
     @classmethod
@@ -169,10 +175,6 @@ class ArmPlannerContract(ABC):
     # ------------------------------------------------------------------ requests
 
     @property
-    def _arm(self) -> ArmSpec:
-        return self.robot().of(ArmSpec)[0]
-
-    @property
     def _near(self) -> tuple[float, ...]:
         return tuple(angle + 0.2 for angle in self._arm.home)
 
@@ -200,9 +202,6 @@ class ArmPlannerContract(ABC):
 def _all_inside(points: Sequence[tuple[float, float]], outline: Sequence[tuple[float, float]]) -> bool:
     hull = shapely.buffer(shapely.MultiPoint(list(outline)).convex_hull, 1e-6)
     return bool(shapely.covers(hull, shapely.MultiPoint(list(points))))
-
-
-# ruff: noqa: D102 - the names of tests say what they claim
 
 
 _OUTLINE = ((-0.40, -0.25), (0.30, -0.25), (0.30, 0.25), (-0.40, 0.25))
@@ -317,22 +316,15 @@ def _overlap(pose: Pose, block: Obstacle) -> float:
     return float(base.intersection(shapely.box(x - half[0], y - half[1], x + half[0], y + half[1])).area)
 
 
-# ruff: noqa: D102 - the names of tests say what they claim
-
-
 _STEP = 1e-6
 
 
-class KinematicsContract(ABC):
+class KinematicsContract(_OfRobot, ABC):
     """Claims about :class:`~skiros_py.ports.kinematics.Kinematics`, for a robot with an arm."""
 
     @abstractmethod
     def make(self, robot: RobotSpec) -> Kinematics:
         """Returns the kinematics of a robot."""
-
-    def robot(self) -> RobotSpec:
-        """Returns the robot; override it for one of another kind."""
-        return small_cell(cameras=False).robots[0]
 
     @pytest.fixture
     def kinematics(self) -> Kinematics:
@@ -379,10 +371,6 @@ class KinematicsContract(ABC):
             kinematics.pose("unknown_link", self._home)
         with pytest.raises(UnknownName, match="unknown_joint"):
             kinematics.jacobian(self._arm.tip, self._home, ("unknown_joint",))
-
-    @property
-    def _arm(self) -> ArmSpec:
-        return self.robot().of(ArmSpec)[0]
 
     @property
     def _home(self) -> dict[str, float]:
