@@ -14,6 +14,7 @@ import sys
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
+import hypothesis
 import pytest
 from xdist.remote import Producer
 from xdist.scheduler import LoadScopeScheduling
@@ -21,6 +22,9 @@ from xdist.scheduler import LoadScopeScheduling
 os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"))
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
+
+hypothesis.settings.register_profile("without-deadline", deadline=None)  # how long an example takes is no claim
+hypothesis.settings.load_profile("without-deadline")
 
 _MOST_WORKERS = 4
 """Each has servers and simulations of its own, with up to 2 GB."""

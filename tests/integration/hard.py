@@ -155,7 +155,9 @@ def freeze_planner(parent: int) -> list[psutil.Process]:
     """Waits for Fast Downward below a process, stops it in its tracks, and returns all its processes."""
 
     def frozen() -> list[psutil.Process]:
-        found = [one for one in psutil.Process(parent).children(recursive=True) if _is_planner(one)]
+        planners = [one for one in psutil.Process(parent).children(recursive=True) if _is_planner(one)]
+        # Right after the fork it is still in the group of the resident program, which must go on.
+        found = [one for one in planners if os.getpgid(one.pid) in {planner.pid for planner in planners}]
         for one in found:
             os.killpg(os.getpgid(one.pid), signal.SIGSTOP)
         return found

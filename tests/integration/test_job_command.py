@@ -25,7 +25,7 @@ def skiros(*arguments: str) -> subprocess.CompletedProcess[str]:
 @pytest.fixture(scope="module")
 def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServerProcess]:
     data = tmp_path_factory.mktemp("station")
-    with ServerProcess("kitting", "--fake", "--pace", "50", data=data) as server:
+    with ServerProcess("kitting", "--fake", "--pace", "max", data=data) as server:
         yield server
 
 
@@ -113,6 +113,6 @@ def test_jobs_can_be_looked_at_when_the_server_is_gone_and_go_on_when_it_is_back
     refused = job(server, "submit", STARTER)
     assert refused.returncode == 2
     assert "skiros serve --data" in refused.stderr
-    with ServerProcess("--fake", "--pace", "50", data=tmp_path) as server:
+    with ServerProcess("--fake", "--pace", "max", data=tmp_path) as server:
         assert job(server, "start", "kept").returncode == 0
         assert job(server, "watch", "kept").returncode == 0

@@ -138,7 +138,8 @@ def test_kills_at_random_moments_lose_no_order_no_edit_and_no_scene(tmp_path: Pa
             api.put(f"/jobs/run-{round_}", json=STARTER).raise_for_status()
             writer = Writer(api, round_)
             writer.start()
-            time.sleep(rng.uniform(0.3, 1.5))
+            until(lambda: len(writer.scenes) > 2 or not writer.is_alive())  # noqa: B023 - called here only
+            time.sleep(rng.uniform(0.1, 1.0))
             server.kill()
             writer.join()
             written.append(writer)
