@@ -16,7 +16,6 @@ from skiros_py.plugins.loading import fault_of, files_of, load, unambiguous
 from skiros_py.plugins.plugin import Entry, Plugin, PluginFault
 from skiros_py.ports.kinematics import GROUP, RobotModel
 from skiros_py.world.change import (
-    Change,
     Edit,
     ElementEdit,
     GoalsEdit,
@@ -273,37 +272,6 @@ def fill(world: World, reader: Reader, author: str, reason: str, source: SceneSo
         if problems:
             raise fault_of_all(reader.files, world.ontology.names, problems) from None
         raise FileError(reader.files[0].path, str(error)) from None
-
-
-def load_into(
-    world: World,
-    path: Path,
-    author: str,
-    ontology_paths: Sequence[Path] = (),
-    *,
-    writer: Writer = Writer.PERSON,
-) -> Change | None:
-    """Replaces the scene of a live world by that of a file, as one change; learned data is kept.
-
-    Args:
-        world: The world.
-        path: The file.
-        author: The author of the change.
-        ontology_paths: More files or folders in which imports are looked up.
-        writer: The kind of author.
-
-    Returns:
-        The change, or None if the world already matches the file.
-
-    Raises:
-        FileError: The file is refused, as by :func:`load_scene`; nothing was changed.
-        WorldError: A lock or a reasoner does not allow the change; nothing was changed.
-    """
-    wanted = load_scene(world.ontology, path, ontology_paths, reasoners=world.reasoners).snapshot()
-    with world.transaction(author, f"loaded {path.name}", writer=writer) as tx:
-        tx.apply(diff(world.snapshot(), wanted))
-        tx.set_source(wanted.source)
-    return tx.change
 
 
 def save_scene(world: World, path: Path) -> None:

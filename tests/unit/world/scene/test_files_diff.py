@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given, settings
 
 from skiros_py.errors import FileError, Locked
-from skiros_py.world.change import ElementEdit, Writer
+from skiros_py.world.change import Change, ElementEdit, Writer
 from skiros_py.world.element import Placement
 from skiros_py.world.ontology import Ontology
-from skiros_py.world.scene import describe, diff, learned_turtle, load_into, load_scene, save_scene
+from skiros_py.world.scene import describe, diff, learned_turtle, load_scene, save_scene
 from skiros_py.world.undo import undo
 from skiros_py.world.world import World
 
@@ -32,6 +32,15 @@ def scene_of(folder: Path, text: str, name: str = "mine.ttl") -> Path:
     file = folder / name
     file.write_text(HEADER + text, encoding="utf-8")
     return file
+
+
+def load_into(world: World, path: Path, author: str) -> Change | None:
+    """Replaces the scene of a world by that of a file, as one change."""
+    wanted = load_scene(world.ontology, path, reasoners=world.reasoners).snapshot()
+    with world.transaction(author, f"loaded {path.name}", writer=Writer.PERSON) as tx:
+        tx.apply(diff(world.snapshot(), wanted))
+        tx.set_source(wanted.source)
+    return tx.change
 
 
 @settings(max_examples=60, deadline=None)
