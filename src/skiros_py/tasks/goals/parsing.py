@@ -76,7 +76,7 @@ def _work(condition: Condition, view: WorldView) -> int:
 
 
 class Meaning:
-    """Turns parsed goals into conditions.
+    """Turns parsed goals into conditions: looks their words up, for one goal.
 
     Args:
         view: The world, for elements and classes.
@@ -85,7 +85,9 @@ class Meaning:
 
     def __init__(self, view: WorldView, conditions: Mapping[str, ConditionType]) -> None:
         self._view = view
-        self._lexicon = Lexicon(view, conditions)
+        self._conditions = conditions
+        self._spelt_classes: dict[str, NameMap] = {}
+        self._spelt_elements: dict[str, NameMap] = {}
 
     def of(self, said: Said, scope: _Scope, depth: int = 0) -> Condition:
         """Returns the condition.
@@ -116,14 +118,14 @@ class Meaning:
 
     def _quantified(self, said: Quantification, scope: _Scope, depth: int) -> Condition:
         where = f"in '{said.quantifier} {said.variable}'"
-        class_ = self._lexicon.class_(said.class_, ELEMENT)
+        class_ = self._class_of(said.class_, ELEMENT)
         if class_ is None:
             raise UnknownName(
                 "class", said.class_, map(local_name, self._view.ontology.subclasses(ELEMENT)), where=where
             )
         if said.variable in scope:
             raise UsageError(f"{where}: {said.variable} is bound already around it; call one of the two otherwise")
-        if self._lexicon.is_taken(said.variable):
+        if self._is_taken(said.variable):
             raise UsageError(f"{where}: something else is called {said.variable}; call the variable otherwise")
         inner = {**scope, said.variable: class_}
         part = self.of(said.part, inner, depth + 1)
@@ -134,7 +136,7 @@ class Meaning:
             raise UsageError(f"goal: {error}") from error
 
     def _word(self, said: Word, scope: _Scope) -> Condition:
-        type_ = self._lexicon.word(said.word)
+        type_ = self._type(said.word)
         if len(said.arguments) != len(type_.roles):
             roles = ", ".join(f"{role.name}: {local_name(role.class_)}" for role in type_.roles)
             raise UsageError(f"{type_.name} takes {len(type_.roles)} arguments ({roles}), got {len(said.arguments)}")
@@ -148,7 +150,7 @@ class Meaning:
         if name.variable:
             bound = ", ".join(f"?{variable}" for variable in scope) or "none is"
             raise UsageError(f"{where}: no quantifier around it binds ?{name.text} (bound: {bound})")
-        element = self._lexicon.element(name.text, role.class_)
+        element = self._element(name.text, role.class_)
         if element is None:
             return self._class(name.text, index, type_, where, scope)
         self._check_element(element, name.text, type_, role.class_, where)
@@ -172,7 +174,7 @@ class Meaning:
 
     def _class(self, name: str, index: int, type_: ConditionType, where: str, scope: _Scope) -> str:
         wanted = type_.roles[index].class_
-        class_ = self._lexicon.class_(name, wanted)
+        class_ = self._class_of(name, wanted)
         if class_ is None:
             classes = self._view.ontology.subclasses(wanted) if type_.abstract else ()
             abstract = self._view.abstracts(wanted) if type_.abstract else ()
@@ -183,31 +185,9 @@ class Meaning:
             raise UsageError(f"{where}: {name} is a class; {type_.name} needs one element of the scene: {there}.")
         return class_
 
+    # ------------------------------------------------------------------ looking words up
 
-def _some(view: WorldView, class_: str) -> str:
-    """Names elements of a class; if there are very many, only the first."""
-    there = view.instances(class_)
-    return (", ".join(there[:_SHOWN]) + (", …" if len(there) > _SHOWN else "")) or "none"
-
-
-_SHOWN = 20
-
-
-class Lexicon:
-    """Looks words up, for one goal.
-
-    Args:
-        view: The world, for elements and classes.
-        conditions: The condition words there are.
-    """
-
-    def __init__(self, view: WorldView, conditions: Mapping[str, ConditionType]) -> None:
-        self._view = view
-        self._conditions = conditions
-        self._spelt_classes: dict[str, NameMap] = {}
-        self._spelt_elements: dict[str, NameMap] = {}
-
-    def word(self, word: str) -> ConditionType:
+    def _type(self, word: str) -> ConditionType:
         """Returns a condition's word, ignoring case.
 
         Raises:
@@ -223,7 +203,7 @@ class Lexicon:
         own = {name.casefold(): type_ for name, type_ in self._conditions.items()}
         return {spelt.pddl(name): type_ for name, type_ in self._conditions.items()} | own
 
-    def class_(self, name: str, above: str) -> str | None:
+    def _class_of(self, name: str, above: str) -> str | None:
         """Returns the CURIE of a class, or None if no class at or below another one has that name.
 
         Raises:
@@ -239,11 +219,11 @@ class Lexicon:
             self._spelt_classes[above] = NameMap(below)
         return named[0] if named else _back(self._spelt_classes[above], name)
 
-    def is_taken(self, variable: str) -> bool:
+    def _is_taken(self, variable: str) -> bool:
         """Returns whether an element or a class has this very name: the variable would be mistaken for it."""
         return self._view.has(variable) or variable in map(local_name, self._view.ontology.subclasses(ELEMENT))
 
-    def element(self, name: str, class_: str) -> str | None:
+    def _element(self, name: str, class_: str) -> str | None:
         """Returns the id of the element with that name, or None.
 
         An id comes first, then a class, for which None is returned (a part without a label of its own is called like
@@ -255,7 +235,7 @@ class Lexicon:
         """
         if self._view.has(name):
             return name
-        if self.class_(name, class_) is not None:
+        if self._class_of(name, class_) is not None:
             return None
         labelled = self._labels.get(name) or self._abstract_labels.get(name, [])
         if len(labelled) == 1:
@@ -277,6 +257,15 @@ class Lexicon:
         for element in elements:
             found.setdefault(self._view.element(element).label, []).append(element)
         return found
+
+
+def _some(view: WorldView, class_: str) -> str:
+    """Names elements of a class; if there are very many, only the first."""
+    there = view.instances(class_)
+    return (", ".join(there[:_SHOWN]) + (", …" if len(there) > _SHOWN else "")) or "none"
+
+
+_SHOWN = 20
 
 
 def _back(spelt: NameMap, name: str) -> str | None:
