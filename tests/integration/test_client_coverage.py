@@ -2,53 +2,40 @@
 
 from __future__ import annotations
 
-import importlib
 import inspect
-import pkgutil
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import httpx2
+from pydantic import BaseModel
 from support.serving import serving
 
-from skiros_py.client import calls
+from skiros_py.cli.call import operations
+from skiros_py.client.streams import stream_events, stream_job_events, stream_state
 
 ELSEWHERE = {"get_health", "get_readiness", "get_metrics", "openapi"}
 """For programs that watch servers: they are outside of the API, and need no client."""
 
 
-class Anything:
-    """Stands for whatever data a call takes: only the address counts here."""
-
-    def __getattr__(self, name: str) -> Any:
-        return lambda *arguments, **options: {}
+STREAMS = (stream_events(), stream_job_events("x"), stream_state())
 
 
-def functions() -> Iterator[Any]:
-    for found in pkgutil.iter_modules(calls.__path__):
-        module = importlib.import_module(f"{calls.__name__}.{found.name}")
-        public = (value for name, value in vars(module).items() if not name.startswith("_"))
-        yield from (v for v in public if inspect.isfunction(v) and v.__module__ == module.__name__)
+def addresses() -> Iterator[tuple[str, str]]:
+    yield from (("GET", stream.path) for stream in STREAMS)
+    for _, method in operations():
+        needed = [p for p in method.signature.parameters.values() if p.default is p.empty]
+        plain = {p.name: argument(p) for p in needed if p.kind is p.KEYWORD_ONLY}
+        made = method(*(argument(p) for p in needed if p.kind is not p.KEYWORD_ONLY), **plain)
+        yield made.method, made.path
 
 
 def argument(parameter: inspect.Parameter) -> Any:
-    kind = str(parameter.annotation)
-    if kind.startswith("str"):
-        return "x"
-    if kind.startswith("Sequence[float"):
-        return (0.0, 0.0, 0.0)
-    if kind.startswith("Sequence"):
-        return ()
-    return 1 if kind.startswith(("int", "float")) else Anything()
-
-
-def address(function: Any) -> tuple[str, str]:
-    needed = [p for p in inspect.signature(function).parameters.values() if p.default is p.empty]
-    plain = {p.name: argument(p) for p in needed if p.kind is p.KEYWORD_ONLY}
-    made = function(*(argument(p) for p in needed if p.kind is not p.KEYWORD_ONLY), **plain)
-    return getattr(made, "method", "GET"), made.path
+    kind = parameter.annotation
+    if isinstance(kind, type) and issubclass(kind, BaseModel):
+        return kind.model_construct()
+    return {int: 1, float: 1.0, Sequence[float]: (0.0, 0.0, 0.0)}.get(kind, "x")
 
 
 def test_each_operation_of_the_server_has_a_call(tmp_path: Path) -> None:
@@ -60,7 +47,7 @@ def test_each_operation_of_the_server_has_a_call(tmp_path: Path) -> None:
         for method, operation in methods.items()
         if path.startswith("/api/v1")
     }
-    made = {address(function) for function in functions()}
+    made = set(addresses())
     missing = [
         name
         for (method, path), name in offered.items()

@@ -14,7 +14,7 @@ from support.server_process import ServerProcess
 from skiros_py.api.events import EventInfo, ResetInfo
 from skiros_py.api.jobs import JobOrder
 from skiros_py.client import AsyncClient
-from skiros_py.client.calls.events import stream_job_events
+from skiros_py.client.streams import stream_job_events
 
 PATIENCE = 60.0
 

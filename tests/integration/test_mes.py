@@ -16,7 +16,7 @@ from support.server_process import ServerProcess
 from skiros_py.api.jobs import Job, JobOrder
 from skiros_py.api.server import KeyOrder
 from skiros_py.client import Client, ProblemError
-from skiros_py.client.calls import robots
+from skiros_py.client.topics import Station
 from skiros_py.config import find_scene
 
 from .chaos import BadNetwork
@@ -104,8 +104,8 @@ def answer(client: Client, job: str, choice: str) -> None:
 
 
 def reset_and_go_on(operator: Client) -> None:
-    if operator.send(robots.get_stop()).halted:
-        operator.send(robots.reset())
+    if operator.send(Station.get_stop()).halted:
+        operator.send(Station.reset())
     for job in operator.jobs.list(states=("Interrupted",)).items:
         if "everything was halted" in job.detail:
             operator.jobs.answer(job.id, "retry")

@@ -65,16 +65,16 @@ def test_an_administrator_makes_lists_and_revokes_a_key(admin: httpx2.Client, st
 
 
 def test_the_client_makes_and_revokes_keys(served: Served) -> None:
-    from skiros_py.client.calls import access
+    from skiros_py.client.topics import Audit, Keys, Session
 
     with Client(served.url, served.services.keys.local_token) as client:
-        made = client.send(access.create_key(KeyOrder(name="anna", role="viewer")))
-        assert client.send(access.get_key(made.key.id)) == made.key
-        assert made.key in client.send(access.list_keys())
+        made = client.send(Keys.create(KeyOrder(name="anna", role="viewer")))
+        assert client.send(Keys.get(made.key.id)) == made.key
+        assert made.key in client.send(Keys.list())
         with Client(served.url, made.secret) as anna:
-            assert anna.send(access.get_session()).name == "anna"
-        assert not client.send(access.revoke_key(made.key.id)).valid
-        done = client.send(access.list_audit(limit=1)).items[0]
+            assert anna.send(Session.get()).name == "anna"
+        assert not client.send(Keys.revoke(made.key.id)).valid
+        done = client.send(Audit.list(limit=1)).items[0]
 
     assert (done.operation, done.path) == ("revoke_key", f"/api/v1/keys/{made.key.id}")
 

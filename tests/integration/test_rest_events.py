@@ -17,9 +17,8 @@ from support.server_process import ServerProcess
 from support.serving import serving
 
 from skiros_py.api.events import EventInfo, ResetInfo
-from skiros_py.client.calls import events as calls
 from skiros_py.client.request import ProblemError, Unreachable
-from skiros_py.client.streams import follow, follow_later
+from skiros_py.client.streams import follow, follow_later, stream_events, stream_job_events
 from skiros_py.server.access.roles import Role
 from skiros_py.server.settings import ServerSettings
 from skiros_py.server.streams import position_text
@@ -77,7 +76,7 @@ def run_job(served, id_, goal="InKit(Starter, kit_1)"):
 def test_a_change_of_the_scene_is_told_with_author_and_edits(served, http):
     after = now(http)
     rename(served, "kit_1", "the kit")
-    (event,) = islice(follow(http, calls.stream_events(kinds=["world"], element="kit_1"), after=after), 1)
+    (event,) = islice(follow(http, stream_events(kinds=["world"], element="kit_1"), after=after), 1)
     assert (event.kind, event.type) == ("world", "scene")
     assert event.data["author"] == "anna"
     assert event.data["edits"][0]["new"] == "the kit"
@@ -87,7 +86,7 @@ def test_what_was_learned_is_told_apart(served, http):
     after = now(http)
     with served.services.station.session.world.transaction("anna", "taught", writer=Writer.PERSON) as tx:
         tx.add(TAUGHT_POSE, "a lesson", learned=True)
-    (event,) = islice(follow(http, calls.stream_events(kinds=["world"]), after=after), 1)
+    (event,) = islice(follow(http, stream_events(kinds=["world"]), after=after), 1)
     assert event.type == "learned"
 
 
@@ -95,7 +94,7 @@ def test_of_a_great_change_the_first_edits_are_told_and_where_the_rest_is(served
     after = now(http)
     with served.services.station.session.world.transaction("anna", "many parts", writer=Writer.PERSON) as tx:
         parts = [tx.add("kitting:Starter", placement=Placement(IN, "pallet_a")) for _ in range(200)]
-    (event,) = islice(follow(http, calls.stream_events(kinds=["world"], element=parts[-1]), after=after), 1)
+    (event,) = islice(follow(http, stream_events(kinds=["world"], element=parts[-1]), after=after), 1)
     assert len(event.data["edits"]) == 100
     assert event.data["all_edits"] >= 200
     assert http.get(event.data["read"].removeprefix("/api/v1")).status_code == 200
@@ -107,7 +106,7 @@ def test_of_a_great_change_the_first_edits_are_told_and_where_the_rest_is(served
 def test_a_job_is_told_from_its_order_to_its_end_with_all_its_steps(served, http):
     run_job(served, "told")
     seen = []
-    for event in follow(http, calls.stream_job_events("told")):
+    for event in follow(http, stream_job_events("told")):
         assert event.job == "told"
         seen.append((event.kind, event.type))
         if event.type == "Ended" and event.kind == "job":
@@ -174,7 +173,7 @@ def test_a_stream_is_resumed_after_the_last_event_that_was_seen(served, http, he
 )
 def test_an_unknown_position_gets_a_reset_and_then_new_events(served, http, given, code):
     place = given.format(epoch=served.services.station.events.epoch)
-    items = follow(http, calls.stream_events(kinds=["world"]), after=place)
+    items = follow(http, stream_events(kinds=["world"]), after=place)
     reset = next(items)
     rename(served, "kit_1", f"after {place}"[:20])
     assert isinstance(reset, ResetInfo)
@@ -187,7 +186,7 @@ def test_a_place_that_is_too_long_ago_gets_a_reset(served, http):
     after = now(http)
     for _ in range(KEPT + 1):
         served.services.station.events.append(Kind.SYSTEM, "reset")
-    (reset,) = islice(follow(http, calls.stream_events(), after=after), 1)
+    (reset,) = islice(follow(http, stream_events(), after=after), 1)
     assert reset.code == "gone"
 
 
@@ -237,7 +236,7 @@ def test_a_stream_ends_when_its_key_is_revoked_and_is_refused_from_then_on(tmp_p
         key, text = keys.create("panel", Role.VIEWER)
         http = httpx2.Client(base_url=f"{served.url}/api/v1", headers={"Authorization": f"Bearer {text}"})
         with http, ThreadPoolExecutor(1) as pool:
-            items = follow(http, calls.stream_events())
+            items = follow(http, stream_events())
             following = pool.submit(list, items)
             _until(lambda: served.services.streams.open == 1)
             keys.revoke(key.id)
@@ -391,7 +390,7 @@ def test_the_client_goes_on_over_a_restart_of_the_server_and_hears_of_the_gap(tm
         with serving("kitting", tmp_path) as served:
             port[0] = httpx2.URL(served.url).port
             after = position_text(served.services.station.events, served.services.station.events.last)
-            items = follow(http, calls.stream_events(kinds=["world"]), after=after, patience=60.0)
+            items = follow(http, stream_events(kinds=["world"]), after=after, patience=60.0)
             thread = threading.Thread(target=read, args=(items,))
             thread.start()
             rename(served, "kit_1", "before")
@@ -443,7 +442,7 @@ def test_a_server_that_was_killed_tells_its_clients_of_the_gap_and_where_to_read
 def test_a_broken_connection_is_made_again_and_nothing_is_missed_or_comes_twice(served, http):
     """A go-between cuts the connection every few hundred bytes."""
     with _cutting(served, every=900) as url, httpx2.Client(base_url=f"{url}/api/v1") as shaky:
-        items = follow(shaky, calls.stream_events(kinds=["task"]), after=now(http))
+        items = follow(shaky, stream_events(kinds=["task"]), after=now(http))
         for n in range(40):
             served.services.station.events.append(Kind.TASK, "noise", data={"n": n})
         assert [event.data["n"] for event in islice(items, 40)] == list(range(40))
@@ -455,19 +454,19 @@ def test_the_client_gives_up_without_an_answer_and_names_the_address():
         httpx2.Client(base_url="http://127.0.0.1:9/api/v1") as http,
         pytest.raises(Unreachable, match=r"127\.0\.0\.1:9"),
     ):
-        next(follow(http, calls.stream_events(), patience=0.1))
+        next(follow(http, stream_events(), patience=0.1))
 
 
 def test_the_client_is_told_when_the_server_refuses(http):
     with pytest.raises(ProblemError, match="never"):
-        next(follow(http, calls.stream_job_events("never")))
+        next(follow(http, stream_job_events("never")))
 
 
 def test_the_asynchronous_client_follows_as_well(served):
     async def run():
         async with httpx2.AsyncClient(base_url=f"{served.url}/api/v1") as http:
             items = follow_later(
-                http, calls.stream_events(kinds=["world"]), after=position_text(served.services.station.events, 0)
+                http, stream_events(kinds=["world"]), after=position_text(served.services.station.events, 0)
             )
             first = await anext(items)
             asyncio.get_running_loop().call_later(0.1, rename, served, "kit_1", "for later")

@@ -9,8 +9,8 @@ from support.serving import Served, serving
 
 from skiros_py.api.goals import GoalOrder
 from skiros_py.api.jobs import order_from
-from skiros_py.client.calls import goals as goal_calls
 from skiros_py.client.client import Client
+from skiros_py.client.topics import Goals, Previews
 
 KIT = "InKit(Starter, kit_1)"
 FILL = {
@@ -282,15 +282,15 @@ def test_the_client_says_the_same(served):
         written = client.documents.put("template", "by client", FILL)
         assert client.documents.get("template", "by client") == written
         order = order_from(template="by client", parameters={"kit": "kit_1"}, materials=("RelayBox",))
-        assert client.send(goal_calls.check_goal(order)).text == "InKit(kitting:RelayBox, kit_1)"
+        assert client.send(Goals.check(order)).text == "InKit(kitting:RelayBox, kit_1)"
         client.documents.remove("template", "by client", seen=written.revision)
         assert "by client" not in {one.id for one in client.documents.list("template").documents}
-        goals, seen = client.send(goal_calls.get_goals())
-        assert client.send(goal_calls.put_goals(goals.goals, seen=seen)).goals == goals.goals
-        assert client.send(goal_calls.list_goal_conditions(every=True)).conditions
-        asked = client.send(goal_calls.ask_preview(GoalOrder(goal="EmptyHanded(gripper_1)")))
-        assert client.send(goal_calls.get_preview(asked.id, wait=30)).state == "planned"
-        assert asked.id in {preview.id for preview in client.send(goal_calls.list_previews()).items}
+        goals, seen = client.send(Goals.get())
+        assert client.send(Goals.put(goals.goals, seen=seen)).goals == goals.goals
+        assert client.send(Goals.conditions(every=True)).conditions
+        asked = client.send(Previews.ask(GoalOrder(goal="EmptyHanded(gripper_1)")))
+        assert client.send(Previews.get(asked.id, wait=30)).state == "planned"
+        assert asked.id in {preview.id for preview in client.send(Previews.list()).items}
 
 
 def test_a_server_that_ends_waits_for_no_plan(tmp_path):

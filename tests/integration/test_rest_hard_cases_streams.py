@@ -17,8 +17,7 @@ from support.server_process import ServerProcess
 from support.serving import Served, serving
 
 from skiros_py.api.events import EventInfo, ResetInfo
-from skiros_py.client.calls import events as calls
-from skiros_py.client.streams import follow
+from skiros_py.client.streams import follow, stream_events
 from skiros_py.server.settings import ServerSettings
 from skiros_py.station.events.log import Kind
 
@@ -80,7 +79,7 @@ def test_a_slow_reader_gets_a_reset_and_still_learns_the_end_of_the_job(served: 
         served.services.station.events.append(Kind.TASK, "noise")
     api.put("/jobs/gap", json=HOLDS).raise_for_status()
     over(api, "gap")
-    items = follow(api, calls.stream_events(kinds=["job"]), after=first.id)
+    items = follow(api, stream_events(kinds=["job"]), after=first.id)
     reset = next(items)
     assert isinstance(reset, ResetInfo)
     assert reset.code == "gone"
@@ -111,7 +110,7 @@ def test_a_reader_learns_the_end_of_its_job_despite_a_kill_of_the_server(tmp_pat
         with ServerProcess("kitting", "--fake", data=tmp_path) as server:
             port[0] = urlsplit(server.url).port or 0
             api.put("/jobs/late", json=HOLDS, params={"start": "false"}).raise_for_status()
-            items = follow(api, calls.stream_events(kinds=["job"], job="late"), after="00000000-1", patience=60.0)
+            items = follow(api, stream_events(kinds=["job"], job="late"), after="00000000-1", patience=60.0)
             assert isinstance(next(items), ResetInfo)
             api.post("/jobs/late/revoke-start")
             api.post("/jobs/late/start").raise_for_status()

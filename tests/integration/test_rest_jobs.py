@@ -10,8 +10,8 @@ import pytest
 from support.serving import Served, serving
 
 from skiros_py.api.jobs import JobOrder, JobResponse
-from skiros_py.client.calls import jobs as calls
 from skiros_py.client.client import Client
+from skiros_py.client.topics import Jobs
 from skiros_py.errors import UsageError
 from skiros_py.tasks.jobs import JobOrder as Order
 from skiros_py.tasks.jobs import Outcome
@@ -502,22 +502,22 @@ def test_what_cannot_be_listed_is_refused(api, query):
 
 def test_the_client_says_the_same(served):
     with Client(served.url) as client:
-        job = client.send(calls.order_job(JobOrder(goal="EmptyHanded(gripper_1)"), wait=30))
+        job = client.send(Jobs.order(JobOrder(goal="EmptyHanded(gripper_1)"), wait=30))
         assert job.outcome == "goal already satisfied"
-        assert client.send(calls.get_job(job.id)) == job
-        assert client.send(calls.list_jobs(states=["Ended"], limit=1000)).items[-1] == job
-        assert client.send(calls.list_jobs(states=["Ended"], limit=1, newest_first=True)).items == [job]
-        assert client.send(calls.list_job_responses(limit=1, newest_first=True)).items[0].job_order_id == job.id
-        assert client.send(calls.get_job_response(job.id)).outcome == job.outcome
-        assert client.send(calls.get_job_plan(job.id)).steps == ()
-        assert client.send(calls.get_job_report(job.id)).reached
-        assert client.send(calls.get_job_trace(job.id)).entries[0]["what"] == "begun"
-        assert len(client.send(calls.get_job_transitions(job.id)).transitions) == 3
-        assert client.send(calls.get_job_explanation(job.id)).reasons == ()
-        assert client.send(calls.clear_job(job.id, seen=job.version)).id == job.id
-        kept = client.send(calls.put_job("by-client", JobOrder(goal="EmptyHanded(gripper_1)"), start=False))
+        assert client.send(Jobs.get(job.id)) == job
+        assert client.send(Jobs.list(states=["Ended"], limit=1000)).items[-1] == job
+        assert client.send(Jobs.list(states=["Ended"], limit=1, newest_first=True)).items == [job]
+        assert client.send(Jobs.responses(limit=1, newest_first=True)).items[0].job_order_id == job.id
+        assert client.send(Jobs.response(job.id)).outcome == job.outcome
+        assert client.send(Jobs.plan(job.id)).steps == ()
+        assert client.send(Jobs.report(job.id)).reached
+        assert client.send(Jobs.trace(job.id)).entries[0]["what"] == "begun"
+        assert len(client.send(Jobs.transitions(job.id)).transitions) == 3
+        assert client.send(Jobs.explanation(job.id)).reasons == ()
+        assert client.send(Jobs.clear(job.id, seen=job.version)).id == job.id
+        kept = client.send(Jobs.put("by-client", JobOrder(goal="EmptyHanded(gripper_1)"), start=False))
         assert kept.state.number == 1
-        assert client.send(calls.start_job(kept.id, "go")).state.number in (2, 3, 5)
+        assert client.send(Jobs.start(kept.id, "go")).state.number in (2, 3, 5)
 
 
 def test_an_unknown_query_parameter_is_refused_before_anything_is_ordered(api):

@@ -14,8 +14,8 @@ import pytest
 from support.serving import Served, serving
 
 from skiros_py.api.robots import DeviceMotion, Look
-from skiros_py.client.calls.events import get_state
 from skiros_py.client.client import Client
+from skiros_py.client.topics import Events
 from skiros_py.station.session import Options
 
 PATIENCE = 60.0
@@ -60,7 +60,7 @@ def points_of(look: Look) -> np.ndarray[Any, Any]:
 def test_where_nobody_has_looked_yet_a_look_is_empty_and_numbered_zero(pretending: Served) -> None:
     with Client(pretending.url) as client:
         look, motion = client.devices.look("camera_1"), client.devices.motion("base_1")
-        state = client.send(get_state())
+        state = client.send(Events.state())
     assert (look.number, look.pose, look.points, look.seen) == (0, None, "", ())
     assert motion == DeviceMotion(number=0, poses=())
     assert (state.looks, state.motions) == ({"camera_1": 0}, {"arm_1": 0, "base_1": 0})
@@ -95,7 +95,7 @@ def test_the_points_of_a_look_lie_on_what_is_on_the_pallet_in_truth(worked) -> N
 def test_a_look_says_what_was_made_out_in_it_and_where(worked) -> None:
     server, _ = worked
     with Client(server.url) as client:
-        look, state = client.devices.look("camera_1"), client.send(get_state())
+        look, state = client.devices.look("camera_1"), client.send(Events.state())
     assert look.purpose == "parts"
     assert state.looks == {"camera_1": look.number}
     assert look.number >= 1

@@ -9,8 +9,8 @@ import pytest
 from support.serving import Served, serving
 
 from skiros_py.api.modules import ModuleDetails, ModuleRunInfo
-from skiros_py.client.calls import modules as calls
 from skiros_py.client.request import Call
+from skiros_py.client.topics import Modules
 from skiros_py.server.services import Services
 
 OVER = ("succeeded", "failed", "stopped")
@@ -56,12 +56,12 @@ def followed(api: httpx2.Client, run: ModuleRunInfo) -> ModuleRunInfo:
     deadline = time.monotonic() + 20.0
     while run.status not in OVER and time.monotonic() < deadline:
         time.sleep(0.01)
-        run = done(api, calls.get_module_run(run.id))
+        run = done(api, Modules.get_run(run.id))
     return run
 
 
 def test_each_subsystem_says_what_it_can_do_and_whose_it_is(api) -> None:
-    managers = {manager.agent: manager for manager in done(api, calls.list_managers())}
+    managers = {manager.agent: manager for manager in done(api, Modules.managers())}
 
     assert managers.keys() == {"arm_1", "base_1"}
     assert managers["arm_1"].skills == ["pick", "place"]
@@ -70,14 +70,14 @@ def test_each_subsystem_says_what_it_can_do_and_whose_it_is(api) -> None:
 
 
 def test_a_module_is_listed_once_with_all_who_can_run_it(api) -> None:
-    listed = {module.name: module for module in done(api, calls.list_modules())}
+    listed = {module.name: module for module in done(api, Modules.list())}
 
     assert [place.agent for place in listed["confirm"].agents] == ["arm_1", "base_1"]
     assert (listed["pick"].kind, listed["move_arm"].kind) == ("skill", "primitive")
 
 
 def test_a_module_is_described_with_what_a_form_and_a_panel_need(api) -> None:
-    pick: ModuleDetails = done(api, calls.get_module("arm_1", "pick"))
+    pick: ModuleDetails = done(api, Modules.get("arm_1", "pick"))
 
     by_key = {parameter.key: parameter for parameter in pick.parameters}
     assert by_key["Object"].json_schema["class"] == "sk:Manipulatable"
@@ -100,9 +100,9 @@ def test_a_module_is_described_with_the_values_that_it_finds_out(api) -> None:
 
 
 def test_a_skill_is_told_as_planners_see_it(api) -> None:
-    drive = done(api, calls.get_skill("drive"))
+    drive = done(api, Modules.skill("drive"))
 
-    assert drive in done(api, calls.list_skills())
+    assert drive in done(api, Modules.skills())
     assert (drive.agent, drive.target, drive.agent_class) == ("Base", "Location", "sk:Base")
     assert len(drive.needs) > len(drive.pre) or drive.needs == drive.pre
     assert [place.agent for place in drive.agents] == ["base_1"]
@@ -124,7 +124,7 @@ def test_what_does_not_exist_is_not_found(api) -> None:
 def test_a_panel_infers_and_says_what_does_not_hold_and_runs_nothing(api) -> None:
     before = api.get("/module-runs").json()
 
-    panel = done(api, calls.show_panel("arm_1", "pick", {"Object": "starter_1"}))
+    panel = done(api, Modules.panel("arm_1", "pick", {"Object": "starter_1"}))
 
     assert not panel.ready
     assert panel.arguments["Gripper"] == "gripper_1"
@@ -145,13 +145,13 @@ def test_a_panel_infers_and_says_what_does_not_hold_and_runs_nothing(api) -> Non
     ],
 )
 def test_wrong_arguments_are_refused_before_anything_starts(api, arguments) -> None:
-    before = len(done(api, calls.list_module_runs()).items)
+    before = len(done(api, Modules.runs()).items)
 
     for what in ("panel", "runs"):
         response = api.post(f"/modules/base_1/drive/{what}", json={"arguments": arguments})
         assert response.status_code in (400, 422), response.text
 
-    assert len(done(api, calls.list_module_runs()).items) == before
+    assert len(done(api, Modules.runs()).items) == before
 
 
 @pytest.mark.parametrize("value", ["NaN", "1e999", '"\\ud800"'])
@@ -176,7 +176,7 @@ def test_a_run_is_followed_to_its_end_with_what_was_inferred_reported_and_writte
 
 
 def test_a_run_that_fails_says_why(api) -> None:
-    with_nothing = followed(api, done(api, calls.run_module("arm_1", "place", {"Object": "alternator_1"})))
+    with_nothing = followed(api, done(api, Modules.run("arm_1", "place", {"Object": "alternator_1"})))
 
     assert with_nothing.status == "failed"
     assert with_nothing.rounds[0].text
@@ -184,7 +184,7 @@ def test_a_run_that_fails_says_why(api) -> None:
 
 
 def test_a_module_is_done_so_often_as_wanted_and_its_successes_are_counted(api) -> None:
-    run = followed(api, done(api, calls.run_module("base_1", "drive", {"Location": "kit_1"}, repeat=3)))
+    run = followed(api, done(api, Modules.run("base_1", "drive", {"Location": "kit_1"}, repeat=3)))
 
     assert (run.status, run.repeat, run.done, run.succeeded) == ("succeeded", 3, 3, 3)
     assert len(run.rounds) == 3
@@ -192,29 +192,29 @@ def test_a_module_is_done_so_often_as_wanted_and_its_successes_are_counted(api) 
 
 
 def test_a_run_can_be_paused_stepped_resumed_and_stopped_for_good(api, services) -> None:
-    run = done(api, calls.run_module("arm_1", "confirm", {"question": "Is it so?"}, repeat=5))
-    paused = done(api, calls.command_module_run(run.id, "pause"))
-    stepped = done(api, calls.command_module_run(run.id, "step"))
-    resumed = done(api, calls.command_module_run(run.id, "resume"))
-    stopped = followed(api, done(api, calls.command_module_run(run.id, "stop")))
+    run = done(api, Modules.run("arm_1", "confirm", {"question": "Is it so?"}, repeat=5))
+    paused = done(api, Modules.command(run.id, "pause"))
+    stepped = done(api, Modules.command(run.id, "step"))
+    resumed = done(api, Modules.command(run.id, "resume"))
+    stopped = followed(api, done(api, Modules.command(run.id, "stop")))
 
     assert {paused.status, stepped.status, resumed.status} <= {"running", "paused"}
     assert (stopped.status, stopped.done, stopped.succeeded) == ("stopped", 1, 0)
-    assert done(api, calls.command_module_run(run.id, "stop")) == stopped
+    assert done(api, Modules.command(run.id, "stop")) == stopped
     for command in ("pause", "step", "resume"):
         assert api.post(f"/module-runs/{run.id}/{command}").status_code == 409
     assert not any(m.running for m in services.station.session.managers.values())
 
 
 def test_a_run_that_comes_to_a_standstill_and_goes_on_tells_so_once_each_time(api) -> None:
-    run = done(api, calls.run_module("arm_1", "confirm", {"question": "Is it so?"}))
+    run = done(api, Modules.run("arm_1", "confirm", {"question": "Is it so?"}))
     told = []
     for command, turn in (("pause", "paused"), ("step", None), ("resume", "resumed"), ("pause", "paused")):
-        done(api, calls.command_module_run(run.id, command))
+        done(api, Modules.command(run.id, command))
         told += [turns(api, run, len(told) + 1)[-1]] if turn else []
-        status = done(api, calls.get_module_run(run.id)).status
+        status = done(api, Modules.get_run(run.id)).status
         assert status == ("running" if turn == "resumed" else "paused")
-    followed(api, done(api, calls.command_module_run(run.id, "stop")))
+    followed(api, done(api, Modules.command(run.id, "stop")))
 
     assert [event["type"] for event in turns(api, run, 3)] == ["paused", "resumed", "paused"]
     assert told == turns(api, run, 3)
@@ -223,10 +223,10 @@ def test_a_run_that_comes_to_a_standstill_and_goes_on_tells_so_once_each_time(ap
 
 
 def test_the_same_module_runs_once_at_a_time_and_is_not_reset_meanwhile(api) -> None:
-    run = done(api, calls.run_module("arm_1", "confirm", {"question": "Is it so?"}))
+    run = done(api, Modules.run("arm_1", "confirm", {"question": "Is it so?"}))
     again = api.post("/modules/arm_1/confirm/runs", json={"arguments": {"question": "Is it so?"}})
     reset = api.post("/modules/arm_1/confirm/reset")
-    done(api, calls.command_module_run(run.id, "stop"))
+    done(api, Modules.command(run.id, "stop"))
     followed(api, run)
 
     assert (again.status_code, reset.status_code) == (409, 409)
@@ -235,17 +235,17 @@ def test_the_same_module_runs_once_at_a_time_and_is_not_reset_meanwhile(api) -> 
 
 
 def test_runs_are_listed_youngest_first_by_whether_they_are_over(api) -> None:
-    first = followed(api, done(api, calls.run_module("base_1", "drive", {"Location": "pallet_a"})))
-    second = done(api, calls.run_module("arm_1", "confirm", {"question": "Is it so?"}))
+    first = followed(api, done(api, Modules.run("base_1", "drive", {"Location": "pallet_a"})))
+    second = done(api, Modules.run("arm_1", "confirm", {"question": "Is it so?"}))
 
-    active = done(api, calls.list_module_runs(active=True)).items
-    over = done(api, calls.list_module_runs(active=False, limit=1)).items
-    done(api, calls.command_module_run(second.id, "stop"))
+    active = done(api, Modules.runs(active=True)).items
+    over = done(api, Modules.runs(active=False, limit=1)).items
+    done(api, Modules.command(second.id, "stop"))
     followed(api, second)
 
     assert [run.id for run in active] == [second.id]
     assert [run.id for run in over] == [first.id]
-    assert [run.id for run in done(api, calls.list_module_runs(limit=2)).items] == [second.id, first.id]
+    assert [run.id for run in done(api, Modules.runs(limit=2)).items] == [second.id, first.id]
 
 
 def test_nothing_starts_while_everything_is_halted(api, services) -> None:
@@ -260,7 +260,7 @@ def test_nothing_starts_while_everything_is_halted(api, services) -> None:
 
 
 def test_of_a_run_that_is_done_many_times_the_last_rounds_are_kept(api) -> None:
-    run = followed(api, done(api, calls.run_module("base_1", "drive", {"Location": "pallet_a"}, repeat=110)))
+    run = followed(api, done(api, Modules.run("base_1", "drive", {"Location": "pallet_a"}, repeat=110)))
 
     assert run.done == 110
     assert len(run.rounds) == 100

@@ -10,8 +10,8 @@ import pytest
 from support.serving import Served, serving
 
 from skiros_py.api.modules import ModuleRunInfo
-from skiros_py.client.calls import modules, robots
 from skiros_py.client.request import Call
+from skiros_py.client.topics import Devices, Modules, Robots
 
 OVER = ("succeeded", "failed", "stopped")
 STEP = (0.1, 0.0, 0.0, 0.0, 0.0, 0.0, -0.2)
@@ -43,14 +43,14 @@ def followed(api: httpx2.Client, run: ModuleRunInfo) -> ModuleRunInfo:
     deadline = time.monotonic() + 20.0
     while run.status not in OVER and time.monotonic() < deadline:
         time.sleep(0.01)
-        run = done(api, modules.get_module_run(run.id))
+        run = done(api, Modules.get_run(run.id))
     return run
 
 
 def test_a_robot_is_told_with_its_devices_and_the_limits_of_its_joints(api) -> None:
-    (robot,) = done(api, robots.list_robots())
+    (robot,) = done(api, Robots.list())
 
-    assert robot == done(api, robots.get_robot("robot_1"))
+    assert robot == done(api, Robots.get("robot_1"))
     devices = {device.id: device for device in robot.devices}
     arm, home = devices["arm_1"], devices["arm_1"].description["home"]
     assert len(arm.joints) == len(home) == 7
@@ -61,9 +61,9 @@ def test_a_robot_is_told_with_its_devices_and_the_limits_of_its_joints(api) -> N
 
 
 def test_devices_of_any_kind_are_told_with_the_values_that_they_offer(api) -> None:
-    told = {device.id: device for device in done(api, robots.list_devices())}
-    gripper = done(api, robots.get_device("gripper_1"))
-    reading = done(api, robots.get_device_state("gripper_1"))
+    told = {device.id: device for device in done(api, Devices.list())}
+    gripper = done(api, Devices.get("gripper_1"))
+    reading = done(api, Devices.state("gripper_1"))
 
     assert {id_: device.kind for id_, device in told.items()} == {
         "base_1": "base",
@@ -84,12 +84,12 @@ def test_devices_of_any_kind_are_told_with_the_values_that_they_offer(api) -> No
     }
     assert reading.state is not None
     assert reading.signals["gap"] == reading.state["gap"]
-    assert done(api, robots.get_device_state("camera_1")).state is None
-    assert sent(api, robots.get_device_state("nobody")).status_code == 404
+    assert done(api, Devices.state("camera_1")).state is None
+    assert sent(api, Devices.state("nobody")).status_code == 404
 
 
 def test_the_state_of_a_robot_says_where_its_tool_is_in_the_map(api) -> None:
-    state = done(api, robots.get_robot_state("robot_1"))
+    state = done(api, Robots.state("robot_1"))
 
     assert state.pose.position[:2] == pytest.approx((0.0, 0.0), abs=0.5)
     assert state.frames["base_1"] == state.pose
@@ -98,21 +98,21 @@ def test_the_state_of_a_robot_says_where_its_tool_is_in_the_map(api) -> None:
 
 
 def positions(api: httpx2.Client) -> Any:
-    state = done(api, robots.get_device_state("arm_1")).state
+    state = done(api, Devices.state("arm_1")).state
     assert state is not None
     return state["positions"]
 
 
 def gap(api: httpx2.Client) -> Any:
-    return done(api, robots.get_device_state("gripper_1")).signals["gap"]
+    return done(api, Devices.state("gripper_1")).signals["gap"]
 
 
 def test_joints_are_jogged_and_the_arm_is_brought_home_again(api) -> None:
-    before, tool = positions(api), done(api, robots.get_robot_state("robot_1")).frames["arm_1"]
+    before, tool = positions(api), done(api, Robots.state("robot_1")).frames["arm_1"]
 
-    run = followed(api, done(api, robots.jog_device("arm_1", {"deltas": STEP})))
-    after, moved = positions(api), done(api, robots.get_robot_state("robot_1")).frames["arm_1"]
-    home = followed(api, done(api, robots.jog_device("arm_1", module="home")))
+    run = followed(api, done(api, Devices.jog("arm_1", {"deltas": STEP})))
+    after, moved = positions(api), done(api, Robots.state("robot_1")).frames["arm_1"]
+    home = followed(api, done(api, Devices.jog("arm_1", module="home")))
 
     assert (run.module, run.agent, run.status) == ("jog_joints", "arm_1", "succeeded")
     assert after == pytest.approx([a + b for a, b in zip(before, STEP, strict=True)])
@@ -122,14 +122,14 @@ def test_joints_are_jogged_and_the_arm_is_brought_home_again(api) -> None:
 
 
 def test_the_fingers_move_to_a_width(api) -> None:
-    run = followed(api, done(api, robots.jog_device("gripper_1", {"gap": 0.03})))
+    run = followed(api, done(api, Devices.jog("gripper_1", {"gap": 0.03})))
 
     assert run.status == "succeeded"
     assert gap(api) == pytest.approx(0.03)
 
 
 def test_what_is_learned_where_the_robot_stands_is_among_what_is_learned(api) -> None:
-    run = followed(api, done(api, robots.teach_device("base_1", {"location": "pallet_a"})))
+    run = followed(api, done(api, Devices.teach("base_1", {"location": "pallet_a"})))
 
     assert run.status == "succeeded"
     (edit,) = run.changes[0]["edits"]
@@ -156,15 +156,15 @@ def test_what_is_learned_where_the_robot_stands_is_among_what_is_learned(api) ->
     ],
 )
 def test_what_is_no_small_step_of_this_device_is_refused(api, device, request_, status) -> None:
-    before = len(done(api, modules.list_module_runs()).items)
+    before = len(done(api, Modules.runs()).items)
 
     assert api.post(f"/devices/{device}/jog", json=request_).status_code == status
-    assert len(done(api, modules.list_module_runs()).items) == before
+    assert len(done(api, Modules.runs()).items) == before
 
 
 def test_a_refusal_names_the_modules_that_the_kind_has_for_it(api) -> None:
-    other = sent(api, robots.jog_device("base_1", module="jog_joints")).json()["detail"]
-    none = sent(api, robots.teach_device("gripper_1")).json()["detail"]
+    other = sent(api, Devices.jog("base_1", module="jog_joints")).json()["detail"]
+    none = sent(api, Devices.teach("gripper_1")).json()["detail"]
 
     assert "unknown module 'jog_joints' to jog base_1" in other
     assert "Known: jog_base" in other
@@ -172,21 +172,21 @@ def test_a_refusal_names_the_modules_that_the_kind_has_for_it(api) -> None:
 
 
 def test_a_busy_robot_cannot_be_jogged(api) -> None:
-    asks = done(api, modules.run_module("arm_1", "confirm", {"question": "Is it so?"}))
-    refused = sent(api, robots.jog_device("base_1", {"dx": 0.1}))
-    home = sent(api, robots.jog_device("arm_1", module="home"))
-    done(api, modules.command_module_run(asks.id, "stop"))
+    asks = done(api, Modules.run("arm_1", "confirm", {"question": "Is it so?"}))
+    refused = sent(api, Devices.jog("base_1", {"dx": 0.1}))
+    home = sent(api, Devices.jog("arm_1", module="home"))
+    done(api, Modules.command(asks.id, "stop"))
     followed(api, asks)
 
     assert (refused.status_code, home.status_code) == (409, 409)
     assert "confirm of arm_1" in refused.json()["detail"]
-    assert followed(api, done(api, robots.jog_device("base_1", {"dx": 0.1}))).status == "succeeded"
+    assert followed(api, done(api, Devices.jog("base_1", {"dx": 0.1}))).status == "succeeded"
 
 
 def test_a_robot_with_a_running_task_cannot_be_jogged(api) -> None:
     steps = [{"skill": "drive", "arguments": {"Location": place}} for place in ("pallet_a", "kit_1")]
     name = api.post("/tasks", json={"steps": steps, "iterate": None}).json()["name"]
-    refused = sent(api, robots.jog_device("gripper_1", {"gap": 0.02}))
+    refused = sent(api, Devices.jog("gripper_1", {"gap": 0.02}))
     api.post(f"/tasks/{name}/stop").raise_for_status()
     deadline = time.monotonic() + 20.0
     while api.get(f"/tasks/{name}").json()["status"] != "ended" and time.monotonic() < deadline:
@@ -194,12 +194,12 @@ def test_a_robot_with_a_running_task_cannot_be_jogged(api) -> None:
 
     assert refused.status_code == 409
     assert name in refused.json()["detail"]
-    run = followed(api, done(api, robots.jog_device("gripper_1", {"gap": 0.02})))
+    run = followed(api, done(api, Devices.jog("gripper_1", {"gap": 0.02})))
     assert run.status == "succeeded"
 
 
 def test_what_is_no_robot_is_not_found(api) -> None:
-    calls = (robots.get_robot("nix"), robots.get_robot_state("nix"), robots.teach_device("nix"))
+    calls = (Robots.get("nix"), Robots.state("nix"), Devices.teach("nix"))
 
     assert [sent(api, call).status_code for call in calls] == [404] * 3
 
@@ -208,7 +208,7 @@ def test_what_waits_for_devices_that_something_else_uses_does_not_start_later_by
     claims = served.services.station.session.managers.claims
     held = served.services.station.control.call(lambda _session: claims.request("somebody", {"gripper_1"}))
     try:
-        run = followed(api, done(api, robots.jog_device("gripper_1", {"gap": 0.01})))
+        run = followed(api, done(api, Devices.jog("gripper_1", {"gap": 0.01})))
     finally:
         served.services.station.control.call(lambda _session: held.release())
 
@@ -219,7 +219,7 @@ def test_what_waits_for_devices_that_something_else_uses_does_not_start_later_by
 
 def model_of_robot_1(api: httpx2.Client) -> httpx2.Response:
     """Reads the model, however long it takes to be made."""
-    while (response := sent(api, robots.get_robot_model("robot_1"))).status_code == 202:
+    while (response := sent(api, Robots.model("robot_1"))).status_code == 202:
         time.sleep(float(response.headers["Retry-After"]))
     return response
 
@@ -235,11 +235,11 @@ def test_the_model_of_a_robot_is_read_with_its_meshes_and_nothing_else(api) -> N
     assert len(mesh.content) == 84 + 50 * int.from_bytes(mesh.content[80:84], "little")
     for wrong in ("robot.urdf", "%2e%2e%2frobot.urdf", "..%2f..%2fjournal.db", "%2fetc%2fpasswd", ""):
         assert api.get(f"/robots/robot_1/model/meshes/{wrong}").status_code == 404
-    assert sent(api, robots.get_robot_model("nobody")).json()["code"] == "NotFound"
+    assert sent(api, Robots.model("nobody")).json()["code"] == "NotFound"
 
 
 def test_a_robot_is_told_with_the_joints_that_a_picture_moves(api) -> None:
-    robot = done(api, robots.get_robot("robot_1"))
+    robot = done(api, Robots.get("robot_1"))
     model = ET.fromstring(model_of_robot_1(api).content)
 
     joints = {joint.get("name") for joint in model.iter("joint")}

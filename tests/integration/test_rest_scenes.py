@@ -11,8 +11,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from support.serving import Served, serving
 
-from skiros_py.client.calls import scenes as calls
 from skiros_py.client.client import Client
+from skiros_py.client.topics import Scenes
 from skiros_py.errors import DeviceError
 from skiros_py.station.session import Session
 from skiros_py.tasks.handle import TaskHandle
@@ -38,7 +38,7 @@ def http(served: Served) -> Iterator[httpx2.Client]:
 
 def now(served: Served) -> str:
     with Client(served.url) as client:
-        return client.send(calls.get_scene_turtle())
+        return client.send(Scenes.turtle())
 
 
 def test_installed_scenes_are_listed_page_by_page(served: Served, http: httpx2.Client) -> None:
@@ -52,7 +52,7 @@ def test_installed_scenes_are_listed_page_by_page(served: Served, http: httpx2.C
 
 def test_a_scene_is_told_about_without_loading_it(served: Served, http: httpx2.Client) -> None:
     with Client(served.url) as client:
-        other, present = client.send(calls.get_scene_file("kitting_two")), client.send(calls.get_scene())
+        other, present = client.send(Scenes.file("kitting_two")), client.send(Scenes.get())
 
     assert [robot.id for robot in other.robots] == ["robot_1", "robot_2"]
     assert len(other.goals) == 4
@@ -279,10 +279,10 @@ def test_a_scene_whose_driver_breaks_is_refused_with_the_name_of_the_driver(
 
 def test_the_present_scene_is_saved_looked_at_loaded_and_removed(served: Served, http: httpx2.Client) -> None:
     with Client(served.url) as client:
-        entry = client.send(calls.save_scene("my-cell"))
-        file = client.send(calls.get_scene_file("my-cell"))
-        loaded = client.send(calls.load_scene("my-cell"))
-        client.send(calls.delete_scene("my-cell", version=file.version))
+        entry = client.send(Scenes.save("my-cell"))
+        file = client.send(Scenes.file("my-cell"))
+        loaded = client.send(Scenes.load("my-cell"))
+        client.send(Scenes.delete("my-cell", version=file.version))
 
     assert (entry.source, file.elements, loaded.changed) == ("saved", loaded.elements, False)
     assert http.get("/scenes/my-cell").status_code == 404

@@ -13,8 +13,8 @@ from PIL import Image
 from support.serving import Served, serving
 
 from skiros_py.api.alarms import AlarmKind
-from skiros_py.client.calls import simulation as calls
 from skiros_py.client.client import Client
+from skiros_py.client.topics import Simulation
 from skiros_py.devices.mobile_base import BaseState
 from skiros_py.errors import WrongState
 from skiros_py.geometry import Pose
@@ -45,11 +45,11 @@ def test_without_physics_there_are_no_bodies_and_no_pictures(pretending: Served)
 
 def test_another_pace_holds_at_once_and_after_a_reset(pretending: Served) -> None:
     with Client(pretending.url) as client:
-        client.send(calls.set_pace(20.0))
-        client.send(calls.set_pace(0.05))
-        client.send(calls.set_pace(20.0))
-        assert client.send(calls.get_simulation()).pace == 20.0
-        assert client.send(calls.reset_simulation()).pace == 20.0
+        client.send(Simulation.set_pace(20.0))
+        client.send(Simulation.set_pace(0.05))
+        client.send(Simulation.set_pace(20.0))
+        assert client.send(Simulation.get()).pace == 20.0
+        assert client.send(Simulation.reset()).pace == 20.0
 
 
 @pytest.mark.parametrize("pace", ["0.01", "21", "NaN", "1e308", '"fast"', "null", "-1", "Infinity"])
@@ -190,7 +190,7 @@ def test_a_lost_part_keeps_no_station_from_being_brought_up_anew(fresh: Served) 
 
     write(fresh, lose, writer=Writer.SKILL)
     with Client(fresh.url, timeout=120.0) as client:
-        client.send(calls.reset_simulation())
+        client.send(Simulation.reset())
     assert "starter_1" not in bodies(fresh)
 
     write(fresh, lambda tx: tx.place("starter_1", "sk:in", "pallet_a"))
@@ -201,9 +201,9 @@ def test_a_lost_part_keeps_no_station_from_being_brought_up_anew(fresh: Served) 
 def test_a_body_that_is_moved_by_hand_changes_no_belief(fresh: Served) -> None:
     version = fresh.services.station.session.world.version
     with Client(fresh.url) as client:
-        client.send(calls.move_body("starter_1", (2.0, 2.5, 0.0)))
-        client.send(calls.remove_body("compressor_1"))
-        found = {body.id: body for body in client.send(calls.list_bodies()).items}
+        client.send(Simulation.move_body("starter_1", (2.0, 2.5, 0.0)))
+        client.send(Simulation.remove_body("compressor_1"))
+        found = {body.id: body for body in client.send(Simulation.bodies()).items}
 
     assert found["starter_1"].position[:2] == pytest.approx([2.0, 2.5], abs=1e-2)
     assert "compressor_1" not in found
@@ -232,7 +232,7 @@ def test_poses_that_make_no_sense_are_refused(served: Served, pose: str) -> None
 def test_a_picture_shows_the_scene_from_wherever_somebody_looks(served: Served) -> None:
     with Client(served.url, timeout=60.0) as client:
         pictures = [
-            client.send(calls.get_picture(eye, (0.0, 0.0, 0.3), width=160, height=120))
+            client.send(Simulation.picture(eye, (0.0, 0.0, 0.3), width=160, height=120))
             for eye in ((3.0, -3.0, 2.5), (0.0, 0.0, 6.0))
         ]
     images = [Image.open(BytesIO(picture)) for picture in pictures]

@@ -10,9 +10,8 @@ from support.serving import Served, serving
 
 from skiros_py.api.documents import DocumentInfo
 from skiros_py.api.tasks import NewTask, TaskInfo, WantedStep
-from skiros_py.client.calls import documents as docs
-from skiros_py.client.calls import tasks as calls
 from skiros_py.client.request import Call
+from skiros_py.client.topics import Documents, Tasks
 
 TO_PALLET = WantedStep(skill="drive", arguments={"Location": "pallet_a"})
 TO_KIT = WantedStep(skill="drive", arguments={"Location": "kit_1"})
@@ -45,7 +44,7 @@ def done(api: httpx2.Client, call: Call[Any]) -> Any:
 def until(api: httpx2.Client, name: str, *statuses: str) -> TaskInfo:
     deadline = time.monotonic() + 20.0
     while True:
-        task: TaskInfo = done(api, calls.get_task(name))
+        task: TaskInfo = done(api, Tasks.get(name))
         if task.status in statuses or time.monotonic() > deadline:
             assert task.status in statuses, task
             return task
@@ -57,7 +56,7 @@ def step(skill: str, **arguments: str) -> dict[str, Any]:
 
 
 def written(api: httpx2.Client, id_: str, *steps: dict[str, Any], seen: int | None = None) -> DocumentInfo:
-    made: DocumentInfo = done(api, docs.put_document("sequence", id_, {"steps": list(steps)}, seen=seen))
+    made: DocumentInfo = done(api, Documents.put("sequence", id_, {"steps": list(steps)}, seen=seen))
     return made
 
 
@@ -72,7 +71,7 @@ def test_a_goal_is_pursued_and_kept_with_plan_order_steps_and_report(api) -> Non
     response = api.post("/tasks", json={"goal": ["InKit(Starter, kit_1)"]})
     assert response.status_code == 202
     task = until(api, response.json()["name"], "ended")
-    trace = done(api, calls.get_task_trace(task.name))
+    trace = done(api, Tasks.trace(task.name))
 
     assert response.headers["location"] == f"/api/v1/tasks/{task.name.replace(' ', '%20')}"
     assert [step.skill for step in task.plan] == ["drive", "pick", "drive", "place"]
@@ -82,16 +81,16 @@ def test_a_goal_is_pursued_and_kept_with_plan_order_steps_and_report(api) -> Non
     assert task.report is not None
     assert (task.report.outcome, task.report.reached) == ("reached", True)
     assert [trace.entries[0]["what"], trace.entries[-1]["what"]] == ["begun", "finished"]
-    assert done(api, calls.list_tasks(active=False)).items[0].name == task.name
+    assert done(api, Tasks.list(active=False)).items[0].name == task.name
 
 
 def test_an_unparsable_goal_starts_nothing(api) -> None:
-    before = done(api, calls.list_tasks())
+    before = done(api, Tasks.list())
 
     for goal in (["InKit(Starter"], ["Nonsense(kit_1)"], ["InKit(Nothing, kit_1)"]):
         assert api.post("/tasks", json={"goal": goal}).status_code == 422
 
-    assert done(api, calls.list_tasks()) == before
+    assert done(api, Tasks.list()) == before
 
 
 def test_the_task_of_a_job_is_there_by_its_id_and_is_commanded_through_the_job(api) -> None:
@@ -107,18 +106,18 @@ def test_the_task_of_a_job_is_there_by_its_id_and_is_commanded_through_the_job(a
 
 
 def test_a_task_is_paused_goes_on_step_by_step_and_ends_when_it_is_stopped(api) -> None:
-    task = done(api, calls.begin_task(NewTask(steps=[TO_PALLET, TO_KIT], iterate=None)))
-    done(api, calls.command_task(task.name, "pause"))
+    task = done(api, Tasks.begin(NewTask(steps=[TO_PALLET, TO_KIT], iterate=None)))
+    done(api, Tasks.command(task.name, "pause"))
     paused = until(api, task.name, "paused")
-    done(api, calls.command_task(task.name, "step"))
-    done(api, calls.command_task(task.name, "stop"))
+    done(api, Tasks.command(task.name, "step"))
+    done(api, Tasks.command(task.name, "stop"))
     stopped = until(api, task.name, "ended")
 
     assert paused.report is None
     assert stopped.report is not None
     assert stopped.report.outcome == "stopped"
-    assert done(api, calls.command_task(task.name, "stop")) == stopped
-    assert sent(api, calls.command_task(task.name, "resume")).status_code == 409
+    assert done(api, Tasks.command(task.name, "stop")) == stopped
+    assert sent(api, Tasks.command(task.name, "resume")).status_code == 409
 
 
 def test_what_is_unknown_is_not_found_and_unknown_commands_are_refused(api) -> None:
@@ -146,18 +145,18 @@ def test_a_sequence_is_answered_with_all_steps_checked_as_those_before_leave_the
     assert (places(made), places(late), places(early)) == ([], ["steps[2]"], [])
     assert late.problems[0].text
     assert made.agents == {"steps[0]": "base_1", "steps[1]": "arm_1"}
-    assert done(api, docs.get_document("sequence", "round")) == early
+    assert done(api, Documents.get("sequence", "round")) == early
 
 
 def test_a_sequence_cannot_be_overwritten_without_its_version(api) -> None:
     made = written(api, "shared", PALLET)
     written(api, "shared", PALLET, KIT, seen=made.revision)
 
-    stale = sent(api, docs.put_document("sequence", "shared", {"steps": []}, seen=made.revision))
+    stale = sent(api, Documents.put("sequence", "shared", {"steps": []}, seen=made.revision))
     blind = api.delete("/documents/sequence/shared")
 
     assert (stale.status_code, blind.status_code) == (412, 428)
-    assert len(done(api, docs.get_document("sequence", "shared")).data["steps"]) == 2
+    assert len(done(api, Documents.get("sequence", "shared")).data["steps"]) == 2
 
 
 @pytest.mark.parametrize(
@@ -176,13 +175,13 @@ def test_a_sequence_cannot_be_overwritten_without_its_version(api) -> None:
 def test_wrong_steps_are_refused_with_their_place_and_nothing_changes(api, data: Any, place: str) -> None:
     if api.get("/documents/sequence/kept").status_code == 404:
         written(api, "kept", PALLET)
-    before = done(api, docs.get_document("sequence", "kept"))
+    before = done(api, Documents.get("sequence", "kept"))
 
-    refused = sent(api, docs.put_document("sequence", "kept", data, seen=before.revision))
+    refused = sent(api, Documents.put("sequence", "kept", data, seen=before.revision))
 
     assert (refused.status_code, refused.json()["code"]) == (422, "InvalidRequest")
     assert [fault["place"] for fault in refused.json()["faults"]] == [place]
-    assert done(api, docs.get_document("sequence", "kept")) == before
+    assert done(api, Documents.get("sequence", "kept")) == before
 
 
 def test_a_sequence_is_made_of_a_plan_and_run_as_often_as_wanted(api) -> None:
@@ -192,7 +191,7 @@ def test_a_sequence_is_made_of_a_plan_and_run_as_often_as_wanted(api) -> None:
     planned = [{"skill": one["skill"], "arguments": one["arguments"]} for one in plan]
     written(api, "planned", *planned, KIT)
 
-    begun = done(api, calls.begin_task(NewTask(sequence="planned", iterate=3)))
+    begun = done(api, Tasks.begin(NewTask(sequence="planned", iterate=3)))
     ended = until(api, begun.name, "ended")
 
     assert ended.report is not None
@@ -219,8 +218,8 @@ def test_the_plan_of_a_job_is_kept_with_what_a_sequence_needs_when_its_task_is_f
 def test_what_cannot_work_is_run_only_where_somebody_wants_it_anyway(api) -> None:
     written(api, "odd", step("place", Object="alternator_1"))
 
-    refused = sent(api, calls.begin_task(NewTask(sequence="odd")))
-    anyway = done(api, calls.begin_task(NewTask(sequence="odd", anyway=True)))
+    refused = sent(api, Tasks.begin(NewTask(sequence="odd")))
+    anyway = done(api, Tasks.begin(NewTask(sequence="odd", anyway=True)))
     ended = until(api, anyway.name, "ended")
 
     assert (refused.status_code, refused.json()["code"]) == (409, "CannotWork")
@@ -233,9 +232,9 @@ def test_a_sequence_without_steps_is_never_run_and_is_no_module(api) -> None:
     written(api, "empty")
 
     for how in (NewTask(sequence="empty"), NewTask(sequence="empty", anyway=True, iterate=None)):
-        assert sent(api, calls.begin_task(how)).status_code == 409
+        assert sent(api, Tasks.begin(how)).status_code == 409
     assert api.get("/modules/base_1/sequence:empty").status_code == 404
-    assert sent(api, calls.begin_task(NewTask(sequence="none such"))).status_code == 422
+    assert sent(api, Tasks.begin(NewTask(sequence="none such"))).status_code == 422
 
 
 def test_a_sequence_is_a_module_too_and_its_steps_are_calls(api) -> None:
@@ -260,7 +259,7 @@ def test_a_step_whose_element_has_gone_is_a_problem_and_others_can_be_edited_mea
         tx.remove("compressor_1")
         tx.remove("relay_box_2")
 
-    shown = done(api, docs.get_document("sequence", "old"))
+    shown = done(api, Documents.get("sequence", "old"))
     moved = written(api, "old", first, PALLET, second, seen=made.revision)
     mended = written(api, "old", PALLET, seen=moved.revision)
 
@@ -268,7 +267,7 @@ def test_a_step_whose_element_has_gone_is_a_problem_and_others_can_be_edited_mea
     assert "compressor_1" in shown.problems[0].text
     assert places(moved) == ["steps[0]", "steps[2]"]
     assert places(mended) == []
-    new = sent(api, docs.put_document("sequence", "old", {"steps": [first]}, seen=mended.revision))
+    new = sent(api, Documents.put("sequence", "old", {"steps": [first]}, seen=mended.revision))
     assert new.status_code == 422
 
 
@@ -278,6 +277,6 @@ def test_sequences_outlive_the_server(tmp_path) -> None:
             if run == 0:
                 made = written(api, "kept", PALLET)
             else:
-                assert done(api, docs.get_document("sequence", "kept")) == made
-                assert sent(api, docs.remove_document("sequence", "kept", seen=made.revision)).status_code == 204
+                assert done(api, Documents.get("sequence", "kept")) == made
+                assert sent(api, Documents.remove("sequence", "kept", seen=made.revision)).status_code == 204
                 assert api.get("/documents/sequence/kept").status_code == 404

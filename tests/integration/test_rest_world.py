@@ -24,9 +24,9 @@ from skiros_py.api.world import (
     SetOperation,
     TransactionOrder,
 )
-from skiros_py.client.calls import elements, ontology, world
 from skiros_py.client.client import Client
 from skiros_py.client.request import ProblemError
+from skiros_py.client.topics import Elements, Learned, Locks, Ontology, Queries, World
 from skiros_py.world.change import Writer
 from skiros_py.world.journal import Journal
 from skiros_py.world.vocabulary import APPLIES_TO, GRASP_WIDTH, TAUGHT_GRASP
@@ -641,40 +641,38 @@ def test_changes_that_were_forgotten_are_told_to_be_so(tmp_path: Path) -> None:
 def test_the_client_speaks_of_all_this(served: Served) -> None:
     with Client(served.url) as client:
         new = NewElement(class_="kitting:Starter", placement=Placement(relation="sk:in", place="pallet_a"))
-        one = client.send(elements.add_element(new))
+        one = client.send(Elements.add(new))
         pose = GivenPose(position=(0.0, 0.1, 0.0), frame="pallet_a")
         patch = ElementPatch(label="by the client", properties={"sk:pose": pose})
-        changed = client.send(elements.change_element(one.id, patch, version=one.version))
-        page = client.send(elements.list_elements(label="by the client"))
-        stated = client.send(elements.state_relation(one.id, "sk:in", "pallet_b", version=changed.version))
+        changed = client.send(Elements.edit(one.id, patch, version=one.version))
+        page = client.send(Elements.list(label="by the client"))
+        stated = client.send(Elements.relate(one.id, "sk:in", "pallet_b", version=changed.version))
         operation = SetOperation(op="set", element=one.id, property="rdfs:label", value="in a transaction")
         order = TransactionOrder(reason="all", operations=[operation])
-        together = client.send(world.write_transaction(order, version=stated.version))
-        undone = client.send(world.undo_edit(together.version))
-        gone = client.send(elements.remove_element(one.id, reason="done"))
+        together = client.send(World.write(order, version=stated.version))
+        undone = client.send(World.undo(together.version))
+        gone = client.send(Elements.remove(one.id, reason="done"))
 
         assert changed.properties["sk:pose"].value["frame"] == "pallet_a"
         assert [found.id for found in page.items] == [one.id]
-        assert client.send(elements.read_element("starter_1", computed=["sk:graspableBy"])).computed
-        assert client.send(elements.list_relations("starter_1", relation="sk:in")).items
-        assert client.send(elements.read_element_history(one.id)).items[0].number == gone.version
-        assert (undone.undoes, client.send(world.read_change(undone.number)).undoes) == (together.version,) * 2
-        assert client.send(world.read_world()).version == gone.version
-        assert client.send(world.list_changes(gone.version - 1)).items[0].reason == "done"
-        assert client.send(world.read_tree("kit_1", depth=1)).children_total == 4
-        assert client.send(ontology.read_classes("kitting:Part", depth=1)).children
-        assert client.send(ontology.read_class("kitting:Kit")).instances >= 1
-        assert client.send(ontology.list_ontology_relations(limit=1)).next
-        assert client.send(ontology.list_ontology_properties(limit=1)).next
-        assert client.send(ontology.read_placements(element="starter_1", relation="sk:in")).options
-        assert [lock.element for lock in client.send(world.lock_elements(LockOrder(elements=["kit_1"]))).items] == [
-            "kit_1"
-        ]
-        assert [lock.owner for lock in client.send(world.list_locks()).items] == ["local"]
-        assert client.send(world.end_locks(["kit_1"])).items == []
-        assert client.send(world.list_learned()).next is None
-        assert "owl:Ontology" in client.send(world.export_learned())
-        answer = client.send(world.ask_question(Query(query="ASK { scene:kit_1 a kitting:Kit }")))
+        assert client.send(Elements.get("starter_1", computed=["sk:graspableBy"])).computed
+        assert client.send(Elements.relations("starter_1", relation="sk:in")).items
+        assert client.send(Elements.history(one.id)).items[0].number == gone.version
+        assert (undone.undoes, client.send(World.change(undone.number)).undoes) == (together.version,) * 2
+        assert client.send(World.get()).version == gone.version
+        assert client.send(World.changes(gone.version - 1)).items[0].reason == "done"
+        assert client.send(World.tree("kit_1", depth=1)).children_total == 4
+        assert client.send(Ontology.classes("kitting:Part", depth=1)).children
+        assert client.send(Ontology.get("kitting:Kit")).instances >= 1
+        assert client.send(Ontology.relations(limit=1)).next
+        assert client.send(Ontology.properties(limit=1)).next
+        assert client.send(Ontology.placements(element="starter_1", relation="sk:in")).options
+        assert [lock.element for lock in client.send(Locks.lock(LockOrder(elements=["kit_1"]))).items] == ["kit_1"]
+        assert [lock.owner for lock in client.send(Locks.list()).items] == ["local"]
+        assert client.send(Locks.end(["kit_1"])).items == []
+        assert client.send(Learned.list()).next is None
+        assert "owl:Ontology" in client.send(Learned.export())
+        answer = client.send(Queries.ask(Query(query="ASK { scene:kit_1 a kitting:Kit }")))
         assert answer == AskAnswer(form="ASK", answer=True)
         with pytest.raises(ProblemError, match="unknown element"):
-            client.send(elements.read_element("nobody"))
+            client.send(Elements.get("nobody"))

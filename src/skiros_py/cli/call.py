@@ -19,7 +19,7 @@ from skiros_py.cli.reaching import reach
 from skiros_py.errors import FileError, UnknownName, UsageError
 
 if TYPE_CHECKING:
-    from skiros_py.client.request import Method
+    from skiros_py.client.operation import Operation
 
 
 @click.command("call", epilog="Example: skiros call scenes.load name=kitting --data cell")
@@ -53,37 +53,37 @@ def command(
     return REACHED
 
 
-def operations() -> Iterator[tuple[str, Method[..., Any]]]:
+def operations() -> Iterator[tuple[str, Operation[..., Any]]]:
     """Yields the operations of the client, by name ("scenes.load")."""
-    from skiros_py.client.request import Method
+    from skiros_py.client.operation import Operation
     from skiros_py.client.topics import Topics
 
     for topic, part in vars(Topics[Any](None)).items():
         for name, method in vars(type(part)).items():
-            if isinstance(method, Method):
+            if isinstance(method, Operation):
                 yield f"{topic}.{name}", method
 
 
-def _parameters(method: Method[..., Any]) -> str:
-    parameters = inspect.signature(method.make).parameters.values()
+def _parameters(method: Operation[..., Any]) -> str:
+    parameters = method.signature.parameters.values()
     return "".join(f" {p.name}=…" if p.default is p.empty else f" [{p.name}=…]" for p in parameters)
 
 
-def _call(method: Method[..., Any], texts: Sequence[str]) -> Any:
+def _call(method: Operation[..., Any], texts: Sequence[str]) -> Any:
     """Returns the call of an operation with arguments given as texts.
 
     Raises:
         UsageError: An argument is unknown, missing or invalid.
         FileError: The file of an argument cannot be read.
     """
-    parameters = inspect.signature(method.make, eval_str=True).parameters
+    parameters = method.signature.parameters
     given = key_values("call", texts, "name=kitting")
     if unknown := next((name for name in given if name not in parameters), None):
         raise UnknownName("argument", unknown, parameters)
     values = {name: _value(text, parameters[name]) for name, text in given.items()}
     several = [one for p in parameters.values() if p.kind is p.VAR_POSITIONAL for one in values.pop(p.name, ())]
     try:
-        return method.make(*several, **values)
+        return method(*several, **values)
     except TypeError as error:
         raise UsageError(f"{error}; needed:{_parameters(method)}") from None
 

@@ -25,8 +25,8 @@ from skiros_py.cli.reaching import reach
 
 if TYPE_CHECKING:
     from skiros_py.client import Client
-    from skiros_py.client.request import Sender
-    from skiros_py.client.topics import Jobs as Topic
+    from skiros_py.client.operation import Sender
+    from skiros_py.client.topics.work import Jobs as Topic
 
     Jobs = Topic[Sender] | JobFiles
 

@@ -138,7 +138,7 @@ def follow_job(client: Client, name: str) -> Found:
     from rich.console import Console
 
     from skiros_py.api.events import EventInfo
-    from skiros_py.client.calls.events import stream_job_events
+    from skiros_py.client.streams import stream_job_events
 
     console = Console(file=sys.stdout, highlight=False)
     said = ""

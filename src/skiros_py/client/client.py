@@ -13,9 +13,10 @@ import httpx2
 from pydantic import ValidationError
 
 from skiros_py.api.server import SERVER_FILE, LocalServer
-from skiros_py.client.request import AsyncSender, Call, Outcome, Patience, Sender, arguments_of, result_of, settings_for
+from skiros_py.client.operation import AsyncSender, C, Sender
+from skiros_py.client.request import Call, Outcome, Patience, arguments_of, result_of, settings_for
 from skiros_py.client.streams import Stream, follow, follow_later
-from skiros_py.client.topics import C, Topics
+from skiros_py.client.topics import Topics
 from skiros_py.errors import FileError
 
 _LONGEST = 4096
@@ -243,7 +244,7 @@ class Client(AnyClient[Sender]):
         """Yields events, across broken connections and server restarts; leave the loop to stop.
 
         Args:
-            stream: What to follow, from :mod:`skiros_py.client.calls.events`.
+            stream: What to follow, from :mod:`skiros_py.client.streams`.
             after: Id of the last event seen; None for events from now on (for a job: all that are kept).
             patience: How long the server may stay silent before this gives up [s].
 

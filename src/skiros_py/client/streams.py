@@ -5,14 +5,16 @@ from __future__ import annotations
 import asyncio
 import random
 import time
-from collections.abc import AsyncIterator, Callable, Iterator, Mapping
+from collections.abc import AsyncIterator, Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
 import httpx2
 from httpx2 import ServerSentEvent
 
-from skiros_py.client.request import Unreachable, problem_of
+from skiros_py.api.events import EventInfo, EventKind, ResetInfo
+from skiros_py.api.view import StationState
+from skiros_py.client.request import Unreachable, path_of, problem_of
 
 T = TypeVar("T")
 
@@ -26,7 +28,7 @@ _LATER = (429, 502, 503, 504)
 
 @dataclass(frozen=True, slots=True)
 class Stream(Generic[T]):
-    """An event stream as a value: made by :mod:`skiros_py.client.calls.events`.
+    """An event stream as a value, to be followed.
 
     Attributes:
         path: Path below ``/api/v1``, already quoted.
@@ -37,6 +39,40 @@ class Stream(Generic[T]):
     path: str
     read: Callable[[ServerSentEvent], T]
     query: Mapping[str, Any] = field(default_factory=dict)
+
+
+def stream_events(
+    *, kinds: Sequence[EventKind] = (), types: Sequence[str] = (), job: str = "", element: str = ""
+) -> Stream[EventInfo | ResetInfo]:
+    """Streams events.
+
+    Args:
+        kinds: Only events of these kinds; empty for all.
+        types: Only events of these types; empty for all.
+        job: Only events of this job.
+        element: Only events that affect this element of the world.
+    """
+    return Stream("/events", _event, {"kind": list(kinds), "type": list(types), "job": job, "element": element})
+
+
+def stream_job_events(job: str) -> Stream[EventInfo | ResetInfo]:
+    """Streams the events of a job, starting with those already recorded."""
+    return Stream(path_of("jobs", job, "events"), _event)
+
+
+def stream_state(rate: float = 10.0) -> Stream[StationState]:
+    """Streams the robots' state.
+
+    Args:
+        rate: How often at most [Hz]; up to 20.
+    """
+    return Stream("/robots/state/stream", lambda event: StationState.model_validate_json(event.data), {"rate": rate})
+
+
+def _event(event: ServerSentEvent) -> EventInfo | ResetInfo:
+    if event.event == "reset":
+        return ResetInfo.model_validate_json(event.data)
+    return EventInfo.model_validate_json(event.data)
 
 
 def follow(http: httpx2.Client, stream: Stream[T], *, after: str | None = None, patience: float = 60.0) -> Iterator[T]:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import httpx2
 import pytest
 
 from skiros_py.client import ProblemError, Unreachable
-from skiros_py.client.request import Call, arguments_of, plain, result_of, settings_for
+from skiros_py.client.request import Call, arguments_of, result_of, settings_for
 from skiros_py.errors import SkirosError, UsageError
 
-GET = Call("GET", "/jobs/a", plain)
+GET = Call("GET", "/jobs/a", Any)
 URL = "http://127.0.0.1:8000"
 
 
@@ -44,19 +46,19 @@ def test_a_proxy_does_not_come_between_programs_of_one_machine(url: str, proxies
 
 
 def test_dots_are_ids_and_no_directions() -> None:
-    assert arguments_of(Call("GET", "/jobs/../plan", plain))["url"] == "/jobs/%2E%2E/plan"
+    assert arguments_of(Call("GET", "/jobs/../plan", Any))["url"] == "/jobs/%2E%2E/plan"
 
 
 def test_what_is_none_is_left_out() -> None:
-    arguments = arguments_of(Call("GET", "/jobs", plain, query={"a": None, "b": 1}, headers={"If-Match": None}))
+    arguments = arguments_of(Call("GET", "/jobs", Any, query={"a": None, "b": 1}, headers={"If-Match": None}))
 
     assert arguments["params"] == {"b": 1}
     assert arguments["headers"] == {}
 
 
 def test_what_is_posted_again_has_a_key_by_which_the_server_knows_it() -> None:
-    assert arguments_of(Call("POST", "/jobs", plain))["headers"]["Idempotency-Key"]
-    assert "Idempotency-Key" not in arguments_of(Call("POST", "/jobs", plain, repeatable=False))["headers"]
+    assert arguments_of(Call("POST", "/jobs", Any))["headers"]["Idempotency-Key"]
+    assert "Idempotency-Key" not in arguments_of(Call("POST", "/jobs", Any, repeatable=False))["headers"]
 
 
 def test_a_problem_is_told_in_its_own_words() -> None:

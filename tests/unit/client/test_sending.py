@@ -7,15 +7,16 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from typing import Any
 
 import pytest
 
 from skiros_py.client import AsyncClient, Client, ProblemError, Unreachable
-from skiros_py.client.request import Call, plain
+from skiros_py.client.request import Call
 
-READ = Call("GET", "/jobs", plain)
-ORDER = Call("POST", "/jobs", plain, json={"goal": "x"})
-ONCE = Call("POST", "/jog", plain, repeatable=False)
+READ = Call("GET", "/jobs", Any)
+ORDER = Call("POST", "/jobs", Any, json={"goal": "x"})
+ONCE = Call("POST", "/jog", Any, repeatable=False)
 
 
 class Unreliable(ThreadingHTTPServer):
