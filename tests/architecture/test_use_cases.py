@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import ast
 import inspect
+import re
 import textwrap
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import pytest
 from fastapi.routing import APIRoute, iter_route_contexts
+from pydantic import BaseModel
 
 from skiros_py.cli.call import operations
 from skiros_py.server.app import create_app
@@ -90,8 +93,30 @@ def test_each_use_case_that_a_route_calls_is_a_public_method_of_the_station(tmp_
             assert not method.startswith("_")
 
 
-def test_each_route_is_an_operation_of_the_client_and_of_skiros_call(tmp_path: Path) -> None:
-    names = {route.endpoint.__name__ for route in routes(tmp_path)}
-    called = {method.make.__name__ for _, method in operations()}
+def requests() -> Iterator[tuple[str, str]]:
+    """Yields method and path of a call of each operation of the client."""
+    for _, operation in operations():
+        needed = [p for p in operation.signature.parameters.values() if p.default is p.empty]
+        call = operation(**{p.name: argument(p) for p in needed if p.kind is not p.VAR_POSITIONAL})
+        yield call.method, f"/api/v1{call.path}"
 
-    assert names - called == FOLLOWED | MONITORING
+
+def argument(parameter: inspect.Parameter) -> Any:
+    kind = parameter.annotation
+    if isinstance(kind, type) and issubclass(kind, BaseModel):
+        return kind.model_construct()
+    return {int: 1, float: 1.0, Sequence[float]: (0.0, 0.0, 0.0)}.get(kind, "x")
+
+
+def test_each_route_is_an_operation_of_the_client_and_of_skiros_call(tmp_path: Path) -> None:
+    app = create_app(Services(lambda: pytest.fail("is not opened"), tmp_path, ServerSettings()))
+    asked = set(requests())
+
+    names = set()
+    for context in iter_route_contexts(app.routes):
+        if isinstance(context.original_route, APIRoute) and context.original_route.include_in_schema:
+            path = re.sub(r"\{[^}]+\}", "[^/]+", context.path_format or "")
+            if not any(method in (context.methods or ()) and re.fullmatch(path, own) for method, own in asked):
+                names.add(context.original_route.endpoint.__name__)
+
+    assert names == FOLLOWED | MONITORING

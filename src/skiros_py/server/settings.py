@@ -81,7 +81,7 @@ class ServerSettings:
 
 def is_loopback(host: str) -> bool:
     """Returns whether an address can be reached only by programs on this machine."""
-    return host == "localhost" or (_is_address(host) and ipaddress.ip_address(host).is_loopback)
+    return host == "localhost" or (is_address(host) and ipaddress.ip_address(host).is_loopback)
 
 
 def _check(option: str, values: tuple[str, ...], fits: Callable[[str], bool], right: str) -> None:
@@ -95,7 +95,7 @@ def _is_host(text: str) -> bool:
 
 
 def _is_bare_host(text: str) -> bool:
-    return _NAME.fullmatch(text) is not None or _is_address(text)
+    return _NAME.fullmatch(text) is not None or is_address(text)
 
 
 def _is_host_with_port(text: str) -> bool:
@@ -114,7 +114,8 @@ def _is_port(text: str) -> bool:
     return re.fullmatch(r"[1-9]\d{0,4}", text) is not None and int(text) <= _HIGHEST_PORT
 
 
-def _is_address(text: str) -> bool:
+def is_address(text: str) -> bool:
+    """Returns whether a text is an IP address."""
     try:
         ipaddress.ip_address(text)
     except ValueError:

@@ -11,16 +11,17 @@ from collections import Counter
 from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
-from typing import Any
+from typing import Literal
 
 from fastapi.responses import StreamingResponse
 from fastapi.sse import format_sse_event
 from starlette.types import Receive, Scope, Send
 
+from skiros_py.api.events import ResetInfo
 from skiros_py.errors import Busy
 from skiros_py.server.access.roles import Caller
 from skiros_py.station.events.live import LiveState
-from skiros_py.station.events.log import Event, EventLog, Kind, as_text
+from skiros_py.station.events.log import Event, EventLog, Kind
 
 _PLACE = re.compile(r"([0-9a-f]{8})-(\d{1,18})", re.ASCII)
 
@@ -28,36 +29,12 @@ _READ = ("/api/v1/jobs", "/api/v1/world", "/api/v1/tasks", "/api/v1/alarms", "/a
 """The routes at which the present state of the subjects of events can be read."""
 
 
-@dataclass(frozen=True, slots=True)
-class Reset:
-    """A gap that cannot be filled: the client must read everything again and continue from here.
-
-    Attributes:
-        code: The reason, for programs: "restarted", "unknown", "future" or "gone".
-        why: The reason, in words.
-        place: Position from which the events continue.
-    """
-
-    code: str
-    why: str
-    place: str
-
-    def as_json(self) -> dict[str, Any]:
-        """Returns plain data."""
-        return {"id": self.place, "kind": "reset", "code": self.code, "why": self.why, "read": list(_READ)}
-
-    @property
-    def text(self) -> str:
-        """The gap as JSON, in one line."""
-        return as_text(self.as_json())
-
-
 def position_text(log: EventLog, number: int) -> str:
     """Returns the id of an event, which a client sends to continue after it."""
     return f"{log.epoch}-{number}"
 
 
-def find_position(log: EventLog, given: str) -> int | Reset:
+def find_position(log: EventLog, given: str) -> int | ResetInfo:
     """Returns the position of a client from the id of its last event.
 
     Args:
@@ -78,7 +55,7 @@ def find_position(log: EventLog, given: str) -> int | Reset:
     return missed(log, number) or number
 
 
-def missed(log: EventLog, number: int) -> Reset | None:
+def missed(log: EventLog, number: int) -> ResetInfo | None:
     """Returns the gap after the last event that a client has seen; None if the next event is still kept."""
     first = log.first
     if number + 1 >= first:
@@ -86,8 +63,8 @@ def missed(log: EventLog, number: int) -> Reset | None:
     return _reset(log, "gone", f"the events {number + 1} to {first - 1} are not kept any more")
 
 
-def _reset(log: EventLog, code: str, why: str) -> Reset:
-    return Reset(code, why, position_text(log, log.last))
+def _reset(log: EventLog, code: Literal["restarted", "unknown", "future", "gone"], why: str) -> ResetInfo:
+    return ResetInfo(id=position_text(log, log.last), code=code, why=why, read=_READ)
 
 
 @dataclass(frozen=True, slots=True)
@@ -327,7 +304,7 @@ class Streams:
         place = (
             self.log.last if after is None else self.log.first - 1 if after == "" else find_position(self.log, after)
         )
-        if isinstance(place, Reset):
+        if isinstance(place, ResetInfo):
             number = self.log.last
             return number, _streams_reset(place)
         return place, format_sse_event(comment="events follow", id=position_text(self.log, place), retry=_AGAIN)
@@ -375,8 +352,8 @@ class Streams:
             awake.set()
 
 
-def _streams_reset(gap: Reset) -> bytes:
-    return format_sse_event(data_str=gap.text, event="reset", id=gap.place, retry=_AGAIN)
+def _streams_reset(gap: ResetInfo) -> bytes:
+    return format_sse_event(data_str=gap.model_dump_json(), event="reset", id=gap.id, retry=_AGAIN)
 
 
 def _still_here(place: str) -> bytes:

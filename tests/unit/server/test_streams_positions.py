@@ -4,7 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from skiros_py.server.streams import Reset, find_position, missed, position_text
+from skiros_py.api.events import ResetInfo
+from skiros_py.server.streams import find_position, missed, position_text
 from skiros_py.station.events.log import EventLog, Kind
 
 
@@ -37,18 +38,18 @@ def test_a_place_whose_next_event_is_kept_is_found(log, number):
 )
 def test_any_other_is_a_reset_that_says_why_and_where_it_goes_on(log, given, code):
     gap = find_position(log, given.format(epoch=log.epoch))
-    assert isinstance(gap, Reset)
-    assert (gap.code, gap.place) == (code, position_text(log, 30))
+    assert isinstance(gap, ResetInfo)
+    assert (gap.code, gap.id) == (code, position_text(log, 30))
     assert len(gap.why) < 200
 
 
 @given(text=st.text())
 def test_no_text_at_all_breaks_it(text):
-    assert isinstance(find_position(EventLog(1), text), Reset)
+    assert isinstance(find_position(EventLog(1), text), ResetInfo)
 
 
 def test_a_reset_lists_the_resources_to_read_again(log):
     gap = missed(log, 3)
     assert gap is not None
     assert gap.why == "the events 4 to 20 are not kept any more"
-    assert "/api/v1/jobs" in gap.as_json()["read"]
+    assert "/api/v1/jobs" in gap.read

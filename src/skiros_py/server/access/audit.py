@@ -6,11 +6,12 @@ import json
 import logging
 import threading
 from collections import deque
-from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
 
 from fastapi import Request
 
+from skiros_py.api.server import AuditRecord
 from skiros_py.database import Database
 from skiros_py.errors import SkirosError
 
@@ -25,39 +26,6 @@ _PAUSE = 0.5
 """Time during which entries are collected before they are written together [s]."""
 _IDLE = 10.0
 """Period of the additional work, see ``besides`` [s]."""
-
-
-@dataclass(frozen=True, slots=True)
-class AuditEntry:
-    """One request that changed something or was refused; contains neither keys nor bodies.
-
-    Attributes:
-        wall: Time of the request [s since 1970].
-        caller: Name of the caller; empty for unauthenticated callers.
-        role: Role of the caller; empty for unauthenticated callers.
-        key: Id of the caller's key; empty if none was needed.
-        address: The address from which it came.
-        method: HTTP method.
-        path: Path of the request.
-        operation: Id of the operation; empty if the request was not routed.
-        status: HTTP status of the answer.
-        request: Id of the request, the same as in the logs.
-        job: Id of the job that the request concerned; empty if none.
-        comment: Comment by the caller.
-    """
-
-    wall: float
-    caller: str
-    role: str
-    key: str
-    address: str
-    method: str
-    path: str
-    operation: str
-    status: int
-    request: str
-    job: str = ""
-    comment: str = ""
 
 
 def note(request: Request, *, job: str = "", comment: str = "") -> None:
@@ -82,7 +50,7 @@ class AuditLog:
     def __init__(self, database: Database, besides: Callable[[Database], None] = lambda _database: None) -> None:
         self._database = database
         self._besides = besides
-        self._entries: deque[AuditEntry] = deque(maxlen=_WAITING)
+        self._entries: deque[Mapping[str, Any]] = deque(maxlen=_WAITING)
         self._writing = threading.Lock()
         self._asked = threading.Event()
         self._ending = threading.Event()
@@ -92,13 +60,18 @@ class AuditLog:
         """Starts the thread."""
         self._thread.start()
 
-    def append(self, entry: AuditEntry) -> None:
-        """Queues an entry for writing; does not block; callable from any thread."""
+    def append(self, entry: Mapping[str, Any]) -> None:
+        """Queues an entry for writing; does not block; callable from any thread.
+
+        Args:
+            entry: The fields of an :class:`~skiros_py.api.server.AuditRecord`, with its time as ``wall`` [s since
+                1970]; contains neither keys nor bodies.
+        """
         self._entries.append(entry)
         self._asked.set()
 
-    def page(self, before: int | None = None, limit: int = 100) -> tuple[tuple[int, AuditEntry], ...]:
-        """Returns entries with their numbers, newest first.
+    def page(self, before: int | None = None, limit: int = 100) -> list[AuditRecord]:
+        """Returns entries, newest first.
 
         Args:
             before: Return only entries with smaller numbers.
@@ -109,7 +82,8 @@ class AuditLog:
         rows = self._database.rows(
             "SELECT number, data FROM audit WHERE number < ? ORDER BY number DESC LIMIT ?", (end, limit)
         )
-        return tuple((number, AuditEntry(**json.loads(data))) for number, data in rows)
+        read = ((number, json.loads(data)) for number, data in rows)
+        return [AuditRecord(number=number, at=entry.pop("wall"), **entry) for number, entry in read]
 
     def close(self) -> None:
         """Writes the queued entries and closes the file; may be called twice."""
@@ -141,8 +115,8 @@ class AuditLog:
             while batch := [self._entries.popleft() for _ in range(min(_BATCH, len(self._entries)))]:
                 self._insert(batch)
 
-    def _insert(self, batch: list[AuditEntry]) -> None:
-        rows = [(json.dumps(asdict(entry)),) for entry in batch]
+    def _insert(self, batch: Iterable[Mapping[str, Any]]) -> None:
+        rows = [(json.dumps(entry),) for entry in batch]
         with self._database.transaction() as connection:
             connection.executemany("INSERT INTO audit (data) VALUES (?)", rows)
             connection.execute("DELETE FROM audit WHERE number <= (SELECT max(number) FROM audit) - ?", (_KEPT,))

@@ -3,29 +3,29 @@
 from __future__ import annotations
 
 import asyncio
-import ipaddress
 import json
 import logging
 import re
 import secrets
 import time
 from collections.abc import Iterable
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import Request
 from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from skiros_py.server.access.audit import AuditEntry, AuditLog
-from skiros_py.server.access.authenticator import Authenticator
 from skiros_py.server.access.keys import without_keys
 from skiros_py.server.access.limits import Load, Rates, network_of
 from skiros_py.server.access.roles import Caller, Role
 from skiros_py.server.monitoring import request_id
 from skiros_py.server.pages import is_page
 from skiros_py.server.problems import Problem, problem_response
-from skiros_py.server.settings import ServerSettings
+from skiros_py.server.settings import ServerSettings, is_address
+
+if TYPE_CHECKING:
+    from skiros_py.server.services import Services
 
 _DEEPEST = 64
 """Maximum nesting depth of lists and objects."""
@@ -204,7 +204,7 @@ class OriginPolicy:
         match = _HOST.fullmatch(", ".join(headers.getlist("host")))  # two of them are not a valid name
         name = match[1].strip("[]").lower() if match else ""
         # An IP address cannot be made to resolve elsewhere, so any is accepted if the server listens on all of them.
-        if name not in self._names and not (self._any_address and _is_address(name)):
+        if name not in self._names and not (self._any_address and is_address(name)):
             raise Problem(
                 403,
                 "HostRefused",
@@ -253,14 +253,6 @@ class OriginPolicy:
         return {**self.answer(headers), **more, "Access-Control-Max-Age": "600"}
 
 
-def _is_address(name: str) -> bool:
-    try:
-        ipaddress.ip_address(name)
-    except ValueError:
-        return False
-    return True
-
-
 _log = logging.getLogger(__name__)
 
 _API = "/api/v1"
@@ -292,35 +284,16 @@ _HEADERS = {
 """Headers of answers for browsers, unless the route sets others."""
 
 
-class Guarded(Protocol):
-    """The parts of the server that the gate needs; some of them exist only after the server was started."""
-
-    @property
-    def settings(self) -> ServerSettings:
-        """Settings of the server."""
-        ...
-
-    @property
-    def authenticator(self) -> Authenticator:
-        """Identifies the caller of a request."""
-        ...
-
-    @property
-    def audit(self) -> AuditLog:
-        """The log of changes and refusals."""
-        ...
-
-
 class Gate:
     """ASGI middleware that refuses requests without permission.
 
     Args:
         app: The application behind the gate.
-        services: The server that it guards.
+        services: The server that it guards; some of its services exist only after it was started.
         pages: Application that serves the web pages, which contain no data and need no key; None for none.
     """
 
-    def __init__(self, app: ASGIApp, services: Guarded, pages: ASGIApp | None = None) -> None:
+    def __init__(self, app: ASGIApp, services: Services, pages: ASGIApp | None = None) -> None:
         self._app = app
         self._pages = pages
         self._services = services
@@ -410,7 +383,7 @@ _REFUSED = frozenset({400, 401, 403, 429})
 class _Answer:
     """Sends an answer: adds the common headers, and ends a stream whose reader has lost permission."""
 
-    def __init__(self, send: Send, request: Request, more: dict[str, str], services: Guarded) -> None:
+    def __init__(self, send: Send, request: Request, more: dict[str, str], services: Services) -> None:
         self.status = 0
         self.revoked = False
         self._send = send
@@ -476,23 +449,23 @@ def _broken(request: str) -> Problem:
     return Problem(500, "Fault", f"something broke inside the server; its log has it as request {request}")
 
 
-def _entry(request: Request, status: int) -> AuditEntry:
+def _entry(request: Request, status: int) -> dict[str, Any]:
     scope, caller = request.scope, request.state.caller
     said = getattr(request.state, "audit", {})
     path = scope["path"]
     job = said.get("job") or (str(scope.get("path_params", {}).get("id", "")) if f"{_API}/jobs/" in path else "")
     stranger = caller is _NOBODY
-    return AuditEntry(
-        wall=time.time(),
-        caller=caller.name,
-        role="" if stranger else caller.role.value,
-        key=caller.key,
-        address=_address(scope),
-        method=request.method[:20],
-        path=without_keys(path)[:500],
-        operation=getattr(scope.get("endpoint"), "__name__", ""),
-        status=status,
-        request=request.state.id,
-        job=job[:200],
-        comment=said.get("comment", ""),
-    )
+    return {
+        "wall": time.time(),
+        "caller": caller.name,
+        "role": "" if stranger else caller.role.value,
+        "key": caller.key,
+        "address": _address(scope),
+        "method": request.method[:20],
+        "path": without_keys(path)[:500],
+        "operation": getattr(scope.get("endpoint"), "__name__", ""),
+        "status": status,
+        "request": request.state.id,
+        "job": job[:200],
+        "comment": said.get("comment", ""),
+    }

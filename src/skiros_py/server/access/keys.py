@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import Any
 
 from skiros_py.api.server import ApiKey
-from skiros_py.api.wire import moment
 from skiros_py.database import Database, Schema
 from skiros_py.errors import Busy, UnknownName, UsageError, WrongState
 from skiros_py.server.access.roles import LOCAL, Role
@@ -97,19 +96,7 @@ class Key:
 
 def shown(key: Key) -> ApiKey:
     """Returns a key as the API shows it."""
-    return ApiKey.model_validate(
-        {
-            "id": key.id,
-            "name": key.name,
-            "role": key.role.value,
-            "shown": f"sk_{key.id}_…{key.ending}",
-            "created": moment(key.created),
-            "expires": moment(key.expires),
-            "revoked": moment(key.revoked),
-            "used": moment(key.used),
-            "valid": key.valid,
-        }
-    )
+    return ApiKey.view_of(key, role=key.role.value, shown=f"sk_{key.id}_…{key.ending}")
 
 
 class KeyStore:

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from typing import Annotated, Literal, TypedDict
 
 from fastapi import APIRouter, Path, Query, Request, Response
 
-from skiros_py.api.server import ApiKey, AuditPage, AuditRecord, KeyOrder, Login, Me, NewKey
-from skiros_py.api.wire import moment
-from skiros_py.server.access.audit import AuditEntry
+from skiros_py.api.server import ApiKey, AuditPage, KeyOrder, Login, Me, NewKey
 from skiros_py.server.access.authenticator import LIFETIME, cookie_name
 from skiros_py.server.access.keys import shown
 from skiros_py.server.access.openapi import operations
@@ -33,12 +30,7 @@ def list_audit(services: ServicesDep, limit: Limit = 100, cursor: Cursor = None)
     Keys and bodies are never recorded. At most 30 refusals per minute are recorded for one address.
     """
     entries = services.audit.page(int(cursor) if cursor is not None else None, limit)
-    next_ = str(entries[-1][0]) if len(entries) == limit else None
-    return AuditPage(items=[_record(number, entry) for number, entry in entries], next=next_)
-
-
-def _record(number: int, entry: AuditEntry) -> AuditRecord:
-    return AuditRecord.model_validate({"number": number, "at": moment(entry.wall), **asdict(entry)})
+    return AuditPage(items=entries, next=str(entries[-1].number) if len(entries) == limit else None)
 
 
 keys_router = APIRouter(prefix="/keys", tags=["access"])

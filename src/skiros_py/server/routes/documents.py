@@ -14,7 +14,12 @@ from skiros_py.server.services import StationDep
 router = APIRouter(tags=["documents"])
 
 KindName = Annotated[str, Path(min_length=1, max_length=100, description="Kind of the document.", examples=["tree"])]
-Id = Annotated[str, Path(min_length=1, max_length=200, description="Id of the document.", examples=["tidy up"])]
+Id = Annotated[
+    str, Path(alias="id", min_length=1, max_length=200, examples=["tidy up"], description="Id of the document.")
+]
+FormatQuery = Annotated[
+    str | None, Query(alias="format", max_length=100, description="One of the formats of its kind.")
+]
 _WRITTEN = NEEDS_VERSION | tagged() | {201: {"model": DocumentInfo, "description": "It is new.", **tagged(201)[201]}}
 
 
@@ -52,31 +57,26 @@ def list_documents(kind: KindName, station: StationDep) -> Documents:
 
 
 @router.get("/documents/{kind}/{id}", dependencies=_READ, responses=tagged())
-def get_document(kind: KindName, id: Id, station: StationDep, response: Response) -> DocumentInfo:  # noqa: A002
+def get_document(kind: KindName, document: Id, station: StationDep, response: Response) -> DocumentInfo:
     """Read a document.
 
     Returns a document, with what would not work in the present world. Most kinds run as the module `{kind}:{id}`.
     """
-    return _tagged(station.documents.get(kind, id), response)
+    return _tagged(station.documents.get(kind, document), response)
 
 
 @router.get("/documents/{kind}/{id}/revisions", dependencies=[needs(Role.VIEWER)])
-def list_document_revisions(kind: KindName, id: Id, station: StationDep) -> Documents:  # noqa: A002
+def list_document_revisions(kind: KindName, document: Id, station: StationDep) -> Documents:
     """List revisions.
 
     Lists the kept revisions of a document, oldest first; also of one that was removed.
     """
-    return station.documents.revisions(kind, id)
+    return station.documents.revisions(kind, document)
 
 
 @router.put("/documents/{kind}/{id}", dependencies=[needs(Role.OPERATOR)], responses=_WRITTEN)
 def put_document(
-    kind: KindName,
-    id: Id,  # noqa: A002
-    content: DocumentContent,
-    station: StationDep,
-    seen: SeenDep,
-    response: Response,
+    kind: KindName, document: Id, content: DocumentContent, station: StationDep, seen: SeenDep, response: Response
 ) -> DocumentInfo:
     """Write a document.
 
@@ -85,16 +85,16 @@ def put_document(
     It is checked first: each fault is answered with its place. Its next run is of this revision; active runs continue,
     and jobs that were ordered with a template do not change.
     """
-    return _written(station.documents.put(kind, id, content.data, seen), response)
+    return _written(station.documents.put(kind, document, content.data, seen), response)
 
 
 @router.delete("/documents/{kind}/{id}", status_code=204, dependencies=[needs(Role.OPERATOR)], responses=NEEDS_VERSION)
-def remove_document(kind: KindName, id: Id, station: StationDep, seen: SeenDep) -> None:  # noqa: A002
+def remove_document(kind: KindName, document: Id, station: StationDep, seen: SeenDep) -> None:
     """Remove a document.
 
     Removes a document; `If-Match` names the revision that was seen. Its active runs continue.
     """
-    station.documents.remove(kind, id, seen)
+    station.documents.remove(kind, document, seen)
 
 
 @router.get(
@@ -105,15 +105,15 @@ def remove_document(kind: KindName, id: Id, station: StationDep, seen: SeenDep) 
 )
 def export_document(
     kind: KindName,
-    id: Id,  # noqa: A002
+    document: Id,
     station: StationDep,
-    format: Annotated[str | None, Query(max_length=100, description="One of the formats of its kind.")] = None,  # noqa: A002
+    format_: FormatQuery = None,
 ) -> Response:
     """Export a document.
 
     Returns a document as text in a format of its kind, by default the first one.
     """
-    text, media_type, revision = station.documents.export(kind, id, format)
+    text, media_type, revision = station.documents.export(kind, document, format_)
     return Response(text, media_type=media_type, headers={"ETag": etag(revision)})
 
 
@@ -132,7 +132,7 @@ async def _text(request: Request) -> str:
 )
 def import_document(
     kind: KindName,
-    id: Id,  # noqa: A002
+    document: Id,
     text: Annotated[str, Depends(_text)],
     request: Request,
     station: StationDep,
@@ -145,7 +145,7 @@ def import_document(
     of the text, or the place in the document; then nothing is written.
     """
     media_type = request.headers.get("content-type", "").partition(";")[0].strip().lower()
-    return _written(station.documents.import_text(kind, id, text, media_type, seen), response)
+    return _written(station.documents.import_text(kind, document, text, media_type, seen), response)
 
 
 def _written(written: tuple[DocumentInfo, bool], response: Response) -> DocumentInfo:

@@ -13,7 +13,7 @@ from skiros_py.api.view import StationState
 from skiros_py.server.access.roles import Caller, CallerDep, Role, needs
 from skiros_py.server.problems import Problem
 from skiros_py.server.services import Services, ServicesDep
-from skiros_py.server.streams import EVERYTHING, Choice, EventStream, Reset, find_position, missed, position_text
+from skiros_py.server.streams import EVERYTHING, Choice, EventStream, find_position, missed, position_text
 from skiros_py.station.events.log import Event, Kind
 
 router = APIRouter(tags=["events"])
@@ -98,14 +98,14 @@ def list_events(
     choice = _choice(caller, kind, type_, job, element)
     log = services.station.events
     place = log.first - 1 if not after else find_position(log, after)
-    if isinstance(place, Reset):
-        return EventPage(items=(), next=place.place, reset=_reset(place))
+    if isinstance(place, ResetInfo):
+        return EventPage(items=(), next=place.id, reset=place)
     events, end = _page(services, place, choice, limit)
     gap = missed(log, place) if after and not events else None
     return EventPage(
         items=tuple(EventInfo.model_validate(json.loads(event.text)) for event in events),
         next=position_text(log, end),
-        reset=_reset(gap) if gap is not None else None,
+        reset=gap,
     )
 
 
@@ -201,7 +201,3 @@ def _page(services: Services, place: int, choice: Choice, limit: int) -> tuple[l
         if len(fitting) == limit:
             break
     return fitting, place
-
-
-def _reset(gap: Reset) -> ResetInfo:
-    return ResetInfo.model_validate(gap.as_json())

@@ -74,7 +74,9 @@ def _tagged(goals: SceneGoals, response: Response) -> SceneGoals:
 previews_router = APIRouter(tags=["previews"])
 
 _NEEDS = [needs(Role.OPERATOR, mes=True)]
-PreviewId = Annotated[str, Path(min_length=1, max_length=20, description="Id of the preview.", examples=["1"])]
+PreviewId = Annotated[
+    str, Path(alias="id", min_length=1, max_length=20, examples=["1"], description="Id of the preview.")
+]
 
 
 @previews_router.post("/previews", status_code=202, dependencies=_NEEDS)
@@ -100,9 +102,7 @@ def list_previews(station: StationDep) -> PreviewPage:
 
 @previews_router.get("/previews/{id}", dependencies=_NEEDS)
 def get_preview(
-    id: PreviewId,  # noqa: A002 - the name in the address
-    station: StationDep,
-    wait: Annotated[float, Query(ge=0.0, le=30.0)] = 0.0,
+    preview: PreviewId, station: StationDep, wait: Annotated[float, Query(ge=0.0, le=30.0)] = 0.0
 ) -> Preview:
     """Get a preview.
 
@@ -111,12 +111,12 @@ def get_preview(
     Parameters:
         wait: Maximum time to wait for the result [s].
     """
-    return station.previews.get(id, wait)
+    return station.previews.get(preview, wait)
 
 
 @previews_router.post("/previews/{id}/repairs/{number}/apply", dependencies=[needs(Role.OPERATOR)])
 def apply_repair(
-    id: PreviewId,  # noqa: A002 - the name in the address
+    preview: PreviewId,
     number: Annotated[int, Path(ge=0, le=1000, examples=[0])],
     station: StationDep,
     caller: CallerDep,
@@ -128,4 +128,4 @@ def apply_repair(
     Parameters:
         number: Number of the repair.
     """
-    return station.previews.apply_repair(id, number, caller.author)
+    return station.previews.apply_repair(preview, number, caller.author)

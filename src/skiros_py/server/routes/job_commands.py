@@ -14,7 +14,9 @@ from skiros_py.server.problems import SeenDep, tagged, with_etag
 from skiros_py.server.services import StationDep
 from skiros_py.station.requests import Author
 
-JobId = Annotated[str, Path(min_length=1, max_length=200, description="Id of the job.", examples=["line-1-kit-4711"])]
+JobId = Annotated[
+    str, Path(alias="id", min_length=1, max_length=200, description="Id of the job.", examples=["line-1-kit-4711"])
+]
 CursorQuery = Annotated[str | None, Query(pattern=r"^\d{1,15}$")]
 NewestFirstQuery = Annotated[bool, Query(description="From the newest job backwards.")]
 
@@ -55,14 +57,14 @@ class _Wish(TypedDict):
 
 
 def _wish(
-    id: JobId,  # noqa: A002 - the name in the address
+    job: JobId,
     request: Request,
     caller: CallerDep,
     expected: ExpectedDep,
     body: Annotated[JobComment, Body(description="Reason; optional.")] = _NO_COMMENT,
 ) -> _Wish:
     """Reads who commands a job and why, and notes it for the audit log: a removed job takes its record along."""
-    note(request, job=id, comment=body.comment)
+    note(request, job=job, comment=body.comment)
     return {"comment": body.comment, "expects": expected, "author": caller.author}
 
 
@@ -71,80 +73,80 @@ WishDep = Annotated[_Wish, Depends(_wish)]
 
 
 @router.post("/jobs/{id}/start", dependencies=_NEEDS)
-def start_job(id: JobId, station: StationDep, wish: WishDep, response: Response) -> AcceptedJob:  # noqa: A002
+def start_job(job: JobId, station: StationDep, wish: WishDep, response: Response) -> AcceptedJob:
     """Allow a job to start.
 
     Allows a job to start when its turn comes.
     """
-    return accepted(station.jobs.command(id, "start", **wish), response)
+    return accepted(station.jobs.command(job, "start", **wish), response)
 
 
 @router.post("/jobs/{id}/revoke-start", dependencies=_NEEDS)
-def revoke_start_of_job(id: JobId, station: StationDep, wish: WishDep, response: Response) -> AcceptedJob:  # noqa: A002
+def revoke_start_of_job(job: JobId, station: StationDep, wish: WishDep, response: Response) -> AcceptedJob:
     """Revoke the permission to start.
 
     Prevents a job from starting until it is allowed to start again.
     """
-    return accepted(station.jobs.command(id, "revoke_start", **wish), response)
+    return accepted(station.jobs.command(job, "revoke_start", **wish), response)
 
 
 @router.post("/jobs/{id}/pause", dependencies=_NEEDS)
-def pause_job(id: JobId, station: StationDep, wish: WishDep, response: Response) -> AcceptedJob:  # noqa: A002
+def pause_job(job: JobId, station: StationDep, wish: WishDep, response: Response) -> AcceptedJob:
     """Pause a job.
 
     Pauses a job: everything that it moves comes to a standstill.
     """
-    return accepted(station.jobs.command(id, "pause", **wish), response)
+    return accepted(station.jobs.command(job, "pause", **wish), response)
 
 
 @router.post("/jobs/{id}/resume", dependencies=_NEEDS)
-def resume_job(id: JobId, station: StationDep, wish: WishDep, response: Response) -> AcceptedJob:  # noqa: A002
+def resume_job(job: JobId, station: StationDep, wish: WishDep, response: Response) -> AcceptedJob:
     """Resume a job.
 
     Resumes a paused job; a job that waits for an answer continues when it is answered.
     """
-    return accepted(station.jobs.command(id, "resume", **wish), response)
+    return accepted(station.jobs.command(job, "resume", **wish), response)
 
 
 @router.post("/jobs/{id}/stop", dependencies=_NEEDS)
-def stop_job(id: JobId, station: StationDep, wish: WishDep, response: Response) -> AcceptedJob:  # noqa: A002
+def stop_job(job: JobId, station: StationDep, wish: WishDep, response: Response) -> AcceptedJob:
     """Stop a job.
 
     Ends a running job in an orderly way; it is over when everything that it moved stands still.
     """
-    return accepted(station.jobs.command(id, "stop", **wish), response)
+    return accepted(station.jobs.command(job, "stop", **wish), response)
 
 
 @router.post("/jobs/{id}/abort", dependencies=_NEEDS)
-def abort_job(id: JobId, station: StationDep, wish: WishDep, response: Response) -> AcceptedJob:  # noqa: A002
+def abort_job(job: JobId, station: StationDep, wish: WishDep, response: Response) -> AcceptedJob:
     """Abort a job.
 
     Ends a job, started or not; it is over when everything that it moved stands still.
     """
-    return accepted(station.jobs.command(id, "abort", **wish), response)
+    return accepted(station.jobs.command(job, "abort", **wish), response)
 
 
 @router.post("/jobs/{id}/cancel", dependencies=_NEEDS)
-def cancel_job(id: JobId, station: StationDep, wish: WishDep, response: Response) -> AcceptedJob:  # noqa: A002
+def cancel_job(job: JobId, station: StationDep, wish: WishDep, response: Response) -> AcceptedJob:
     """Remove a job that has not started.
 
     Removes a job that has not started, and returns its last state.
     """
-    return accepted(station.jobs.command(id, "cancel", **wish), response)
+    return accepted(station.jobs.command(job, "cancel", **wish), response)
 
 
 @router.post("/jobs/{id}/clear", dependencies=_NEEDS)
-def clear_job(id: JobId, station: StationDep, wish: WishDep, response: Response) -> AcceptedJob:  # noqa: A002
+def clear_job(job: JobId, station: StationDep, wish: WishDep, response: Response) -> AcceptedJob:
     """Remove a job that is over.
 
     Confirms that the result was fetched: removes a job that is over, with all its data.
     """
-    return accepted(station.jobs.command(id, "clear", **wish), response)
+    return accepted(station.jobs.command(job, "clear", **wish), response)
 
 
 @router.delete("/jobs/{id}", dependencies=_NEEDS)
 def remove_job(
-    id: JobId,  # noqa: A002 - the name in the address
+    job: JobId,
     request: Request,
     station: StationDep,
     expected: ExpectedDep,
@@ -158,13 +160,13 @@ def remove_job(
     Parameters:
         comment: Reason, for the audit log.
     """
-    note(request, job=id, comment=comment)
-    return accepted(station.jobs.command(id, "remove", expects=expected), response)
+    note(request, job=job, comment=comment)
+    return accepted(station.jobs.command(job, "remove", expects=expected), response)
 
 
 @router.post("/jobs/{id}/answer", dependencies=_NEEDS)
 def answer_job(
-    id: JobId,  # noqa: A002 - the name in the address
+    job: JobId,
     body: JobAnswer,
     request: Request,
     station: StationDep,
@@ -176,5 +178,5 @@ def answer_job(
 
     Answers the question for which a job waits, with one of its `choices`.
     """
-    note(request, job=id, comment=body.answer)
-    return accepted(station.jobs.answer(id, body, expects=expected, author=caller.author), response)
+    note(request, job=job, comment=body.answer)
+    return accepted(station.jobs.answer(job, body, expects=expected, author=caller.author), response)

@@ -37,26 +37,26 @@ _Time = partial(Query, ge=0.0, allow_inf_nan=False)
 
 
 @router.get("/jobs/{id}/response", dependencies=_NEEDS)
-def get_job_response(id: JobId, station: StationDep) -> JobResponse:  # noqa: A002 - the name in the address
+def get_job_response(job: JobId, station: StationDep) -> JobResponse:
     """Get the result of a job (ISA-95 job response).
 
     Returns what was done with which material, by which skills, in which states, and why not if it was not done.
     """
-    return station.jobs.response(id)
+    return station.jobs.response(job)
 
 
 @router.get("/jobs/{id}/plan", dependencies=_NEEDS)
-def get_job_plan(id: JobId, station: StationDep) -> JobPlan:  # noqa: A002 - the name in the address
+def get_job_plan(job: JobId, station: StationDep) -> JobPlan:
     """Get the plan of a job.
 
     Returns the steps of the last plan, with what each waits for; empty if there is none (yet).
     """
-    return station.jobs.plan(id)
+    return station.jobs.plan(job)
 
 
 @router.get("/jobs/{id}/trace", dependencies=_NEEDS)
 def get_job_trace(
-    id: JobId,  # noqa: A002 - the name in the address
+    job: JobId,
     station: StationDep,
     limit: Annotated[int, Query(ge=1, le=1000)] = 100,
     cursor: Annotated[str, Query(pattern=r"^\d{1,15}$")] = "0",
@@ -65,34 +65,34 @@ def get_job_trace(
 
     Lists what happened, as text and as data; for a running job, the last second may be missing.
     """
-    return station.jobs.trace(id, int(cursor), limit)
+    return station.jobs.trace(job, int(cursor), limit)
 
 
 @router.get("/jobs/{id}/report", dependencies=_NEEDS)
-def get_job_report(id: JobId, station: StationDep) -> JobReport:  # noqa: A002 - the name in the address
+def get_job_report(job: JobId, station: StationDep) -> JobReport:
     """Get the report of a job.
 
     Returns the outcome of each condition and of each step, as `skiros run` does.
     """
-    return station.jobs.report(id)
+    return station.jobs.report(job)
 
 
 @router.get("/jobs/{id}/transitions", dependencies=_NEEDS)
-def get_job_transitions(id: JobId, station: StationDep) -> JobTransitions:  # noqa: A002 - the name in the address
+def get_job_transitions(job: JobId, station: StationDep) -> JobTransitions:
     """List the state changes of a job.
 
     Lists the states that a job went through: when, who requested it, and why.
     """
-    return station.jobs.transitions(id)
+    return station.jobs.transitions(job)
 
 
 @router.get("/jobs/{id}/explanation", dependencies=_NEEDS)
-def get_job_explanation(id: JobId, station: StationDep) -> JobExplanation:  # noqa: A002 - the name in the address
+def get_job_explanation(job: JobId, station: StationDep) -> JobExplanation:
     """Explain why there is no plan.
 
     Returns why there is no plan for a job, and what would help; empty if there is one, or planning has not started.
     """
-    return station.jobs.explanation(id)
+    return station.jobs.explanation(job)
 
 
 @router.get(
@@ -102,7 +102,7 @@ def get_job_explanation(id: JobId, station: StationDep) -> JobExplanation:  # no
     responses={200: {"model": Replay, "description": "The job as it was seen; compressed where that is accepted."}},
 )
 def get_job_replay(
-    id: JobId,  # noqa: A002 - the name in the address
+    job: JobId,
     station: StationDep,
     start: float = 0.0,
     end: float | None = None,
@@ -119,7 +119,7 @@ def get_job_replay(
         start: From this run time on [s].
         end: Up to this run time [s]; left out: to the end.
     """
-    text = station.recordings.replay(id, start, math.inf if end is None else end)
+    text = station.recordings.replay(job, start, math.inf if end is None else end)
     headers = {"Cache-Control": "no-cache", "Vary": "Accept-Encoding"}
     if _GZIP.search(accept_encoding):
         text = gzip.compress(text, _LEVEL)
@@ -133,17 +133,14 @@ def get_job_replay(
     response_class=FileResponse,
     responses={200: {"content": {"application/octet-stream": {}}, "description": "An MCAP file."}},
 )
-def get_job_recording(
-    id: JobId,  # noqa: A002 - the name in the address
-    station: StationDep,
-) -> FileResponse:
+def get_job_recording(job: JobId, station: StationDep) -> FileResponse:
     """The recording of a job.
 
     Downloads the recording of a job that runs or ran, for Foxglove and other programs; takes requests for ranges.
 
     Of a job that runs, the last second may be missing, and the file has no index yet. It is deleted with the job.
     """
-    path = station.recordings.path(id)
+    path = station.recordings.path(job)
     return FileResponse(path, media_type="application/octet-stream", filename=path.name)
 
 

@@ -80,7 +80,7 @@ def order_job(
 
 @router.put("/jobs/{id}", status_code=202, dependencies=[needs(Role.OPERATOR, mes=True)], responses=_TAKEN | _REMOVED)
 def put_job(
-    id: JobId,  # noqa: A002 - the name in the address
+    job: JobId,
     order: JobOrder,
     station: StationDep,
     caller: CallerDep,
@@ -102,7 +102,7 @@ def put_job(
     then it replaces the order.
     """
     result = station.jobs.put(
-        id,
+        job,
         order,
         start=start,
         again=again,
@@ -137,12 +137,12 @@ def list_jobs(
 
 
 @router.get("/jobs/{id}", dependencies=[needs(Role.VIEWER, mes=True)], responses=tagged())
-def get_job(id: JobId, station: StationDep, response: Response) -> Job:  # noqa: A002 - the name in the address
+def get_job(job: JobId, station: StationDep, response: Response) -> Job:
     """Get a job.
 
     Returns the current state of a job.
     """
-    return shown(station.jobs.get(id), response)
+    return shown(station.jobs.get(job), response)
 
 
 router.include_router(job_commands.router)

@@ -26,6 +26,7 @@ from skiros_py.server.services import StationDep
 router = APIRouter(tags=["modules"])
 
 Id = Annotated[str, Path(max_length=200)]
+RunId = Annotated[str, Path(alias="id", max_length=200)]
 Command = Literal["pause", "resume", "step", "stop"]
 
 
@@ -147,30 +148,30 @@ def list_module_runs(
 
 
 @router.get("/module-runs/{id}", dependencies=[needs(Role.VIEWER)])
-def get_module_run(id: Id, station: StationDep) -> ModuleRunInfo:  # noqa: A002 - as the address says it
+def get_module_run(run: RunId, station: StationDep) -> ModuleRunInfo:
     """Get a run.
 
     Returns its progress, inferred arguments, reports, changes of the world, and outcome.
     """
-    return station.modules.get_run(id)
+    return station.modules.get_run(run)
 
 
 @router.put("/module-runs/{id}/breakpoints", dependencies=[needs(Role.ENGINEER)])
-def set_breakpoints(id: Id, request: SetBreakpoints, station: StationDep) -> ModuleRunInfo:  # noqa: A002
+def set_breakpoints(run: RunId, request: SetBreakpoints, station: StationDep) -> ModuleRunInfo:
     """Set breakpoints.
 
     Pauses a run before these nodes and no others; the command `resume` continues it.
     """
-    return station.modules.set_breakpoints(id, request.paths)
+    return station.modules.set_breakpoints(run, request.paths)
 
 
 @router.post("/module-runs/{id}/{command}", dependencies=[needs(Role.ENGINEER)])
-def command_module_run(id: Id, command: Command, station: StationDep) -> ModuleRunInfo:  # noqa: A002
+def command_module_run(run: RunId, command: Command, station: StationDep) -> ModuleRunInfo:
     """Command a run.
 
     Pauses or resumes a run, executes one cycle of a paused run, or stops it immediately.
     """
-    return station.modules.command_run(id, command)
+    return station.modules.command_run(run, command)
 
 
 @router.get("/skills", dependencies=[needs(Role.VIEWER)])

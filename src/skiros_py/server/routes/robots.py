@@ -28,6 +28,8 @@ from skiros_py.server.services import StationDep
 router = APIRouter(tags=["robots"])
 
 Id = Annotated[str, Path(max_length=200)]
+DeviceId = Annotated[str, Path(alias="id", max_length=200)]
+RobotId = Annotated[str, Path(alias="id", max_length=200)]
 
 
 @router.get("/robots", dependencies=[needs(Role.VIEWER)])
@@ -40,21 +42,21 @@ def list_robots(station: StationDep) -> list[RobotInfo]:
 
 
 @router.get("/robots/{id}", dependencies=[needs(Role.VIEWER)])
-def get_robot(id: Id, station: StationDep) -> RobotInfo:  # noqa: A002 - as the address says it
+def get_robot(robot: RobotId, station: StationDep) -> RobotInfo:
     """Describe a robot.
 
     One robot with its devices.
     """
-    return station.robots.get(id)
+    return station.robots.get(robot)
 
 
 @router.get("/robots/{id}/state", dependencies=[needs(Role.VIEWER)])
-def get_robot_state(id: Id, station: StationDep) -> RobotReading:  # noqa: A002
+def get_robot_state(robot: RobotId, station: StationDep) -> RobotReading:
     """See where a robot is.
 
     The states of its devices in one cycle, and their frames in the map, as localised.
     """
-    return station.robots.reading(id)
+    return station.robots.reading(robot)
 
 
 _MeshName = Annotated[str, Path(max_length=200, description="As the model names it.")]
@@ -68,7 +70,7 @@ _STL: dict[int | str, dict[str, Any]] = {200: {"description": "The mesh.", "cont
 
 
 @router.get("/robots/{id}/model", dependencies=[needs(Role.VIEWER)], response_class=Response, responses=_URDF)
-def get_robot_model(id: Id, station: StationDep) -> Response:  # noqa: A002 - as the address says it
+def get_robot_model(robot: RobotId, station: StationDep) -> Response:
     """Read a robot's model.
 
     Returns links, joints and visible shapes with their colours as URDF; of a robot, or of a device without a robot.
@@ -77,7 +79,7 @@ def get_robot_model(id: Id, station: StationDep) -> Response:  # noqa: A002 - as
     positions of the joints. The first request may take some seconds: 202 without content says when to ask again.
     """
     try:
-        return Response(station.robots.model(id).urdf, media_type="application/xml")
+        return Response(station.robots.model(robot).urdf, media_type="application/xml")
     except Busy as busy:
         return Response(status_code=202, headers={"Retry-After": str(math.ceil(busy.retry_after))})
 
@@ -85,12 +87,12 @@ def get_robot_model(id: Id, station: StationDep) -> Response:  # noqa: A002 - as
 @router.get(
     "/robots/{id}/model/meshes/{name}", dependencies=[needs(Role.VIEWER)], response_class=Response, responses=_STL
 )
-def get_robot_mesh(id: Id, name: _MeshName, station: StationDep) -> Response:  # noqa: A002
+def get_robot_mesh(robot: RobotId, name: _MeshName, station: StationDep) -> Response:
     """Read a mesh of a robot's model.
 
     Returns one of the mesh files of the model, as binary STL [m].
     """
-    return Response(station.robots.mesh(id, name), media_type="model/stl", headers=_FOREVER)
+    return Response(station.robots.mesh(robot, name), media_type="model/stl", headers=_FOREVER)
 
 
 @router.get("/devices", dependencies=[needs(Role.VIEWER)])
@@ -103,25 +105,25 @@ def list_devices(station: StationDep) -> list[DeviceInfo]:
 
 
 @router.get("/devices/{id}", dependencies=[needs(Role.VIEWER)])
-def get_device(id: Id, station: StationDep) -> DeviceInfo:  # noqa: A002 - as the address says it
+def get_device(device: DeviceId, station: StationDep) -> DeviceInfo:
     """Describe a device.
 
     One device.
     """
-    return station.devices.get(id)
+    return station.devices.get(device)
 
 
 @router.get("/devices/{id}/state", dependencies=[needs(Role.VIEWER)])
-def get_device_state(id: Id, station: StationDep) -> DeviceReading:  # noqa: A002
+def get_device_state(device: DeviceId, station: StationDep) -> DeviceReading:
     """Read a device.
 
     What a device says now, and the values that it offers.
     """
-    return station.devices.reading(id)
+    return station.devices.reading(device)
 
 
 @router.get("/devices/{id}/motion", dependencies=[needs(Role.VIEWER)])
-def get_device_motion(id: Id, station: StationDep) -> DeviceMotion:  # noqa: A002
+def get_device_motion(device: DeviceId, station: StationDep) -> DeviceMotion:
     """See where a device is about to go.
 
     The planned motion of a base, an arm or another device, until it stands at the end, or the module that planned it
@@ -129,47 +131,43 @@ def get_device_motion(id: Id, station: StationDep) -> DeviceMotion:  # noqa: A00
 
     The `motions` of the station's state change with it.
     """
-    return station.devices.motion(id)
+    return station.devices.motion(device)
 
 
 @router.get("/devices/{id}/look", dependencies=[needs(Role.VIEWER)])
-def get_device_look(id: Id, station: StationDep) -> Look:  # noqa: A002
+def get_device_look(device: DeviceId, station: StationDep) -> Look:
     """See what a camera saw last.
 
     The last picture in which a module looked for something: as points in the map, with what was recognised.
 
     The `looks` of the station's state change with it.
     """
-    return station.devices.look(id)
+    return station.devices.look(device)
 
 
 @router.post("/devices/{id}/open", dependencies=[needs(Role.ENGINEER)])
-def open_device(id: Id, station: StationDep) -> DeviceInfo:  # noqa: A002
+def open_device(device: DeviceId, station: StationDep) -> DeviceInfo:
     """Open a device.
 
     Connects the driver of a device, so that modules may use it again.
     """
-    return station.devices.open(id)
+    return station.devices.open(device)
 
 
 @router.post("/devices/{id}/close", dependencies=[needs(Role.ENGINEER)])
-def close_device(id: Id, station: StationDep) -> DeviceInfo:  # noqa: A002
+def close_device(device: DeviceId, station: StationDep) -> DeviceInfo:
     """Close a device.
 
     Keeps modules from using a device; refused (409) while one does, or while it moves.
 
     With its last open device a driver is disconnected. A simulated device stays where it is.
     """
-    return station.devices.close(id)
+    return station.devices.close(device)
 
 
 @router.post("/devices/{id}/jog", status_code=202, dependencies=[needs(Role.ENGINEER)])
 def jog_device(
-    id: Id,  # noqa: A002
-    request: ManualRun,
-    station: StationDep,
-    caller: CallerDep,
-    response: Response,
+    device: DeviceId, request: ManualRun, station: StationDep, caller: CallerDep, response: Response
 ) -> ModuleRunInfo:
     """Jog a device.
 
@@ -177,24 +175,20 @@ def jog_device(
 
     Refused (409) while its robot does something else. Where the way is not free, the run fails and says why.
     """
-    run = station.devices.jog(id, request.arguments, module=request.module, author=caller.author)
+    run = station.devices.jog(device, request.arguments, module=request.module, author=caller.author)
     response.headers["Location"] = location_of(run)
     return run
 
 
 @router.post("/devices/{id}/teach", status_code=202, dependencies=[needs(Role.ENGINEER)])
 def teach_device(
-    id: Id,  # noqa: A002
-    request: ManualRun,
-    station: StationDep,
-    caller: CallerDep,
-    response: Response,
+    device: DeviceId, request: ManualRun, station: StationDep, caller: CallerDep, response: Response
 ) -> ModuleRunInfo:
     """Teach with a device.
 
     Learns from the present state of a device: a grasp, a driving pose, whatever its kind names modules for.
     """
-    run = station.devices.teach(id, request.arguments, module=request.module, author=caller.author)
+    run = station.devices.teach(device, request.arguments, module=request.module, author=caller.author)
     response.headers["Location"] = location_of(run)
     return run
 

@@ -13,7 +13,7 @@ from collections.abc import Callable, Collection, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
-from urllib.parse import urlsplit, urlunsplit
+from urllib.parse import urlsplit
 
 import httpx2
 
@@ -27,40 +27,7 @@ Address = ipaddress.IPv4Address | ipaddress.IPv6Address
 _PORTS = {"http": 80, "https": 443}
 
 
-@dataclass(frozen=True, slots=True)
-class Target:
-    """The target of a webhook.
-
-    Attributes:
-        scheme: "http" or "https".
-        host: Name or address of the host.
-        port: Its port.
-        path: Path and query.
-    """
-
-    scheme: str
-    host: str
-    port: int
-    path: str
-
-    @property
-    def name(self) -> str:
-        """The value of the Host header."""
-        host = f"[{self.host}]" if ":" in self.host else self.host
-        return host if self.port == _PORTS[self.scheme] else f"{host}:{self.port}"
-
-    def url_at(self, address: Address) -> str:
-        """Returns the URL with the host replaced by its resolved address, so that it is not resolved again."""
-        host = f"[{address}]" if address.version == 6 else str(address)
-        return urlunsplit((self.scheme, f"{host}:{self.port}", *_path_and_query(self.path), ""))
-
-
-def _path_and_query(path: str) -> tuple[str, str]:
-    before, _, after = path.partition("?")
-    return before, after
-
-
-def target_of(url: str, allowed: Collection[str]) -> Target:
+def target_of(url: str, allowed: Collection[str]) -> httpx2.URL:
     """Parses a URL, and checks that its host is allowed.
 
     Args:
@@ -84,17 +51,17 @@ def target_of(url: str, allowed: Collection[str]) -> Target:
         raise UsageError(
             f"url: webhooks to {host}:{port} are not allowed: start the server with --webhook-host {host}:{port}"
         )
-    return Target(parts.scheme, host, port, f"{parts.path or '/'}{'?' + parts.query if parts.query else ''}")
+    return httpx2.URL(url)
 
 
-def resolve(target: Target) -> Address:
+def resolve(target: httpx2.URL) -> Address:
     """Resolves a host once; the connection is made to this very address, even if the name resolves differently later.
 
     Raises:
         UsageError: The host is unknown, or no webhook may be sent to its address.
     """
     try:
-        found = socket.getaddrinfo(target.host, target.port, type=socket.SOCK_STREAM)
+        found = socket.getaddrinfo(target.host, target.port or _PORTS[target.scheme], type=socket.SOCK_STREAM)
     except OSError as error:
         raise UsageError(f"{target.host} is not known: {error.strerror or error}") from None
     addresses = [ipaddress.ip_address(str(where[0]).partition("%")[0]) for *_, where in found]
@@ -306,13 +273,15 @@ class WebhookSender:
         try:
             target = target_of(subscription.url, self._allowed)
             address = await asyncio.to_thread(resolve, target)
-            headers = {**signed(subscription.secret, post.event, post.body, self._clock()), "Host": target.name}
+            signature = signed(subscription.secret, post.event, post.body, self._clock())
             request = client.build_request(
                 "POST",
-                target.url_at(address),
-                headers=headers,
+                target.copy_with(host=str(address)),
+                headers={**signature, "Host": str(target.netloc, "ascii")},
                 content=post.body,
-                extensions={"sni_hostname": target.host},  # verifies the certificate against the host name
+                extensions={
+                    "sni_hostname": str(target.raw_host, "ascii")
+                },  # verifies the certificate against the host name
             )
             async with asyncio.timeout(self._patience.timeout):
                 response = await client.send(request, stream=True)
