@@ -282,7 +282,7 @@ def test_the_present_scene_is_saved_looked_at_loaded_and_removed(served: Served,
         entry = client.send(Scenes.save("my-cell"))
         file = client.send(Scenes.file("my-cell"))
         loaded = client.send(Scenes.load("my-cell"))
-        client.send(Scenes.delete("my-cell", version=file.version))
+        client.send(Scenes.delete("my-cell", seen=file.version))
 
     assert (entry.source, file.elements, loaded.changed) == ("saved", loaded.elements, False)
     assert http.get("/scenes/my-cell").status_code == 404

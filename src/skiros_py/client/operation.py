@@ -98,7 +98,7 @@ def operation(
 
     Parameters in braces are part of the path, ``version`` and ``seen`` the header ``If-Match`` (without a version: any,
     and no header). Of GET, DELETE, and after a question mark, the others are the query; else they are the body: a model
-    as it is, plain values as an object. What is None is left out.
+    as it is, plain values as an object. None is left out.
 
     Args:
         request: Method and path, as ``POST /simulation/reset?force``.
@@ -119,11 +119,10 @@ def operation(
                 headers["If-Match"] = tag(given.pop("version")) or "*"
             if "seen" in given:
                 headers["If-Match"] = tag(given.pop("seen"))
-            values = {renamed.get(name, name.rstrip("_")): value for name, value in given.items() if value is not None}
-            as_query = values if verb in ("GET", "DELETE") else asked.split(",")
-            query = {name: to_jsonable_python(values[name]) for name in as_query if name in values}
-            body = {name: value for name, value in values.items() if name not in query}
-            json = _json(body, made.signature) if body else None
+            values = {renamed.get(name, name.rstrip("_")): value for name, value in given.items()}
+            as_query = list(values) if verb in ("GET", "DELETE") else asked.split(",")
+            query = {name: to_jsonable_python(values.pop(name)) for name in as_query if name in values}
+            json = _json(values, made.signature) if values else None
             result = made.signature.return_annotation
             return Call(verb, place, result, query, json, headers, repeatable=not once)
 
@@ -142,7 +141,7 @@ def _json(body: dict[str, Any], signature: inspect.Signature) -> Any:
     for name, value in body.items():
         if isinstance(value, BaseModel):
             return as_json(value, signature.parameters[name].annotation)
-    return to_jsonable_python(body)
+    return to_jsonable_python({name: value for name, value in body.items() if value is not None})
 
 
 def as_json(model: BaseModel, kind: Any) -> Any:

@@ -11,8 +11,8 @@ from skiros_py.api.goals import GoalOrder
 from skiros_py.api.jobs import Job, JobOrder
 from skiros_py.api.world import ElementPatch
 from skiros_py.client.operation import Operation
-from skiros_py.client.request import Call
-from skiros_py.client.topics import Elements, Goals, Jobs, Modules, Scenes, Signals, Simulation, Topics
+from skiros_py.client.request import Call, arguments_of
+from skiros_py.client.topics import Devices, Elements, Goals, Jobs, Modules, Scenes, Signals, Simulation, Topics
 
 
 class Blocking:
@@ -55,7 +55,7 @@ def test_a_method_of_an_asynchronous_client_is_awaited() -> None:
 def test_parameters_go_into_path_and_query_and_none_is_left_out() -> None:
     call = Elements.list(class_="kitting:Kit", limit=5)
 
-    assert (call.method, call.path, call.query) == ("GET", "/elements", {"class": "kitting:Kit", "limit": 5})
+    assert (call.method, call.path, arguments_of(call)["params"]) == ("GET", "/elements", {"class": "kitting:Kit", "limit": 5})
     assert Signals.read("a", "b").query == {"name": ["a", "b"]}
     assert Jobs.list(states=["Running"]).query["state"] == ["Running"]
 
@@ -66,6 +66,10 @@ def test_plain_values_are_the_body_and_those_after_a_question_mark_the_query() -
 
     assert (run.path, run.json) == ("/modules/arm_1/pick/runs", {"repeat": 2, "breakpoints": []})
     assert (reset.query, reset.json) == ({"force": True}, None)
+
+
+def test_a_body_without_values_is_an_empty_object() -> None:
+    assert Devices.teach("arm_1").json == {}
 
 
 def test_a_model_is_the_body_with_what_was_given() -> None:
