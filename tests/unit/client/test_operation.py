@@ -55,7 +55,8 @@ def test_a_method_of_an_asynchronous_client_is_awaited() -> None:
 def test_parameters_go_into_path_and_query_and_none_is_left_out() -> None:
     call = Elements.list(class_="kitting:Kit", limit=5)
 
-    assert (call.method, call.path, arguments_of(call)["params"]) == ("GET", "/elements", {"class": "kitting:Kit", "limit": 5})
+    assert (call.method, call.path) == ("GET", "/elements")
+    assert arguments_of(call)["params"] == {"class": "kitting:Kit", "limit": 5}
     assert Signals.read("a", "b").query == {"name": ["a", "b"]}
     assert Jobs.list(states=["Running"]).query["state"] == ["Running"]
 
