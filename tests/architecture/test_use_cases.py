@@ -53,7 +53,7 @@ def calls(endpoint: Any) -> list[str]:
     found = []
     for node in ast.walk(tree):
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute):
-            chain = ast.unparse(node.func).removeprefix("services.").split(".")
+            chain = ast.unparse(node.func).removeprefix("act.").removeprefix("services.").split(".")
             if chain[0] == "station" and len(chain) == 3:
                 found.append(".".join(chain[1:]))
     return found

@@ -9,7 +9,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from datetime import UTC, datetime, timedelta
-from typing import Annotated, Any, Protocol, TypeVar
+from typing import Annotated, Any
 
 from fastapi import Depends, FastAPI, Header, Request, Response
 from fastapi.exceptions import RequestValidationError
@@ -274,13 +274,6 @@ PROBLEMS: dict[int | str, dict[str, Any]] = {
 """Problem answers common to all routes; for ``responses=``."""
 
 
-class _Versioned(Protocol):
-    @property
-    def version(self) -> int: ...
-
-
-V = TypeVar("V", bound=_Versioned)
-
 _TAG = re.compile(r'(?:W/)?"(\d{1,18})"')
 
 
@@ -319,12 +312,6 @@ def tagged(*statuses: int) -> dict[int | str, dict[str, Any]]:
 def etag(version: int) -> str:
     """Returns the ETag of a version."""
     return f'"{version}"'
-
-
-def with_etag(found: V, response: Response) -> V:
-    """Returns the resource and puts its version into the headers of the answer."""
-    response.headers["ETag"] = etag(found.version)
-    return found
 
 
 def expected_version(given: str | None) -> int | None:

@@ -6,9 +6,7 @@ import socket
 from collections.abc import Sequence
 from contextlib import ExitStack, closing
 from pathlib import Path
-from typing import Annotated, Self
-
-from fastapi import Depends, Request
+from typing import Self
 
 from skiros_py.api.alarms import AlarmKind, Severity
 from skiros_py.server.access.audit import AuditLog
@@ -92,22 +90,6 @@ class Services:
 
     def __exit__(self, *_: object) -> None:
         self.close()
-
-
-async def _services(request: Request) -> Services:  # not in the thread pool: a stop must not wait for a free thread
-    services: Services = request.app.state.services
-    return services
-
-
-async def _station(request: Request) -> Station:
-    services: Services = request.app.state.services
-    return services.station
-
-
-ServicesDep = Annotated[Services, Depends(_services)]
-"""For routes: all services."""
-StationDep = Annotated[Station, Depends(_station)]
-"""For routes: the use cases."""
 
 
 def set_up_access(settings: ServerSettings, data: Path, stack: ExitStack) -> tuple[KeyStore, Authenticator, AuditLog]:

@@ -5,16 +5,29 @@ from __future__ import annotations
 import enum
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Protocol, TypeVar
+from urllib.parse import quote
 from weakref import WeakKeyDictionary
 
-from fastapi import Depends, Request
+from fastapi import Depends, Request, Response
 from fastapi.dependencies.models import Dependant
 from fastapi.routing import APIRoute
 
 from skiros_py.errors import UnknownName
-from skiros_py.server.problems import Problem
+from skiros_py.server.problems import Problem, etag
 from skiros_py.station.requests import Author
+
+if TYPE_CHECKING:
+    from skiros_py.server.services import Services
+    from skiros_py.station.station import Station
+
+
+class _Versioned(Protocol):
+    @property
+    def version(self) -> int: ...
+
+
+V = TypeVar("V", bound=_Versioned)
 
 
 def check_query(request: Request) -> None:
@@ -92,6 +105,54 @@ class Caller:
 
 
 @dataclass(frozen=True, slots=True)
+class Act:
+    """A request by somebody who may make it; first parameter of each route.
+
+    Attributes:
+        request: The request.
+        response: Its answer: headers and status.
+    """
+
+    request: Request
+    response: Response
+
+    @property
+    def services(self) -> Services:
+        """All services of the server."""
+        services: Services = self.request.app.state.services
+        return services
+
+    @property
+    def station(self) -> Station:
+        """The use cases."""
+        return self.services.station
+
+    @property
+    def caller(self) -> Caller:
+        """The caller."""
+        caller: Caller = self.request.state.caller
+        return caller
+
+    @property
+    def author(self) -> Author:
+        """The author of the caller's changes."""
+        return self.caller.author
+
+    def tag(self, version: int) -> None:
+        """Puts a version into the headers of the answer."""
+        self.response.headers["ETag"] = etag(version)
+
+    def tagged(self, found: V) -> V:
+        """Returns a resource, with its version in the headers of the answer."""
+        self.tag(found.version)
+        return found
+
+    def locate(self, *parts: str) -> None:
+        """Puts the address of a resource below ``/api/v1`` into the headers of the answer."""
+        self.response.headers["Location"] = "/".join(("/api/v1", *(quote(part, safe="") for part in parts)))
+
+
+@dataclass(frozen=True, slots=True)
 class Need:
     """The role that a route requires; a FastAPI dependency.
 
@@ -107,8 +168,8 @@ class Need:
         """Returns whether a role is permitted."""
         return self.mes if role is Role.MES else _RANK[role] >= _RANK[self.least]
 
-    async def __call__(self, request: Request) -> Caller:
-        """Returns the caller if permitted.
+    async def __call__(self, request: Request, response: Response) -> Act:
+        """Returns the request if its caller is permitted.
 
         Raises:
             Problem: The caller's role does not permit it.
@@ -120,23 +181,18 @@ class Need:
                 403, "RoleTooLow", f"that takes the role {self.least}{also} at least; {caller.name} is {caller.role}"
             )
         check_query(request)  # here, since every route that does something requires a role
-        return caller
+        return Act(request, response)
 
 
-def needs(least: Role, *, mes: bool = False) -> Any:
-    """Returns the dependency of a route that requires a role: ``dependencies=[needs(Role.OPERATOR)]``.
-
-    Args:
-        least: The lowest permitted role.
-        mes: Whether a factory system is permitted, too.
-    """
-    return Depends(Need(least, mes))
+async def _anybody(request: Request, response: Response) -> Act:  # not in the thread pool, which may be full
+    return Act(request, response)
 
 
-async def _caller(request: Request) -> Caller:
-    caller: Caller = request.state.caller
-    return caller
-
-
-CallerDep = Annotated[Caller, Depends(_caller)]
-"""For routes that use the caller; permission is checked by :func:`needs`."""
+Anybody = Annotated[Act, Depends(_anybody)]
+"""For routes that need no role."""
+Viewer = Annotated[Act, Depends(Need(Role.VIEWER))]
+ViewerOrMes = Annotated[Act, Depends(Need(Role.VIEWER, mes=True))]
+Operator = Annotated[Act, Depends(Need(Role.OPERATOR))]
+OperatorOrMes = Annotated[Act, Depends(Need(Role.OPERATOR, mes=True))]
+Engineer = Annotated[Act, Depends(Need(Role.ENGINEER))]
+Admin = Annotated[Act, Depends(Need(Role.ADMIN))]

@@ -6,17 +6,16 @@ import asyncio
 import json
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Path, Request, Response
+from fastapi import APIRouter, Path, Request
 from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect
 
 from skiros_py.api.alarms import AlarmAnswer, AlarmInfo, AlarmPage, StopInfo, StopRequest
 from skiros_py.api.wire import moment
 from skiros_py.server.access.audit import note
-from skiros_py.server.access.roles import CallerDep, Role, needs
+from skiros_py.server.access.roles import Operator, OperatorOrMes, Role, ViewerOrMes
 from skiros_py.server.problems import Problem
 from skiros_py.server.routes.world import Cursor, Limit, number_cursor
-from skiros_py.server.services import StationDep
 from skiros_py.station.stops import Stopped
 
 router = APIRouter(prefix="/alarms", tags=["alarms"])
@@ -24,9 +23,9 @@ router = APIRouter(prefix="/alarms", tags=["alarms"])
 AlarmId = Annotated[str, Path(max_length=200, description="Id of the alarm.", examples=["1f2e3d4c-7"])]
 
 
-@router.get("", dependencies=[needs(Role.VIEWER, mes=True)])
+@router.get("")
 def list_alarms(
-    station: StationDep,
+    act: ViewerOrMes,
     active: bool | None = None,
     limit: Limit = 100,
     cursor: Cursor = None,
@@ -38,31 +37,29 @@ def list_alarms(
     Parameters:
         active: Only active alarms, or only inactive ones.
     """
-    return station.alarms.all(active=active, limit=limit, after=number_cursor(cursor))
+    return act.station.alarms.all(active=active, limit=limit, after=number_cursor(cursor))
 
 
-@router.get("/{alarm}", dependencies=[needs(Role.VIEWER, mes=True)])
-def get_alarm(alarm: AlarmId, station: StationDep) -> AlarmInfo:
+@router.get("/{alarm}")
+def get_alarm(act: ViewerOrMes, alarm: AlarmId) -> AlarmInfo:
     """Get an alarm.
 
     Returns an alarm.
     """
-    return station.alarms.get(alarm)
+    return act.station.alarms.get(alarm)
 
 
-@router.post("/{alarm}/acknowledge", dependencies=[needs(Role.OPERATOR)])
-def acknowledge_alarm(alarm: AlarmId, station: StationDep, caller: CallerDep) -> AlarmInfo:
+@router.post("/{alarm}/acknowledge")
+def acknowledge_alarm(act: Operator, alarm: AlarmId) -> AlarmInfo:
     """Acknowledge an alarm.
 
     Records that a person has seen the alarm; it stays active until its cause is gone.
     """
-    return station.alarms.acknowledge(alarm, caller.author)
+    return act.station.alarms.acknowledge(alarm, act.author)
 
 
-@router.post("/{alarm}/answer", dependencies=[needs(Role.OPERATOR, mes=True)])
-def answer_alarm(
-    alarm: AlarmId, answer: AlarmAnswer, request: Request, station: StationDep, caller: CallerDep
-) -> AlarmInfo:
+@router.post("/{alarm}/answer")
+def answer_alarm(act: OperatorOrMes, alarm: AlarmId, answer: AlarmAnswer) -> AlarmInfo:
     """Answer an alarm.
 
     Passes an answer to the waiting job or robot; the alarm ends when the answer was accepted.
@@ -70,11 +67,11 @@ def answer_alarm(
     The answer applies to the question that this alarm asks now. If the request names a `question` and another one is
     asked by now, it is refused (409).
     """
-    known = station.alarms.get(alarm)
-    note(request, job=known.job, comment=answer.answer)
-    if caller.role is Role.MES and not known.job:
-        raise Problem(403, "RoleTooLow", f"{caller.name} is mes, and answers for jobs; this is for an operator")
-    return station.alarms.answer(alarm, answer, caller.author)
+    known = act.station.alarms.get(alarm)
+    note(act.request, job=known.job, comment=answer.answer)
+    if act.caller.role is Role.MES and not known.job:
+        raise Problem(403, "RoleTooLow", f"{act.caller.name} is mes, and answers for jobs; this is for an operator")
+    return act.station.alarms.answer(alarm, answer, act.author)
 
 
 stop_router = APIRouter(tags=["stop"])
@@ -93,11 +90,10 @@ _BODY: dict[str, Any] = {
 
 @stop_router.post(
     "/stop",
-    dependencies=[needs(Role.OPERATOR, mes=True)],
     openapi_extra=_BODY,
     responses={202: {"model": StopInfo, "description": "The control thread does not run: do not rely on it."}},
 )
-async def stop(request: Request, response: Response, station: StationDep, caller: CallerDep) -> StopInfo:
+async def stop(act: OperatorOrMes) -> StopInfo:
     """Stop everything.
 
     Halts all robots in the next control cycle, bypassing all queues.
@@ -105,31 +101,31 @@ async def stop(request: Request, response: Response, station: StationDep, caller
     Running jobs are held, and nothing moves until a person resets the station and answers. The request is obeyed even
     if its body is invalid.
     """
-    reason = await _reason(request) or "a stop was asked for"
-    stopped = await station.stops.stop(reason, caller.name)
+    reason = await _reason(act.request) or "a stop was asked for"
+    stopped = await act.station.stops.stop(reason, act.caller.name)
     if not stopped.obeyed:
-        response.status_code = 202
+        act.response.status_code = 202
     return _info(stopped)
 
 
-@stop_router.get("/stop", dependencies=[needs(Role.VIEWER, mes=True)])
-async def get_stop(station: StationDep) -> StopInfo:
+@stop_router.get("/stop")
+async def get_stop(act: ViewerOrMes) -> StopInfo:
     """Get the halt state.
 
     Returns whether everything is halted, why, since when and by whom, and whether all devices stand still.
     """
-    return _info(station.stops.now())
+    return _info(act.station.stops.now())
 
 
-@stop_router.post("/reset", dependencies=[needs(Role.OPERATOR)])
-def reset(station: StationDep, caller: CallerDep) -> StopInfo:
+@stop_router.post("/reset")
+def reset(act: Operator) -> StopInfo:
     """Reset a halt.
 
     Allows motion again after a halt. First check why it was halted, and that no person is near.
 
     Held jobs continue when they are answered. If nothing is halted, this has no effect.
     """
-    return _info(station.stops.reset(caller.name))
+    return _info(act.station.stops.reset(act.caller.name))
 
 
 def _info(stopped: Stopped) -> StopInfo:

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from typing import Annotated
-from urllib.parse import quote
 
-from fastapi import APIRouter, Query, Response
+from fastapi import APIRouter, Query
 
 from skiros_py.api.world import (
     EVERYTHING,
@@ -18,8 +17,8 @@ from skiros_py.api.world import (
     RelationPage,
     Written,
 )
-from skiros_py.server.access.roles import CallerDep, Role, needs
-from skiros_py.server.problems import NEEDS_VERSION, SeenDep, etag, tagged, with_etag
+from skiros_py.server.access.roles import Act, Operator, Viewer
+from skiros_py.server.problems import NEEDS_VERSION, SeenDep, tagged
 from skiros_py.server.routes.world import (
     ChangeLimit,
     Cursor,
@@ -29,7 +28,6 @@ from skiros_py.server.routes.world import (
     WhyQuery,
     number_cursor,
 )
-from skiros_py.server.services import StationDep
 
 router = APIRouter(tags=["elements"])
 
@@ -40,9 +38,9 @@ _WRITES = NEEDS_VERSION | tagged()
 # ------------------------------------------------------------------ reading
 
 
-@router.get("/elements", dependencies=[needs(Role.VIEWER)])
+@router.get("/elements")
 def list_elements(
-    station: StationDep,
+    act: Viewer,
     class_: Annotated[str, Query(alias="class", min_length=1, max_length=300)] = EVERYTHING,
     label: Annotated[str | None, Query(max_length=1000)] = None,
     text: Annotated[str | None, Query(max_length=200)] = None,
@@ -62,16 +60,15 @@ def list_elements(
         place: Only elements placed directly here, by any relation.
         abstract: Elements of the ontology and learned concepts, instead of the scene.
     """
-    return station.elements.all(
+    return act.station.elements.all(
         class_, label=label, text=text, place=place, abstract=abstract, limit=limit, after=cursor or ""
     )
 
 
-@router.get("/elements/{element}", dependencies=[needs(Role.VIEWER)], responses=tagged())
+@router.get("/elements/{element}", responses=tagged())
 def read_element(
+    act: Viewer,
     element: ElementPath,
-    station: StationDep,
-    response: Response,
     computed: Annotated[list[Name], Query(max_length=50)] = [],  # noqa: B006  FastAPI copies it
 ) -> ElementDetails:
     """Get an element.
@@ -83,13 +80,13 @@ def read_element(
     Parameters:
         computed: Computed relations to evaluate, such as sk:near; "all" for all of them.
     """
-    return with_etag(station.elements.get(element, computed), response)
+    return act.tagged(act.station.elements.get(element, computed))
 
 
-@router.get("/elements/{element}/relations", dependencies=[needs(Role.VIEWER)])
+@router.get("/elements/{element}/relations")
 def list_relations(
+    act: Viewer,
     element: ElementPath,
-    station: StationDep,
     relation: Annotated[str | None, Query(max_length=300)] = None,
     limit: Limit = 100,
     cursor: Cursor = None,
@@ -101,16 +98,12 @@ def list_relations(
     Parameters:
         relation: Only this relation and its sub-relations; may be a computed one.
     """
-    return station.elements.relations(element, relation, number_cursor(cursor), limit)
+    return act.station.elements.relations(element, relation, number_cursor(cursor), limit)
 
 
-@router.get("/elements/{element}/history", dependencies=[needs(Role.VIEWER)])
+@router.get("/elements/{element}/history")
 def read_element_history(
-    element: ElementPath,
-    station: StationDep,
-    newest_first: bool = True,
-    limit: ChangeLimit = 100,
-    cursor: Cursor = None,
+    act: Viewer, element: ElementPath, newest_first: bool = True, limit: ChangeLimit = 100, cursor: Cursor = None
 ) -> ChangePage:
     """Get the history of an element.
 
@@ -120,94 +113,69 @@ def read_element_history(
         newest_first: From the newest change backwards.
     """
     start = number_cursor(cursor, _LATEST if newest_first else 0)
-    return station.elements.history(element, start, limit, newest_first=newest_first)
+    return act.station.elements.history(element, start, limit, newest_first=newest_first)
 
 
 # ------------------------------------------------------------------ writing
 
 
-@router.post("/elements", status_code=201, dependencies=[needs(Role.OPERATOR)], responses=tagged(201))
-def add_element(new: NewElement, station: StationDep, caller: CallerDep, response: Response) -> ElementDetails:
+@router.post("/elements", status_code=201, responses=tagged(201))
+def add_element(act: Operator, new: NewElement) -> ElementDetails:
     """Add an element.
 
     Adds an element with its values, its placement and its relations, as one change.
 
     While the station is working, only beliefs change.
     """
-    element = station.elements.add(new, caller.author)
-    response.headers["Location"] = f"/api/v1/elements/{quote(element.id, safe='')}"
-    return with_etag(element, response)
+    element = act.station.elements.add(new, act.author)
+    act.locate("elements", element.id)
+    return act.tagged(element)
 
 
-@router.patch("/elements/{element}", dependencies=[needs(Role.OPERATOR)], responses=_WRITES)
-def change_element(
-    element: ElementPath,
-    patch: ElementPatch,
-    station: StationDep,
-    caller: CallerDep,
-    seen: SeenDep,
-    response: Response,
-) -> ElementDetails:
+@router.patch("/elements/{element}", responses=_WRITES)
+def change_element(act: Operator, element: ElementPath, patch: ElementPatch, seen: SeenDep) -> ElementDetails:
     """Change an element.
 
     Changes label, values and placement of an element as one change; `If-Match` names the version that was seen.
     """
-    return with_etag(station.elements.change(element, patch, seen, caller.author), response)
+    return act.tagged(act.station.elements.change(element, patch, seen, act.author))
 
 
-@router.delete("/elements/{element}", dependencies=[needs(Role.OPERATOR)], responses=NEEDS_VERSION)
-def remove_element(
-    element: ElementPath, station: StationDep, caller: CallerDep, seen: SeenDep, reason: WhyQuery = ""
-) -> Written:
+@router.delete("/elements/{element}", responses=NEEDS_VERSION)
+def remove_element(act: Operator, element: ElementPath, seen: SeenDep, reason: WhyQuery = "") -> Written:
     """Remove an element.
 
     Removes an element with its parts; things placed there move to where the element was.
     """
-    return station.elements.remove(element, seen, caller.author, reason)
+    return act.station.elements.remove(element, seen, act.author, reason)
 
 
-@router.put("/elements/{element}/relations/{relation}/{other}", dependencies=[needs(Role.OPERATOR)], responses=_WRITES)
+@router.put("/elements/{element}/relations/{relation}/{other}", responses=_WRITES)
 def state_relation(
-    element: ElementPath,
-    relation: NamePath,
-    other: ElementPath,
-    station: StationDep,
-    caller: CallerDep,
-    seen: SeenDep,
-    response: Response,
-    reason: WhyQuery = "",
+    act: Operator, element: ElementPath, relation: NamePath, other: ElementPath, seen: SeenDep, reason: WhyQuery = ""
 ) -> Written:
     """State a relation.
 
     States that the first element has the relation to the second; a placement moves its element.
     """
-    written = station.elements.relate(element, relation, other, seen, caller.author, reason)
-    _tag(station.elements.version(element), response)
+    written = act.station.elements.relate(element, relation, other, seen, act.author, reason)
+    _tag(act, act.station.elements.version(element))
     return written
 
 
-@router.delete(
-    "/elements/{element}/relations/{relation}/{other}", dependencies=[needs(Role.OPERATOR)], responses=_WRITES
-)
+@router.delete("/elements/{element}/relations/{relation}/{other}", responses=_WRITES)
 def take_back_relation(
-    element: ElementPath,
-    relation: NamePath,
-    other: ElementPath,
-    station: StationDep,
-    caller: CallerDep,
-    seen: SeenDep,
-    response: Response,
-    reason: WhyQuery = "",
+    act: Operator, element: ElementPath, relation: NamePath, other: ElementPath, seen: SeenDep, reason: WhyQuery = ""
 ) -> Written:
     """Remove a relation.
 
     Removes a stated relation; placements cannot be removed, since every element has a place.
     """
-    written = station.elements.unrelate(element, relation, other, seen, caller.author, reason)
-    _tag(station.elements.version(element), response)
+    written = act.station.elements.unrelate(element, relation, other, seen, act.author, reason)
+    _tag(act, act.station.elements.version(element))
     return written
 
 
-def _tag(version: int | None, response: Response) -> None:
+def _tag(act: Act, version: int | None) -> None:
     if version is not None:  # somebody may have removed it in this moment
-        response.headers["ETag"] = etag(version)
+        act.tag(version)

@@ -10,9 +10,9 @@ from fastapi import APIRouter, Header, Path, Query
 
 from skiros_py.api.events import EventInfo, EventPage, ResetInfo
 from skiros_py.api.view import StationState
-from skiros_py.server.access.roles import Caller, CallerDep, Role, needs
+from skiros_py.server.access.roles import Caller, Role, Viewer, ViewerOrMes
 from skiros_py.server.problems import Problem
-from skiros_py.server.services import Services, ServicesDep
+from skiros_py.server.services import Services
 from skiros_py.server.streams import EVERYTHING, Choice, EventStream, find_position, missed, position_text
 from skiros_py.station.events.log import Event, Kind
 
@@ -55,14 +55,12 @@ _ENDLESS = {"x-endless": True}
 
 @router.get(
     "/events",
-    dependencies=[needs(Role.VIEWER, mes=True)],
     response_class=EventStream,
     responses=_STREAM,
     openapi_extra=_ENDLESS,
 )
 async def stream_events(
-    services: ServicesDep,
-    caller: CallerDep,
+    act: ViewerOrMes,
     kind: Kinds = None,
     type_: Types = None,
     job: JobId = "",
@@ -76,14 +74,13 @@ async def stream_events(
 
     If events are missing, the stream begins with a `reset`, which says why and what to read again.
     """
-    choice = _choice(caller, kind, type_, job, element)
-    return _stream(services, caller, choice, _first_given(last_event_id, after))
+    choice = _choice(act.caller, kind, type_, job, element)
+    return _stream(act.services, act.caller, choice, _first_given(last_event_id, after))
 
 
-@router.get("/events/recent", dependencies=[needs(Role.VIEWER, mes=True)])
+@router.get("/events/recent")
 def list_events(
-    services: ServicesDep,
-    caller: CallerDep,
+    act: ViewerOrMes,
     kind: Kinds = None,
     type_: Types = None,
     job: JobId = "",
@@ -95,12 +92,12 @@ def list_events(
 
     Lists events after a position, oldest first, for clients that cannot keep a stream open; by default, all kept.
     """
-    choice = _choice(caller, kind, type_, job, element)
-    log = services.station.events
+    choice = _choice(act.caller, kind, type_, job, element)
+    log = act.services.station.events
     place = log.first - 1 if not after else find_position(log, after)
     if isinstance(place, ResetInfo):
         return EventPage(items=(), next=place.id, reset=place)
-    events, end = _page(services, place, choice, limit)
+    events, end = _page(act.services, place, choice, limit)
     gap = missed(log, place) if after and not events else None
     return EventPage(
         items=tuple(EventInfo.model_validate(json.loads(event.text)) for event in events),
@@ -111,15 +108,13 @@ def list_events(
 
 @router.get(
     "/jobs/{job}/events",
-    dependencies=[needs(Role.VIEWER, mes=True)],
     response_class=EventStream,
     responses=_STREAM,
     openapi_extra=_ENDLESS,
 )
 def stream_job_events(
+    act: ViewerOrMes,
     job: Annotated[str, Path(max_length=200)],
-    services: ServicesDep,
-    caller: CallerDep,
     after: After = None,
     last_event_id: LastSeen = None,
 ) -> EventStream:
@@ -130,13 +125,12 @@ def stream_job_events(
     Parameters:
         job: Id of the job.
     """
-    services.station.jobs.get(job)
-    return _stream(services, caller, Choice(job=job), _first_given(last_event_id, after) or "")
+    act.services.station.jobs.get(job)
+    return _stream(act.services, act.caller, Choice(job=job), _first_given(last_event_id, after) or "")
 
 
 @router.get(
     "/robots/state/stream",
-    dependencies=[needs(Role.VIEWER)],
     response_class=EventStream,
     responses={
         200: {"description": "Server-sent events: each `data` is a state.", "content": {"text/event-stream": {}}}
@@ -144,8 +138,7 @@ def stream_job_events(
     openapi_extra=_ENDLESS,
 )
 async def stream_state(
-    services: ServicesDep,
-    caller: CallerDep,
+    act: Viewer,
     rate: Annotated[float, Query(ge=0.1, le=20.0, examples=[10])] = 10.0,
 ) -> EventStream:
     """Stream the state of the robots.
@@ -155,17 +148,17 @@ async def stream_state(
     Parameters:
         rate: Maximum rate [Hz].
     """
-    frames = services.streams.follow_state(services.station.live, rate, caller)
-    return EventStream(frames, services.streams.listening(caller))
+    frames = act.services.streams.follow_state(act.services.station.live, rate, act.caller)
+    return EventStream(frames, act.services.streams.listening(act.caller))
 
 
-@router.get("/state", dependencies=[needs(Role.VIEWER)])
-def get_state(services: ServicesDep) -> StationState:
+@router.get("/state")
+def get_state(act: Viewer) -> StationState:
     """Get the state of the robots.
 
     Returns the current state of all robots.
     """
-    return StationState.model_validate(services.station.live.state(services.station.session))
+    return StationState.model_validate(act.services.station.live.state(act.services.station.session))
 
 
 def _choice(caller: Caller, kinds: list[Kind] | None, types: list[str] | None, job: str, element: str) -> Choice:

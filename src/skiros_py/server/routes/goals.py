@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from typing import Annotated
-from urllib.parse import quote
 
-from fastapi import APIRouter, Path, Query, Response
+from fastapi import APIRouter, Path, Query
 
 from skiros_py.api.goals import (
     CheckedGoal,
@@ -15,45 +14,44 @@ from skiros_py.api.goals import (
     SceneGoals,
 )
 from skiros_py.api.previews import AppliedRepair, Preview, PreviewPage
-from skiros_py.server.access.roles import CallerDep, Role, needs
-from skiros_py.server.problems import NEEDS_VERSION, SeenDep, etag, tagged
-from skiros_py.server.services import StationDep
+from skiros_py.server.access.roles import Act, Operator, OperatorOrMes, ViewerOrMes
+from skiros_py.server.problems import NEEDS_VERSION, SeenDep, tagged
 from skiros_py.station.jobs.goals import goals_version
 
 router = APIRouter(tags=["goals"])
 
 
-@router.post("/goals/check", dependencies=[needs(Role.VIEWER, mes=True)])
-def check_goal(order: GoalOrder, station: StationDep) -> CheckedGoal:
+@router.post("/goals/check")
+def check_goal(act: ViewerOrMes, order: GoalOrder) -> CheckedGoal:
     """Check a goal.
 
     Returns how a goal is understood, whether each condition holds now, and why not; nothing is ordered.
     """
-    return station.goals.check(order)
+    return act.station.goals.check(order)
 
 
-@router.get("/goals", dependencies=[needs(Role.VIEWER, mes=True)], responses=tagged())
-def get_goals(station: StationDep, response: Response) -> SceneGoals:
+@router.get("/goals", responses=tagged())
+def get_goals(act: ViewerOrMes) -> SceneGoals:
     """Get the goals of the scene.
 
     Returns the goals stored with the scene; they are pursued only if they are ordered as a job.
     """
-    return _tagged(station.goals.get(), response)
+    return _tagged(act, act.station.goals.get())
 
 
-@router.put("/goals", dependencies=[needs(Role.OPERATOR)], responses=NEEDS_VERSION | tagged())
-def put_goals(body: GoalTexts, station: StationDep, caller: CallerDep, seen: SeenDep, response: Response) -> SceneGoals:
+@router.put("/goals", responses=NEEDS_VERSION | tagged())
+def put_goals(act: Operator, body: GoalTexts, seen: SeenDep) -> SceneGoals:
     """Replace the goals of the scene.
 
     Replaces the goals stored with the scene; `If-Match` names the version that was seen.
     """
-    goals = station.goals.put(body, seen, caller.author)
-    return _tagged(goals, response)
+    goals = act.station.goals.put(body, seen, act.author)
+    return _tagged(act, goals)
 
 
-@router.get("/goals/conditions", dependencies=[needs(Role.VIEWER, mes=True)])
+@router.get("/goals/conditions")
 def list_goal_conditions(
-    station: StationDep,
+    act: ViewerOrMes,
     every: Annotated[bool, Query(alias="all")] = False,
 ) -> ConditionWords:
     """List the conditions of goals.
@@ -63,46 +61,45 @@ def list_goal_conditions(
     Parameters:
         all: Include conditions that no present robot can achieve.
     """
-    return station.goals.words(every=every)
+    return act.station.goals.words(every=every)
 
 
-def _tagged(goals: SceneGoals, response: Response) -> SceneGoals:
-    response.headers["ETag"] = etag(goals_version(goals.goals))
+def _tagged(act: Act, goals: SceneGoals) -> SceneGoals:
+    act.tag(goals_version(goals.goals))
     return goals
 
 
 previews_router = APIRouter(tags=["previews"])
 
-_NEEDS = [needs(Role.OPERATOR, mes=True)]
 PreviewId = Annotated[
     str, Path(alias="id", min_length=1, max_length=20, examples=["1"], description="Id of the preview.")
 ]
 
 
-@previews_router.post("/previews", status_code=202, dependencies=_NEEDS)
-def ask_preview(order: GoalOrder, station: StationDep, response: Response) -> Preview:
+@previews_router.post("/previews", status_code=202)
+def ask_preview(act: OperatorOrMes, order: GoalOrder) -> Preview:
     """Plan without executing.
 
     Plans for a goal from the current beliefs; nothing is executed. At most two previews are planned at a time.
     """
-    preview = station.previews.ask(order)
-    response.headers["Location"] = f"/api/v1/previews/{quote(preview.id, safe='')}"
-    response.headers["Retry-After"] = "1"
+    preview = act.station.previews.ask(order)
+    act.locate("previews", preview.id)
+    act.response.headers["Retry-After"] = "1"
     return preview
 
 
-@previews_router.get("/previews", dependencies=_NEEDS)
-def list_previews(station: StationDep) -> PreviewPage:
+@previews_router.get("/previews")
+def list_previews(act: OperatorOrMes) -> PreviewPage:
     """List previews.
 
     Lists the last hundred previews, newest first; they are deleted at a restart or when another scene is loaded.
     """
-    return station.previews.all()
+    return act.station.previews.all()
 
 
-@previews_router.get("/previews/{id}", dependencies=_NEEDS)
+@previews_router.get("/previews/{id}")
 def get_preview(
-    preview: PreviewId, station: StationDep, wait: Annotated[float, Query(ge=0.0, le=30.0)] = 0.0
+    act: OperatorOrMes, preview: PreviewId, wait: Annotated[float, Query(ge=0.0, le=30.0)] = 0.0
 ) -> Preview:
     """Get a preview.
 
@@ -111,15 +108,14 @@ def get_preview(
     Parameters:
         wait: Maximum time to wait for the result [s].
     """
-    return station.previews.get(preview, wait)
+    return act.station.previews.get(preview, wait)
 
 
-@previews_router.post("/previews/{id}/repairs/{number}/apply", dependencies=[needs(Role.OPERATOR)])
+@previews_router.post("/previews/{id}/repairs/{number}/apply")
 def apply_repair(
+    act: Operator,
     preview: PreviewId,
     number: Annotated[int, Path(ge=0, le=1000, examples=[0])],
-    station: StationDep,
-    caller: CallerDep,
 ) -> AppliedRepair:
     """Apply a repair.
 
@@ -128,4 +124,4 @@ def apply_repair(
     Parameters:
         number: Number of the repair.
     """
-    return station.previews.apply_repair(preview, number, caller.author)
+    return act.station.previews.apply_repair(preview, number, act.author)

@@ -8,9 +8,8 @@ from fastapi import APIRouter, Response
 from prometheus_client import CONTENT_TYPE_LATEST, generate_latest
 
 from skiros_py.api.server import Health, Readiness
-from skiros_py.server.access.roles import Role, needs
+from skiros_py.server.access.roles import Act, Anybody, Viewer
 from skiros_py.server.problems import PROBLEMS
-from skiros_py.server.services import ServicesDep, StationDep
 from skiros_py.station.station import Station
 
 router = APIRouter(tags=["operation"])
@@ -18,16 +17,16 @@ router = APIRouter(tags=["operation"])
 
 @router.head("/healthz", include_in_schema=False)
 @router.get("/healthz", responses={503: {"model": Health}})
-async def get_health(station: StationDep, response: Response) -> Health:
+async def get_health(act: Anybody) -> Health:
     """Check that the server is alive.
 
     Responds with 200 while the control cycle runs or the station is being opened, else with 503. Needs no key.
     """
-    control = station.control
+    control = act.station.control
     if control.fault is not None:
-        return _unhealthy(response, "the station is not running: see the alarms")
+        return _unhealthy(act, "the station is not running: see the alarms")
     if control.stuck_for() > _LONGEST_CYCLE:
-        return _unhealthy(response, "the control cycle does not run")
+        return _unhealthy(act, "the control cycle does not run")
     return Health(alive=True)
 
 
@@ -39,23 +38,23 @@ _LEAST_ROOM = 10 << 20
 """Room on the disk below which nothing is promised any more [bytes]."""
 
 
-def _unhealthy(response: Response, why: str) -> Health:
-    response.status_code = 503
+def _unhealthy(act: Act, why: str) -> Health:
+    act.response.status_code = 503
     return Health(alive=False, why=why)
 
 
 @router.head("/readyz", include_in_schema=False)
 @router.get("/readyz", responses={503: {"model": Readiness}})
-async def get_readiness(station: StationDep, response: Response) -> Readiness:
+async def get_readiness(act: Anybody) -> Readiness:
     """Check that orders can be executed.
 
     Responds with 200 while the station runs, halted or not, and orders can be stored, else with 503. Needs no key.
     """
-    why = _not_ready(station)
+    why = _not_ready(act.station)
     if why:
-        response.status_code = 503
+        act.response.status_code = 503
         return Readiness(ready=False, why=why)
-    return Readiness(ready=True, halted=bool(station.session.cycle.halted))
+    return Readiness(ready=True, halted=bool(act.station.session.cycle.halted))
 
 
 # Both are asynchronous: a health check must not wait for a place in the thread pool.
@@ -67,10 +66,10 @@ def _not_ready(station: Station) -> str:
     return "" if shutil.disk_usage(station.data).free > _LEAST_ROOM else "the disk is full: no order could be kept"
 
 
-@router.get("/metrics", dependencies=[needs(Role.VIEWER)], response_class=Response, responses=PROBLEMS)
-def get_metrics(services: ServicesDep) -> Response:
+@router.get("/metrics", response_class=Response, responses=PROBLEMS)
+def get_metrics(act: Viewer) -> Response:
     """Get the metrics for Prometheus.
 
     Returns the metrics of the server in the text format of Prometheus.
     """
-    return Response(generate_latest(services.metrics.registry), media_type=CONTENT_TYPE_LATEST)
+    return Response(generate_latest(act.services.metrics.registry), media_type=CONTENT_TYPE_LATEST)

@@ -24,40 +24,38 @@ from skiros_py.api.jobs import (
 )
 from skiros_py.api.view import Replay
 from skiros_py.api.wire import WantedMoment
-from skiros_py.server.access.roles import Role, needs
+from skiros_py.server.access.roles import Viewer, ViewerOrMes
 from skiros_py.server.routes.job_commands import CursorQuery, JobId, NewestFirstQuery
-from skiros_py.server.services import StationDep
 
 router = APIRouter()
 
-_NEEDS = [needs(Role.VIEWER, mes=True)]
 _GZIP = re.compile(r"(?:^|[,\s])(?:gzip|\*)\s*(?!\s*;\s*q=0(?:\.0*)?\s*(?:,|$))")
 _LEVEL = 5
 _Time = partial(Query, ge=0.0, allow_inf_nan=False)
 
 
-@router.get("/jobs/{id}/response", dependencies=_NEEDS)
-def get_job_response(job: JobId, station: StationDep) -> JobResponse:
+@router.get("/jobs/{id}/response")
+def get_job_response(act: ViewerOrMes, job: JobId) -> JobResponse:
     """Get the result of a job (ISA-95 job response).
 
     Returns what was done with which material, by which skills, in which states, and why not if it was not done.
     """
-    return station.jobs.response(job)
+    return act.station.jobs.response(job)
 
 
-@router.get("/jobs/{id}/plan", dependencies=_NEEDS)
-def get_job_plan(job: JobId, station: StationDep) -> JobPlan:
+@router.get("/jobs/{id}/plan")
+def get_job_plan(act: ViewerOrMes, job: JobId) -> JobPlan:
     """Get the plan of a job.
 
     Returns the steps of the last plan, with what each waits for; empty if there is none (yet).
     """
-    return station.jobs.plan(job)
+    return act.station.jobs.plan(job)
 
 
-@router.get("/jobs/{id}/trace", dependencies=_NEEDS)
+@router.get("/jobs/{id}/trace")
 def get_job_trace(
+    act: ViewerOrMes,
     job: JobId,
-    station: StationDep,
     limit: Annotated[int, Query(ge=1, le=1000)] = 100,
     cursor: Annotated[str, Query(pattern=r"^\d{1,15}$")] = "0",
 ) -> JobTrace:
@@ -65,45 +63,44 @@ def get_job_trace(
 
     Lists what happened, as text and as data; for a running job, the last second may be missing.
     """
-    return station.jobs.trace(job, int(cursor), limit)
+    return act.station.jobs.trace(job, int(cursor), limit)
 
 
-@router.get("/jobs/{id}/report", dependencies=_NEEDS)
-def get_job_report(job: JobId, station: StationDep) -> JobReport:
+@router.get("/jobs/{id}/report")
+def get_job_report(act: ViewerOrMes, job: JobId) -> JobReport:
     """Get the report of a job.
 
     Returns the outcome of each condition and of each step, as `skiros run` does.
     """
-    return station.jobs.report(job)
+    return act.station.jobs.report(job)
 
 
-@router.get("/jobs/{id}/transitions", dependencies=_NEEDS)
-def get_job_transitions(job: JobId, station: StationDep) -> JobTransitions:
+@router.get("/jobs/{id}/transitions")
+def get_job_transitions(act: ViewerOrMes, job: JobId) -> JobTransitions:
     """List the state changes of a job.
 
     Lists the states that a job went through: when, who requested it, and why.
     """
-    return station.jobs.transitions(job)
+    return act.station.jobs.transitions(job)
 
 
-@router.get("/jobs/{id}/explanation", dependencies=_NEEDS)
-def get_job_explanation(job: JobId, station: StationDep) -> JobExplanation:
+@router.get("/jobs/{id}/explanation")
+def get_job_explanation(act: ViewerOrMes, job: JobId) -> JobExplanation:
     """Explain why there is no plan.
 
     Returns why there is no plan for a job, and what would help; empty if there is one, or planning has not started.
     """
-    return station.jobs.explanation(job)
+    return act.station.jobs.explanation(job)
 
 
 @router.get(
     "/jobs/{id}/replay",
-    dependencies=[needs(Role.VIEWER)],
     response_class=Response,
     responses={200: {"model": Replay, "description": "The job as it was seen; compressed where that is accepted."}},
 )
 def get_job_replay(
+    act: Viewer,
     job: JobId,
-    station: StationDep,
     start: float = 0.0,
     end: float | None = None,
     accept_encoding: Annotated[str, Header(max_length=1000)] = "",
@@ -119,7 +116,7 @@ def get_job_replay(
         start: From this run time on [s].
         end: Up to this run time [s]; left out: to the end.
     """
-    text = station.recordings.replay(job, start, math.inf if end is None else end)
+    text = act.station.recordings.replay(job, start, math.inf if end is None else end)
     headers = {"Cache-Control": "no-cache", "Vary": "Accept-Encoding"}
     if _GZIP.search(accept_encoding):
         text = gzip.compress(text, _LEVEL)
@@ -129,33 +126,32 @@ def get_job_replay(
 
 @router.get(
     "/jobs/{id}/recording",
-    dependencies=[needs(Role.VIEWER)],
     response_class=FileResponse,
     responses={200: {"content": {"application/octet-stream": {}}, "description": "An MCAP file."}},
 )
-def get_job_recording(job: JobId, station: StationDep) -> FileResponse:
+def get_job_recording(act: Viewer, job: JobId) -> FileResponse:
     """The recording of a job.
 
     Downloads the recording of a job that runs or ran, for Foxglove and other programs; takes requests for ranges.
 
     Of a job that runs, the last second may be missing, and the file has no index yet. It is deleted with the job.
     """
-    path = station.recordings.path(job)
+    path = act.station.recordings.path(job)
     return FileResponse(path, media_type="application/octet-stream", filename=path.name)
 
 
-@router.get("/capabilities", dependencies=_NEEDS)
-def get_capabilities(station: StationDep) -> JobCapabilities:
+@router.get("/capabilities")
+def get_capabilities(act: ViewerOrMes) -> JobCapabilities:
     """List what can be ordered.
 
     Lists what an order may name: goal templates, material classes, robots; and the maximum number of orders.
     """
-    return station.jobs.capabilities()
+    return act.station.jobs.capabilities()
 
 
-@router.get("/job-responses", dependencies=_NEEDS)
+@router.get("/job-responses")
 def list_job_responses(
-    station: StationDep,
+    act: ViewerOrMes,
     state: Annotated[list[StateName] | None, Query(max_length=6)] = None,
     since: WantedMoment | None = None,
     limit: Annotated[int, Query(ge=1, le=100)] = 100,
@@ -171,4 +167,4 @@ def list_job_responses(
         since: Only jobs changed since then.
     """
     after = None if cursor is None else int(cursor)
-    return station.jobs.responses(state, since, limit, after, newest_first=newest_first)
+    return act.station.jobs.responses(state, since, limit, after, newest_first=newest_first)

@@ -5,12 +5,12 @@ from __future__ import annotations
 import re
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Header, Query, Request, Response
+from fastapi import APIRouter, Header, Query
 
 from skiros_py.api.jobs import AcceptedJob, Job, JobOrder, JobPage, StateName
 from skiros_py.api.wire import ProblemDetails, WantedMoment
 from skiros_py.server.access.audit import note
-from skiros_py.server.access.roles import CallerDep, Role, needs
+from skiros_py.server.access.roles import Act, OperatorOrMes, ViewerOrMes
 from skiros_py.server.problems import Problem, tagged
 from skiros_py.server.routes import job_commands, job_results
 from skiros_py.server.routes.job_commands import (
@@ -19,12 +19,8 @@ from skiros_py.server.routes.job_commands import (
     JobId,
     NewestFirstQuery,
     accepted,
-    job_location,
-    shown,
 )
-from skiros_py.server.services import StationDep
 from skiros_py.station.jobs.views import is_open
-from skiros_py.station.station import Station
 
 router = APIRouter(tags=["jobs"])
 
@@ -48,13 +44,10 @@ PreferHeader = Annotated[
 ]
 
 
-@router.post("/jobs", status_code=202, dependencies=[needs(Role.OPERATOR, mes=True)], responses=_TAKEN | _REMOVED)
+@router.post("/jobs", status_code=202, responses=_TAKEN | _REMOVED)
 def order_job(
+    act: OperatorOrMes,
     order: JobOrder,
-    request: Request,
-    station: StationDep,
-    caller: CallerDep,
-    response: Response,
     start: StartQuery = True,
     again: AgainQuery = False,
     idempotency_key: Annotated[str | None, Header(max_length=202)] = None,
@@ -69,23 +62,21 @@ def order_job(
     Parameters:
         idempotency-key: Identifies the request: repeating it does not create a second job.
     """
-    key, holder = _key_of(idempotency_key), caller.key or caller.name
-    result = station.jobs.order(order, start=start, again=again, key=key, author=caller.author, holder=holder)
+    key, holder = _key_of(idempotency_key), act.caller.key or act.caller.name
+    result = act.station.jobs.order(order, start=start, again=again, key=key, author=act.author, holder=holder)
     if result.repeated:
-        response.headers["Idempotency-Replayed"] = "true"
-        response.status_code = 200
-    note(request, job=result.job.id)
-    return _taken(station, result.job, response, prefer)
+        act.response.headers["Idempotency-Replayed"] = "true"
+        act.response.status_code = 200
+    note(act.request, job=result.job.id)
+    return _taken(act, result.job, prefer)
 
 
-@router.put("/jobs/{id}", status_code=202, dependencies=[needs(Role.OPERATOR, mes=True)], responses=_TAKEN | _REMOVED)
+@router.put("/jobs/{id}", status_code=202, responses=_TAKEN | _REMOVED)
 def put_job(
+    act: OperatorOrMes,
     job: JobId,
     order: JobOrder,
-    station: StationDep,
-    caller: CallerDep,
     expected: ExpectedDep,
-    response: Response,
     start: StartQuery = True,
     again: AgainQuery = False,
     if_match: Annotated[str | None, Header()] = None,
@@ -101,24 +92,24 @@ def put_job(
     Another order under the same id is refused (409), unless the job has not started and `If-Match` names its version:
     then it replaces the order.
     """
-    result = station.jobs.put(
+    result = act.station.jobs.put(
         job,
         order,
         start=start,
         again=again,
         replaces=if_match is not None,
         expects=expected,
-        author=caller.author,
+        author=act.author,
     )
     if not result.repeated:
-        return _taken(station, result.job, response, prefer)
-    response.status_code = 200
-    return _located(result.job, response)
+        return _taken(act, result.job, prefer)
+    act.response.status_code = 200
+    return _located(act, result.job)
 
 
-@router.get("/jobs", dependencies=[needs(Role.VIEWER, mes=True)])
+@router.get("/jobs")
 def list_jobs(
-    station: StationDep,
+    act: ViewerOrMes,
     state: Annotated[list[StateName] | None, Query(max_length=6)] = None,
     since: WantedMoment | None = None,
     limit: Annotated[int, Query(ge=1, le=1000)] = 100,
@@ -133,16 +124,16 @@ def list_jobs(
         state: Only jobs in these states.
         since: Only jobs changed since then.
     """
-    return station.jobs.all(state, since, limit, None if cursor is None else int(cursor), newest_first=newest_first)
+    return act.station.jobs.all(state, since, limit, None if cursor is None else int(cursor), newest_first=newest_first)
 
 
-@router.get("/jobs/{id}", dependencies=[needs(Role.VIEWER, mes=True)], responses=tagged())
-def get_job(job: JobId, station: StationDep, response: Response) -> Job:
+@router.get("/jobs/{id}", responses=tagged())
+def get_job(act: ViewerOrMes, job: JobId) -> Job:
     """Get a job.
 
     Returns the current state of a job.
     """
-    return shown(station.jobs.get(job), response)
+    return act.tagged(act.station.jobs.get(job))
 
 
 router.include_router(job_commands.router)
@@ -163,19 +154,19 @@ def _key_of(given: str | None) -> str | None:
     return match[1]
 
 
-def _taken(station: Station, job: Job, response: Response, prefer: str | None) -> AcceptedJob:
+def _taken(act: Act, job: Job, prefer: str | None) -> AcceptedJob:
     """Answers an order, perhaps when it is over."""
     wanted = _WAIT.search(prefer or "")
     if wanted is not None:
         seconds = min(int(wanted[1]), _LONGEST_WAIT)
-        job = station.jobs.wait(job.id, seconds)
-        response.headers["Preference-Applied"] = f"wait={seconds}"
-        response.status_code = 202 if is_open(job) else 200
-    return _located(job, response)
+        job = act.station.jobs.wait(job.id, seconds)
+        act.response.headers["Preference-Applied"] = f"wait={seconds}"
+        act.response.status_code = 202 if is_open(job) else 200
+    return _located(act, job)
 
 
-def _located(job: Job, response: Response) -> AcceptedJob:
-    response.headers["Location"] = job_location(job.id)
+def _located(act: Act, job: Job) -> AcceptedJob:
+    act.locate("jobs", job.id)
     if is_open(job):
-        response.headers["Retry-After"] = "1"
-    return accepted(job, response)
+        act.response.headers["Retry-After"] = "1"
+    return accepted(act, job)

@@ -14,16 +14,15 @@ from skiros_py.api.ontology import (
     RelationInfoPage,
 )
 from skiros_py.api.world import EVERYTHING
-from skiros_py.server.access.roles import Role, needs
+from skiros_py.server.access.roles import Viewer
 from skiros_py.server.routes.world import Cursor, Limit, NamePath
-from skiros_py.server.services import StationDep
 
 router = APIRouter(prefix="/ontology", tags=["ontology"])
 
 
-@router.get("/classes", dependencies=[needs(Role.VIEWER)])
+@router.get("/classes")
 def read_classes(
-    station: StationDep,
+    act: Viewer,
     root: Annotated[str, Query(min_length=1, max_length=300, examples=["sk:Manipulatable"])] = EVERYTHING,
     depth: Annotated[int, Query(ge=0, le=50)] = 50,
 ) -> ClassNode:
@@ -35,39 +34,39 @@ def read_classes(
         root: The class at the root.
         depth: Number of levels below it.
     """
-    return station.ontology.classes(root, depth)
+    return act.station.ontology.classes(root, depth)
 
 
-@router.get("/classes/{name}", dependencies=[needs(Role.VIEWER)])
-def read_class(name: NamePath, station: StationDep) -> ClassDetails:
+@router.get("/classes/{name}")
+def read_class(act: Viewer, name: NamePath) -> ClassDetails:
     """Read a class.
 
     Returns the meaning of a class, the properties and relations of its elements, and how many there are.
     """
-    return station.ontology.class_(name)
+    return act.station.ontology.class_(name)
 
 
-@router.get("/relations", dependencies=[needs(Role.VIEWER)])
-def list_ontology_relations(station: StationDep, limit: Limit = 1000, cursor: Cursor = None) -> RelationInfoPage:
+@router.get("/relations")
+def list_ontology_relations(act: Viewer, limit: Limit = 1000, cursor: Cursor = None) -> RelationInfoPage:
     """List relations.
 
     Lists relations by name, with the classes permitted at their ends.
     """
-    return station.ontology.relations(limit, cursor or "")
+    return act.station.ontology.relations(limit, cursor or "")
 
 
-@router.get("/properties", dependencies=[needs(Role.VIEWER)])
-def list_ontology_properties(station: StationDep, limit: Limit = 1000, cursor: Cursor = None) -> PropertyPage:
+@router.get("/properties")
+def list_ontology_properties(act: Viewer, limit: Limit = 1000, cursor: Cursor = None) -> PropertyPage:
     """List properties.
 
     Lists properties by name, with data type and unit.
     """
-    return station.ontology.properties(limit, cursor or "")
+    return act.station.ontology.properties(limit, cursor or "")
 
 
-@router.get("/placements", dependencies=[needs(Role.VIEWER)])
+@router.get("/placements")
 def read_placements(
-    station: StationDep,
+    act: Viewer,
     class_: Annotated[str | None, Query(alias="class", min_length=1, max_length=300)] = None,
     element: Annotated[str | None, Query(min_length=1, max_length=300)] = None,
     relation: Annotated[str | None, Query(min_length=1, max_length=300)] = None,
@@ -87,4 +86,4 @@ def read_placements(
         relation: Only this relation.
         limit: Maximum number of places per relation.
     """
-    return station.ontology.placements(class_, element, relation, limit, cursor)
+    return act.station.ontology.placements(class_, element, relation, limit, cursor)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter, Request, Response
+from fastapi import APIRouter, Response
 from fastapi.responses import JSONResponse
 
 from skiros_py.api.queries import Query, QueryAnswer
-from skiros_py.server.access.roles import Role, needs
+from skiros_py.server.access.roles import Engineer
 from skiros_py.server.problems import Problem
 from skiros_py.server.routes.world import also_refused
-from skiros_py.server.services import StationDep
 from skiros_py.station.world.service import Answer
 
 router = APIRouter(tags=["queries"])
@@ -20,14 +19,13 @@ _TEXT = {"schema": {"type": "string"}}
 
 @router.post(
     "/queries",
-    dependencies=[needs(Role.ENGINEER)],
     response_model=QueryAnswer,
     responses={
         200: {"content": {CSV: _TEXT, TURTLE: _TEXT}},
         **also_refused(406, "The answer has no rows (text/csv), or no triples (text/turtle)."),
     },
 )
-def ask_question(question: Query, request: Request, station: StationDep) -> Response:
+def ask_question(act: Engineer, question: Query) -> Response:
     """Run a SPARQL query.
 
     Runs a SELECT, ASK or CONSTRUCT query over the ontology, the scene, learned concepts and computed relations.
@@ -36,7 +34,7 @@ def ask_question(question: Query, request: Request, station: StationDep) -> Resp
     10,000 rows and 16 MiB of results; at most four run at once, further ones get 503. `Accept: text/csv` returns the
     rows of a SELECT as CSV, `Accept: text/turtle` the triples of a CONSTRUCT as Turtle.
     """
-    return answer_response(station.ontology.query(question), request.headers.get("accept", ""))
+    return answer_response(act.station.ontology.query(question), act.request.headers.get("accept", ""))
 
 
 def answer_response(answer: Answer, accept: str) -> Response:

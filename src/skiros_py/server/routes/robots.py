@@ -21,9 +21,7 @@ from skiros_py.api.robots import (
     SignalReadings,
 )
 from skiros_py.errors import Busy
-from skiros_py.server.access.roles import CallerDep, Role, needs
-from skiros_py.server.routes.modules import location_of
-from skiros_py.server.services import StationDep
+from skiros_py.server.access.roles import Engineer, Operator, Viewer
 
 router = APIRouter(tags=["robots"])
 
@@ -32,31 +30,31 @@ DeviceId = Annotated[str, Path(alias="id", max_length=200)]
 RobotId = Annotated[str, Path(alias="id", max_length=200)]
 
 
-@router.get("/robots", dependencies=[needs(Role.VIEWER)])
-def list_robots(station: StationDep) -> list[RobotInfo]:
+@router.get("/robots")
+def list_robots(act: Viewer) -> list[RobotInfo]:
     """List the robots.
 
     The devices of each robot, of any kind, with their joints and frames.
     """
-    return station.robots.all()
+    return act.station.robots.all()
 
 
-@router.get("/robots/{id}", dependencies=[needs(Role.VIEWER)])
-def get_robot(robot: RobotId, station: StationDep) -> RobotInfo:
+@router.get("/robots/{id}")
+def get_robot(act: Viewer, robot: RobotId) -> RobotInfo:
     """Describe a robot.
 
     One robot with its devices.
     """
-    return station.robots.get(robot)
+    return act.station.robots.get(robot)
 
 
-@router.get("/robots/{id}/state", dependencies=[needs(Role.VIEWER)])
-def get_robot_state(robot: RobotId, station: StationDep) -> RobotReading:
+@router.get("/robots/{id}/state")
+def get_robot_state(act: Viewer, robot: RobotId) -> RobotReading:
     """See where a robot is.
 
     The states of its devices in one cycle, and their frames in the map, as localised.
     """
-    return station.robots.reading(robot)
+    return act.station.robots.reading(robot)
 
 
 _MeshName = Annotated[str, Path(max_length=200, description="As the model names it.")]
@@ -69,8 +67,8 @@ _URDF: dict[int | str, dict[str, Any]] = {
 _STL: dict[int | str, dict[str, Any]] = {200: {"description": "The mesh.", "content": {"model/stl": {}}}}
 
 
-@router.get("/robots/{id}/model", dependencies=[needs(Role.VIEWER)], response_class=Response, responses=_URDF)
-def get_robot_model(robot: RobotId, station: StationDep) -> Response:
+@router.get("/robots/{id}/model", response_class=Response, responses=_URDF)
+def get_robot_model(act: Viewer, robot: RobotId) -> Response:
     """Read a robot's model.
 
     Returns links, joints and visible shapes with their colours as URDF; of a robot, or of a device without a robot.
@@ -79,51 +77,49 @@ def get_robot_model(robot: RobotId, station: StationDep) -> Response:
     positions of the joints. The first request may take some seconds: 202 without content says when to ask again.
     """
     try:
-        return Response(station.robots.model(robot).urdf, media_type="application/xml")
+        return Response(act.station.robots.model(robot).urdf, media_type="application/xml")
     except Busy as busy:
         return Response(status_code=202, headers={"Retry-After": str(math.ceil(busy.retry_after))})
 
 
-@router.get(
-    "/robots/{id}/model/meshes/{name}", dependencies=[needs(Role.VIEWER)], response_class=Response, responses=_STL
-)
-def get_robot_mesh(robot: RobotId, name: _MeshName, station: StationDep) -> Response:
+@router.get("/robots/{id}/model/meshes/{name}", response_class=Response, responses=_STL)
+def get_robot_mesh(act: Viewer, robot: RobotId, name: _MeshName) -> Response:
     """Read a mesh of a robot's model.
 
     Returns one of the mesh files of the model, as binary STL [m].
     """
-    return Response(station.robots.mesh(robot, name), media_type="model/stl", headers=_FOREVER)
+    return Response(act.station.robots.mesh(robot, name), media_type="model/stl", headers=_FOREVER)
 
 
-@router.get("/devices", dependencies=[needs(Role.VIEWER)])
-def list_devices(station: StationDep) -> list[DeviceInfo]:
+@router.get("/devices")
+def list_devices(act: Viewer) -> list[DeviceInfo]:
     """List the devices.
 
     All devices of the cell, of robots and by themselves, with the values that each offers.
     """
-    return station.devices.all()
+    return act.station.devices.all()
 
 
-@router.get("/devices/{id}", dependencies=[needs(Role.VIEWER)])
-def get_device(device: DeviceId, station: StationDep) -> DeviceInfo:
+@router.get("/devices/{id}")
+def get_device(act: Viewer, device: DeviceId) -> DeviceInfo:
     """Describe a device.
 
     One device.
     """
-    return station.devices.get(device)
+    return act.station.devices.get(device)
 
 
-@router.get("/devices/{id}/state", dependencies=[needs(Role.VIEWER)])
-def get_device_state(device: DeviceId, station: StationDep) -> DeviceReading:
+@router.get("/devices/{id}/state")
+def get_device_state(act: Viewer, device: DeviceId) -> DeviceReading:
     """Read a device.
 
     What a device says now, and the values that it offers.
     """
-    return station.devices.reading(device)
+    return act.station.devices.reading(device)
 
 
-@router.get("/devices/{id}/motion", dependencies=[needs(Role.VIEWER)])
-def get_device_motion(device: DeviceId, station: StationDep) -> DeviceMotion:
+@router.get("/devices/{id}/motion")
+def get_device_motion(act: Viewer, device: DeviceId) -> DeviceMotion:
     """See where a device is about to go.
 
     The planned motion of a base, an arm or another device, until it stands at the end, or the module that planned it
@@ -131,93 +127,89 @@ def get_device_motion(device: DeviceId, station: StationDep) -> DeviceMotion:
 
     The `motions` of the station's state change with it.
     """
-    return station.devices.motion(device)
+    return act.station.devices.motion(device)
 
 
-@router.get("/devices/{id}/look", dependencies=[needs(Role.VIEWER)])
-def get_device_look(device: DeviceId, station: StationDep) -> Look:
+@router.get("/devices/{id}/look")
+def get_device_look(act: Viewer, device: DeviceId) -> Look:
     """See what a camera saw last.
 
     The last picture in which a module looked for something: as points in the map, with what was recognised.
 
     The `looks` of the station's state change with it.
     """
-    return station.devices.look(device)
+    return act.station.devices.look(device)
 
 
-@router.post("/devices/{id}/open", dependencies=[needs(Role.ENGINEER)])
-def open_device(device: DeviceId, station: StationDep) -> DeviceInfo:
+@router.post("/devices/{id}/open")
+def open_device(act: Engineer, device: DeviceId) -> DeviceInfo:
     """Open a device.
 
     Connects the driver of a device, so that modules may use it again.
     """
-    return station.devices.open(device)
+    return act.station.devices.open(device)
 
 
-@router.post("/devices/{id}/close", dependencies=[needs(Role.ENGINEER)])
-def close_device(device: DeviceId, station: StationDep) -> DeviceInfo:
+@router.post("/devices/{id}/close")
+def close_device(act: Engineer, device: DeviceId) -> DeviceInfo:
     """Close a device.
 
     Keeps modules from using a device; refused (409) while one does, or while it moves.
 
     With its last open device a driver is disconnected. A simulated device stays where it is.
     """
-    return station.devices.close(device)
+    return act.station.devices.close(device)
 
 
-@router.post("/devices/{id}/jog", status_code=202, dependencies=[needs(Role.ENGINEER)])
-def jog_device(
-    device: DeviceId, request: ManualRun, station: StationDep, caller: CallerDep, response: Response
-) -> ModuleRunInfo:
+@router.post("/devices/{id}/jog", status_code=202)
+def jog_device(act: Engineer, device: DeviceId, request: ManualRun) -> ModuleRunInfo:
     """Jog a device.
 
     Moves a device by a small step, or home, with a module that its kind names; follow the run that is answered.
 
     Refused (409) while its robot does something else. Where the way is not free, the run fails and says why.
     """
-    run = station.devices.jog(device, request.arguments, module=request.module, author=caller.author)
-    response.headers["Location"] = location_of(run)
+    run = act.station.devices.jog(device, request.arguments, module=request.module, author=act.author)
+    act.locate("module-runs", run.id)
     return run
 
 
-@router.post("/devices/{id}/teach", status_code=202, dependencies=[needs(Role.ENGINEER)])
-def teach_device(
-    device: DeviceId, request: ManualRun, station: StationDep, caller: CallerDep, response: Response
-) -> ModuleRunInfo:
+@router.post("/devices/{id}/teach", status_code=202)
+def teach_device(act: Engineer, device: DeviceId, request: ManualRun) -> ModuleRunInfo:
     """Teach with a device.
 
     Learns from the present state of a device: a grasp, a driving pose, whatever its kind names modules for.
     """
-    run = station.devices.teach(device, request.arguments, module=request.module, author=caller.author)
-    response.headers["Location"] = location_of(run)
+    run = act.station.devices.teach(device, request.arguments, module=request.module, author=act.author)
+    act.locate("module-runs", run.id)
     return run
 
 
-@router.get("/signals", dependencies=[needs(Role.VIEWER)])
-def list_signals(station: StationDep) -> list[CellSignal]:
+@router.get("/signals")
+def list_signals(act: Viewer) -> list[CellSignal]:
     """List the signals.
 
     All signals of the cell: those of devices, computed ones, and inputs that can be set.
     """
-    return station.signals.all()
+    return act.station.signals.all()
 
 
-@router.get("/signals/values", dependencies=[needs(Role.VIEWER)])
+@router.get("/signals/values")
 def read_signals(
-    station: StationDep,
+    act: Viewer,
     name: Annotated[list[str], Query(min_length=1, max_length=200, description="Names of the signals.")],
 ) -> SignalReadings:
     """Read signals.
 
     The values of some signals in one control cycle; where one has no value, why.
     """
-    return station.signals.read(name)
+    return act.station.signals.read(name)
 
 
-@router.put("/signals/{name}/value", status_code=204, dependencies=[needs(Role.OPERATOR)])
-def set_signal(name: Id, request: SetSignal, station: StationDep) -> None:
+@router.put("/signals/{name}/value", status_code=204)
+def set_signal(act: Operator, name: Id, request: SetSignal) -> None:
     """Set a signal.
 
     Sets an input of the cell; the value counts from the next control cycle on.
     """
-    station.signals.set(name, request.value)
+    act.station.signals.set(name, request.value)

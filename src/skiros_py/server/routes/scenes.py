@@ -23,9 +23,8 @@ from skiros_py.api.scenes import (
     Scenes,
     SimulationState,
 )
-from skiros_py.server.access.roles import CallerDep, Role, needs
-from skiros_py.server.problems import NEEDS_VERSION, Problem, SeenDep, etag, tagged, with_etag
-from skiros_py.server.services import StationDep
+from skiros_py.server.access.roles import Engineer, Operator, Viewer
+from skiros_py.server.problems import NEEDS_VERSION, Problem, SeenDep, etag, tagged
 
 router = APIRouter(tags=["scenes"])
 
@@ -41,59 +40,59 @@ Cursor = Annotated[str | None, Query(max_length=100)]
 # ---------------------------------------------------------------- scenes that can be loaded
 
 
-@router.get("/scenes", dependencies=[needs(Role.VIEWER)])
-def list_scenes(station: StationDep, limit: Limit = 100, cursor: Cursor = None) -> Scenes:
+@router.get("/scenes")
+def list_scenes(act: Viewer, limit: Limit = 100, cursor: Cursor = None) -> Scenes:
     """List scenes.
 
     Lists the scenes installed with packages and those saved here, by name.
     """
-    return station.scenes.all(limit, cursor or "")
+    return act.station.scenes.all(limit, cursor or "")
 
 
-@router.post("/scenes", status_code=201, dependencies=[needs(Role.OPERATOR)], responses=NEEDS_VERSION | tagged(201))
-def save_scene(wanted: SaveScene, station: StationDep, seen: SeenDep, response: Response) -> SceneEntry:
+@router.post("/scenes", status_code=201, responses=NEEDS_VERSION | tagged(201))
+def save_scene(act: Operator, wanted: SaveScene, seen: SeenDep) -> SceneEntry:
     """Save the present scene.
 
     Saves the current beliefs as a scene, atomically: all elements and the goals.
 
     To replace a saved scene of that name, `If-Match` names the version that was seen.
     """
-    entry, version = station.scenes.save(wanted.name, seen)
-    response.headers["Location"] = f"/api/v1/scenes/{wanted.name}"
-    response.headers["ETag"] = etag(version)
+    entry, version = act.station.scenes.save(wanted.name, seen)
+    act.locate("scenes", wanted.name)
+    act.tag(version)
     return entry
 
 
-@router.get("/scenes/{name}", dependencies=[needs(Role.VIEWER)], responses=tagged())
-def get_scene_file(name: SceneName, station: StationDep, response: Response) -> Scene:
+@router.get("/scenes/{name}", responses=tagged())
+def get_scene_file(act: Viewer, name: SceneName) -> Scene:
     """Get a scene.
 
     Describes a scene without loading it.
     """
-    scene = station.scenes.get(name)
-    response.headers["ETag"] = etag(scene.version)
+    scene = act.station.scenes.get(name)
+    act.tag(scene.version)
     return scene
 
 
-@router.delete("/scenes/{name}", status_code=204, dependencies=[needs(Role.OPERATOR)])
-def delete_scene(name: SceneName, station: StationDep, seen: SeenDep) -> None:
+@router.delete("/scenes/{name}", status_code=204)
+def delete_scene(act: Operator, name: SceneName, seen: SeenDep) -> None:
     """Delete a saved scene.
 
     Deletes a saved scene; the current beliefs do not change. With `If-Match`, only if that is its version.
     """
-    station.scenes.delete(name, seen)
+    act.station.scenes.delete(name, seen)
 
 
 # ---------------------------------------------------------------- the present scene
 
 
-@router.get("/scene", dependencies=[needs(Role.VIEWER)], responses=tagged())
-def get_scene(station: StationDep, response: Response) -> PresentScene:
+@router.get("/scene", responses=tagged())
+def get_scene(act: Viewer) -> PresentScene:
     """Get the present scene.
 
     Returns which scene was loaded last, what it contains now, and whether it was changed since.
     """
-    return with_etag(station.scenes.present(), response)
+    return act.tagged(act.station.scenes.present())
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,13 +135,11 @@ _LOAD_BODY = {
 }
 
 
-@router.put("/scene", dependencies=[needs(Role.OPERATOR)], openapi_extra=_LOAD_BODY, responses=NEEDS_VERSION | tagged())
+@router.put("/scene", openapi_extra=_LOAD_BODY, responses=NEEDS_VERSION | tagged())
 def load_scene(
+    act: Operator,
     wish: Annotated[_Wish, Depends(_wish)],
-    station: StationDep,
-    caller: CallerDep,
     seen: SeenDep,
-    response: Response,
 ) -> PresentScene:
     """Load a scene.
 
@@ -153,27 +150,26 @@ def load_scene(
     requests wait meanwhile, jobs stay in the queue. The station must be idle. `If-Match` names the version of the world
     that was seen.
     """
-    return with_etag(station.scenes.load(wish.name, wish.turtle, seen, caller.author), response)
+    return act.tagged(act.station.scenes.load(wish.name, wish.turtle, seen, act.author))
 
 
 @router.get(
     "/scene.ttl",
-    dependencies=[needs(Role.VIEWER)],
     response_class=Response,
     responses={200: {"description": "The scene.", "content": {TURTLE: {}}, **tagged()[200]}},
 )
-def get_scene_turtle(station: StationDep) -> Response:
+def get_scene_turtle(act: Viewer) -> Response:
     """Export the present scene as Turtle.
 
     Returns the current beliefs as a scene file; equal contents give equal files.
     """
-    text, version = station.scenes.turtle()
+    text, version = act.station.scenes.turtle()
     return Response(text, media_type=TURTLE, headers={"ETag": etag(version)})
 
 
-@router.get("/scene/diff", dependencies=[needs(Role.VIEWER)])
+@router.get("/scene/diff")
 def get_scene_difference(
-    station: StationDep,
+    act: Viewer,
     with_: Annotated[str, Query(alias="with", pattern="^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$", examples=["kitting"])],
     limit: Limit = 100,
     cursor: Annotated[str | None, Query(pattern=r"^\d{1,9}$")] = None,
@@ -186,7 +182,7 @@ def get_scene_difference(
         with: Name of the other scene.
         cursor: `next` of the previous page.
     """
-    return station.scenes.difference(with_, int(cursor or 0), limit)
+    return act.station.scenes.difference(with_, int(cursor or 0), limit)
 
 
 simulation_router = APIRouter(prefix="/simulation", tags=["simulation"])
@@ -196,45 +192,45 @@ _COORDINATES = r"^-?\d{1,4}(\.\d{1,9})?(,-?\d{1,4}(\.\d{1,9})?){2}$"
 _PICTURE: dict[int | str, dict[str, Any]] = {200: {"description": "The picture.", "content": {"image/png": {}}}}
 
 
-@simulation_router.get("", dependencies=[needs(Role.VIEWER)])
-def get_simulation(station: StationDep) -> SimulationState:
+@simulation_router.get("")
+def get_simulation(act: Viewer) -> SimulationState:
     """Get the state of the simulation.
 
     Returns which driver is used, whether simulated time advances and how fast, and what waits for a reset.
     """
-    return station.simulation.state()
+    return act.station.simulation.state()
 
 
-@simulation_router.get("/bodies", dependencies=[needs(Role.VIEWER)], openapi_extra={"x-truth": True})
-def list_bodies(station: StationDep) -> Bodies:
+@simulation_router.get("/bodies", openapi_extra={"x-truth": True})
+def list_bodies(act: Viewer) -> Bodies:
     """List the true poses of bodies.
 
     Lists the bodies with their true poses, for people only: robots have no access to them.
     """
-    return station.simulation.true_bodies()
+    return act.station.simulation.true_bodies()
 
 
-@simulation_router.put("/bodies/{body}/pose", status_code=204, dependencies=[needs(Role.ENGINEER)])
-def move_body(body: BodyId, pose: BodyPose, station: StationDep) -> None:
+@simulation_router.put("/bodies/{body}/pose", status_code=204)
+def move_body(act: Engineer, body: BodyId, pose: BodyPose) -> None:
     """Move a body.
 
     Moves a body, and brings it to rest. No robot is informed: it has to notice, as if a person had moved it.
     """
-    station.simulation.move(body, pose)
+    act.station.simulation.move(body, pose)
 
 
-@simulation_router.delete("/bodies/{body}", status_code=204, dependencies=[needs(Role.ENGINEER)])
-def remove_body(body: BodyId, station: StationDep) -> None:
+@simulation_router.delete("/bodies/{body}", status_code=204)
+def remove_body(act: Engineer, body: BodyId) -> None:
     """Remove a body.
 
     Removes a body. No robot is informed; a reset restores it where it is believed to be.
     """
-    station.simulation.remove(body)
+    act.station.simulation.remove(body)
 
 
-@simulation_router.post("/reset", dependencies=[needs(Role.ENGINEER)])
+@simulation_router.post("/reset")
 def reset_simulation(
-    station: StationDep,
+    act: Engineer,
     force: bool = False,
 ) -> SimulationState:
     """Reset the simulation.
@@ -246,21 +242,21 @@ def reset_simulation(
     Parameters:
         force: Stop everything that is running first; its jobs wait for a person.
     """
-    return station.simulation.reset(force=force)
+    return act.station.simulation.reset(force=force)
 
 
-@simulation_router.put("/pace", dependencies=[needs(Role.ENGINEER)])
-def set_pace(wanted: NewPace, station: StationDep) -> Pace:
+@simulation_router.put("/pace")
+def set_pace(act: Engineer, wanted: NewPace) -> Pace:
     """Set the pace.
 
     Changes the speed of simulated time, if the server was started with a pace and not in lockstep.
     """
-    return Pace(pace=station.simulation.set_pace(wanted.pace))
+    return Pace(pace=act.station.simulation.set_pace(wanted.pace))
 
 
-@simulation_router.get("/picture", dependencies=[needs(Role.VIEWER)], response_class=Response, responses=_PICTURE)
+@simulation_router.get("/picture", response_class=Response, responses=_PICTURE)
 def get_picture(
-    station: StationDep,
+    act: Viewer,
     eye: Annotated[str, Query(pattern=_COORDINATES)] = "3.5,-3.5,3",
     target: Annotated[str, Query(pattern=_COORDINATES)] = "0.5,0,0.3",
     width: Annotated[int, Query(ge=16, le=1280)] = 640,
@@ -276,7 +272,7 @@ def get_picture(
         width: Width [px].
         height: Height [px].
     """
-    png = station.simulation.picture(_point(eye), _point(target), width, height)
+    png = act.station.simulation.picture(_point(eye), _point(target), width, height)
     return Response(png, media_type="image/png", headers={"Cache-Control": "no-store"})
 
 

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from typing import Annotated, Literal
-from urllib.parse import quote
 
-from fastapi import APIRouter, Path, Query, Response
+from fastapi import APIRouter, Path, Query
 
 from skiros_py.api.tasks import NewTask, TaskInfo, Tasks, TaskTrace
-from skiros_py.server.access.roles import CallerDep, Role, needs
-from skiros_py.server.services import StationDep
+from skiros_py.server.access.roles import Operator, Viewer
 
 router = APIRouter(tags=["tasks"])
 
@@ -17,14 +15,9 @@ Name = Annotated[str, Path(max_length=200, examples=["task 1"])]
 Command = Literal["pause", "resume", "step", "stop"]
 
 
-def place_of(task: TaskInfo) -> str:
-    """Returns the address of a task."""
-    return f"/api/v1/tasks/{quote(task.name, safe='')}"
-
-
-@router.get("/tasks", dependencies=[needs(Role.VIEWER)])
+@router.get("/tasks")
 def list_tasks(
-    station: StationDep,
+    act: Viewer,
     active: bool | None = None,
     limit: Annotated[int, Query(ge=1, le=1000)] = 100,
 ) -> Tasks:
@@ -35,11 +28,11 @@ def list_tasks(
     Parameters:
         active: Only active tasks, or only ended ones.
     """
-    return station.tasks.all(active=active, limit=limit)
+    return act.station.tasks.all(active=active, limit=limit)
 
 
-@router.post("/tasks", status_code=202, dependencies=[needs(Role.OPERATOR)])
-def begin_task(request: NewTask, station: StationDep, caller: CallerDep, response: Response) -> TaskInfo:
+@router.post("/tasks", status_code=202)
+def begin_task(act: Operator, request: NewTask) -> TaskInfo:
     """Start a task.
 
     Starts to pursue a goal, or to run steps or a sequence without planning, immediately; unlike a job, a task does not
@@ -48,24 +41,24 @@ def begin_task(request: NewTask, station: StationDep, caller: CallerDep, respons
     For a person at the robot; a factory system orders jobs. Steps are refused (409) if one cannot work, unless
     `anyway`.
     """
-    task = station.tasks.begin(request, caller.author)
-    response.headers["Location"] = place_of(task)
+    task = act.station.tasks.begin(request, act.author)
+    act.locate("tasks", task.name)
     return task
 
 
-@router.get("/tasks/{name}", dependencies=[needs(Role.VIEWER)])
-def get_task(name: Name, station: StationDep) -> TaskInfo:
+@router.get("/tasks/{name}")
+def get_task(act: Viewer, name: Name) -> TaskInfo:
     """Get a task.
 
     Returns its state, its plan with order and start times, the steps started, its questions, and its outcome.
     """
-    return station.tasks.get(name)
+    return act.station.tasks.get(name)
 
 
-@router.get("/tasks/{name}/trace", dependencies=[needs(Role.VIEWER)])
+@router.get("/tasks/{name}/trace")
 def get_task_trace(
+    act: Viewer,
     name: Name,
-    station: StationDep,
     limit: Annotated[int, Query(ge=1, le=1000)] = 1000,
 ) -> TaskTrace:
     """Get the trace of a task.
@@ -75,15 +68,15 @@ def get_task_trace(
     Parameters:
         limit: Maximum number of entries, counted from the last one.
     """
-    return station.tasks.trace(name, limit)
+    return act.station.tasks.trace(name, limit)
 
 
-@router.post("/tasks/{name}/{command}", dependencies=[needs(Role.OPERATOR)])
-def command_task(name: Name, command: Command, station: StationDep, caller: CallerDep) -> TaskInfo:
+@router.post("/tasks/{name}/{command}")
+def command_task(act: Operator, name: Name, command: Command) -> TaskInfo:
     """Command a task.
 
     Pauses or resumes a task, executes one step, or stops it, from the next control cycle on.
 
     A task of a job is commanded through the job.
     """
-    return station.tasks.command(name, command, caller.author)
+    return act.station.tasks.command(name, command, act.author)

@@ -7,7 +7,7 @@ import time
 from base64 import b64decode
 from typing import Annotated
 
-from fastapi import APIRouter, Path, Query, Response
+from fastapi import APIRouter, Path, Query
 
 from skiros_py.api.webhooks import (
     STATES,
@@ -21,14 +21,14 @@ from skiros_py.api.webhooks import (
 )
 from skiros_py.api.wire import moment
 from skiros_py.errors import UsageError
-from skiros_py.server.access.roles import Role, needs
+from skiros_py.server.access.roles import Admin
 from skiros_py.server.problems import Problem
-from skiros_py.server.services import Services, ServicesDep
+from skiros_py.server.services import Services
 from skiros_py.server.webhooks.sender import resolve, target_of
 from skiros_py.server.webhooks.store import Post, Subscription, new_secret
 from skiros_py.station.requests import addressed
 
-router = APIRouter(prefix="/webhooks", tags=["webhooks"], dependencies=[needs(Role.ADMIN)])
+router = APIRouter(prefix="/webhooks", tags=["webhooks"])
 
 WebhookId = Annotated[str, Path(max_length=100, description="Id of the webhook.", examples=["wh_5f0c"])]
 Number = Annotated[int, Path(ge=1, lt=2**53, description="Number of the delivery.")]
@@ -39,88 +39,88 @@ _UNKNOWN = "UnknownWebhook"
 
 
 @router.get("")
-def list_webhooks(services: ServicesDep) -> list[Webhook]:
+def list_webhooks(act: Admin) -> list[Webhook]:
     """List webhooks.
 
     Lists the webhooks, with the number of pending deliveries.
     """
-    return [_shown(services, one) for one in services.webhooks.subscriptions]
+    return [_shown(act.services, one) for one in act.services.webhooks.subscriptions]
 
 
 @router.post("", status_code=201)
-def create_webhook(order: WebhookOrder, services: ServicesDep, response: Response) -> WebhookSecret:
+def create_webhook(act: Admin, order: WebhookOrder) -> WebhookSecret:
     """Create a webhook.
 
     Creates a webhook, which receives events from now on; the key of its signatures is returned only in this response.
     """
-    _check(order, services)
+    _check(order, act.services)
     secret = order.secret or new_secret()
     subscription = Subscription(
         f"wh_{secrets.token_hex(6)}", order.url, secret, order.states, order.jobs, order.description, True, time.time()
     )
-    services.webhooks.add(subscription, services.station.session.jobs.store.last_announcement)
-    response.headers["Location"] = f"/api/v1/webhooks/{subscription.id}"
-    return WebhookSecret(webhook=_shown(services, subscription), secret=secret)
+    act.services.webhooks.add(subscription, act.services.station.session.jobs.store.last_announcement)
+    act.locate("webhooks", subscription.id)
+    return WebhookSecret(webhook=_shown(act.services, subscription), secret=secret)
 
 
 @router.get("/dead-letters")
-def list_dead_letters(services: ServicesDep, limit: Limit = 100, cursor: Cursor = None) -> Deliveries:
+def list_dead_letters(act: Admin, limit: Limit = 100, cursor: Cursor = None) -> Deliveries:
     """List dead letters.
 
     Lists the messages that no target accepted for a day; ``POST …/redeliver`` sends one again.
     """
-    return _page(services, None, DeliveryState.DEAD, cursor, limit)
+    return _page(act.services, None, DeliveryState.DEAD, cursor, limit)
 
 
 @router.get("/{webhook}")
-def get_webhook(webhook: WebhookId, services: ServicesDep) -> Webhook:
+def get_webhook(act: Admin, webhook: WebhookId) -> Webhook:
     """Get a webhook.
 
     Returns a webhook without its key.
     """
     with addressed(_UNKNOWN):
-        return _shown(services, services.webhooks.subscription(webhook))
+        return _shown(act.services, act.services.webhooks.subscription(webhook))
 
 
 @router.patch("/{webhook}")
-def change_webhook(webhook: WebhookId, change: WebhookChange, services: ServicesDep) -> Webhook:
+def change_webhook(act: Admin, webhook: WebhookId, change: WebhookChange) -> Webhook:
     """Change a webhook.
 
     Changes the events that a webhook receives, or suspends it; events are kept for it meanwhile.
     """
     _check_states(change.states or ())
     with addressed(_UNKNOWN):
-        changed = services.webhooks.change(webhook, **change.model_dump(exclude_none=True))
-    services.send_webhooks()
-    return _shown(services, changed)
+        changed = act.services.webhooks.change(webhook, **change.model_dump(exclude_none=True))
+    act.services.send_webhooks()
+    return _shown(act.services, changed)
 
 
 @router.delete("/{webhook}", status_code=204)
-def delete_webhook(webhook: WebhookId, services: ServicesDep) -> None:
+def delete_webhook(act: Admin, webhook: WebhookId) -> None:
     """Delete a webhook.
 
     Deletes a webhook with its pending deliveries.
     """
     with addressed(_UNKNOWN):
-        services.webhooks.remove(webhook)
+        act.services.webhooks.remove(webhook)
 
 
 @router.post("/{webhook}/ping", status_code=202)
-def ping_webhook(webhook: WebhookId, services: ServicesDep, response: Response) -> None:
+def ping_webhook(act: Admin, webhook: WebhookId) -> None:
     """Test a webhook.
 
     Sends a message of type ``io.skiros.ping.v1``; the deliveries show whether it arrived.
     """
     with addressed(_UNKNOWN):
-        services.webhooks.ping(webhook, time.time())
-    services.send_webhooks()
-    response.headers["Location"] = f"/api/v1/webhooks/{webhook}/deliveries"
+        act.services.webhooks.ping(webhook, time.time())
+    act.services.send_webhooks()
+    act.locate("webhooks", webhook, "deliveries")
 
 
 @router.get("/{webhook}/deliveries")
 def list_deliveries(
+    act: Admin,
     webhook: WebhookId,
-    services: ServicesDep,
     state: DeliveryState | None = None,
     limit: Limit = 100,
     cursor: Cursor = None,
@@ -133,21 +133,21 @@ def list_deliveries(
         state: Only deliveries in this state.
     """
     with addressed(_UNKNOWN):
-        services.webhooks.subscription(webhook)
-    return _page(services, webhook, state, cursor, limit)
+        act.services.webhooks.subscription(webhook)
+    return _page(act.services, webhook, state, cursor, limit)
 
 
 @router.post("/{webhook}/deliveries/{number}/redeliver", status_code=202)
-def redeliver(webhook: WebhookId, number: Number, services: ServicesDep) -> None:
+def redeliver(act: Admin, webhook: WebhookId, number: Number) -> None:
     """Redeliver a dead letter.
 
     Sends a message again that was given up.
     """
     with addressed(_UNKNOWN):
-        services.webhooks.subscription(webhook)
+        act.services.webhooks.subscription(webhook)
     with addressed("UnknownDeadLetter"):
-        services.webhooks.redeliver(webhook, number, time.time())
-    services.send_webhooks()
+        act.services.webhooks.redeliver(webhook, number, time.time())
+    act.services.send_webhooks()
 
 
 def _check(order: WebhookOrder, services: Services) -> None:

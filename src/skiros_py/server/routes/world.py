@@ -23,9 +23,8 @@ from skiros_py.api.world import (
     Written,
 )
 from skiros_py.errors import UsageError
-from skiros_py.server.access.roles import CallerDep, Role, needs
-from skiros_py.server.problems import NEEDS_VERSION, Problem, SeenDep, etag, tagged
-from skiros_py.server.services import StationDep
+from skiros_py.server.access.roles import Engineer, Operator, Role, Viewer
+from skiros_py.server.problems import NEEDS_VERSION, Problem, SeenDep, tagged
 
 Limit = Annotated[int, Query(ge=1, le=1000)]
 ChangeLimit = Annotated[int, Query(ge=1, le=200)]
@@ -72,20 +71,20 @@ _LATEST = 2**62
 # ------------------------------------------------------------------ looking
 
 
-@router.get("/world", dependencies=[needs(Role.VIEWER)], responses=tagged())
-def read_world(station: StationDep, response: Response) -> WorldInfo:
+@router.get("/world", responses=tagged())
+def read_world(act: Viewer) -> WorldInfo:
     """Get the state of the world.
 
     Returns the version of the world, its number of elements, and what an undo would revert; the ETag is the version.
     """
-    info = station.world.info()
-    response.headers["ETag"] = etag(info.version)
+    info = act.station.world.info()
+    act.tag(info.version)
     return info
 
 
-@router.get("/tree", dependencies=[needs(Role.VIEWER)])
+@router.get("/tree")
 def read_tree(
-    station: StationDep,
+    act: Viewer,
     root: Annotated[str, Query(max_length=300, examples=["kit_1"])] = "",
     depth: Annotated[int, Query(ge=0, le=20)] = 3,
     limit: Annotated[int, Query(ge=1, le=1000)] = 100,
@@ -102,15 +101,15 @@ def read_tree(
         depth: Number of levels below it.
         limit: Maximum number of children per node.
     """
-    return station.world.tree(root, depth, limit, cursor or "")
+    return act.station.world.tree(root, depth, limit, cursor or "")
 
 
 _FORGOTTEN = also_refused(410, "The changes are no longer stored.")
 
 
-@router.get("/world/changes", dependencies=[needs(Role.VIEWER)], responses=_FORGOTTEN)
+@router.get("/world/changes", responses=_FORGOTTEN)
 def list_changes(
-    station: StationDep,
+    act: Viewer,
     since: Annotated[int, Query(ge=0, le=_LATEST)] = 0,
     newest_first: bool = False,
     limit: ChangeLimit = 100,
@@ -127,12 +126,12 @@ def list_changes(
         newest_first: From the newest change backwards; `since` is ignored.
     """
     start = number_cursor(cursor, _LATEST if newest_first else since)
-    return station.world.changes(start, limit, newest_first=newest_first)
+    return act.station.world.changes(start, limit, newest_first=newest_first)
 
 
-@router.get("/world/changes/{number}", dependencies=[needs(Role.VIEWER)], responses=_FORGOTTEN)
+@router.get("/world/changes/{number}", responses=_FORGOTTEN)
 def read_change(
-    station: StationDep,
+    act: Viewer,
     number: Annotated[int, Path(ge=0, le=_LATEST, examples=[1])],
     limit: Limit = 1000,
     cursor: Cursor = None,
@@ -144,16 +143,14 @@ def read_change(
     Parameters:
         number: Its number.
     """
-    return station.world.change(number, number_cursor(cursor), limit)
+    return act.station.world.change(number, number_cursor(cursor), limit)
 
 
 # ------------------------------------------------------------------ writing
 
 
-@router.post("/world/transactions", dependencies=[needs(Role.OPERATOR)], responses=NEEDS_VERSION | tagged())
-def write_transaction(
-    order: TransactionOrder, station: StationDep, caller: CallerDep, seen: SeenDep, response: Response
-) -> Written:
+@router.post("/world/transactions", responses=NEEDS_VERSION | tagged())
+def write_transaction(act: Operator, order: TransactionOrder, seen: SeenDep) -> Written:
     """Execute a transaction.
 
     Executes all operations as one change, or none; a refusal lists all problems.
@@ -161,88 +158,84 @@ def write_transaction(
     Existing elements are changed only if the caller names the versions seen: in `expects`, or in `If-Match` with the
     version of the world (`*` for any).
     """
-    written = station.world.write(order, seen, caller.author)
-    response.headers["ETag"] = etag(written.version)
+    written = act.station.world.write(order, seen, act.author)
+    act.tag(written.version)
     return written
 
 
-@router.post("/world/undo", dependencies=[needs(Role.OPERATOR)])
-def undo_edit(station: StationDep, caller: CallerDep, order: UndoOrder | None = None) -> Change:
+@router.post("/world/undo")
+def undo_edit(act: Operator, order: UndoOrder | None = None) -> Change:
     """Undo the last edit of a person.
 
     Reverts the last edit of a person that was not reverted yet, as a new change.
 
     Changes by skills are never reverted; 409 if later changes depend on the edit.
     """
-    return station.world.undo(order, caller.author)
+    return act.station.world.undo(order, act.author)
 
 
 learned_router = APIRouter(tags=["learned"])
 
 
-@learned_router.get("/learned", dependencies=[needs(Role.VIEWER)])
-def list_learned(station: StationDep, limit: Limit = 100, cursor: Cursor = None) -> LearnedPage:
+@learned_router.get("/learned")
+def list_learned(act: Viewer, limit: Limit = 100, cursor: Cursor = None) -> LearnedPage:
     """List learned concepts.
 
     Lists the concepts taught to robots, which persist beyond this scene, in the order of ids.
     """
-    return station.world.learned(limit, cursor or "")
+    return act.station.world.learned(limit, cursor or "")
 
 
-@learned_router.delete("/learned/{element}", dependencies=[needs(Role.ENGINEER)], responses=NEEDS_VERSION)
-def forget_learned(
-    element: ElementPath, station: StationDep, caller: CallerDep, seen: SeenDep, reason: WhyQuery = ""
-) -> Written:
+@learned_router.delete("/learned/{element}", responses=NEEDS_VERSION)
+def forget_learned(act: Engineer, element: ElementPath, seen: SeenDep, reason: WhyQuery = "") -> Written:
     """Forget a learned concept.
 
     Deletes a learned concept with its parts; an undo restores it.
     """
-    return station.world.forget(element, seen, caller.author, reason)
+    return act.station.world.forget(element, seen, act.author, reason)
 
 
 @learned_router.get(
     "/learned.ttl",
-    dependencies=[needs(Role.VIEWER)],
     response_class=Response,
     responses={200: {"content": {"text/turtle": {"schema": {"type": "string"}}}}},
 )
-def export_learned(station: StationDep) -> Response:
+def export_learned(act: Viewer) -> Response:
     """Export learned concepts as Turtle.
 
     Returns all learned concepts as the text of a Turtle file.
 
     A new data directory that contains this file as learned.ttl starts with them.
     """
-    return Response(station.world.learned_turtle(), media_type="text/turtle; charset=utf-8")
+    return Response(act.station.world.learned_turtle(), media_type="text/turtle; charset=utf-8")
 
 
 locks_router = APIRouter(tags=["locks"])
 
 
-@locks_router.get("/locks", dependencies=[needs(Role.VIEWER)])
-def list_locks(station: StationDep) -> LockList:
+@locks_router.get("/locks")
+def list_locks(act: Viewer) -> LockList:
     """List locks.
 
     Lists the locks of elements, with their owners and expiry times.
     """
-    return station.world.locks()
+    return act.station.world.locks()
 
 
-@locks_router.post("/locks", status_code=201, dependencies=[needs(Role.OPERATOR)])
-def lock_elements(order: LockOrder, station: StationDep, caller: CallerDep) -> LockList:
+@locks_router.post("/locks", status_code=201)
+def lock_elements(act: Operator, order: LockOrder) -> LockList:
     """Lock elements.
 
     Prevents other people and jobs from editing elements, all of them or none; locking again extends the lock.
 
     Skills can still report what they sense. Locks end with the server, and when another scene is loaded.
     """
-    return station.world.lock(order, caller.author)
+    return act.station.world.lock(order, act.author)
 
 
-@locks_router.delete("/locks", dependencies=[needs(Role.OPERATOR)])
+@locks_router.delete("/locks")
 def end_locks(
-    station: StationDep,
-    caller: CallerDep,
+    act: Operator,
     elements: Annotated[list[ElementId] | None, Query(max_length=100)] = None,
     owner: Annotated[str | None, Query(max_length=300)] = None,
 ) -> LockList:
@@ -254,9 +247,9 @@ def end_locks(
         elements: The elements; all those of the owner if omitted.
         owner: Owner of the locks; only an admin releases the locks of others.
     """
-    if owner not in (None, caller.name) and caller.role is not Role.ADMIN:
+    if owner not in (None, act.caller.name) and act.caller.role is not Role.ADMIN:
         raise Problem(403, "RoleTooLow", f"locks of {owner} are ended by {owner} or by an admin")
-    return station.world.unlock(elements, caller.author, owner)
+    return act.station.world.unlock(elements, act.author, owner)
 
 
 _TAG = {"description": "Version of the view, for If-None-Match.", "schema": {"type": "string"}}
@@ -267,9 +260,9 @@ _ANSWERS: dict[int | str, dict[str, Any]] = {
 _Id = Annotated[str, Query(max_length=300)]
 
 
-@router.get("/view", dependencies=[needs(Role.VIEWER)], response_model=WorldView, responses=_ANSWERS)
+@router.get("/view", response_model=WorldView, responses=_ANSWERS)
 def read_view(
-    station: StationDep,
+    act: Viewer,
     element: Annotated[list[_Id] | None, Query(max_length=100, examples=[["kit_1"]])] = None,
     if_none_match: Annotated[str | None, Header(max_length=1000)] = None,
 ) -> Response:
@@ -285,11 +278,11 @@ def read_view(
         element: Only these elements, with those that move or disappear with them; everything if omitted.
         if-none-match: ETag of the view already known.
     """
-    tag = f'"{station.world.view_tag()}"'
+    tag = f'"{act.station.world.view_tag()}"'
     if _knows(if_none_match, tag):
         return Response(status_code=304, headers={"ETag": tag})
     # Made into text at once: what was checked when it was made is not checked again.
-    text = station.world.view(element).model_dump_json(by_alias=True)
+    text = act.station.world.view(element).model_dump_json(by_alias=True)
     return Response(text, media_type="application/json", headers={"ETag": tag})
 
 

@@ -23,7 +23,7 @@ from skiros_py.server.access.audit import AuditLog, note
 from skiros_py.server.access.authenticator import Authenticator
 from skiros_py.server.access.gate import Gate
 from skiros_py.server.access.keys import KeyStore
-from skiros_py.server.access.roles import CallerDep, Role, needs
+from skiros_py.server.access.roles import Operator, OperatorOrMes, Role, Viewer
 from skiros_py.server.problems import Problem, add_problem_handlers
 from skiros_py.server.services import set_up_access
 from skiros_py.server.settings import ServerSettings
@@ -74,37 +74,37 @@ def _application() -> FastAPI:
     app = FastAPI()
     add_problem_handlers(app)
 
-    @app.get("/caller", dependencies=[needs(Role.VIEWER)])
-    def caller(caller: CallerDep) -> dict[str, str]:
-        return {"name": caller.name, "role": caller.role}
+    @app.get("/caller")
+    def caller(act: Viewer) -> dict[str, str]:
+        return {"name": act.caller.name, "role": act.caller.role}
 
-    @app.post("/things", dependencies=[needs(Role.OPERATOR)])
-    def things(thing: _Thing, request: Request) -> _Thing:
+    @app.post("/things")
+    def things(act: Operator, thing: _Thing, request: Request) -> _Thing:
         note(request, job="kit-1", comment="because")
         return thing
 
-    @app.post("/api/v1/stop", dependencies=[needs(Role.OPERATOR, mes=True)])
-    async def stop() -> dict[str, bool]:
+    @app.post("/api/v1/stop")
+    async def stop(act: OperatorOrMes) -> dict[str, bool]:
         return {"stopped": True}
 
-    @app.get("/broken", dependencies=[needs(Role.VIEWER)])
-    def broken() -> None:
+    @app.get("/broken")
+    def broken(act: Viewer) -> None:
         raise RuntimeError("the secret recipe")
 
-    @app.get("/faulty", dependencies=[needs(Role.VIEWER)])
-    def faulty() -> None:
+    @app.get("/faulty")
+    def faulty(act: Viewer) -> None:
         raise FileError(Path("plant/of_anna/jobs.db"), "another program uses plant/of_anna/jobs.db")
 
-    @app.get("/full", dependencies=[needs(Role.VIEWER)])
-    def full() -> None:
+    @app.get("/full")
+    def full(act: Viewer) -> None:
         raise FileError(Path("plant/of_anna/jobs.db"), "no room") from OSError(errno.ENOSPC, "no room")
 
-    @app.get("/jobs/{job_id}", dependencies=[needs(Role.VIEWER)])
-    def job(job_id: str) -> None:
+    @app.get("/jobs/{job_id}")
+    def job(act: Viewer, job_id: str) -> None:
         raise Problem(404, "UnknownJobOrderID", "there is no such job")
 
-    @app.get("/stream", dependencies=[needs(Role.VIEWER)])
-    async def stream() -> StreamingResponse:
+    @app.get("/stream")
+    async def stream(act: Viewer) -> StreamingResponse:
         return StreamingResponse(_beats(), media_type="text/event-stream")
 
     return app
