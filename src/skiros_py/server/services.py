@@ -132,9 +132,7 @@ def open_sender(station: Station, hosts: Sequence[str], stack: ExitStack) -> tup
 
     sender = WebhookSender(
         store,
-        lambda after, most: station.session.jobs.store.announcements(after, most),
-        lambda: station.session.jobs.store.last_announcement,
-        lambda upto: station.session.jobs.store.forget_announcements(upto),
+        lambda: station.session,
         announced_job,
         hosts,
         on_dead=on_dead,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import secrets
 import time
 from base64 import b64decode
+from datetime import UTC, datetime
 from typing import Annotated
 
 from fastapi import APIRouter, Path, Query
@@ -54,13 +55,11 @@ def create_webhook(act: Admin, order: WebhookOrder) -> WebhookSecret:
     Creates a webhook, which receives events from now on; the key of its signatures is returned only in this response.
     """
     _check(order, act.services)
-    secret = order.secret or new_secret()
-    subscription = Subscription(
-        f"wh_{secrets.token_hex(6)}", order.url, secret, order.states, order.jobs, order.description, True, time.time()
-    )
+    given = order.model_copy(update={"secret": order.secret or new_secret()}).model_dump()
+    subscription = Subscription(id=f"wh_{secrets.token_hex(6)}", active=True, created=datetime.now(UTC), **given)
     act.services.webhooks.add(subscription, act.services.station.session.jobs.store.last_announcement)
     act.locate("webhooks", subscription.id)
-    return WebhookSecret(webhook=_shown(act.services, subscription), secret=secret)
+    return WebhookSecret(webhook=_shown(act.services, subscription), secret=subscription.secret)
 
 
 @router.get("/dead-letters")

@@ -9,7 +9,7 @@ import random
 import socket
 import threading
 import time
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
@@ -21,6 +21,7 @@ from skiros_py.api.webhooks import DeliveryState
 from skiros_py.errors import SkirosError, UsageError
 from skiros_py.server.webhooks.store import Post, Subscription, WebhookStore, signed
 from skiros_py.station.jobs.views import Announcement
+from skiros_py.station.session import Session
 
 Address = ipaddress.IPv4Address | ipaddress.IPv6Address
 
@@ -79,8 +80,6 @@ def _never(address: Address) -> bool:
 
 _log = logging.getLogger(__name__)
 
-Announcements = Callable[[int, int], Sequence[Announcement]]
-
 
 @dataclass(frozen=True, slots=True)
 class Patience:
@@ -112,9 +111,7 @@ class WebhookSender:
 
     Args:
         store: The messages to send.
-        announcements: Returns the announcements of jobs after a number, up to a limit.
-        last: Returns the number of the last announcement.
-        forget: Called with the number up to which announcements are no longer needed.
+        session: Returns the present session, whose jobs are announced.
         tell: Returns the data of a message.
         allowed: Hosts to which messages may be sent.
         on_dead: Called with each message that is given up.
@@ -125,9 +122,7 @@ class WebhookSender:
     def __init__(
         self,
         store: WebhookStore,
-        announcements: Announcements,
-        last: Callable[[], int],
-        forget: Callable[[int], None],
+        session: Callable[[], Session],
         tell: Callable[[Announcement], Any],
         allowed: Collection[str],
         *,
@@ -136,9 +131,7 @@ class WebhookSender:
         clock: Callable[[], float] = time.time,
     ) -> None:
         self._store = store
-        self._announcements = announcements
-        self._last = last
-        self._forget = forget
+        self._session = session
         self._forgotten = 0
         self._tell = tell
         self._allowed = allowed
@@ -215,18 +208,18 @@ class WebhookSender:
 
     def _fetch(self) -> None:
         """Creates deliveries of new announcements, in transactions of bounded size."""
-        last = self._last()
+        jobs = self._session().jobs.store
         if self._store.seen is None:  # without subscriptions, past announcements need not be kept
-            if last > self._forgotten:
-                self._forget(last)
+            if (last := jobs.last_announcement) > self._forgotten:
+                jobs.forget_announcements(last)
                 self._forgotten = last
             return
         while (seen := self._store.seen) is not None:
-            new = self._announcements(seen, _BATCH)
+            new = jobs.announcements(seen, _BATCH)
             if not new:
                 break
             self._store.take(new, self._tell)
-            self._forget(self._store.seen or seen)
+            jobs.forget_announcements(self._store.seen or seen)
         if dropped := self._store.drop_oldest():
             _log.warning("webhooks: %d messages are dead letters: too many were waiting", dropped)
 

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-import json
 import secrets
 import sqlite3
 from base64 import b64encode
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 from cloudevents.core.formats.json import JSONFormat
 from cloudevents.core.v1.event import CloudEvent
+from pydantic import Field
 from standardwebhooks import Webhook as Signer
 
-from skiros_py.api.webhooks import DeliveryState
+from skiros_py.api.webhooks import DeliveryState, Webhook
 from skiros_py.database import Database, Schema
 from skiros_py.errors import Busy, UnknownName
 from skiros_py.station.jobs.views import Announcement, state_name
@@ -97,29 +97,11 @@ _HEAD = """UPDATE deliveries SET head = 1 WHERE webhook = :webhook AND number =
 """Makes the oldest waiting message of a job the head of its queue, which is sent next."""
 
 
-@dataclass(frozen=True, slots=True)
-class Subscription:
-    """A subscription to events of jobs.
+class Subscription(Webhook):
+    """A webhook with the key of its signatures, which is never shown."""
 
-    Attributes:
-        id: Its id, assigned by the server.
-        url: Address of the target.
-        secret: Key of the signature.
-        states: Job states that are sent; empty for all.
-        jobs: Only jobs whose id starts with this are sent.
-        description: For people.
-        active: False while nothing is sent.
-        created: When it was created [s since 1970].
-    """
-
-    id: str
-    url: str
-    secret: str
-    states: tuple[str, ...] = ()
-    jobs: str = ""
-    description: str = ""
-    active: bool = True
-    created: float = 0.0
+    secret: str = Field(repr=False)
+    """The key."""
 
     def wants(self, state: str, job: str) -> bool:
         """Returns whether a new state of a job is sent to the target."""
@@ -185,7 +167,7 @@ class WebhookStore:
     def subscriptions(self) -> tuple[Subscription, ...]:
         """Returns all subscriptions, by id."""
         rows = self._database.rows("SELECT data FROM subscriptions ORDER BY id")
-        return tuple(_subscription(data) for (data,) in rows)
+        return tuple(Subscription.model_validate_json(data) for (data,) in rows)
 
     def subscription(self, webhook: str) -> Subscription:
         """Returns a subscription.
@@ -222,7 +204,7 @@ class WebhookStore:
             UnknownName: There is none with this id.
         """
         with self._database.transaction() as connection:
-            changed = replace(self.subscription(webhook), **changes)
+            changed = self.subscription(webhook).model_copy(update=changes)
             connection.execute("UPDATE subscriptions SET data = ? WHERE id = ?", (_data(changed), webhook))
         return changed
 
@@ -255,7 +237,7 @@ class WebhookStore:
         with self._database.transaction() as connection:
             rows = connection.execute("SELECT data, seen, last FROM subscriptions").fetchall()
             for data, seen, last in rows:
-                subscription, number = _subscription(data), int(last)
+                subscription, number = Subscription.model_validate_json(data), int(last)
                 for one in announcements:
                     if one.number > seen and subscription.wants(state_of(one), one.job.id):
                         number += 1
@@ -428,13 +410,7 @@ def new_secret() -> str:
 
 
 def _data(subscription: Subscription) -> str:
-    fields = {name: getattr(subscription, name) for name in Subscription.__dataclass_fields__}
-    return json.dumps(fields)
-
-
-def _subscription(data: str) -> Subscription:
-    fields = json.loads(data)
-    return Subscription(**{**fields, "states": tuple(fields["states"])})
+    return subscription.model_dump_json(exclude={"pending", "dead"})
 
 
 def _post(row: Iterable[Any]) -> Post:

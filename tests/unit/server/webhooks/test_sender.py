@@ -7,6 +7,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from types import SimpleNamespace
 
 import pytest
 from standardwebhooks import Webhook as Checker
@@ -81,10 +82,14 @@ class _Jobs:
         made = Job(order=JobOrder(id=job, goal=("x",)), number=number, state=state)
         self.all.append(Announcement(number, time.time(), made, "finish"))
 
-    def after(self, number: int, most: int) -> list[Announcement]:
+    @property
+    def last_announcement(self) -> int:
+        return len(self.all)
+
+    def announcements(self, number: int, most: int) -> list[Announcement]:
         return self.all[number : number + most]
 
-    def forget(self, upto: int) -> None:
+    def forget_announcements(self, upto: int) -> None:
         self.forgotten = upto
 
 
@@ -94,9 +99,7 @@ def _office(tmp_path, jobs, *, patience=_QUICK, allowed=("127.0.0.1",), dead=Non
     told = [] if dead is None else dead
     office = WebhookSender(
         store,
-        jobs.after,
-        lambda: len(jobs.all),
-        jobs.forget,
+        lambda: SimpleNamespace(jobs=SimpleNamespace(store=jobs)),
         lambda one: {"job": one.job.id, "number": one.number},
         allowed,
         on_dead=lambda post, why: told.append((post.job, why)),
@@ -110,8 +113,11 @@ def _office(tmp_path, jobs, *, patience=_QUICK, allowed=("127.0.0.1",), dead=Non
         store.close()
 
 
+_ALL = {"states": (), "jobs": "", "description": "", "active": True}
+
+
 def _subscribe(store: WebhookStore, url: str, name: str = "wh_1", **more) -> Subscription:
-    made = Subscription(name, url, new_secret(), created=time.time(), **more)
+    made = Subscription(id=name, url=url, secret=new_secret(), created=time.time(), **{**_ALL, **more})
     store.add(made, 0)
     return made
 
