@@ -19,14 +19,6 @@ CursorQuery = Annotated[str | None, Query(pattern=r"^\d{1,15}$")]
 NewestFirstQuery = Annotated[bool, Query(description="From the newest job backwards.")]
 
 
-async def _expected(seen: SeenDep) -> int | None:  # asynchronous to spare each request a turn in the thread pool
-    return None if seen is None else seen.version
-
-
-ExpectedDep = Annotated[int | None, Depends(_expected)]
-"""For routes: the version that the caller has seen; None for any."""
-
-
 def accepted(act: Act, job: Job) -> AcceptedJob:
     """Returns a job in answer to an order or a command, with its version in the headers of the answer."""
     return AcceptedJob.model_construct(**dict(act.tagged(job)))
@@ -46,12 +38,12 @@ class _Wish(TypedDict):
 def _wish(
     act: OperatorOrMes,
     job: JobId,
-    expected: ExpectedDep,
+    seen: SeenDep,
     body: Annotated[JobComment, Body(description="Reason; optional.")] = _NO_COMMENT,
 ) -> _Wish:
     """Reads who commands a job and why, and notes it for the audit log: a removed job takes its record along."""
     note(act.request, job=job, comment=body.comment)
-    return {"comment": body.comment, "expects": expected, "author": act.author}
+    return {"comment": body.comment, "expects": seen.version if seen else None, "author": act.author}
 
 
 WishDep = Annotated[_Wish, Depends(_wish)]
@@ -134,7 +126,7 @@ def clear_job(act: OperatorOrMes, job: JobId, wish: WishDep) -> AcceptedJob:
 def remove_job(
     act: OperatorOrMes,
     job: JobId,
-    expected: ExpectedDep,
+    seen: SeenDep,
     comment: Annotated[str, Query(max_length=1000)] = "",
 ) -> AcceptedJob:
     """Remove a job.
@@ -145,7 +137,7 @@ def remove_job(
         comment: Reason, for the audit log.
     """
     note(act.request, job=job, comment=comment)
-    return accepted(act, act.station.jobs.command(job, "remove", expects=expected))
+    return accepted(act, act.station.jobs.command(job, "remove", expects=seen.version if seen else None))
 
 
 @router.post("/jobs/{id}/answer")
@@ -153,11 +145,11 @@ def answer_job(
     act: OperatorOrMes,
     job: JobId,
     body: JobAnswer,
-    expected: ExpectedDep,
+    seen: SeenDep,
 ) -> AcceptedJob:
     """Answer a job's question.
 
     Answers the question for which a job waits, with one of its `choices`.
     """
     note(act.request, job=job, comment=body.answer)
-    return accepted(act, act.station.jobs.answer(job, body, expects=expected, author=act.author))
+    return accepted(act, act.station.jobs.answer(job, body, expects=seen.version if seen else None, author=act.author))

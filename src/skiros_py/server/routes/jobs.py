@@ -11,11 +11,10 @@ from skiros_py.api.jobs import AcceptedJob, Job, JobOrder, JobPage, StateName
 from skiros_py.api.wire import ProblemDetails, WantedMoment
 from skiros_py.server.access.audit import note
 from skiros_py.server.access.roles import Act, OperatorOrMes, ViewerOrMes
-from skiros_py.server.problems import Problem, tagged
+from skiros_py.server.problems import Problem, SeenDep, tagged
 from skiros_py.server.routes import job_commands, job_results
 from skiros_py.server.routes.job_commands import (
     CursorQuery,
-    ExpectedDep,
     JobId,
     NewestFirstQuery,
     accepted,
@@ -76,10 +75,9 @@ def put_job(
     act: OperatorOrMes,
     job: JobId,
     order: JobOrder,
-    expected: ExpectedDep,
+    seen: SeenDep,
     start: StartQuery = True,
     again: AgainQuery = False,
-    if_match: Annotated[str | None, Header()] = None,
     prefer: PreferHeader = None,
 ) -> AcceptedJob:
     """Order a job under a given id, or change its order.
@@ -97,8 +95,8 @@ def put_job(
         order,
         start=start,
         again=again,
-        replaces=if_match is not None,
-        expects=expected,
+        replaces=seen is not None,
+        expects=seen.version if seen else None,
         author=act.author,
     )
     if not result.repeated:
