@@ -92,11 +92,11 @@ def test_a_module_is_described_with_what_a_form_and_a_panel_need(api) -> None:
 
 
 def test_a_module_is_described_with_the_values_that_it_finds_out(api) -> None:
-    (answer,) = done(api, calls.get_module("arm_1", "choose")).outputs
+    (answer,) = done(api, Modules.get("arm_1", "choose")).outputs
 
     assert (answer.name, answer.type, answer.unit, answer.help) == ("answer", "text", "", "What the person chose.")
     assert answer.json_schema["type"] == "string"
-    assert done(api, calls.get_module("arm_1", "pick")).outputs == []
+    assert done(api, Modules.get("arm_1", "pick")).outputs == []
 
 
 def test_a_skill_is_told_as_planners_see_it(api) -> None:
