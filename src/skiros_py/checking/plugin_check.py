@@ -7,7 +7,7 @@ import inspect
 import sys
 import tomllib
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from pathlib import Path
@@ -24,14 +24,13 @@ from skiros_py.plugins.loading import examined, load
 from skiros_py.plugins.plugin import Entry, Plugin, PluginFault, authors_line
 from skiros_py.skills.conditions import ConditionType
 from skiros_py.skills.lint.checking import DOES_NOT_LOAD, RULES, check
-from skiros_py.skills.lint.rule import Finding, Known, Rule, Severity, Source, Spot, Subject, title
+from skiros_py.skills.lint.rule import Finding, Known, Severity, Source, Spot, Subject, title
 from skiros_py.skills.lint.rules.calls import missing_parameter
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill
 from skiros_py.world.ontology import Ontology, load_installed
 from skiros_py.world.reasoners.registry import Reasoners, load_reasoners
 from skiros_py.world.scene import load_scene
-from skiros_py.world.world import World
 
 
 @contextmanager
@@ -220,29 +219,28 @@ def check_plugins(
         UnknownName: There is no such distribution with plug-ins, no such rule, or no such scene.
         FileError: An ontology of the installation cannot be read.
     """
-    wanted = _chosen(rules)
+    if unknown := next((name for name in rules if name not in RULES), None):
+        raise UnknownName("rule", unknown, RULES)
+    wanted = {name: rule for name, rule in RULES.items() if not rules or name in rules}
     entries = _entries(distribution)
     every = parts_of(installation().entries)
     parts = [part for part in every if part.entry in entries]
     progress("asking the rules")
     known = _known(every)
-    findings = [*_asked(parts, entries, known, wanted.values()), *_broken(entries, parts, wanted)]
+    subjects = [*((part.subject, part.spot) for part in parts), *((s, None) for s in sources_of(parts, entries))]
+    findings = [finding for subject, spot in subjects for finding in check(subject, known, spot, wanted.values())]
+    findings += _broken(entries, parts, wanted)
     tests = _contracts(parts, known, entries) if run else {}
     tests = {**tests, **(_simulations(parts, simulate) if run and simulate is not None else {})}
-    contracts = tuple(_run(tests, progress))
+    contracts = []
+    for name, run_contract in tests.items():
+        progress(f"trying {name}")
+        contracts.append(run_contract())
     findings += [finding for contract in contracts for finding in contract.findings if finding.rule in wanted]
     names = tuple(sorted({str(entry.distribution) for entry in entries}))
     ran = [contract.skill for contract in contracts]
     not_run = tuple(skill for skill in _skills(parts) if run and not any(skill is one for one in ran))
-    return PluginReport(names, len(parts), tuple(sorted(set(findings), key=_order)), contracts, not_run)
-
-
-def _chosen(names: Iterable[str]) -> dict[str, Rule]:
-    chosen = tuple(names)
-    for name in chosen:
-        if name not in RULES:
-            raise UnknownName("rule", name, RULES)
-    return {name: rule for name, rule in RULES.items() if not chosen or name in chosen}
+    return PluginReport(names, len(parts), tuple(sorted(set(findings), key=_order)), tuple(contracts), not_run)
 
 
 def _entries(distribution: str | None) -> tuple[Entry, ...]:
@@ -265,13 +263,6 @@ def _known(parts: Sequence[Part]) -> Known:
 
 def _skills(parts: Iterable[Part]) -> tuple[Skill, ...]:
     return tuple(part.subject for part in parts if isinstance(part.subject, Skill))
-
-
-def _asked(parts: Sequence[Part], entries: Sequence[Entry], known: Known, rules: Collection[Rule]) -> Iterator[Finding]:
-    for part in parts:
-        yield from check(part.subject, known, part.spot, rules)
-    for source in sources_of(parts, entries):
-        yield from check(source, known, None, rules)
 
 
 def _order(finding: Finding) -> tuple[str, int, str, str]:
@@ -324,7 +315,7 @@ def own_contracts(distribution: str) -> Mapping[str, Callable[[], Contract]]:
 
 def _contracts(parts: Sequence[Part], known: Known, entries: Sequence[Entry]) -> Mapping[str, Callable[[], Contract]]:
     own_scenes = [entry.name for entry in entries if entry.group == "skiros.scenes"]
-    grounds = scene_grounds(known.ontology, known.reasoners, own_scenes)
+    grounds = tuple(scene_grounds(known.ontology, known.reasoners, own_scenes))
     found: dict[str, Callable[[], Contract]] = {}
     for part in parts:
         if isinstance(part.subject, Skill) and is_testable(part.subject):
@@ -336,36 +327,19 @@ def _contracts(parts: Sequence[Part], known: Known, entries: Sequence[Entry]) ->
 def _simulations(parts: Sequence[Part], scene: str) -> Mapping[str, Callable[[], Contract]]:
     find_scene(scene)  # reports a misspelt name before the first trial
     catalogue = load_catalogue()
-    simulable = [(part, part.subject) for part in parts if isinstance(part.subject, Skill)]
     return {
-        f"{title(skill)} in {scene}": partial(check_simulated, skill, scene, catalogue, part.spot)
-        for part, skill in simulable
-        if is_simulable(skill)
+        f"{title(part.subject)} in {scene}": partial(check_simulated, part.subject, scene, catalogue, part.spot)
+        for part in parts
+        if isinstance(part.subject, Skill) and is_simulable(part.subject)
     }
-
-
-def _run(contracts: Mapping[str, Callable[[], Contract]], progress: Callable[[str], None]) -> Iterator[Contract]:
-    for name, run in contracts.items():
-        progress(f"trying {name}")
-        yield run()
 
 
 # ---------------------------------------------------------------- the worlds that trials start from: the scenes at hand
 
 
-def scene_grounds(ontology: Ontology, reasoners: Reasoners, first: Collection[str] = ()) -> tuple[Ground, ...]:
-    """Returns all scenes, those of the given names first."""
-    names = sorted(scene_names(), key=lambda name: (name not in first, name))
-    return tuple(_grounds(names, ontology, reasoners))
-
-
-def _grounds(names: Collection[str], ontology: Ontology, reasoners: Reasoners) -> Iterator[Ground]:
-    for name in names:
-        try:
-            yield Ground(name, partial(_open, ontology, find_scene(name), reasoners))
-        except SkirosError:
-            continue  # a broken scene of a plug-in is reported as such
-
-
-def _open(ontology: Ontology, file: Path, reasoners: Reasoners) -> World:
-    return load_scene(ontology, file, ontology_paths(), reasoners=reasoners)
+def scene_grounds(ontology: Ontology, reasoners: Reasoners, first: Collection[str] = ()) -> Iterator[Ground]:
+    """Yields all scenes, those of the given names first."""
+    for name in sorted(scene_names(), key=lambda name: (name not in first, name)):
+        with suppress(SkirosError):  # a broken scene of a plug-in is reported as such
+            file = find_scene(name)
+            yield Ground(name, partial(load_scene, ontology, file, ontology_paths(), reasoners=reasoners))

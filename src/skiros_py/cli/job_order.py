@@ -45,7 +45,7 @@ Examples:
 """,
 )
 @click.argument("goals", nargs=-1, metavar="[GOAL]...")
-@click.option("--id", "id_", metavar="ID", help="Id of the job; repeating the same order returns the same job.")
+@click.option("--id", metavar="ID", help="Id of the job; repeating the same order returns the same job.")
 @click.option("--description", default="", metavar="TEXT", help="For people.")
 @click.option("--priority", type=click.IntRange(-(2**15), 2**15 - 1), default=0, help="Higher values come first.")
 @click.option("--not-before", type=_Time(), help="Earliest start.")
@@ -62,23 +62,12 @@ Examples:
     help="Required material; repeatable.",
 )
 @click.option("--watch", is_flag=True, help="Follow it until it is over, as 'skiros job watch' does.")
-def submit(
-    client: Client,
-    goals: tuple[str, ...],
-    template: str,
-    params: tuple[str, ...],
-    materials: tuple[str, ...],
-    hold: bool,
-    watch: bool,
-    id_: str | None,
-    **fields: Any,
-) -> Found:
+def submit(client: Client, hold: bool, watch: bool, **order: Any) -> Found:
     """Orders a job: all GOALs must hold together, such as 'InKit(Starter, kit_1)'.
 
     It is stored when this returns. Exit status: 0 accepted; with --watch that of 'skiros job watch'.
     """
-    order = _order(goals, template, params, materials, id=id_, **fields)
-    job = client.jobs.order(order, start=not hold)
+    job = client.jobs.order(_order(**order), start=not hold)
     if watch:
         return follow_job(client, job.id)
     return job, [state_line(job)]
@@ -91,7 +80,7 @@ def preview(client: Client, goals: tuple[str, ...]) -> Found:
 
     Exit status: 0 there is a plan or nothing to be done, 1 planning failed, 3 there is no plan.
     """
-    found = client.previews.ask(_order(goals, "", (), ()))
+    found = client.previews.ask(_order(goals))
     while found.state is PreviewState.PLANNING:
         found = client.previews.get(found.id, wait=_LOOK)
     status = {PreviewState.PLANNED: REACHED, PreviewState.NO_PLAN: NO_PLAN}.get(found.state, NOT_REACHED)
@@ -108,18 +97,17 @@ def _preview_lines(found: Preview) -> Iterator[str]:
 
 
 def _order(
-    goals: tuple[str, ...], template: str, params: tuple[str, ...], materials: tuple[str, ...], **fields: Any
+    goals: tuple[str, ...],
+    template: str = "",
+    params: tuple[str, ...] = (),
+    materials: tuple[str, ...] = (),
+    **fields: Any,
 ) -> JobOrder:
     if bool(goals) == bool(template):
         raise click.UsageError("say what is wanted: either GOALs or --template NAME")
     try:
-        return order_from(
-            goals,
-            template=template,
-            parameters=key_values("--param", params, "kit=kit_1"),
-            materials=materials,
-            **fields,
-        )
+        parameters = key_values("--param", params, "kit=kit_1")
+        return order_from(goals, template=template, parameters=parameters, materials=materials, **fields)
     except ValidationError as error:
         first = error.errors()[0]
         where = ".".join(str(part) for part in first["loc"])
