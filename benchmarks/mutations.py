@@ -186,7 +186,7 @@ class _Draw:
 
     def related(self, subject: str, relation: str, object_: str) -> None:
         """Adds a relation."""
-        with self.world.transaction("mutation", "told") as tx:
+        with self.world.transaction("mutation", "stated") as tx:
             tx.relate(subject, relation, object_)
 
     # ------------------------------------------------------------ drawing
@@ -236,13 +236,13 @@ class _Draw:
 def _nobody_places(draw: _Draw) -> Mutation:
     draw.without_skill("place", draw.agents("arm"))
     goal = IN_CONTAINER(draw.ball(), "slot_1")
-    return draw.made("nobody has the skill", [goal], CauseKind.NO_SKILL, draw.agents("arm"), "place")
+    return draw.made("no subsystem has the skill", [goal], CauseKind.NO_SKILL, draw.agents("arm"), "place")
 
 
 def _nobody_picks(draw: _Draw) -> Mutation:
     draw.without_skill("pick", draw.agents("arm"))
     goal = IN_TRAY(draw.ball(), "tray_1")
-    return draw.made("nobody has the skill before", [goal], CauseKind.NO_SKILL, draw.agents("arm"), "pick")
+    return draw.made("no subsystem has the skill before", [goal], CauseKind.NO_SKILL, draw.agents("arm"), "pick")
 
 
 def _robot_cannot_drive(draw: _Draw) -> Mutation:
@@ -272,13 +272,13 @@ def _lost(draw: _Draw) -> Mutation:
     ball = draw.ball()
     draw.moved(ball, "sk:on", draw.random.choice(("unknown_location", "floor")))
     goal = draw.random.choice((IN_CONTAINER(ball, "slot_1"), IN_TRAY(ball, "tray_2")))
-    return draw.made("the part lies where nobody takes it from", [goal], CauseKind.MISSING_FACT, [ball], "pick")
+    return draw.made("the part lies where no skill takes it from", [goal], CauseKind.MISSING_FACT, [ball], "pick")
 
 
 def _no_driving_pose(draw: _Draw) -> Mutation:
     draw.set("door_1", DRIVING_POSE, None)
     goal = draw.random.choice((OPEN("door_1"), AT_LOCATION("robot_1", "door_1")))
-    return draw.made("nobody taught where to stand", [goal], CauseKind.MISSING_FACT, ["door_1"], "drive")
+    return draw.made("no driving pose was taught", [goal], CauseKind.MISSING_FACT, ["door_1"], "drive")
 
 
 def _flat_battery(draw: _Draw) -> Mutation:

@@ -112,7 +112,7 @@ def cost_of(page: Page, event: str, act: Callable[[], None], done: str, *, drawn
         event: What the browser calls the input: ``keydown``.
         act: Makes the input, as a person does.
         done: JavaScript expression that is true when the result is there; it is asked once a frame.
-        drawn: Whether the 3D view has to be drawn anew, too.
+        drawn: Whether the 3D view must be redrawn, too.
     """
     page.evaluate(_WATCH, [event, done, drawn])
     act()

@@ -35,7 +35,7 @@ def main() -> int:
         [
             Figure("processes killed", f"{outcome.rounds}, in {time.perf_counter() - started:.0f} s"),
             Figure("changes acknowledged before", f"{outcome.acknowledged:,}", "> 0", outcome.acknowledged > 0),
-            Figure("changes kept though nobody was told", f"{outcome.unacknowledged:,}"),
+            Figure("changes kept without acknowledgement", f"{outcome.unacknowledged:,}"),
             Figure("compactions done", f"{outcome.compactions:,}", "> 0", outcome.compactions > 0),
             Figure("lost, half, doubled or wrong", f"{faults}", "0", faults == 0),
         ],

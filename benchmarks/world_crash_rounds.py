@@ -54,8 +54,8 @@ class Outcome:
 
     Attributes:
         rounds: How many there were.
-        acknowledged: Changes that the child was told were kept.
-        unacknowledged: Changes that were found although the child was killed before it was told.
+        acknowledged: Changes acknowledged to the child.
+        unacknowledged: Changes that were found although the child was killed before their acknowledgement.
         compactions: Compactions that came to their end.
         faults: What was wrong, in words.
     """

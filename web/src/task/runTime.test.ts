@@ -4,8 +4,8 @@ import { cutOff, readEntry, readRun, type TraceEntry } from "./trace";
 function entry(time: number, what = "started"): TraceEntry {
   return readEntry({ time, what, step: 1, skill: "drive", agent: "base_1" });
 }
-function times(told: TraceEntry[], shifts: [number, number][] = []): number[] {
-  return evened(told, shifts).map(({ time }) => time);
+function times(entries: TraceEntry[], shifts: [number, number][] = []): number[] {
+  return evened(entries, shifts).map(({ time }) => time);
 }
 const BEFORE = [entry(10, "begun"), entry(12), entry(30)];
 const AFTER = [entry(2, "begun"), entry(5)];

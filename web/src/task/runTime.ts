@@ -12,9 +12,9 @@ const SAME = 0.1; // s: the first entry has the time of the preceding cycle
  *
  * @param shifts - The offsets of a replay, whose times are used. Without them, run time continues without a gap.
  */
-export function evened(told: readonly TraceEntry[], shifts: Shifts = []): TraceEntry[] {
+export function evened(entries: readonly TraceEntry[], shifts: Shifts = []): TraceEntry[] {
   const clock = new Clock(shifts);
-  return told.map((entry, index) => ({ ...entry, time: clock.read(entry, index > 0), shift: clock.shift }));
+  return entries.map((entry, index) => ({ ...entry, time: clock.read(entry, index > 0), shift: clock.shift }));
 }
 
 class Clock {

@@ -114,8 +114,8 @@ export function joined(kept: readonly TraceEntry[], lately: readonly TraceEntry[
  *
  * @param shifts - The time offsets of a replay, if one is shown: then both use the same times.
  */
-export function readRun(told: readonly TraceEntry[], shifts: Shifts = []): Run {
-  const entries = evened(told, shifts);
+export function readRun(raw: readonly TraceEntry[], shifts: Shifts = []): Run {
+  const entries = evened(raw, shifts);
   const shift = entries.at(-1)?.shift ?? 0;
   const run: Run = { begun: entries[0]?.time ?? 0, end: null, shift, steps: [], plans: [], entries };
   let attempt = 0;
