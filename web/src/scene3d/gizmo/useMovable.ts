@@ -9,7 +9,7 @@ import { poseOf } from "../pose";
 import { type MapPose, type Tool, useTools } from "../tools";
 import { useLiveView, type ViewElement } from "../view";
 
-/** Checks whether an element can be moved: key of the text that tells why not; null if it can. */
+/** Why an element cannot be moved, as the key of a text; null if it can. */
 export type Obstacle = "robot" | "held" | "works" | "noBody" | "noSimulator" | "mayNot" | "replayed" | null;
 
 /** An element with the data needed to move it. */
