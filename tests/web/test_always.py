@@ -43,7 +43,7 @@ def stop_button(page: Page):
 def test_the_page_opens_with_the_four_tabs_and_says_that_it_is_connected(station, visit, expect):
     page = visit(station().url)
     for tab in TABS:
-        expect(page.get_by_role("tab", name=tab)).to_be_visible()
+        expect(page.get_by_role("tab", name=tab, exact=True)).to_be_visible()
     expect(page.get_by_role("heading", level=1)).to_have_text("kitting")
     expect(page.get_by_text("connected", exact=True)).to_be_visible()
     expect(stop_button(page)).to_be_visible()
@@ -54,8 +54,8 @@ def test_axe_finds_nothing_serious_on_any_tab(station, visit, axe, expect, schem
     page = visit(station().url, color_scheme=scheme)
     found = {}
     for tab in TABS:
-        page.get_by_role("tab", name=tab).click()
-        expect(page.get_by_role("tab", name=tab)).to_have_attribute("aria-selected", "true")
+        page.get_by_role("tab", name=tab, exact=True).click()
+        expect(page.get_by_role("tab", name=tab, exact=True)).to_have_attribute("aria-selected", "true")
         expect(page.get_by_label("Loading …")).to_have_count(0)
         found[tab] = axe(page)
     assert {tab: one for tab, one in found.items() if one} == {}
@@ -259,7 +259,7 @@ def test_a_viewer_sees_everything_and_may_not_stop(station, visit, expect):
     page = visit(served.url, expected=REFUSED)
     sign_in(page, key)
     for tab in TABS:
-        expect(page.get_by_role("tab", name=tab)).to_be_visible()
+        expect(page.get_by_role("tab", name=tab, exact=True)).to_be_visible()
     expect(stop_button(page)).to_have_attribute("aria-disabled", "true")
 
 
@@ -306,7 +306,7 @@ def test_a_name_that_looks_like_a_page_stays_text(station, visit, expect):
         expect(page.get_by_role("dialog").get_by_text(EVIL)).to_be_visible()
         page.keyboard.press("Escape")
         for tab in TABS:
-            page.get_by_role("tab", name=tab).click()
+            page.get_by_role("tab", name=tab, exact=True).click()
             expect(page.get_by_label("Loading …")).to_have_count(0)
     assert page.locator("img").count() == 0
     assert page.evaluate("window.hacked") is None
