@@ -71,8 +71,9 @@ class DrivingPrimitive(Primitive[Any]):
                     return driven
                 break
             if reached > driven:
-                if int(reached) > int(driven) or driven < 0.0:
-                    self._report_leg(int(reached), len(path.legs))
+                leg, legs = int(reached) + 1, len(path.legs)
+                if (leg > int(driven) + 1 or driven < 0.0) and leg <= legs:
+                    self.progress(leg, f"leg {leg} of {legs}")
                 driven, deadline = reached, self.context.now + _PATIENCE
             elif self.context.now >= deadline:
                 return driven
@@ -81,10 +82,6 @@ class DrivingPrimitive(Primitive[Any]):
             yield
         yield from self.stand(base)
         return None
-
-    def _report_leg(self, driven: int, legs: int) -> None:
-        if driven < legs:
-            self.progress(driven + 1, f"leg {driven + 1} of {legs}")
 
     def stand(self, base: Mobile) -> Execution[None]:
         """Brakes, and waits for localisation to settle."""

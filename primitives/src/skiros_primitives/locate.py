@@ -169,13 +169,10 @@ class Locate(LookingPrimitive):
             if misses >= _MISSES:
                 tx.set(part, v.MISSING, True)
                 tx.place(part, v.ON, self.world.instances(v.UNKNOWN_LOCATION)[0])
-                self._empty_stock(tx, self.world.element(part).type)
-
-    def _empty_stock(self, tx: Transaction, type_: str) -> None:
-        """If a part of a type is missing, all seen ones are other known parts: the stock is empty."""
-        for stock in stocks(self.world):
-            if (stock.class_, stock.placement.place) == (type_, self.params.place):
-                tx.set(stock.id, v.STOCK_COUNT, 0)
+                # All that was seen are other known parts, so the stock of this type is empty.
+                for stock in stocks(self.world):
+                    if (stock.class_, stock.placement.place) == (self.world.element(part).type, self.params.place):
+                        tx.set(stock.id, v.STOCK_COUNT, 0)
 
     def _not_seen(self, look: LookResult) -> str:
         part, place = self.params.part, self.params.place

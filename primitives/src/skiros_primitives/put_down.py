@@ -74,19 +74,16 @@ class PutDown(HandlingPrimitive):
         state = yield from move_fingers(self.context, gripper, gap, firm_force(self.gripper_spec))
         opened = state.gap >= before + 0.5 * _OPEN
         if opened:
-            self._write_released()
+            part, compartment = self.params.part, self.params.compartment
+            reason = f"released over {compartment}, not seen yet"
+            with self.world.transaction(author=self.name, reason=reason) as tx:
+                tx.place(part, v.ON, self.world.instances(v.UNKNOWN_LOCATION)[0])
+                write_pose(tx, part, None)  # a look has to determine it
         self.progress(3, "retreating")
         yield from self.recover()
         if not opened:
             return Failure(f"the fingers did not open: gap {state.gap * 1e3:.0f} mm")
         return Success(f"released over {self.params.compartment}")
-
-    def _write_released(self) -> None:
-        """Writes that the part is no longer held; its pose has to be determined by a look."""
-        part, compartment = self.params.part, self.params.compartment
-        with self.world.transaction(author=self.name, reason=f"released over {compartment}, not seen yet") as tx:
-            tx.place(part, v.ON, self.world.instances(v.UNKNOWN_LOCATION)[0])
-            write_pose(tx, part, None)
 
     def recover(self) -> Execution[None]:
         """Retracts along the checked line, with anything it still holds."""

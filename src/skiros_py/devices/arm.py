@@ -217,10 +217,8 @@ class SimulatedArm:
         return ArmState(positions, velocities, still)
 
     def _follow(self, target: ArmTarget) -> None:
+        self.spec.check(target)
         wanted, speed = np.asarray(target.positions), np.asarray(target.velocities)
-        expected = self._reference.shape
-        if wanted.shape != expected or speed.shape != expected or not np.isfinite([wanted, speed]).all():
-            raise DeviceError(f"{self.spec.id}: a target needs {expected[0]} finite positions and velocities: {target}")
         step = self._speeds * self._period
         move = np.clip(np.clip(wanted, self._lower, self._upper) - self._reference, -step, step)
         self._reference = self._reference + move

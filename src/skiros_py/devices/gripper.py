@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
 
@@ -101,6 +100,8 @@ class GripperSpec(DeviceSpec[GripperState, GripperTarget]):
         """Refuses what is no target, or has numbers that are none."""
         DeviceSpec.check(self, target)
         require_numbers(self.id, target, (target.gap, target.force))
+        if target.force < 0.0:
+            raise DeviceError(f"{self.id}: its fingers press with a force of 0 or more: {target}")
 
     @property
     def joint_names(self) -> tuple[str, ...]:
@@ -157,7 +158,9 @@ class SimulatedGripper:
     def command(self, target: GripperTarget | None) -> None:
         """Moves to a new target; None keeps the last one, so that nothing is let go by omission."""
         if target is not None:
-            self._target = self._checked(target)
+            self.spec.check(target)
+            gap = min(max(target.gap, 0.0), self.spec.max_gap)
+            self._target = GripperTarget(gap, min(target.force, self.spec.max_force))
         count = len(self.fingers)
         self._joints.hold_positions(
             [self._target.gap / 2.0] * count, gain=_GAIN, effort=[self._target.force] * count, max_velocity=_SPEED
@@ -169,9 +172,3 @@ class SimulatedGripper:
         pressing = -sum(efforts) / len(efforts)
         still = self._standstill.update(max(map(abs, velocities)))
         return GripperState(sum(positions), max(0.0, pressing), still)
-
-    def _checked(self, target: GripperTarget) -> GripperTarget:
-        if not (math.isfinite(target.gap) and math.isfinite(target.force) and target.force >= 0.0):
-            raise DeviceError(f"{self.spec.id}: a target needs a finite gap and force: {target}")
-        gap = min(max(target.gap, 0.0), self.spec.max_gap)
-        return GripperTarget(gap, min(target.force, self.spec.max_force))

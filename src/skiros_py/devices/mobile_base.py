@@ -257,7 +257,7 @@ class SimulatedBase:
 
     def _limit(self, twist: BaseTwist) -> None:
         spec = self.spec
-        require_numbers(spec.id, twist, (twist.linear, twist.angular))
+        spec.check(twist)
         linear = min(max(twist.linear, -spec.max_linear), spec.max_linear)
         angular = min(max(twist.angular, -spec.max_angular), spec.max_angular)
         self._linear = approach(self._linear, linear, spec.max_linear_acceleration * self._period)

@@ -22,7 +22,7 @@ from skiros_py.execution.skill_manager import SkillManager
 from skiros_py.execution.watchdog import Watchdog
 from skiros_py.interruptions import Watched
 from skiros_py.listeners import Listeners
-from skiros_py.ports.adapters import NO_PORTS, Ports, require
+from skiros_py.ports.adapters import NO_PORTS, Ports
 from skiros_py.ports.board import DeviceBoard
 from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.driver import CellDriver
@@ -152,7 +152,7 @@ class LibraryCall:
     answer: Pending[Any]
 
 
-class LibraryMonitor:
+class LibraryMonitor(Ports):
     """Adapters whose requests are published in order; :class:`skiros_py.ports.adapters.Ports` for modules.
 
     What an adapter answers at once, such as kinematics, is not published.
@@ -172,14 +172,6 @@ class LibraryMonitor:
         if adapter is None:
             return None
         return cast("T", self._observed.setdefault(id(adapter), _Observed(adapter, self._listeners.notify)))
-
-    def port(self, protocol: Callable[..., T], device: str | None = None) -> T:
-        """Returns the adapter for a device, or for the cell.
-
-        Raises:
-            DeviceError: There is none.
-        """
-        return require(self.find(protocol, device), protocol, device)
 
     def subscribe(self, listener: Callable[[LibraryCall], None]) -> Callable[[], None]:
         """Calls the listener in the control thread with each request; it must be quick.

@@ -144,7 +144,7 @@ class Task(Generic[T]):
         board = self._board
         if self._deadline is None:
             return
-        if board.standing(self):
+        if not board.moving(self):
             self._deadline = None
         elif board.snapshot.time > self._deadline:
             moving = ", ".join(board.moving(self))
@@ -194,7 +194,7 @@ class Task(Generic[T]):
         finally:
             board.owner = owner
         board.withdraw(self)
-        if not board.standing(self):
+        if board.moving(self):
             self._deadline = board.snapshot.time + board.braking_time
 
     def _close_generator(self) -> None:

@@ -8,9 +8,10 @@ other distributions take precedence over the built-in ones.
 from __future__ import annotations
 
 import logging
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, Protocol, TypeVar
+from typing import Any, Literal, TypeVar
 
 from skiros_py.errors import DeviceError, UnknownName, UsageError
 from skiros_py.interruptions import limited
@@ -66,9 +67,10 @@ class Adapter:
     without_physics: bool = False
 
 
-class Ports(Protocol):
+class Ports(ABC):
     """Finds adapters by protocol."""
 
+    @abstractmethod
     def find(self, protocol: Callable[..., T], device: str | None = None) -> T | None:
         """Returns the adapter for a device, or for the cell; None where there is none, or it depends on the device.
 
@@ -81,11 +83,15 @@ class Ports(Protocol):
         """Returns the adapter for a device, or for the cell.
 
         Raises:
-            DeviceError: There is none; the message names the port and the device.
+            DeviceError: There is none, or it cannot be made; the message names the port and the device.
         """
+        adapter = self.find(protocol, device)
+        if adapter is None:
+            raise DeviceError(f"no adapter for {_name(protocol, device)}: none of those that are installed serves it")
+        return adapter
 
 
-class GivenPorts:
+class GivenPorts(Ports):
     """Adapters that are given as objects, for any device; for tests and for cells that need none.
 
     Args:
@@ -99,16 +105,8 @@ class GivenPorts:
         """Returns the adapter; None where there is none."""
         return self._adapters.get(protocol)
 
-    def port(self, protocol: Callable[..., T], device: str | None = None) -> T:
-        """Returns the adapter.
 
-        Raises:
-            DeviceError: There is none.
-        """
-        return require(self.find(protocol, device), protocol, device)
-
-
-class InstalledPorts:
+class InstalledPorts(Ports):
     """The adapters of a cell that are installed; each is made when it is first asked for.
 
     Args:
@@ -152,14 +150,6 @@ class InstalledPorts:
         """Returns the adapter for a device, or for the cell; None where there is none."""
         plugin = self._chosen.get((protocol, device))
         return None if plugin is None else self._get(plugin, device)  # type: ignore[return-value]
-
-    def port(self, protocol: Callable[..., T], device: str | None = None) -> T:
-        """Returns the adapter for a device, or for the cell.
-
-        Raises:
-            DeviceError: There is none, or it cannot be made.
-        """
-        return require(self.find(protocol, device), protocol, device)
 
     def close(self) -> None:
         """Closes all adapters, the last one first; may be called twice."""
@@ -244,17 +234,6 @@ def adapter_problem(plugin: Plugin) -> str | None:
     if not isinstance(plugin.value, Adapter):
         return f"it is a {type(plugin.value).__name__}, nothing for adapters: name an Adapter"
     return None if plugin.value.ports else "it names no port: ports=(ArmPlanner,)"
-
-
-def require(adapter: T | None, protocol: Any, device: str | None) -> T:
-    """Returns an adapter that must be there.
-
-    Raises:
-        DeviceError: It is not.
-    """
-    if adapter is None:
-        raise DeviceError(f"no adapter for {_name(protocol, device)}: none of those that are installed serves it")
-    return adapter
 
 
 def _name(protocol: Any, device: str | None) -> str:

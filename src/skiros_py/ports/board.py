@@ -113,10 +113,6 @@ class DeviceBoard:
         """Returns the ids of the devices that move and that this commander was the last to command."""
         return self._moving(device for device, other in self.commanders.items() if other is commander)
 
-    def standing(self, commander: Commander) -> bool:
-        """Returns True when nothing moves any more of what this commander was the last to command."""
-        return not self.moving(commander)
-
     def stand(self, devices: Iterable[str]) -> bool:
         """Returns True when none of these devices moves."""
         return not self._moving(devices)

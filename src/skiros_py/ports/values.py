@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Protocol, TypeVar
+from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,17 +44,12 @@ class Pending(Protocol[T_co]):
         """
 
 
-class Done(Pending[T]):
-    """An answer that is already there."""
+@dataclass(frozen=True, slots=True)
+class Done(Generic[T]):
+    """An answer that is already there; a :class:`Pending`."""
 
-    def __init__(self, value: T, latency: float = 0.0) -> None:
-        self._value = value
-        self._latency = latency
-
-    @property
-    def latency(self) -> float:
-        """Declared time from request to answer [s]."""
-        return self._latency
+    value: T
+    latency: float = 0.0
 
     def done(self) -> bool:
         """Returns True."""
@@ -62,7 +57,7 @@ class Done(Pending[T]):
 
     def result(self) -> T:
         """Returns the value."""
-        return self._value
+        return self.value
 
 
 Commands = Mapping[str, object]

@@ -28,19 +28,6 @@ _PARTS: tuple[Colour, ...] = (
 )
 
 
-class Palette:
-    """Gives furniture wood, what stands on something a kit's blue, and each type of part a colour of its own."""
-
-    def __init__(self) -> None:
-        self._types: dict[str, Colour] = {}
-
-    def colour(self, body: BodySpec) -> Colour:
-        """Returns a body's colour; bodies of one type have one colour."""
-        if body.mass > 0.0 and body.carrier is None and not body.compartment:
-            return self._types.setdefault(body.type, _PARTS[len(self._types) % len(_PARTS)])
-        return _KIT if body.place is not None or body.carrier is not None else _FURNITURE
-
-
 _CARRIED_MASS = 2.0  # [kg] of a body without mass that rides on a robot and so cannot be part of the ground
 _DEVICE_STREAM = 1
 # With fingers of 1.0 a part of 0.9 kg is held at 30 N per finger; at 0.3 parts begin to slip. The two small ones stop
@@ -109,7 +96,7 @@ class Scene:
 
     def __init__(self, engine: Engine, spec: CellSpec, urdfs: Mapping[str, Path], *, seed: int) -> None:
         self.engine = engine
-        self._palette = Palette()
+        self._types: dict[str, Colour] = {}
         self.bodies: dict[str, BodySpec] = {}
         self.robots = [
             CellRobot.bring_up(robot, _added(engine, robot, urdfs[robot.id]), (seed, _DEVICE_STREAM, number))
@@ -136,7 +123,7 @@ class Scene:
         if spec.id in self.bodies or spec.compartment:
             raise UsageError(f"'{spec.id}' is a compartment or is in the cell already")
         mass = spec.mass if spec.carrier is None else spec.mass or _CARRIED_MASS
-        colour = self._palette.colour(spec)
+        colour = self._colour(spec)
         self.engine.add_body(spec.id, spec.solid, pose, mass=mass, colour=colour, surface=_BODIES)
         self.bodies[spec.id] = spec
         if spec.carrier is not None:
@@ -145,6 +132,12 @@ class Scene:
                 raise DescriptionError(f"{spec.carrier} carries {spec.id}, but has no model: give it an sk:model")
             link = robot.spec.device(spec.carrier).platform_link
             self.engine.attach(spec.id, robot.model.name, link)
+
+    def _colour(self, body: BodySpec) -> Colour:
+        """Returns wood for furniture, a kit's blue for what stands on something, a colour for each type of part."""
+        if body.mass > 0.0 and body.carrier is None:
+            return self._types.setdefault(body.type, _PARTS[len(self._types) % len(_PARTS)])
+        return _KIT if body.place is not None or body.carrier is not None else _FURNITURE
 
     def remove(self, body_id: str) -> None:
         """Removes a body.

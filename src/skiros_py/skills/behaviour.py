@@ -253,9 +253,7 @@ def nodes_of(root: Behaviour, path: str) -> Iterator[Node]:
 
 def walk(root: Behaviour) -> Iterator[Behaviour]:
     """Yields a behaviour and all its descendants, from the top."""
-    yield root
-    for child in root.named_children().values():
-        yield from walk(child)
+    yield from (node.behaviour for node in nodes_of(root, ""))
 
 
 def check_nodes(root: Behaviour, path: str = "", where: str = "") -> None:

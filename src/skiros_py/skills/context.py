@@ -89,7 +89,10 @@ class Floor(Protocol):
 
 
 class OpenFloor:
-    """A floor with no other robot on it; a :class:`Floor`."""
+    """A floor with no other robot on it, and any way over it: a :class:`Floor` and a :class:`Way`."""
+
+    free = True
+    blocked = False
 
     def is_driving(self, robot: str) -> bool:  # noqa: ARG002 - the port's signature
         """Returns False: there is no other robot."""
@@ -97,35 +100,31 @@ class OpenFloor:
 
     def ask(self, robot: str, outline: Outline, start: Pose, path: Path) -> Way:  # noqa: ARG002
         """Returns a way that is free."""
-        return _OpenWay()
+        return self
 
     def stretch(self, arm: str, outline: Outline) -> tuple[str, ...]:  # noqa: ARG002
         """Returns no robots: there is no other one."""
         return ()
 
     def stretched(self, arm: str) -> Outline:  # noqa: ARG002
-        """Does nothing: there is no other robot."""
+        """Returns nothing: there is no other robot that could be obstructed."""
         return ()
 
-
-class _OpenWay:
-    free = True
-    blocked = False
-
     def waits_for(self) -> tuple[str, ...]:
+        """Returns no robots."""
         return ()
 
     def passed(self, legs: float) -> None:
-        pass
+        """Does nothing."""
 
     def release(self) -> None:
-        pass
+        """Does nothing."""
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
-        pass
+        """Does nothing."""
 
 
 class QuestionKind(enum.Enum):
@@ -160,13 +159,13 @@ class Question:
     time: float
 
 
+@dataclass(slots=True, eq=False)
 class Asked:
     """A question that is open; the answer may come from any thread."""
 
-    def __init__(self, question: Question) -> None:
-        self.question = question
-        self.answer: str | None = None
-        self.by = ""
+    question: Question
+    answer: str | None = None
+    by: str = ""
 
 
 class Questions:

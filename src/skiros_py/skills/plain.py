@@ -46,14 +46,13 @@ def fields_as_data(thing: Any) -> dict[str, Any]:
     """
     if not is_dataclass(thing):
         raise DescriptionError(f"{type(thing).__name__}: define to_data() and from_data(), or make it a dataclass")
-    values = {one.name: getattr(thing, one.name) for one in fields(thing) if one.init}
-    return {key: as_data(value) for key, value in values.items() if not _is_default(thing, key, value)}
-
-
-def _is_default(thing: Any, key: str, value: Any) -> bool:
-    one = next(f for f in fields(thing) if f.name == key)
-    default = one.default_factory() if one.default_factory is not MISSING else one.default
-    return default is not MISSING and type(value) is type(default) and bool(value == default)
+    found = {}
+    for one in (one for one in fields(thing) if one.init):
+        default = one.default_factory() if one.default_factory is not MISSING else one.default
+        value = getattr(thing, one.name)
+        if default is MISSING or type(value) is not type(default) or value != default:
+            found[one.name] = as_data(value)
+    return found
 
 
 def as_data(value: Any) -> Any:
@@ -187,7 +186,9 @@ class Reader:
     def _tagged(self, data: Mapping[str, Any]) -> Any:
         match data:
             case {"type": str(kind)}:
-                return self.kind(kind).from_data(data, self)
+                if kind not in self.kinds:
+                    raise UnknownName("kind of behaviour", kind, self.kinds)
+                return self.kinds[kind].from_data(data, self)
             case {"P": str(key)} if len(data) == 1:
                 return P(key)
             case {"Out": str(name)} if len(data) == 1:
@@ -197,25 +198,10 @@ class Reader:
                     raise UnknownName("pattern", name, _PATTERNS)
                 return self.dataclass(_PATTERNS[name], data)
             case {"condition": _} | {"expression": _} | {"and": _} | {"or": _} | {"for all": _} | {"exists": _}:
-                return self._read_condition(data)
+                found = ~self._positive(data) if data.get("not") else self._positive(data)
+                return found.named(str(data["name"])) if data.get("name") else found
             case _:
                 return MappingProxyType({key: self.field(key, value) for key, value in data.items()})
-
-    def kind(self, name: str) -> type[Behaviour]:
-        """Returns a kind of behaviour.
-
-        Raises:
-            UnknownName: There is none of that name.
-        """
-        if name not in self.kinds:
-            raise UnknownName("kind of behaviour", name, self.kinds)
-        return self.kinds[name]
-
-    def _read_condition(self, data: Mapping[str, Any]) -> Condition:
-        found = self._positive(data)
-        if data.get("not"):
-            found = ~found
-        return found.named(str(data["name"])) if data.get("name") else found
 
     def _positive(self, data: Mapping[str, Any]) -> Condition:
         match data:

@@ -56,7 +56,9 @@ class ArmModel:
         self.upper: Array = np.array(self.model.upperPositionLimit)
         self.velocity: Array = np.array(self.model.velocityLimit)
         self.acceleration: Array = np.full(len(arm.joints), _ACCELERATION)
-        self.reach = self._chain_length()
+        steps = [placement.translation for placement in list(self.model.jointPlacements)[3:]]
+        steps.append(self.model.frames[self.tip].placement.translation)
+        self.reach = float(sum(np.linalg.norm(step) for step in steps))
 
     def tip_pose(self, q: Array) -> pin.SE3:
         """Returns the pose of the tip at joint angles [rad]."""
@@ -87,8 +89,10 @@ class ArmModel:
     @cached_property
     def gripper_links(self) -> frozenset[str]:
         """Links that move rigidly with the tip or are fingers: what may touch a part to be grasped."""
-        mounts = {self._parent_link(joint) for gripper in self._grippers for joint in gripper.joints}
-        mounts.add(self._full.frames[self._full.getFrameId(self.spec.tip)].name)
+        frames = self._full.frames
+        joints = (frames[self._full.getFrameId(joint)] for gripper in self._grippers for joint in gripper.joints)
+        mounts = {str(frames[joint.parentFrame].name) for joint in joints}
+        mounts.add(frames[self._full.getFrameId(self.spec.tip)].name)
         bodies = [frame for frame in self._full.frames if frame.type == pin.FrameType.BODY]
         return frozenset(frame.name for frame in bodies if mounts & self._ancestors(frame))
 
@@ -102,15 +106,6 @@ class ArmModel:
 
     def _limits(self, joint: Any) -> tuple[float, float]:
         return self._full.lowerPositionLimit[joint.idx_q], self._full.upperPositionLimit[joint.idx_q]
-
-    def _chain_length(self) -> float:
-        steps = [placement.translation for placement in list(self.model.jointPlacements)[3:]]
-        steps.append(self.model.frames[self.tip].placement.translation)
-        return float(sum(np.linalg.norm(step) for step in steps))
-
-    def _parent_link(self, joint: str) -> str:
-        frame = self._full.frames[self._full.getFrameId(joint)]
-        return str(self._full.frames[frame.parentFrame].name)
 
     def _ancestors(self, frame: Any) -> set[str]:
         names = {frame.name}

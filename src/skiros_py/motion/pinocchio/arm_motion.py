@@ -39,7 +39,10 @@ def covered(arm: ArmModel, postures: Array, held: Held | None) -> Corners:
         postures: Joint angles in close succession [rad], shape (samples, joints).
         held: What it holds, which sticks out further.
     """
-    body = _body(held)
+    body = np.zeros((1, 3))  # the tip, and the corners of the box around what it holds, in the frame of the tip
+    if held is not None:
+        corners = np.array(list(product(*np.transpose(held.solid.bounds()))))
+        body = np.vstack([body, held.pose.apply(corners)])
     points = np.vstack([_points(arm, posture, body) for posture in (*postures[::_STEP], postures[-1])])
     around = (points[:, None, :2] + _RIM).reshape(-1, 2)
     corners = shapely.get_coordinates(shapely.MultiPoint(around).convex_hull)[:-1]
@@ -49,15 +52,6 @@ def covered(arm: ArmModel, postures: Array, held: Held | None) -> Corners:
 def _points(arm: ArmModel, posture: Array, body: Array) -> Array:
     """Returns the joints, the tip and the corners of what it holds [m]."""
     return np.vstack([arm.joint_places(posture), Pose.from_matrix(arm.tip_pose(posture).homogeneous).apply(body)])
-
-
-def _body(held: Held | None) -> Array:
-    """Returns the tip, and the corners of the box around what it holds, in the tip's frame [m]."""
-    tip = np.zeros((1, 3))
-    if held is None:
-        return tip
-    corners = np.array(list(product(*np.transpose(held.solid.bounds()))))
-    return np.vstack([tip, held.pose.apply(corners)])
 
 
 _START_SLACK = 0.05  # [rad] a sensed start may lie this far outside the limits

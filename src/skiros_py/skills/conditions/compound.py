@@ -64,9 +64,8 @@ class Junction(Condition):
     def evaluate(self, view: WorldView, binding: Binding | None = None) -> Verdict:
         """Tells whether it holds; the verdict has that of each part."""
         parts = tuple(part.evaluate(view, binding) for part in self.parts)
-        together = Verdict(all(parts), "all of these", parts)
-        if self.word == "or":
-            together = Verdict(any(parts), "any of these", parts)
+        holds, which = (all(parts), "all") if self.word == "and" else (any(parts), "any")
+        together = Verdict(holds, f"{which} of these", parts)
         return Verdict(together.holds is not self.negated, self.written(_naming(binding or {})), (together,))
 
 

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import json
-import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from types import MappingProxyType
@@ -116,6 +115,10 @@ def custom_type(class_: ValueClass) -> ValueType:
     )
 
 
+def _listed(value: Any) -> list[Any] | None:
+    return list(value) if isinstance(value, set | frozenset) else None
+
+
 def _checked(adapter: TypeAdapter[Any], value: object) -> Any:
     from pydantic import ValidationError
 
@@ -123,8 +126,10 @@ def _checked(adapter: TypeAdapter[Any], value: object) -> Any:
         checked = adapter.validate_python(value)
     except ValidationError as error:
         raise ValueError(_says(error)) from None
-    if not all(math.isfinite(number) for number in _numbers(adapter.dump_python(checked))):
-        raise ValueError("every number in it must be finite")
+    try:
+        json.dumps(adapter.dump_python(checked), allow_nan=False, skipkeys=True, default=_listed)
+    except ValueError:
+        raise ValueError("every number in it must be finite") from None
     return checked
 
 
@@ -145,17 +150,6 @@ def _says(error: ValidationError) -> str:
     """The first few faults, each with where it is."""
     faults = error.errors(include_url=False, include_context=False)[:3]
     return "; ".join(f"{'.'.join(map(str, f['loc']))}: {f['msg']}".removeprefix(": ") for f in faults)
-
-
-def _numbers(data: object) -> Iterator[float]:
-    if isinstance(data, float):
-        yield data
-    elif isinstance(data, Mapping):
-        for value in data.values():
-            yield from _numbers(value)
-    elif isinstance(data, tuple | list | set | frozenset):
-        for value in data:
-            yield from _numbers(value)
 
 
 def read_value(param: Param, value: Any, view: WorldView) -> Any:
