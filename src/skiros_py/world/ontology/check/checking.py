@@ -83,32 +83,24 @@ def check_ontology(
     material, findings = read_material(paths)
     findings += structural_findings(material)
     start = time.monotonic()
-    judged = _reasoned(material, findings, _Asked(reasoner, program, time_limit, progress))
+    name, note = None, "no reasoning was asked for"
+    if any(finding.kind in _NO_REASONING for finding in findings) and reasoner != "none":
+        note = "the structure has errors"
+        findings.append(_silence("no reasoner was asked: fix the cycles and depths of the hierarchies first"))
+    elif reasoner != "none" and not has_extra("ontology"):
+        note = "no reasoner is installed"
+        findings.append(_silence(str(MissingExtra("ontology", "reasoning"))))
+    elif reasoner != "none":
+        name, note, found = _first_answer(material, reasoner, program, time_limit, progress)
+        findings += found
     seconds = time.monotonic() - start
-    findings += judged.findings
     findings += _refusal(paths, findings)
     files = tuple(document.path for document in material.documents)
-    return CheckReport(files, in_order(findings), judged.reasoner, judged.note, seconds)
-
-
-@dataclass(frozen=True, slots=True)
-class _Asked:
-    """The requested reasoning; the path of ``java`` if it may be used."""
-
-    choice: ReasonerChoice
-    java: str | None
-    time_limit: float
-    progress: Callable[[str], None]
-
-
-@dataclass(frozen=True, slots=True)
-class _Judged:
-    reasoner: str | None
-    note: str
-    findings: list[Finding]
+    return CheckReport(files, in_order(findings), name, note, seconds)
 
 
 def _java(asked: ReasonerChoice) -> str | None:
+    """Returns the path of ``java`` if it may be used."""
     if asked in ("hermit", "owl-rl"):
         require_extra("ontology", f"--reasoner {asked}")
     program = java()
@@ -117,53 +109,39 @@ def _java(asked: ReasonerChoice) -> str | None:
     return program if asked in ("auto", "hermit") else None
 
 
-def _reasoned(material: Material, findings: Sequence[Finding], asked: _Asked) -> _Judged:
-    """Tries the reasoners in order until one gives an answer; none if the structure has errors."""
-    if asked.choice == "none":
-        return _Judged(None, "no reasoning was asked for", [])
-    if any(finding.kind in _NO_REASONING for finding in findings):
-        text = "no reasoner was asked: fix the cycles and depths of the hierarchies first"
-        return _Judged(None, "the structure has errors", [_silence(text)])
-    if not has_extra("ontology"):
-        return _Judged(None, "no reasoner is installed", [_silence(str(MissingExtra("ontology", "reasoning")))])
-    with OwlRlProcess(asked.time_limit) as owl_rl:
-        return _first_answer(material, _choices(asked, owl_rl), owl_rl, asked)
+def _silence(text: str, severity: Severity = Severity.WARNING) -> Finding:
+    return Finding(severity, FindingKind.REASONER, "", text)
 
 
-def _silence(text: str) -> Finding:
-    return Finding(Severity.WARNING, FindingKind.REASONER, "", text)
-
-
-def _choices(asked: _Asked, owl_rl: Reasoner) -> Iterator[Reasoner]:
-    """The reasoners to try, in order; the time of each starts with its turn."""
-    if asked.java is not None:
-        yield HermiT(asked.java, time.monotonic() + asked.time_limit)
-    if asked.choice != "hermit":
-        yield owl_rl
-
-
-def _first_answer(material: Material, choices: Iterator[Reasoner], owl_rl: Reasoner, asked: _Asked) -> _Judged:
+def _first_answer(
+    material: Material, asked: ReasonerChoice, program: str | None, time_limit: float, progress: Callable[[str], None]
+) -> tuple[str | None, str, list[Finding]]:
+    """Asks the reasoners in order until one answers; returns its name, why it was chosen, and the findings."""
+    if asked != "auto":
+        note = "as asked for"
+    else:
+        note = "Java is there" if program is not None else "no Java: contradictions that need a choice are not seen"
     silences: list[Finding] = []
-    note = _why(asked)
-    for choice in choices:
-        asked.progress(f"reasoning with {choice.name}")
-        try:
-            found = logical_findings(material, choice, [owl_rl] if choice.is_complete else [])
-        except NoAnswer as answer:
-            # A user who requests only the complete reasoner wants certainty, which the other cannot give.
-            severity = Severity.ERROR if asked.choice == "hermit" else Severity.WARNING
-            silences.append(Finding(severity, FindingKind.REASONER, "", str(answer)))
-            note = f"{choice.name} {'does not start' if isinstance(answer, NotStarted) else 'gave no answer'}"
-        else:
-            return _Judged(choice.name, note, [*silences, *found])
-    return _Judged(None, "; ".join(finding.text for finding in silences), silences)
+    with OwlRlProcess(time_limit) as owl_rl:
+        for choice in _choices(asked, program, time_limit, owl_rl):
+            progress(f"reasoning with {choice.name}")
+            try:
+                found = logical_findings(material, choice, [owl_rl] if choice.is_complete else [])
+            except NoAnswer as answer:
+                # A user who requests only the complete reasoner wants certainty, which the other cannot give.
+                silences.append(_silence(str(answer), Severity.ERROR if asked == "hermit" else Severity.WARNING))
+                note = f"{choice.name} {'does not start' if isinstance(answer, NotStarted) else 'gave no answer'}"
+            else:
+                return choice.name, note, [*silences, *found]
+    return None, "; ".join(finding.text for finding in silences), silences
 
 
-def _why(asked: _Asked) -> str:
-    """Returns why the first reasoner is chosen."""
-    if asked.choice != "auto":
-        return "as asked for"
-    return "Java is there" if asked.java is not None else "no Java: contradictions that need a choice are not seen"
+def _choices(asked: ReasonerChoice, program: str | None, time_limit: float, owl_rl: Reasoner) -> Iterator[Reasoner]:
+    """The reasoners to try, in order; the time of each starts with its turn."""
+    if program is not None:
+        yield HermiT(program, time.monotonic() + time_limit)
+    if asked != "hermit":
+        yield owl_rl
 
 
 def _refusal(paths: Sequence[Path], findings: Sequence[Finding]) -> Iterator[Finding]:

@@ -95,37 +95,30 @@ class OwlRl:
     def __init__(self, deadline: float) -> None:
         self._deadline = deadline
 
-    def judge(self, triples: Sequence[ox.Triple], classes: Sequence[str]) -> Verdict:
-        """Finds contradictions and unsatisfiable classes (IRIs).
+    def judge(self, triples: Sequence[ox.Triple], classes: Sequence[str] = ()) -> Verdict:
+        """Finds contradictions, and which of some classes (IRIs) are unsatisfiable.
 
         Raises:
             NoAnswer: It takes too long.
         """
         _, found = self._saturated(triples)
         if found:
-            return Verdict(consistent=False, near=tuple(sorted(_value(n) for n in found if _is_known(n))))
+            known = (str(n.value) for n in found if isinstance(n, ox.NamedNode) and not n.value.startswith(_WITNESS))
+            return Verdict(consistent=False, near=tuple(sorted(known)))
         return Verdict(consistent=True, unsatisfiable=tuple(sorted(self._impossible(triples, sorted(classes)))))
-
-    def consistent(self, triples: Sequence[ox.Triple]) -> bool:
-        """Returns False when the statements contradict each other.
-
-        Raises:
-            NoAnswer: It takes too long.
-        """
-        return not self._saturated(triples)[1]
 
     def _impossible(self, base: Sequence[ox.Triple], classes: list[str]) -> set[str]:
         """Invents one individual of each class, repeatedly without the unsatisfiable ones, until no more are found."""
         impossible: set[str] = set()
-        while True:
-            left = [class_ for class_ in classes if class_ not in impossible]
+        while left := [class_ for class_ in classes if class_ not in impossible]:
             known = [*base, *(ox.Triple(ox.NamedNode(class_), _BELOW, _NOTHING) for class_ in impossible)]
             facts, found = self._saturated([*known, *map(one_of, left)], inventing=1)
             alone, entangled = _blamed(facts, found, left)
             new = alone | set(self._among(known, entangled))
             if not new:
-                return impossible
+                break
             impossible |= new
+        return impossible
 
     def _among(self, base: Sequence[ox.Triple], classes: list[str]) -> Iterator[str]:
         """Halves the classes until each that causes a contradiction on its own is found.
@@ -175,10 +168,6 @@ def _rows(facts: ox.Store, wanted: str, pattern: str, then: str = "") -> list[tu
 
 def _value(node: Term) -> str:
     return str(node.value)
-
-
-def _is_known(node: Term) -> bool:
-    return isinstance(node, ox.NamedNode) and not node.value.startswith(_WITNESS)
 
 
 def _blamed(facts: ox.Store, found: set[Term], classes: list[str]) -> tuple[set[str], list[str]]:

@@ -54,31 +54,21 @@ class Verdict:
 
 
 class Reasoner(Protocol):
-    """A reasoner."""
+    """A reasoner.
 
-    @property
-    def name(self) -> str:
-        """Its display name."""
-        ...
+    Attributes:
+        name: Its display name.
+        is_complete: True if it finds every contradiction of OWL 2 DL.
+    """
 
-    @property
-    def is_complete(self) -> bool:
-        """True if it finds every contradiction of OWL 2 DL."""
-        ...
+    name: str
+    is_complete: bool
 
-    def judge(self, triples: Sequence[ox.Triple], classes: Sequence[str]) -> Verdict:
-        """Finds contradictions and unsatisfiable classes (IRIs).
+    def judge(self, triples: Sequence[ox.Triple], classes: Sequence[str] = ()) -> Verdict:
+        """Finds contradictions, and which of some classes (IRIs) are unsatisfiable.
 
         Raises:
-            NoAnswer: It found no answer.
-        """
-        ...
-
-    def consistent(self, triples: Sequence[ox.Triple]) -> bool:
-        """Returns False when the statements contradict each other.
-
-        Raises:
-            NoAnswer: It found no answer.
+            NoAnswer: It found no answer: it takes too long or too much memory, or does not support the statements.
         """
         ...
 
@@ -103,8 +93,6 @@ _OUT_OF_MEMORY = 99
 _GRACE = 1.0
 """How much later than our time limit the kernel ends it [s]."""
 
-_Answer = Verdict | bool | NoAnswer
-
 
 class OwlRlProcess:
     """Asks the OWL 2 RL reasoner. Close it, or use it in a ``with``.
@@ -125,24 +113,24 @@ class OwlRlProcess:
         self._line: Connection | None = None
         self._why_none = ""
 
-    def judge(self, triples: Sequence[ox.Triple], classes: Sequence[str]) -> Verdict:
-        """Finds contradictions and unsatisfiable classes (IRIs).
+    def judge(self, triples: Sequence[ox.Triple], classes: Sequence[str] = ()) -> Verdict:
+        """Finds contradictions, and which of some classes (IRIs) are unsatisfiable.
 
         Raises:
             NoAnswer: It takes too long or too much memory.
         """
-        verdict = self._ask(triples, tuple(classes))
-        assert isinstance(verdict, Verdict)
-        return verdict
-
-    def consistent(self, triples: Sequence[ox.Triple]) -> bool:
-        """Returns False when the statements contradict each other.
-
-        Raises:
-            NoAnswer: It takes too long or too much memory.
-        """
-        answer = self._ask(triples, None)
-        assert isinstance(answer, bool)
+        if self._why_none:
+            raise NoAnswer(self._why_none)
+        line = self._line or self._started()
+        try:
+            line.send((ox.serialize(triples, format=ox.RdfFormat.N_TRIPLES), tuple(classes)))
+            if not line.poll(max(self._deadline - time.monotonic(), 0.0)):
+                raise self._given_up("the OWL-RL reasoner found no answer in the time given")
+            answer: Verdict | NoAnswer = line.recv()
+        except (OSError, EOFError):
+            raise self._given_up(self._why_it_died()) from None
+        if isinstance(answer, NoAnswer):
+            raise self._given_up(str(answer))
         return answer
 
     def close(self) -> None:
@@ -159,21 +147,6 @@ class OwlRlProcess:
 
     def __exit__(self, *_: object) -> None:
         self.close()
-
-    def _ask(self, triples: Sequence[ox.Triple], classes: tuple[str, ...] | None) -> Verdict | bool:
-        if self._why_none:
-            raise NoAnswer(self._why_none)
-        line = self._line or self._started()
-        try:
-            line.send((ox.serialize(triples, format=ox.RdfFormat.N_TRIPLES), classes))
-            if not line.poll(max(self._deadline - time.monotonic(), 0.0)):
-                raise self._given_up("the OWL-RL reasoner found no answer in the time given")
-            answer: _Answer = line.recv()
-        except (OSError, EOFError):
-            raise self._given_up(self._why_it_died()) from None
-        if isinstance(answer, NoAnswer):
-            raise self._given_up(str(answer))
-        return answer
 
     def _started(self) -> Connection:
         self._deadline = time.monotonic() + self._time_limit
@@ -217,25 +190,18 @@ def main(line: int, deadline: float, memory: int) -> None:
         from skiros_py.world.ontology.check.owl_rl import OwlRl  # rdflib takes its time
 
         limit(seconds=max(deadline - time.monotonic(), 0.0) + _GRACE, memory=memory)
-        _serve(Connection(line), OwlRl(deadline))
+        socket, reasoner = Connection(line), OwlRl(deadline)
+        while True:
+            packed, classes = socket.recv()
+            triples = [quad.triple for quad in ox.parse(packed, format=ox.RdfFormat.N_TRIPLES)]
+            try:
+                socket.send(reasoner.judge(triples, classes))
+            except NoAnswer as answer:
+                socket.send(answer)
     except MemoryError:
         os._exit(_OUT_OF_MEMORY)
     except (EOFError, OSError):  # the parent is gone
         os._exit(0)
-
-
-def _serve(line: Connection, reasoner: Reasoner) -> None:
-    while True:
-        packed, classes = line.recv()
-        triples = [quad.triple for quad in ox.parse(packed, format=ox.RdfFormat.N_TRIPLES)]
-        line.send(_answer(reasoner, triples, classes))
-
-
-def _answer(reasoner: Reasoner, triples: Sequence[ox.Triple], classes: Sequence[str] | None) -> _Answer:
-    try:
-        return reasoner.consistent(triples) if classes is None else reasoner.judge(triples, classes)
-    except NoAnswer as answer:
-        return answer
 
 
 # ---------------------------------------------------------------- HermiT
@@ -273,37 +239,23 @@ class HermiT:
         self._program = program
         self._deadline = deadline
 
-    def judge(self, triples: Sequence[ox.Triple], classes: Sequence[str]) -> Verdict:
-        """Finds contradictions and unsatisfiable classes (IRIs).
+    def judge(self, triples: Sequence[ox.Triple], classes: Sequence[str] = ()) -> Verdict:
+        """Finds contradictions, and which of some classes (IRIs) are unsatisfiable.
 
         Raises:
             NoAnswer: It takes too long, or HermiT does not support the statements.
         """
-        output = self._ask(triples, "--unsatisfiable", "--no-prefixes")
-        if output is None:
-            return Verdict(consistent=False)
-        found = {line.strip() for line in output.splitlines()} - {STANDARD_PREFIXES["owl"] + "Nothing"}
-        return Verdict(consistent=True, unsatisfiable=tuple(sorted(found.intersection(classes))))
-
-    def consistent(self, triples: Sequence[ox.Triple]) -> bool:
-        """Returns False when the statements contradict each other.
-
-        Raises:
-            NoAnswer: It takes too long, or HermiT does not support the statements.
-        """
-        return self._ask(triples, "--consistency") is not None
-
-    def _ask(self, triples: Sequence[ox.Triple], *question: str) -> str | None:
-        """Its answer, or None if the statements contradict each other."""
+        question = ["--unsatisfiable", "--no-prefixes"] if classes else ["--consistency"]
         with tempfile.TemporaryDirectory(prefix="skiros-check-") as name:
             file = Path(name) / "ontology.nt"
             file.write_bytes(ox.serialize(triples, format=ox.RdfFormat.N_TRIPLES) or b"")
             ended = self._run(Path(name), [*question, file.as_uri()])
-        if ended.code == 0:
-            return ended.output
-        if _INCONSISTENT in ended.output:
-            return None
-        raise _fault(ended.code, ended.output)
+        if ended.code != 0:
+            if _INCONSISTENT in ended.output:
+                return Verdict(consistent=False)
+            raise _fault(ended.code, ended.output)
+        found = {line.strip() for line in ended.output.splitlines()}
+        return Verdict(consistent=True, unsatisfiable=tuple(sorted(found.intersection(classes))))
 
     def _run(self, folder: Path, question: list[str]) -> Ended:
         path = _class_path()

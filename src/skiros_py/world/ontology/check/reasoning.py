@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import pyoxigraph as ox
 
-from skiros_py.world.ontology.check.axioms import Axiom, Axioms, axioms_of, in_words, place_of, triples_of
+from skiros_py.world.ontology.check.axioms import Axiom, axioms_of, in_words, place_of, triples_of
 from skiros_py.world.ontology.check.material import Finding, FindingKind, Material, Severity, finding_of
 from skiros_py.world.ontology.check.reasoner import NoAnswer, Reasoner, Verdict, one_of
 from skiros_py.world.terms import Kind, closure
@@ -32,59 +32,11 @@ class Explanation:
     smallest: bool
 
 
-class Explainer:
-    """Explains contradictions among axioms.
-
-    Args:
-        axioms: The axioms of the files.
-        reasoners: The reasoners to use, the fastest first.
-    """
-
-    def __init__(self, axioms: Axioms, reasoners: Sequence[Reasoner]) -> None:
-        self._axioms = axioms
-        self._reasoners = reasoners
-
-    def explain(self, said: Sequence[Axiom], near: Iterable[str], assumed: Sequence[ox.Triple] = ()) -> Explanation:
-        """Returns a smallest subset of the axioms that contradicts itself, or the assumptions.
-
-        Args:
-            said: Axioms that are known to contradict each other.
-            near: Names of terms or individuals to start from.
-            assumed: Statements that are always included, such as that a class has an individual.
-        """
-        areas = [*_areas(said, frozenset(near)), tuple(said)]
-        for reasoner in self._reasoners:
-            sees = self._sight(reasoner, assumed)
-            # The complete reasoner is known to find the contradiction in all axioms.
-            if reasoner.is_complete or _ask(sees, areas[-1]):
-                return _contracted(_first_seen(areas, sees), sees)
-        return Explanation((), smallest=False)
-
-    def _sight(self, reasoner: Reasoner, assumed: Sequence[ox.Triple]) -> _Sees:
-        """Returns a test whether axioms contradict each other, with a limited number of calls."""
-        given = [*self._axioms.declarations, *assumed]
-        left = _QUESTIONS
-
-        def sees(axioms: Sequence[Axiom]) -> bool:
-            nonlocal left
-            left -= reasoner.is_complete
-            if left < 0:
-                raise NoAnswer(f"{reasoner.name} was asked too often")
-            return not reasoner.consistent([*given, *triples_of(axioms)])
-
-        return sees
-
-
 def _ask(sees: _Sees, axioms: Sequence[Axiom]) -> bool:
     try:
         return sees(axioms)
     except NoAnswer:
         return False
-
-
-def _first_seen(areas: Sequence[tuple[Axiom, ...]], sees: _Sees) -> tuple[Axiom, ...]:
-    """The smallest of growing areas in which the contradiction is found; it is known to be in the last."""
-    return areas[bisect_left(range(len(areas) - 1), True, key=lambda index: _ask(sees, areas[index]))]
 
 
 def _contracted(axioms: Sequence[Axiom], sees: _Sees) -> Explanation:
@@ -150,16 +102,15 @@ def logical_findings(material: Material, reasoner: Reasoner, helpers: Sequence[R
     Raises:
         NoAnswer: The reasoner found no answer.
     """
-    axioms = axioms_of(material)
-    return _Reasoning(material, axioms, reasoner, Explainer(axioms, [*helpers, reasoner])).findings()
+    return _Reasoning(material, reasoner, helpers).findings()
 
 
 class _Reasoning:
-    def __init__(self, material: Material, axioms: Axioms, reasoner: Reasoner, explainer: Explainer) -> None:
+    def __init__(self, material: Material, reasoner: Reasoner, helpers: Sequence[Reasoner]) -> None:
         self._material = material
-        self._axioms = axioms
+        self._axioms = axioms_of(material)
         self._reasoner = reasoner
-        self._explainer = explainer
+        self._helpers = helpers
 
     def findings(self) -> list[Finding]:
         found: list[Finding] = []
@@ -167,7 +118,7 @@ class _Reasoning:
         verdict = self._judge(said)
         while not verdict.consistent:
             near = verdict.near or [axiom.subject for axiom in said if axiom.is_assertion and axiom.subject]
-            why = self._explainer.explain(said, near)
+            why = self._explain(said, near)
             found.append(self._contradiction(why, verdict))
             said = _without(said, why)
             if len(found) == _CONTRADICTIONS or not why.smallest:
@@ -184,6 +135,38 @@ class _Reasoning:
         verdict = self._reasoner.judge([*self._axioms.declarations, *triples_of(said)], classes)
         unsatisfiable, near = (tuple(map(self._material.names.name, f)) for f in (verdict.unsatisfiable, verdict.near))
         return Verdict(verdict.consistent, unsatisfiable, near)
+
+    def _explain(self, said: Sequence[Axiom], near: Iterable[str], assumed: Sequence[ox.Triple] = ()) -> Explanation:
+        """Returns a smallest subset of the axioms that contradicts itself, or the assumptions.
+
+        Args:
+            said: Axioms that are known to contradict each other.
+            near: Names of terms or individuals to start from.
+            assumed: Statements that are always included, such as that a class has an individual.
+        """
+        areas = [*_areas(said, frozenset(near)), tuple(said)]
+        for reasoner in (*self._helpers, self._reasoner):
+            sees = self._sight(reasoner, assumed)
+            # The complete reasoner is known to find the contradiction in all axioms.
+            if reasoner.is_complete or _ask(sees, areas[-1]):
+                # The smallest of the growing areas in which it is found.
+                first = bisect_left(range(len(areas) - 1), True, key=lambda at: _ask(sees, areas[at]))
+                return _contracted(areas[first], sees)
+        return Explanation((), smallest=False)
+
+    def _sight(self, reasoner: Reasoner, assumed: Sequence[ox.Triple]) -> _Sees:
+        """Returns a test whether axioms contradict each other, with a limited number of calls."""
+        given = [*self._axioms.declarations, *assumed]
+        left = _QUESTIONS
+
+        def sees(axioms: Sequence[Axiom]) -> bool:
+            nonlocal left
+            left -= reasoner.is_complete
+            if left < 0:
+                raise NoAnswer(f"{reasoner.name} was asked too often")
+            return not reasoner.judge([*given, *triples_of(axioms)]).consistent
+
+        return sees
 
     def _contradiction(self, why: Explanation, verdict: Verdict) -> Finding:
         said = why.axioms
@@ -209,7 +192,7 @@ class _Reasoning:
         return finding_of(self._material.at_declaration(class_, text), FindingKind.UNSATISFIABLE, class_)
 
     def _excluded(self, class_: str, said: Sequence[Axiom]) -> Finding:
-        why = self._explainer.explain(said, [class_], [one_of(self._material.names.iri(class_))])
+        why = self._explain(said, [class_], [one_of(self._material.names.iri(class_))])
         at = next((axiom for axiom in why.axioms if axiom.subject == class_), None)
         text = f"nothing can be a {class_}: these statements exclude it"
         if at is None:
