@@ -87,7 +87,7 @@ class _Reader:
     def _value(self, name: str, predicate: str, literal: ox.Literal) -> Value | None:
         type_ = self._ontology.names.name(literal.datatype.value)
         value = parse_value(literal.value, type_, self._ontology.properties[predicate].range)
-        return checked_value(self._index, name, predicate, value)
+        return checked_value(self._ontology, name, self._index.element(name).type, predicate, value)
 
     def _relate(self, name: str) -> Iterator[Edit]:
         for relation in sorted(self._statements.about(name).keys() & self._ontology.relations.keys()):

@@ -175,29 +175,28 @@ def relation_problem(view: Index, subject: str, relation: str, object_: str) -> 
     return f"{subject} {relation} {object_}: {'; '.join(faults)}. {_allowed(view, subject, object_)}"
 
 
-def checked_value(view: Index, element_id: str, property_: str, value: Value | None) -> Value | None:
-    """Returns a checked value in the form in which elements store it; None stays None.
+def checked_value(ontology: Ontology, element_id: str, type_: str, property_: str, value: Value | None) -> Value | None:
+    """Returns a checked value in the form in which elements of a class store it; None stays None.
 
     Raises:
         ValueError: The element cannot have it; the text says why.
     """
     if property_ == LABEL:
         return _checked_label(element_id, value)
-    declared = view.ontology.properties.get(property_)
+    declared = ontology.properties.get(property_)
     if declared is None:
-        raise ValueError(str(UnknownName("property", property_, view.ontology.properties)))
+        raise ValueError(str(UnknownName("property", property_, ontology.properties)))
     if value is None:
         return None
-    type_ = view.element(element_id).type
-    missed = view.ontology.missed_end(type_, declared.domains)
+    missed = ontology.missed_end(type_, declared.domains)
     if missed:
         raise ValueError(f"{property_} is borne by a {' or '.join(missed)}, and {element_id} is a {type_}")
     try:
         checked = DATATYPES[declared.range].check(value)
         if property_ == SOLID:
             Solid.from_json(str(checked))
-        if declared.range == CLASS_NAME and checked not in view.ontology.classes:
-            raise ValueError(UnknownName("class", str(checked), view.ontology.classes))
+        if declared.range == CLASS_NAME and checked not in ontology.classes:
+            raise ValueError(UnknownName("class", str(checked), ontology.classes))
     except ValueError as error:
         hint = f" ({error})" if str(error) else ""
         says = DATATYPES[declared.range].says

@@ -39,24 +39,22 @@ class Ids:
         self._used.add(element_id)
         numbered = _NUMBERED.fullmatch(element_id)
         if numbered:
-            self._raise(numbered[1], int(numbered[2]))
+            self._last[numbered[1]] = max(int(numbered[2]), self._last.get(numbered[1], 0))
 
     def next(self, class_: str, *, learned: bool = False) -> str:
         """Returns the next id for an element of a class: ``kitting:RelayBox`` -> ``relay_box_1``."""
         stem = ("learned:" if learned else "") + _stem(class_)
         number = self.highest(stem) + 1
-        while self.used(f"{stem}_{number}"):  # assigned manually, beyond the counter
+        while self.used(element_id := f"{stem}_{number}"):  # assigned manually, beyond the counter
             number += 1
-        self.claim(f"{stem}_{number}")
-        return f"{stem}_{number}"
+        self._used.add(element_id)
+        self._last[stem] = number
+        return element_id
 
     def highest(self, stem: str) -> int:
         """Returns the highest number ever used after a stem ("relay_box"), or 0."""
         before = self._before.highest(stem) if self._before is not None else 0
         return max(before, self._last.get(stem, 0))
-
-    def _raise(self, stem: str, number: int) -> None:
-        self._last[stem] = max(number, self._last.get(stem, 0))
 
 
 @lru_cache(maxsize=4096)
@@ -69,10 +67,8 @@ def _stem(class_: str) -> str:
 # ---------------------------------------------------------------- sorted sets
 
 
-_FEW = 32
-"""Maximum number of ids in a single sorted tuple."""
 _BLOCK = 256
-"""Maximum number of ids in a block of a larger set."""
+"""Maximum number of ids in a block."""
 
 _Ids = tuple[str, ...]
 
@@ -80,16 +76,16 @@ _Ids = tuple[str, ...]
 class IdSet:
     """An immutable sorted set of ids.
 
-    A small set is a sorted tuple. A large one consists of sorted blocks, of which two sets that differ in one id share
-    all but one: adding or removing an id copies one block and the list of blocks, and nothing is sorted again.
+    It consists of sorted blocks, of which two sets that differ in one id share all but one: adding or removing an id
+    copies one block and the list of blocks, and nothing is sorted again.
     """
 
     __slots__ = ("_blocks", "_ids", "_size")
 
-    def __init__(self, ids: _Ids | None = (), blocks: tuple[_Ids, ...] = (), size: int | None = None) -> None:
-        self._ids = ids
+    def __init__(self, blocks: tuple[_Ids, ...] = ((),), size: int = 0) -> None:
         self._blocks = blocks
-        self._size = len(ids or ()) if size is None else size
+        self._ids = blocks[0] if len(blocks) == 1 else None
+        self._size = size
 
     def ids(self) -> _Ids:
         """Returns the ids, sorted."""
@@ -102,57 +98,48 @@ class IdSet:
         if self._ids is not None:
             start = bisect_right(self._ids, after)
             return self._ids[start : start + limit]
-        first = self._block_of(after)
+        first, at, found = self._find(after)
         behind = chain.from_iterable(islice(self._blocks, first, None))
-        skipped = bisect_right(self._blocks[first], after)
-        return tuple(islice(behind, skipped, skipped + limit))
+        return tuple(islice(behind, at + found, at + found + limit))
 
     def __contains__(self, name: object) -> bool:
-        if not isinstance(name, str) or not self._size:
-            return False
-        block = self._blocks[self._block_of(name)] if self._blocks else self.ids()
-        at = bisect_left(block, name)
-        return at < len(block) and block[at] == name
+        return isinstance(name, str) and self._find(name)[2]
 
     def __len__(self) -> int:
         return self._size
 
     def with_(self, name: str) -> IdSet:
         """Returns the set with an id added."""
-        if name in self:
+        number, at, found = self._find(name)
+        if found:
             return self
-        if not self._blocks:
-            more = _inserted(self.ids(), name)
-            return IdSet(more) if len(more) <= _FEW else IdSet(None, (more,), len(more))
-        at = self._block_of(name)
-        more = _inserted(self._blocks[at], name)
+        block = self._blocks[number]
+        more = (*block[:at], name, *block[at:])
         half = len(more) // 2
         parts = (more,) if len(more) <= _BLOCK else (more[:half], more[half:])
-        return IdSet(None, (*self._blocks[:at], *parts, *self._blocks[at + 1 :]), self._size + 1)
+        return IdSet((*self._blocks[:number], *parts, *self._blocks[number + 1 :]), self._size + 1)
 
     def without(self, name: str) -> IdSet:
         """Returns the set with an id removed."""
-        if name not in self:
+        number, at, found = self._find(name)
+        if not found:
             return self
-        if self._size <= _FEW + 1:
-            return IdSet(tuple(other for other in self.ids() if other != name))
-        at = self._block_of(name)
-        less = tuple(other for other in self._blocks[at] if other != name)
-        parts = (less,) if less else ()
-        return IdSet(None, (*self._blocks[:at], *parts, *self._blocks[at + 1 :]), self._size - 1)
+        block = self._blocks[number]
+        less = (*block[:at], *block[at + 1 :])
+        parts = (less,) if less or len(self._blocks) == 1 else ()
+        return IdSet((*self._blocks[:number], *parts, *self._blocks[number + 1 :]), self._size - 1)
 
-    def _block_of(self, name: str) -> int:
-        """The index of the block in which an id is or would be."""
-        return max(0, bisect_right(self._blocks, name, key=_first) - 1)
+    def _find(self, name: str) -> tuple[int, int, bool]:
+        """The number of the block in which an id is or would be, the place in that, and whether it is there."""
+        blocks = self._blocks
+        number = max(0, bisect_right(blocks, name, key=_first) - 1) if len(blocks) > 1 else 0
+        block = blocks[number]
+        at = bisect_left(block, name)
+        return number, at, at < len(block) and block[at] == name
 
 
 def _first(block: _Ids) -> str:
     return block[0]
-
-
-def _inserted(ids: _Ids, name: str) -> _Ids:
-    at = bisect_left(ids, name)
-    return (*ids[:at], name, *ids[at:])
 
 
 EMPTY = IdSet()

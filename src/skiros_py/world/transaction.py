@@ -80,12 +80,14 @@ class Transaction:
         element_id = id if id is not None else self._ids.next(class_, learned=learned)
         problem = class_problem(self._view.ontology, class_)
         if problem is None and id is not None:
-            problem = id_problem(id) or (self._used_problem(id) if self._ids.used(id) else None)
+            problem = id_problem(id)
+            if problem is None and self._ids.used(id):
+                problem = f"id '{id}' was given before, and ids are never used again"
         if problem:
             self._refuse(element_id, problem)
             self._refused.add(element_id)
             return element_id
-        self._put_new(element_id, class_, {**(properties or {}), LABEL: label or local_name(class_)})
+        self._put_new(element_id, class_, label or local_name(class_), properties or {})
         if placement is not None:
             self.place(element_id, placement.relation, placement.place)
         return element_id
@@ -138,12 +140,13 @@ class Transaction:
         self._check_open()
         if not self._writable(element):
             return
+        old = self._view.element(element)
         try:
-            checked = checked_value(self._view, element, property_, value)
+            checked = checked_value(self._view.ontology, element, old.type, property_, value)
         except ValueError as error:
             self._refuse(element, str(error))
             return
-        self._work.put(with_value(self._view.element(element), property_, checked))
+        self._work.put(with_value(old, property_, checked))
 
     def remove(self, element: str) -> None:
         """Removes an element with its parts; things placed in any of them move to where the element was."""
@@ -230,7 +233,7 @@ class Transaction:
             self._refuse(edit.element, problem)
             self._refused.add(edit.element)
             return
-        self._put_new(edit.element, edit.new.type, {**edit.new.properties, LABEL: edit.new.label})
+        self._put_new(edit.element, edit.new.type, edit.new.label, edit.new.properties)
 
     def _holds_guests(self, element_id: str) -> bool:
         """Learned elements need no placement, so no later check reports that one lost it."""
@@ -238,21 +241,17 @@ class Transaction:
         self._problems += [(guest, f"{guest} is placed in {element_id}, which would be gone") for guest in learned]
         return bool(learned)
 
-    def _put_new(self, element_id: str, class_: str, values: Mapping[str, Value]) -> None:
+    def _put_new(self, element_id: str, class_: str, label: str, values: Mapping[str, Value]) -> None:
         self._ids.claim(element_id)
-        self._work.put(Element(element_id, class_, element_id))
         checked = {}
-        for name, value in values.items():
+        for name, value in {**values, LABEL: label}.items():
             try:
-                checked[name] = checked_value(self._view, element_id, name, value)
+                checked[name] = checked_value(self._view.ontology, element_id, class_, name, value)
             except ValueError as error:
                 self._refuse(element_id, str(error))
         label = str(checked.pop(LABEL, element_id))
         own = {name: value for name, value in checked.items() if value is not None}
         self._work.put(Element(element_id, class_, label, MappingProxyType(own)))
-
-    def _used_problem(self, element_id: str) -> str:
-        return f"id '{element_id}' was given before, and ids are never used again"
 
     def _may_relate(self, subject: str, relation: str, object_: str) -> bool:
         if not all([self._writable(subject), self._writable(object_)]):
