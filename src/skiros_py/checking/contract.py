@@ -49,7 +49,7 @@ def undeclared(before: Index, after: Index, posts: Sequence[Condition]) -> Itera
             not (before.has(name) and after.has(name)) for name in edit.marks()
         )
         if not is_new_or_gone and not declared.covers(edit):
-            yield from describe(after.ontology, [edit])
+            yield from describe([edit])
 
 
 class _Declared:

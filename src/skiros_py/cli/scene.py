@@ -102,7 +102,7 @@ def diff(old: str, new: str) -> Found:
     before, after = open_world(old).snapshot(), open_world(new).snapshot()
     edits = compare(before, after)
     found = {"old": old, "new": new, "edits": [edit.as_json() for edit in edits]}
-    return found, describe(after.ontology, edits), DIFFERENT if edits else REACHED
+    return found, describe(edits), DIFFERENT if edits else REACHED
 
 
 @command.command("save", epilog="Examples: skiros scene save kitting copy.ttl; skiros scene save --data DIR now.ttl")

@@ -20,7 +20,6 @@ from skiros_py.world.vocabulary import ELEMENT
 if TYPE_CHECKING:
     from skiros_py.cli.world_open import History, Shown
     from skiros_py.world.journal import Entry
-    from skiros_py.world.ontology import Ontology
 
 _MOST_LINES = 20
 """Maximum number of edits shown for one change; a scene has thousands."""
@@ -92,14 +91,14 @@ def show(element: str, data: Path | None, scene: str | None) -> Found:
 
 
 def _element_lines(shown: Shown) -> Iterator[str]:
-    from skiros_py.world.literals import ANY_LITERAL, format_value
+    from skiros_py.world.literals import format_value
 
     element, stamp = shown.element, shown.stamp
     yield f"{element.id} ({element.type}) '{element.label}'"
     if stamp.change:
         yield f"  changed last by change {stamp.change}, at {stamp.time:.1f} s"
     for property_, value in sorted(element.properties.items()):
-        yield f"  {property_} {format_value(value, ANY_LITERAL)}"
+        yield f"  {property_} {format_value(value)}"
     yield from (f"  {' '.join(statement)}" for statement in shown.statements)
 
 
@@ -113,12 +112,12 @@ def history(element: str | None, everything: bool, last: int | None, data: Path)
     if (element is None) != everything:
         raise click.UsageError("say of what: either ELEMENT or --all")
     with present_world(data) as world:
-        found, ontology = world.history(element, last), world.ontology()
+        found = world.history(element, last)
     changes = [{**entry.change.as_json(), "written": _written(entry)} for entry in found.entries]
-    return {"remembered_from": found.first, "changes": changes}, _history_lines(found, element, ontology)
+    return {"remembered_from": found.first, "changes": changes}, _history_lines(found, element)
 
 
-def _history_lines(found: History, element: str | None, ontology: Ontology) -> Iterator[str]:
+def _history_lines(found: History, element: str | None) -> Iterator[str]:
     """Yields one line for each change, and one for each of its edits that is about the element."""
     from skiros_py.world.scene.files import describe
 
@@ -128,7 +127,7 @@ def _history_lines(found: History, element: str | None, ontology: Ontology) -> I
         change = entry.change
         yield f"{change.number:6}  {_written(entry)}  {change.author} ({change.writer}): {change.reason}"
         edits = [edit for edit in change.edits if element is None or element in edit.concerns()]
-        yield from (f"        {line}" for line in describe(ontology, edits[:_MOST_LINES]))
+        yield from (f"        {line}" for line in describe(edits[:_MOST_LINES]))
         if len(edits) > _MOST_LINES:
             yield f"        and {len(edits) - _MOST_LINES} more"
 

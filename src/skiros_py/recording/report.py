@@ -87,7 +87,7 @@ def _task(task: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _change(change: Any) -> dict[str, Any]:
-    shown = list(describe(None, change.edits[:_MOST_EDITS]))
+    shown = list(describe(change.edits[:_MOST_EDITS]))
     left = len(change.edits[_MOST_EDITS:])
     return {"change": change, "writer": change.writer.value, "edits": shown + ([f"and {left} more"] if left else [])}
 

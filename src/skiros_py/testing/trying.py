@@ -162,7 +162,7 @@ def _event(event: ModuleEvent) -> str:
 
 def _change(change: Change) -> list[str]:
     head = f"{change.time:7.3f} s  {change.author}: {change.reason}"
-    return [head, *(f"           {line}" for line in describe(None, change.edits))]
+    return [head, *(f"           {line}" for line in describe(change.edits))]
 
 
 @dataclass(frozen=True, slots=True)

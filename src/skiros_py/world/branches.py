@@ -70,7 +70,8 @@ def parent(view: WorldView, element: str, *relations: str) -> str | None:
         UsageError: It has several parents.
     """
     view.element(element)
-    found = sorted({name for relation in relations or _SCENE for name in _above(view, element, relation)})
+    ways = [_read(relation) for relation in relations or _SCENE]
+    found = sorted({one for name, back in ways for one in (_contents if back else _places)(view, element, name)})
     if len(found) > 1:
         raise UsageError(f"{element} hangs on {' and '.join(found)}: name the one relation that is meant")
     return found[0] if found else None
@@ -89,7 +90,8 @@ def branch(view: WorldView, element: str, *relations: str) -> Branch:
 
 def tree(view: WorldView) -> tuple[Branch, ...]:
     """Returns the scene from its roots (the floor, the unknown location, non-spatial elements), sorted by id."""
-    roots = [name for name in view.instances(ELEMENT) if view.placement(name) is None and not _owners(view, name)]
+    everything = view.instances(ELEMENT)
+    roots = [name for name in everything if view.placement(name) is None and not view.subjects(STRUCTURE, name)]
     return tuple(_grown(view, root, _SCENE, {root}) for root in roots)
 
 
@@ -113,19 +115,10 @@ def _hanging(view: WorldView, element: str, relations: tuple[str, ...]) -> dict[
     view.element(element)
     found: dict[str, str] = {}
     for relation in relations:
-        for name in _below(view, element, relation):
-            found.setdefault(name, _tie(view, element, relation, name))
+        name, backwards = _read(relation)
+        for child in (_places if backwards else _contents)(view, element, name):
+            found.setdefault(child, _tie(view, element, relation, child))
     return found
-
-
-def _below(view: WorldView, element: str, relation: str) -> tuple[str, ...]:
-    name, backwards = _read(relation)
-    return _places(view, element, name) if backwards else _contents(view, element, name)
-
-
-def _above(view: WorldView, element: str, relation: str) -> tuple[str, ...]:
-    name, backwards = _read(relation)
-    return _contents(view, element, name) if backwards else _places(view, element, name)
 
 
 def _read(relation: str) -> tuple[str, bool]:
@@ -148,10 +141,6 @@ def _places(view: WorldView, element: str, relation: str) -> tuple[str, ...]:
         return view.subjects(relation, element)
     at = view.placement(element)
     return (at.place,) if at is not None and at.relation in view.ontology.sub_relations(relation) else ()
-
-
-def _owners(view: WorldView, element: str) -> tuple[str, ...]:
-    return view.subjects(STRUCTURE, element)
 
 
 def _tie(view: WorldView, element: str, relation: str, child: str) -> str:
@@ -260,7 +249,8 @@ def instantiate(tx: Transaction, abstract: str, placement: Placement | None = No
     """
     if not is_abstract(tx.view.element(abstract).id):
         raise UsageError(f"'{abstract}' is in the scene already; what is instantiated is abstract")
-    element_id = _first(add_draft(tx, _copied(tx.view, abstract, (), lambda other: not is_abstract(other))))
+    copied = _copied(tx.view, abstract, (), lambda other: not is_abstract(other))
+    element_id = add_draft(tx, copied)[copied]
     if placement is not None:
         tx.place(element_id, placement.relation, placement.place)
     return element_id
@@ -281,11 +271,8 @@ def learn(tx: Transaction, element: str, *relations: str) -> str:
     """
     if is_abstract(tx.view.element(element).id):
         raise UsageError(f"'{element}' is abstract already; what is learned from is in the scene")
-    return _first(add_draft(tx, _copied(tx.view, element, relations, lambda _: False), learned=True))
-
-
-def _first(ids: Mapping[Draft, str]) -> str:
-    return next(iter(ids.values()))
+    copied = _copied(tx.view, element, relations, lambda _: False)
+    return add_draft(tx, copied, learned=True)[copied]
 
 
 def _copied(view: WorldView, start: str, relations: tuple[str, ...], keeps: Callable[[str], bool]) -> Draft:

@@ -5,10 +5,11 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 from types import MappingProxyType
+from typing import Any
 
 from skiros_py.geometry import Pose, wrap_angle
 from skiros_py.world.element import Value
@@ -26,14 +27,12 @@ class Datatype:
         accepts: CURIEs of the literal types that it is read from.
         check: Returns a value in normal form, or raises ValueError.
         parse: Reads the text of a literal.
-        format: Returns its text; reading it gives equal numbers, and poses equal to 1e-9.
     """
 
     says: str
     accepts: frozenset[str]
     check: Callable[[object], Value]
     parse: Callable[[str], Value]
-    format: Callable[[Value], str]
 
     def fits(self, value: object) -> bool:
         """Returns whether a value is valid."""
@@ -114,15 +113,6 @@ def _parse_boolean(text: str) -> bool:
     return text in ("true", "1")
 
 
-def _format_boolean(value: Value) -> str:
-    return "true" if value else "false"
-
-
-def _format_number(value: Value) -> str:
-    assert isinstance(value, float)
-    return format(Decimal(repr(float(value))), "f")
-
-
 def _whole_number_between(least: int, most: int) -> Callable[[object], int]:
     def check(value: object) -> int:
         if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
@@ -186,28 +176,26 @@ _FORMS: Mapping[str, tuple[str, str]] = {
 _TEXTS = frozenset({"xsd:string", "rdf:langString", "rdf:PlainLiteral", "rdf:XMLLiteral", "rdf:HTML"})
 _WHOLE = frozenset(_LIMITS)
 _NUMBERS = _WHOLE | {"xsd:decimal", "xsd:double", "xsd:float", "owl:real", "owl:rational"}
-_NUMBER = Datatype("a finite number", _NUMBERS, check_number, _parse_number, _format_number)
-_STRING = Datatype("a text", _TEXTS, check_string, str, str)
+_NUMBER = Datatype("a finite number", _NUMBERS, check_number, _parse_number)
+_STRING = Datatype("a text", _TEXTS, check_string, str)
 
 
 def _whole_number(name: str) -> Datatype:
     least, most = _LIMITS[name]
     says = "a whole number" if name == "xsd:integer" else f"a whole number from {least} to {most}"
-    return Datatype(says, _WHOLE, _whole_number_between(least, most), _parse_whole_number, str)
+    return Datatype(says, _WHOLE, _whole_number_between(least, most), _parse_whole_number)
 
 
 def _formed_text(name: str) -> Datatype:
     says, form = _FORMS[name]
     # Texts are often left untyped by hand, or typed more precisely than the property asks.
-    return Datatype(says, frozenset(_FORMS) | {"xsd:string"}, _text_like(form), str, str)
+    return Datatype(says, frozenset(_FORMS) | {"xsd:string"}, _text_like(form), str)
 
 
 XSD_DATATYPES: Mapping[str, Datatype] = MappingProxyType(
     {
         **dict.fromkeys(sorted(_TEXTS), _STRING),
-        "xsd:boolean": Datatype(
-            "true or false", frozenset({"xsd:boolean"}), _check_boolean, _parse_boolean, _format_boolean
-        ),
+        "xsd:boolean": Datatype("true or false", frozenset({"xsd:boolean"}), _check_boolean, _parse_boolean),
         **{name: _whole_number(name) for name in _LIMITS},
         **dict.fromkeys(sorted(_NUMBERS - _WHOLE), _NUMBER),
         **{name: _formed_text(name) for name in _FORMS},
@@ -251,9 +239,12 @@ def any_value(text: str, literal_type: str) -> Value:
         return text
 
 
-def format_value(value: Value, range_: str) -> str:
-    """Returns the text of the literal for a value that was checked before."""
-    return DATATYPES[literal_type(value, range_)].format(value)
+def format_value(value: Value) -> str:
+    """Returns the text of the literal for a value that was checked before.
+
+    Reading it gives equal numbers, and poses equal to 1e-9.
+    """
+    return _type_of(value)[1](value)
 
 
 def literal_type(value: Value, range_: str) -> str:
@@ -263,7 +254,7 @@ def literal_type(value: Value, range_: str) -> str:
     """
     if range_ in ("rdf:langString", "rdf:PlainLiteral"):
         return "xsd:string"
-    return _type_of(value) if range_ == ANY_LITERAL else range_
+    return _type_of(value)[0] if range_ == ANY_LITERAL else range_
 
 
 def shown(value: object) -> str:
@@ -280,19 +271,16 @@ def _written(value: object) -> str:
         return "a number of thousands of digits"
 
 
-def _type_of(value: object) -> str:
-    for type_, curie in _TYPES.items():
+def _type_of(value: object) -> tuple[str, Callable[[Any], str]]:
+    """The type of the literal for a value, and the function that returns its text."""
+    for type_, literal in _TYPES.items():
         if isinstance(value, type_):
-            return curie
+            return literal
     raise ValueError
 
 
 def _check_any(value: object) -> Value:
-    return DATATYPES[_type_of(value)].check(value)
-
-
-def _format_any(value: Value) -> str:
-    return DATATYPES[_type_of(value)].format(value)
+    return DATATYPES[_type_of(value)[0]].check(value)
 
 
 def _check_json(value: object) -> str:
@@ -333,17 +321,15 @@ def _parse_pose(text: str) -> Pose:
     return Pose.of(x, y, z, roll=roll, pitch=pitch, yaw=yaw)
 
 
-def _format_vector(value: Value) -> str:
-    assert isinstance(value, tuple)
+def _format_vector(value: Iterable[float]) -> str:
     return " ".join(repr(float(number)).removesuffix(".0") for number in value)
 
 
-def _format_pose(value: Value) -> str:
-    assert isinstance(value, Pose)
+def _format_pose(value: Pose) -> str:
     # Half a turn must not be rounded up to more than that, or reading would turn its sign.
     angles = (math.copysign(min(abs(angle), _HALF_TURN), angle) for angle in _roll_pitch_yaw(value))
     # Adding 0.0 turns -0.0 into 0.0.
-    return _format_vector(tuple(round(number, 9) + 0.0 for number in (*value.position, *angles)))
+    return _format_vector(round(number, 9) + 0.0 for number in (*value.position, *angles))
 
 
 def _roll_pitch_yaw(pose: Pose) -> tuple[float, float, float]:
@@ -363,13 +349,13 @@ _HALF_TURN = 3.141592653
 _LONGEST_VECTOR = 2048  # as text it is shorter than a literal may be
 _LONGEST_SHOWN = 100
 
-_TYPES: Mapping[type, str] = {
-    str: "xsd:string",
-    bool: "xsd:boolean",  # before int, of which it is a subclass
-    int: "xsd:integer",
-    float: "xsd:double",
-    Pose: "sk:poseLiteral",
-    tuple: "sk:vectorLiteral",
+_TYPES: Mapping[type, tuple[str, Callable[[Any], str]]] = {
+    str: ("xsd:string", str),
+    bool: ("xsd:boolean", lambda value: "true" if value else "false"),  # before int, of which it is a subclass
+    int: ("xsd:integer", str),
+    float: ("xsd:double", lambda value: format(Decimal(repr(float(value))), "f")),
+    Pose: ("sk:poseLiteral", _format_pose),
+    tuple: ("sk:vectorLiteral", _format_vector),
 }
 
 DATATYPES: Mapping[str, Datatype] = MappingProxyType(
@@ -380,18 +366,13 @@ DATATYPES: Mapping[str, Datatype] = MappingProxyType(
             frozenset({"sk:poseLiteral"}),
             _check_pose,
             _parse_pose,
-            _format_pose,
         ),
         "sk:vectorLiteral": Datatype(
-            "finite numbers separated by blanks",
-            frozenset({"sk:vectorLiteral"}),
-            _check_vector,
-            _parse_vector,
-            _format_vector,
+            "finite numbers separated by blanks", frozenset({"sk:vectorLiteral"}), _check_vector, _parse_vector
         ),
-        CLASS_NAME: Datatype("the name of a class", frozenset({CLASS_NAME, "xsd:string"}), check_string, str, str),
-        "rdf:JSON": Datatype("a JSON text", frozenset({"rdf:JSON"}), _check_json, str, str),
-        ANY_LITERAL: Datatype("a text, a number or true or false", frozenset(), _check_any, str, _format_any),
+        CLASS_NAME: Datatype("the name of a class", frozenset({CLASS_NAME, "xsd:string"}), check_string, str),
+        "rdf:JSON": Datatype("a JSON text", frozenset({"rdf:JSON"}), _check_json, str),
+        ANY_LITERAL: Datatype("a text, a number or true or false", frozenset(), _check_any, str),
     }
 )
 """The possible ranges of a property, by CURIE."""

@@ -54,7 +54,7 @@ def resolve(
     if label is not None:
         tests.append(lambda name: view.element(name).label == label)
     found: Iterable[str] = _smallest(view, class_, stated, abstract=abstract)
-    for test in (*tests, *_value_tests(view, properties)):
+    for test in (*tests, *(_value_test(view, name, wanted) for name, wanted in properties.items())):
         found = filter(test, found)
     for relation, other in computed:
         found = _computed(view, relation, other, tuple(sorted(found)))
@@ -121,10 +121,6 @@ def _computed(view: WorldView, relation: str, other: str, candidates: tuple[str,
 def _is_of(view: WorldView, class_: str, *, abstract: bool) -> _Test:
     classes = frozenset(view.ontology.subclasses(class_))
     return lambda name: is_abstract(name) is abstract and view.element(name).type in classes
-
-
-def _value_tests(view: WorldView, properties: Mapping[str, Wanted]) -> list[_Test]:
-    return [_value_test(view, property_, wanted) for property_, wanted in properties.items()]
 
 
 def _value_test(view: WorldView, property_: str, wanted: Wanted) -> _Test:

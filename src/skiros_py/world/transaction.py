@@ -161,7 +161,7 @@ class Transaction:
         problems = [problem for text in texts if (problem := goal_problem(text))]
         self._problems += [("", problem) for problem in problems]
         if not problems:
-            self._work.set_goals(tuple(sorted(set(texts))))
+            self._view.goals = tuple(sorted(set(texts)))
 
     def set_source(self, source: SceneSource) -> None:
         """Replaces the file that the scene was last loaded from or saved to."""

@@ -55,10 +55,6 @@ class Workspace:
                 self.relate(subject, relation, object_, holds=False)
         self.view.remove_element(element)
 
-    def set_goals(self, goals: tuple[str, ...]) -> None:
-        """Replaces the goals stored with the scene."""
-        self.view.goals = goals
-
     def edits(self) -> tuple[Edit, ...]:
         """Returns the net difference, in an order in which it can be applied to the base.
 
@@ -66,7 +62,8 @@ class Workspace:
         """
         sources = self.base.source, self.view.source
         first = (SourceEdit(*sources),) if sources[0] != sources[1] else ()
-        retyped = [name for name in sorted(self.touched) if _is_retyped(self.base, self.view, name)]
+        kept = (name for name in sorted(self.touched) if self.base.has(name) and self.view.has(name))
+        retyped = [name for name in kept if self.base.element(name).type != self.view.element(name).type]
         if not retyped:
             return *first, *_edits(self.base, self.view, self.touched, self.pairs)
         without = Workspace(self.base)
@@ -93,10 +90,6 @@ def _edits(was: Index, is_: Index, touched: set[str], pairs: set[tuple[str, str,
     ]
     goals = [GoalsEdit(was.goals, is_.goals)] if was.goals != is_.goals else []
     return (*added, *changed, *moved, *related, *removed, *goals)
-
-
-def _is_retyped(was: Index, is_: Index, name: str) -> bool:
-    return was.has(name) and is_.has(name) and was.element(name).type != is_.element(name).type
 
 
 def _moved(was: Index, is_: Index, name: str) -> tuple[Placement | None, Placement | None] | None:
@@ -139,7 +132,9 @@ def remove(work: Workspace, element: str) -> list[tuple[str, str]]:
     for guest, placement, _ in moves:
         work.place(guest, placement)
     for name in doomed:
-        _erase(work, name)
+        for hanging in view.subjects(POSE_FRAME, name):  # without its frame the pose would mean another place
+            work.put(with_value(view.element(hanging), POSE, None))
+        work.erase(name)
     return []
 
 
@@ -172,9 +167,3 @@ def _new_place(view: Index, guest: str, refuge: Placement | None) -> tuple[Place
         if relation_problem(view, *view.ontology.placement_statement(guest, placement)) is None:
             return placement, ""
     return None, f"{guest} cannot be placed at {refuge.place}: place it elsewhere first"
-
-
-def _erase(work: Workspace, element: str) -> None:
-    for hanging in work.view.subjects(POSE_FRAME, element):  # without its frame the pose would mean another place
-        work.put(with_value(work.view.element(hanging), POSE, None))
-    work.erase(element)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from skiros_py.errors import DescriptionError, UnknownName, UsageError
 from skiros_py.geometry import Pose
 from skiros_py.skills.parameters.param import Kind, Param, ValueClass
-from skiros_py.world.literals import DATATYPES, shown
+from skiros_py.world.literals import DATATYPES, format_value, shown
 from skiros_py.world.view import WorldView
 
 if TYPE_CHECKING:
@@ -58,16 +58,16 @@ def _check_pose(value: Any) -> Any:
     if isinstance(value, Pose):
         return DATATYPES["sk:poseLiteral"].check(value)
     numbers = DATATYPES["sk:vectorLiteral"].check(value)
-    return DATATYPES["sk:poseLiteral"].parse(DATATYPES["sk:vectorLiteral"].format(numbers))
+    return DATATYPES["sk:poseLiteral"].parse(format_value(numbers))
 
 
 def _pose_numbers(pose: Pose) -> list[float]:
-    return [float(word) for word in DATATYPES["sk:poseLiteral"].format(pose).split()]
+    return [float(word) for word in format_value(pose).split()]
 
 
 def _of(curie: str, says: str, schema: Mapping[str, Any], **other: Callable[[Any], Any]) -> ValueType:
     datatype = DATATYPES[curie]
-    usual: dict[str, Any] = {"check": datatype.check, "parse": datatype.parse, "text": datatype.format}
+    usual: dict[str, Any] = {"check": datatype.check, "parse": datatype.parse, "text": format_value}
     return ValueType(says, schema=MappingProxyType(schema), **(usual | other))
 
 

@@ -158,7 +158,7 @@ class SceneService(Service):
             version=version,
             total=len(edits),
             edits=[edit.as_json() for edit in page],
-            lines=list(describe(session.world.ontology, page)),
+            lines=list(describe(page)),
             next=str(begin + limit) if len(edits) > begin + limit else None,
         )
 

@@ -21,7 +21,7 @@ from skiros_py.station.world.placements import placement_options
 from skiros_py.station.world.values import given, plain
 from skiros_py.world.element import Value
 from skiros_py.world.index import Index
-from skiros_py.world.literals import ANY_LITERAL, format_value
+from skiros_py.world.literals import format_value
 from skiros_py.world.queries import Binding, Constructed, Result, Table, Text
 from skiros_py.world.queries.outside import OutsideQueries
 from skiros_py.world.queries.replica import Limits
@@ -68,7 +68,7 @@ def shown_value(value: Value | None) -> str:
     """Returns a value as text; empty for None."""
     if value is None:
         return ""
-    return value if isinstance(value, str) else format_value(value, ANY_LITERAL)
+    return value if isinstance(value, str) else format_value(value)
 
 
 _LIMITS = Limits()

@@ -139,16 +139,25 @@ class DataDirectory:
             FileError: Another process uses it, it cannot be read or written, is damaged, or does not fit the ontology;
                 or the scene is broken.
         """
-        _prepare(path, create=create)
+        if not create and not (path / "journal.db").exists():
+            raise FileError(path, "is no data directory: there is no journal.db in it")
+        make_folder(path)
         stack = ExitStack()
         try:
             stack.callback(DirectoryLock(path).release)
             journal = Journal(path / "journal.db")
             stack.callback(journal.close)
             learned = LearnedFile(path / "learned.ttl")
-            made = _files_to_be_made(journal, path)
+            made: tuple[Path, ...] = ()
             if journal.version == 0:
-                past = _first_content(journal, learned, _fresh(ontology, reasoners, scene, imports))
+                made = (*(path / f"journal.db{end}" for end in ("", "-wal", "-shm")),)
+                made += () if learned.path.exists() else (learned.path,)
+                fresh = World(ontology, reasoners=reasoners)
+                if scene is not None:
+                    fresh = load_scene(ontology, scene, imports, reasoners=reasoners)
+                learned.read_into(fresh)
+                journal.append_all(fresh.changes)  # one transaction
+                past = Past(fresh.snapshot(), journal.ids(), journal)
             else:
                 past = journal.past(abstract_individuals(ontology, reasoners))
             world = World(ontology, reasoners=reasoners, past=past)
@@ -189,13 +198,6 @@ class DataDirectory:
         self.close()
 
 
-def _prepare(path: Path, *, create: bool) -> None:
-    """Creates the folder if it is missing and ``create`` allows it."""
-    if not create and not (path / "journal.db").exists():
-        raise FileError(path, "is no data directory: there is no journal.db in it")
-    make_folder(path)
-
-
 def make_folder(path: Path) -> None:
     """Creates the folder of a data directory if it is missing.
 
@@ -208,27 +210,6 @@ def make_folder(path: Path) -> None:
         raise FileError(path, "is not a folder, and a data directory is one") from None
     except OSError as error:
         raise FileError(path, f"cannot be made: {error.strerror}") from error
-
-
-def _files_to_be_made(journal: Journal, path: Path) -> tuple[Path, ...]:
-    """Returns the files that a new world will create; none if the folder has a world."""
-    if journal.version:
-        return ()
-    learned = path / "learned.ttl"
-    return (*(path / f"journal.db{end}" for end in ("", "-wal", "-shm")), *(() if learned.exists() else (learned,)))
-
-
-def _fresh(ontology: Ontology, reasoners: Reasoners, scene: Path | None, imports: Sequence[Path]) -> World:
-    if scene is None:
-        return World(ontology, reasoners=reasoners)
-    return load_scene(ontology, scene, imports, reasoners=reasoners)
-
-
-def _first_content(journal: Journal, learned: LearnedFile, fresh: World) -> Past:
-    """Starts a new journal with a new world and the learned concepts of the folder, in one transaction."""
-    learned.read_into(fresh)
-    journal.append_all(fresh.changes)
-    return Past(fresh.snapshot(), journal.ids(), journal)
 
 
 def _shorten(journal: Journal, world: World) -> None:

@@ -73,7 +73,7 @@ def literal(names: Names, value: Value) -> ox.Literal:
     if isinstance(value, str):
         return ox.Literal(str(value))
     datatype = ox.NamedNode(names.iri(literal_type(value, ANY_LITERAL)))
-    return ox.Literal(format_value(value, ANY_LITERAL), datatype=datatype)
+    return ox.Literal(format_value(value), datatype=datatype)
 
 
 def value_of(names: Names, term: object) -> Value | None:

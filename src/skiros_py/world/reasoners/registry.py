@@ -265,21 +265,29 @@ class Reasoners(Sequence[Reasoner]):
 
         Relations whose declared ends do not fit the elements are left out.
         """
-        held = (found for reasoner in self._all for found in _between(reasoner, view, subject, object_))
-        return tuple(found for found in held if _may_hold(view, found))
+        relations = view.ontology.relations
+        held = (r for one in self._all for r in _guarded(one, partial(one.between, view, subject, object_)))
+        return tuple(
+            r for r in held if r.relation not in relations or not _misfit(view, r.subject, r.relation, r.object)
+        )
 
     def vetoes(self, proposal: Proposal) -> tuple[str, ...]:
         """Returns the objections of reasoners to a change."""
-        found = ((reasoner.name, _objection(reasoner, proposal)) for reasoner in self._vetoing)
-        return tuple(f"{name}: {text}" for name, text in found if text)
+        found: list[str] = []
+        for reasoner in self._vetoing:
+            try:
+                objection = _guarded(reasoner, partial(reasoner.veto, proposal))
+            except SkirosError:  # it has no objection then: one bad plug-in must not block all writes
+                _log.exception("reasoner '%s' could not say whether it objects to a change", reasoner.name)
+            else:
+                found += [f"{reasoner.name}: {objection}"] if objection else []
+        return tuple(found)
 
     def _answer(self, view: WorldView, subject: str, relation: str, object_: str) -> Answer:
-        reasoner, declared = self.of(relation), view.ontology.relation(relation)
-        for name, allowed in ((subject, declared.domains), (object_, declared.ranges)):
-            missed = view.ontology.missed_end(view.element(name).type, allowed)
-            if missed:
-                type_ = view.element(name).type
-                return Answer(False, f"{relation} is about a {' or '.join(missed)}, and {name} is a {type_}")
+        misfit = _misfit(view, subject, relation, object_)
+        if misfit:
+            return Answer(False, misfit)
+        reasoner = self.of(relation)
         answer = _guarded(reasoner, lambda: reasoner.answer(view, subject, relation, object_))
         if not isinstance(answer, Answer) or not isinstance(answer.holds, bool):
             raise DescriptionError(f"reasoner '{reasoner.name}' must answer with an Answer, not with {answer!r:.100}")
@@ -301,27 +309,19 @@ def _guarded(reasoner: Reasoner, call: Callable[[], _T]) -> _T:
         raise DescriptionError(f"reasoner '{reasoner.name}' failed: {type(error).__name__}: {error}") from error
 
 
-def _between(reasoner: Reasoner, view: WorldView, subject: str, object_: str) -> tuple[ComputedRelation, ...]:
-    return _guarded(reasoner, lambda: reasoner.between(view, subject, object_))
-
-
-def _objection(reasoner: Reasoner, proposal: Proposal) -> str | None:
-    """A reasoner that raises has no objection: one bad plug-in must not block all writes."""
-    try:
-        return _guarded(reasoner, lambda: reasoner.veto(proposal))
-    except SkirosError:
-        _log.exception("reasoner '%s' could not say whether it objects to a change", reasoner.name)
-        return None
-
-
 def _fitting(view: WorldView, names: Iterable[str], end: tuple[tuple[str, ...], ...]) -> tuple[str, ...]:
     return tuple(name for name in names if not view.ontology.missed_end(view.element(name).type, end))
 
 
-def _may_hold(view: WorldView, found: ComputedRelation) -> bool:
-    declared = view.ontology.relations.get(found.relation)
-    ends = ((found.subject, declared.domains), (found.object, declared.ranges)) if declared else ()
-    return not any(view.ontology.missed_end(view.element(name).type, allowed) for name, allowed in ends)
+def _misfit(view: WorldView, subject: str, relation: str, object_: str) -> str:
+    """Why a relation, as declared, cannot hold between two elements; empty if it can."""
+    declared = view.ontology.relation(relation)
+    for name, allowed in ((subject, declared.domains), (object_, declared.ranges)):
+        type_ = view.element(name).type
+        missed = view.ontology.missed_end(type_, allowed)
+        if missed:
+            return f"{relation} is about a {' or '.join(missed)}, and {name} is a {type_}"
+    return ""
 
 
 NO_REASONERS = Reasoners()
@@ -363,31 +363,19 @@ def _usable(plugin: Plugin, others: Sequence[Reasoner], ontology: Ontology | Non
     if not isinstance(class_, type) or not issubclass(class_, Reasoner):
         return plugin.fault(f"it is a {type(class_).__name__}, nothing for reasoners: name a subclass of Reasoner")
     reasoner = class_()
-    problem = _problem(reasoner, others) or _undeclared(reasoner, ontology) or _unanswered(reasoner)
-    return reasoner if problem is None else plugin.fault(problem)
-
-
-def _problem(reasoner: Reasoner, others: Sequence[Reasoner]) -> str | None:
     if not isinstance(getattr(reasoner, "name", None), str) or not reasoner.name:
-        return "it has no name"
+        return plugin.fault("it has no name")
     if any(reasoner.name == other.name for other in others):
-        return f"there is a reasoner '{reasoner.name}' already"
+        return plugin.fault(f"there is a reasoner '{reasoner.name}' already")
     try:
         Reasoners([*others, reasoner])
     except UsageError as error:
-        return str(error)
-    return None
-
-
-def _undeclared(reasoner: Reasoner, ontology: Ontology | None) -> str | None:
-    if ontology is None:
-        return None
-    computed = {name for name, relation in ontology.relations.items() if relation.family is Family.COMPUTED}
-    unknown = sorted(reasoner.relations - computed)
-    return f"no ontology declares {', '.join(unknown)} below {COMPUTED}" if unknown else None
-
-
-def _unanswered(reasoner: Reasoner) -> str | None:
-    if not reasoner.relations or type(reasoner).answer is not Reasoner.answer:
-        return None
-    return f"reasoner '{reasoner.name}' declares {', '.join(sorted(reasoner.relations))} but has no method 'answer'"
+        return plugin.fault(str(error))
+    declared = ontology.relations.items() if ontology is not None else ()
+    unknown = reasoner.relations - {name for name, relation in declared if relation.family is Family.COMPUTED}
+    if unknown and ontology is not None:
+        return plugin.fault(f"no ontology declares {', '.join(sorted(unknown))} below {COMPUTED}")
+    if reasoner.relations and class_.answer is Reasoner.answer:
+        computed = ", ".join(sorted(reasoner.relations))
+        return plugin.fault(f"reasoner '{reasoner.name}' declares {computed} but has no method 'answer'")
+    return reasoner

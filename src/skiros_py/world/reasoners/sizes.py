@@ -144,7 +144,8 @@ def _fits(view: WorldView, thing: str, container: str) -> Answer:
 
 
 def _graspable(view: WorldView, thing: str, gripper: str) -> Answer:
-    width, gap = _grasp_width(view, thing), _greatest_gap(view, gripper)
+    read_width, read_gap, _ = _COMPARED[GRASPABLE_BY]
+    width, gap = read_width(view, thing), read_gap(view, gripper)
     if width is None or gap is None:
         return Answer(False, f"{thing} has no {GRASP_WIDTH}, or {gripper} no {MAX_GAP}")
     return Answer(
@@ -158,24 +159,23 @@ def _outline(view: WorldView, element: str) -> tuple[float, ...] | None:
     return None if size is None else tuple(sorted(size[:2]))
 
 
-def _grasp_width(view: WorldView, element: str) -> tuple[float, ...] | None:
-    return _number(view.value(element, GRASP_WIDTH))
-
-
-def _greatest_gap(view: WorldView, element: str) -> tuple[float, ...] | None:
-    return _number(view.value(element, MAX_GAP))
-
-
-def _number(value: Value | None) -> tuple[float, ...] | None:
-    return (float(value),) if isinstance(value, int | float) else None
-
-
 _Read = Callable[["WorldView", str], tuple[float, ...] | None]
+
+
+def _number(property_: str) -> _Read:
+    """Reads a property whose value is one number."""
+
+    def read(view: WorldView, element: str) -> tuple[float, ...] | None:
+        value = view.value(element, property_)
+        return (float(value),) if isinstance(value, int | float) else None
+
+    return read
+
 
 _COMPARED: Mapping[str, tuple[_Read, _Read, float]] = MappingProxyType(
     {
         FITS_IN: (_outline, _outline, CLEARANCE),
-        GRASPABLE_BY: (_grasp_width, _greatest_gap, math.ulp(0.0)),  # more than nothing at all
+        GRASPABLE_BY: (_number(GRASP_WIDTH), _number(MAX_GAP), math.ulp(0.0)),  # more than nothing at all
     }
 )
 """By relation: the sizes of subject and object, and the required clearance [m]."""

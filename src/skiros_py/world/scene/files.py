@@ -27,7 +27,7 @@ from skiros_py.world.change import (
 )
 from skiros_py.world.element import Element, Placement, Value, is_abstract
 from skiros_py.world.index import Index, collection_paused
-from skiros_py.world.literals import ANY_LITERAL, format_value, shown
+from skiros_py.world.literals import format_value, shown
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.ontology.documents import Document, rdf_files, read_document
 from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners
@@ -102,20 +102,15 @@ def diff(old: Index, new: Index) -> tuple[Edit, ...]:
     return tuple(edit for edit in work.edits() if not _is_within_rounding(edit))
 
 
-def describe(ontology: Ontology | None, edits: Iterable[Edit]) -> Iterator[str]:
-    """Yields a line for each edit: what was added (``+``), removed (``-``) or changed (``~``).
-
-    Args:
-        ontology: Gives the type of each property; None if not available.
-        edits: The edits.
-    """
+def describe(edits: Iterable[Edit]) -> Iterator[str]:
+    """Yields a line for each edit: what was added (``+``), removed (``-``) or changed (``~``)."""
     for edit in edits:
         if isinstance(edit, ElementEdit):
             yield _element(edit)
         elif isinstance(edit, PlacementEdit):
             yield _change(edit.element, _placed(edit.old), _placed(edit.new))
         elif isinstance(edit, PropertyEdit):
-            texts = (_value(ontology, edit.property, value) for value in (edit.old, edit.new))
+            texts = (_value(value) for value in (edit.old, edit.new))
             yield _change(f"{edit.element} {edit.property}", *texts)
         elif isinstance(edit, GoalsEdit):
             yield from (f"- goal {goal}" for goal in edit.old if goal not in edit.new)
@@ -142,7 +137,7 @@ def _relations(index: Index) -> set[_Statement]:
 def _is_within_rounding(edit: Edit) -> bool:
     if not isinstance(edit, PropertyEdit) or not isinstance(edit.old, Pose) or not isinstance(edit.new, Pose):
         return False
-    return format_value(edit.old, "sk:poseLiteral") == format_value(edit.new, "sk:poseLiteral")
+    return format_value(edit.old) == format_value(edit.new)
 
 
 def _element(edit: ElementEdit) -> str:
@@ -155,12 +150,8 @@ def _placed(placement: Placement | None) -> str:
     return "" if placement is None else f"{placement.relation} {placement.place}"
 
 
-def _value(ontology: Ontology | None, property_: str, value: Value | None) -> str:
-    if value is None:
-        return ""
-    declared = ontology.properties.get(property_) if ontology else None  # an old change's property may no longer exist
-    text = format_value(value, ANY_LITERAL if declared is None else declared.range)
-    return shown(text) if isinstance(value, str) else text
+def _value(value: Value | None) -> str:
+    return "" if value is None else shown(value) if isinstance(value, str) else format_value(value)
 
 
 def _change(what: str, old: str, new: str) -> str:

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, MutableMapping, Sequence
-from dataclasses import dataclass
-from enum import Enum, auto
+from dataclasses import dataclass, field
 from types import MappingProxyType
+from typing import NamedTuple
 
 import pyoxigraph as ox
 
@@ -28,6 +28,7 @@ from skiros_py.world.vocabulary import BUILT_LIKE, GOAL, LABEL, POSE, POSE_FRAME
 from skiros_py.world.vocabulary import SCENE as SCENE_CLASS
 
 
+@dataclass(slots=True)
 class Individual:
     """The combined statements of all files about one individual.
 
@@ -37,12 +38,9 @@ class Individual:
         relations: Names of a relation and of the individual at its other end.
     """
 
-    __slots__ = ("relations", "types", "values")
-
-    def __init__(self) -> None:
-        self.types: list[str] = []
-        self.values: dict[str, Value] = {}
-        self.relations: list[tuple[str, str]] = []
+    types: list[str] = field(default_factory=list)
+    values: dict[str, Value] = field(default_factory=dict)
+    relations: list[tuple[str, str]] = field(default_factory=list)
 
 
 # ---------------------------------------------------------------- copies
@@ -133,64 +131,16 @@ def _fault(statements: Statements, name: str, sentence: str) -> FileError:
 # ---------------------------------------------------------------- reading individuals
 
 
-class Kind(Enum):
-    """Kinds of predicates."""
-
-    TYPE = auto()
-    VALUE = auto()
-    RELATION = auto()
-    UNKNOWN = auto()
-
-
-@dataclass(frozen=True, slots=True)
-class Predicate:
+class Predicate(NamedTuple):
     """One predicate.
 
     Attributes:
         name: Its CURIE.
-        kind: Its kind.
         range: CURIE of the data type of its values; empty if it has none.
     """
 
     name: str
-    kind: Kind
-    range: str = ""
-
-
-class Predicates:
-    """Predicates by IRI; each is looked up once, since files repeat a few of them."""
-
-    def __init__(self, ontology: Ontology) -> None:
-        self._ontology = ontology
-        self._by_iri: dict[str, Predicate] = {}
-        self._types: dict[str, str] = {}
-
-    def of(self, iri: str) -> Predicate:
-        """Returns a predicate."""
-        return self._by_iri.get(iri) or self._by_iri.setdefault(iri, self._look_up(iri))
-
-    def value(self, predicate: Predicate, literal: ox.Literal) -> Value:
-        """Reads a value of a predicate that has values.
-
-        Raises:
-            ValueError: The literal does not fit; the text says what does.
-        """
-        iri = literal.datatype.value
-        type_ = self._types.get(iri) or self._types.setdefault(iri, self._ontology.names.name(iri))
-        return parse_value(literal.value, type_, predicate.range)
-
-    def _look_up(self, iri: str) -> Predicate:
-        name = self._ontology.names.name(iri)
-        if name == "rdf:type":
-            return Predicate(name, Kind.TYPE)
-        if name == LABEL:
-            return Predicate(name, Kind.VALUE, "xsd:string")
-        if name in self._ontology.properties:
-            return Predicate(name, Kind.VALUE, self._ontology.properties[name].range)
-        return Predicate(name, Kind.RELATION if name in self._ontology.relations else Kind.UNKNOWN)
-
-
-# ---------------------------------------------------------------- reading individuals
+    range: str
 
 
 _TERMS = ("owl:Class", "owl:ObjectProperty", "owl:DatatypeProperty", "owl:AnnotationProperty", "rdfs:Datatype")
@@ -208,7 +158,8 @@ class Reader:
         self._ontology = ontology
         self._names = ontology.names
         self._namespace = namespace
-        self._predicates = Predicates(ontology)
+        self._predicates: dict[str, Predicate] = {}
+        self._types: dict[str, str] = {}
         self._individuals: dict[str, Individual] = {}
         self._goals: set[str] = set()
         self._copies: dict[str, str] = {}
@@ -249,13 +200,23 @@ class Reader:
         yield from self._placements(names)
         for name in names:
             for relation, object_ in sorted(set(self._individuals[name].relations)):
-                if not self._is_placement(relation):
+                if not self._ontology.is_placement(relation):
                     self._check_single(name, relation)
                     yield RelationEdit(name, relation, self._described(name, relation, object_), old=False, new=True)
         if self._goals:
             yield GoalsEdit((), tuple(sorted(self._goals)))
 
     # ------------------------------------------------------------ statements
+
+    def _predicate(self, triple: ox.Triple) -> Predicate:
+        """The predicate of a statement; each is looked up once, since files repeat a few of them."""
+        iri = triple.predicate.value
+        found = self._predicates.get(iri)
+        if found is None:
+            name, properties = self._names.name(iri), self._ontology.properties
+            range_ = "xsd:string" if name == LABEL else properties[name].range if name in properties else ""
+            found = self._predicates[iri] = Predicate(name, range_)
+        return found
 
     def _check_foreign(self, file: Document, triple: ox.Triple) -> None:
         own = "scene:" if self._namespace == SCENE else self._names.name(self._namespace + "x")[:-1]
@@ -269,7 +230,7 @@ class Reader:
 
     def _repeats(self, triple: ox.Triple) -> bool:
         """Whether a statement declares a term that is declared anyway: editors write that where they use one."""
-        if self._predicates.of(triple.predicate.value).kind is not Kind.TYPE:
+        if self._predicate(triple).name != "rdf:type":
             return False
         assert isinstance(triple.subject, ox.NamedNode)
         term, ontology = self._names.name(triple.subject.value), self._ontology
@@ -278,7 +239,7 @@ class Reader:
         return is_term and (known or term.partition(":")[0] in ("owl", "rdf", "rdfs", "xsd", "sk"))
 
     def _take_scene(self, file: Document, triple: ox.Triple) -> None:
-        predicate = self._predicates.of(triple.predicate.value).name
+        predicate = self._predicate(triple).name
         if predicate == GOAL and isinstance(triple.object, ox.Literal):
             self._goals.add(triple.object.value)
         elif predicate == "rdf:type":
@@ -294,12 +255,12 @@ class Reader:
         individual = self._individuals.get(name)
         if individual is None:
             individual = self._individuals[name] = Individual()
-        predicate, object_ = self._predicates.of(triple.predicate.value), triple.object
-        if predicate.kind is Kind.TYPE:
+        predicate, object_ = self._predicate(triple), triple.object
+        if predicate.name == "rdf:type":
             self._take_type(file, triple, individual)
         elif isinstance(object_, ox.Literal):
             self._take_value(file, triple, individual, predicate, object_)
-        elif predicate.kind is not Kind.RELATION:
+        elif predicate.name not in self._ontology.relations:
             raise self._misused(file, triple, "relation", predicate)
         elif isinstance(object_, ox.NamedNode) and predicate.name == BUILT_LIKE:
             self._take_copy(name, self._names.name(object_.value))
@@ -323,17 +284,19 @@ class Reader:
     def _take_value(
         self, file: Document, triple: ox.Triple, individual: Individual, predicate: Predicate, literal: ox.Literal
     ) -> None:
-        if predicate.kind is not Kind.VALUE:
+        if not predicate.range:
             raise self._misused(file, triple, "property", predicate)
         try:
-            value = self._predicates.value(predicate, literal)
+            iri = literal.datatype.value
+            type_ = self._types.get(iri) or self._types.setdefault(iri, self._names.name(iri))
+            value = parse_value(literal.value, type_, predicate.range)
         except ValueError as error:
             raise _at(file, triple, f"{predicate.name} {error}") from None
         if individual.values.setdefault(predicate.name, value) != value:
             raise _at(file, triple, f"{predicate.name} has two values, and may have one")
 
     def _misused(self, file: Document, triple: ox.Triple, wanted: str, predicate: Predicate) -> FileError:
-        if predicate.kind is Kind.UNKNOWN:
+        if not predicate.range and predicate.name not in self._ontology.relations:
             known = self._ontology.relations if wanted == "relation" else self._ontology.properties
             return _at(file, triple, str(UnknownName(wanted, predicate.name, known)))
         needs = "a literal" if wanted == "relation" else "an individual of scene:"
@@ -374,20 +337,14 @@ class Reader:
         placements: dict[str, Placement] = {}
         for name in names:
             for relation, object_ in sorted(set(self._individuals[name].relations)):
-                if self._is_placement(relation):
+                if self._ontology.is_placement(relation):
                     self._described(name, relation, object_)
                     element, placement = self._ontology.placed(name, relation, object_)
                     if placements.setdefault(element, placement) != placement:
-                        raise self._in_two_places(element, placements[element], placement, name)
+                        said = ", ".join(f"{p.relation} {p.place}" for p in (placements[element], placement))
+                        raise self._fault(f"{element} may have one of these, not all: {said}", name, relation)
         for element, placement in placements.items():
             yield PlacementEdit(element, None, placement)
-
-    def _is_placement(self, relation: str) -> bool:
-        return self._ontology.is_placement(relation)
-
-    def _in_two_places(self, element: str, one: Placement, other: Placement, subject: str) -> FileError:
-        said = ", ".join(f"{p.relation} {p.place}" for p in (one, other))
-        return self._fault(f"{element} may have one of these, not all: {said}", subject, other.relation)
 
     def _described(self, name: str, relation: str, object_: str) -> str:
         if object_ not in self._individuals:

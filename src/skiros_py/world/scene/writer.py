@@ -81,7 +81,7 @@ class TurtleWriter:
     def literal(self, property_: str, value: Value) -> str:
         """Returns the text of a value."""
         range_ = "xsd:string" if property_ == LABEL else self._ontology.properties[property_].range
-        text, type_ = format_value(value, range_), literal_type(value, range_)
+        text, type_ = format_value(value), literal_type(value, range_)
         if type_ in _BARE and _BARE[type_].fullmatch(text):
             return text
         # JSON is easier to read without a backslash before each quote.

@@ -116,7 +116,7 @@ class Triples:
 
     def _literal(self, property_: str, value: Value) -> ox.Literal:
         range_ = "xsd:string" if property_ == LABEL else self._ontology.properties[property_].range
-        return ox.Literal(format_value(value, range_), datatype=self._node(literal_type(value, range_)))
+        return ox.Literal(format_value(value), datatype=self._node(literal_type(value, range_)))
 
     def _node(self, name: str) -> ox.NamedNode:
         """The IRI of a word of the ontology; cached, since there are few."""

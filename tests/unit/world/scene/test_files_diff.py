@@ -99,7 +99,7 @@ def test_the_differences_are_told_in_words(ontology: Ontology, tmp_path: Path) -
     )
     after = load_scene(ontology, new).snapshot()
 
-    assert list(describe(ontology, diff(before, after))) == [
+    assert list(describe(diff(before, after))) == [
         "+ c (kitting:Kit) 'Kit'",
         "+ c_1 (kitting:Compartment) 'Compartment'",
         "~ a sk:mass 1.5 -> 2.0",
