@@ -32,12 +32,6 @@ def number_problems(view: Index, element_id: str) -> Iterator[str]:
             yield f"{element_id} is the {relation} of {' and '.join(subjects)}: it can be so of one only"
 
 
-def guest_problems(view: Index, place: str) -> Iterator[str]:
-    """Yields a sentence for each cardinality that the elements placed at an element violate."""
-    for number in _guest_numbers(view.ontology, view.element(place).type):
-        yield from _number_problem(view, place, number)
-
-
 def _number_problem(view: Index, element_id: str, number: Cardinality) -> Iterator[str]:
     found = _counted(view, element_id, number)
     if number.most is not None and len(found) > number.most:
@@ -217,8 +211,8 @@ def state_problems(view: Index, touched: Iterable[str], places: Iterable[str] = 
         for problem in (*_tie_problems(view, element_id), *number_problems(view, element_id)):
             yield element_id, problem
     for place in sorted(name for name in places if view.has(name)):
-        for problem in guest_problems(view, place):
-            yield place, problem
+        for number in _guest_numbers(view.ontology, view.element(place).type):
+            yield from ((place, problem) for problem in _number_problem(view, place, number))
     yield from _cycles(present, lambda name: _parents(view, name), "is inside itself")
     yield from _cycles(present, lambda name: view.objects(name, POSE_FRAME), f"has its own frame as {POSE_FRAME}")
 

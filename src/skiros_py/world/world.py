@@ -121,8 +121,8 @@ class World(WorldView):
             Locked: Another user has locked one of the elements.
         """
         write = _Write(_text("author", author), _text("reason", reason), _kind(writer), undoes, holder or author)
-        other = self._author_here()
-        if other is not None:
+        here, other = self._writer or (None, "")
+        if here == threading.get_ident():
             raise WorldError(f"{author} cannot write: {other} has a transaction open in the same thread")
         with self._writing:
             self._writer = (threading.get_ident(), author)
@@ -215,11 +215,6 @@ class World(WorldView):
         return self._base.forked()
 
     # ------------------------------------------------------------ the life of a transaction
-
-    def _author_here(self) -> str | None:
-        """The author of the transaction open in this thread."""
-        writer = self._writer
-        return writer[1] if writer is not None and writer[0] == threading.get_ident() else None
 
     def _check_versions(self, expects: Mapping[str, int]) -> None:
         for name, seen in expects.items():

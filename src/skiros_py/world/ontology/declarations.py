@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import pyoxigraph as ox
 
-from skiros_py.errors import FileError, UnknownName
+from skiros_py.errors import UnknownName
 from skiros_py.world.element import Value
 from skiros_py.world.literals import ANY_LITERAL, DATATYPES, parse_value
 from skiros_py.world.names import Names, local_name
@@ -166,6 +166,7 @@ class _Reader:
 
     def __init__(self, statements: Statements, names: Names) -> None:
         self._statements = statements
+        self._objects, self._fault, self._undeclared = statements.objects, statements.fault, statements.undeclared
         self._names = names
         self.declared = statements.declared
         for kind, terms in self.declared.items():
@@ -187,11 +188,9 @@ class _Reader:
         return found
 
     def _class(self, term: str) -> Class:
-        above = [
-            part
-            for node in (*self._objects(term, "rdfs:subClassOf"), *self._anonymous_equivalents(term))
-            for part in self._statements.conjuncts(node)
-        ]
+        equivalents = (n for n in self._objects(term, "owl:equivalentClass") if isinstance(n, ox.BlankNode))
+        stated = (*self._objects(term, "rdfs:subClassOf"), *equivalents)
+        above = [part for node in stated for part in self._statements.conjuncts(node)]
         parents = self._references(term, above, Kind.CLASS)
         primary = self._references(term, self._objects(term, "sk:primaryParent"), Kind.CLASS)
         if not set(primary) <= set(parents):
@@ -209,9 +208,6 @@ class _Reader:
             cardinalities=tuple(sorted(numbers, key=repr)),
             fillers=tuple(sorted({f for part in above for f in fillers(self._statements, part)}, key=repr)),
         )
-
-    def _anonymous_equivalents(self, term: str) -> list[Node]:
-        return [node for node in self._objects(term, "owl:equivalentClass") if isinstance(node, ox.BlankNode)]
 
     def class_values(self, class_: str, properties: Mapping[str, Property]) -> dict[str, Value]:
         """Returns the values that a class itself gives, by property."""
@@ -354,17 +350,8 @@ class _Reader:
         if deep is not None:
             raise self._fault(deep, f"{deep} has more than {MOST_ABOVE} terms above it by {predicate}", predicate)
 
-    def _objects(self, term: str, predicate: str) -> list[Node]:
-        return self._statements.objects(term, predicate)
-
     def _label(self, term: str) -> str:
         return self._statements.text(term, "rdfs:label") or local_name(term)
 
     def _comment(self, term: str) -> str:
         return self._statements.text(term, "rdfs:comment")
-
-    def _undeclared(self, term: str, reason: str, at: str) -> FileError:
-        return self._statements.undeclared(term, reason, at)
-
-    def _fault(self, term: str, reason: str, *at: str) -> FileError:
-        return self._statements.fault(term, reason, *at)

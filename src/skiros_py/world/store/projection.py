@@ -16,7 +16,7 @@ import pyoxigraph as ox
 from skiros_py.errors import MissingExtra, WorldError
 from skiros_py.world.abstract import abstract_individuals
 from skiros_py.world.change import Change, Edit, ElementEdit, GoalsEdit, PlacementEdit, PropertyEdit, SourceEdit
-from skiros_py.world.element import Element, Placement, Value, is_abstract, is_learned
+from skiros_py.world.element import Element, Value, is_abstract, is_learned
 from skiros_py.world.index import Index
 from skiros_py.world.literals import format_value, literal_type
 from skiros_py.world.names import LEARNED_GRAPH, SCENE, SCENE_GRAPH
@@ -87,20 +87,15 @@ class Triples:
         """Returns one property value."""
         return ox.Quad(self._element(element), self._node(property_), self._literal(property_, value), _graph(element))
 
-    def before(self, edit: Edit) -> list[ox.Quad]:
-        """Returns the triples that an edit removes."""
-        return self._side(edit, new=False)
-
-    def after(self, edit: Edit) -> list[ox.Quad]:
-        """Returns the triples that an edit adds."""
-        return self._side(edit, new=True)
-
-    def _side(self, edit: Edit, *, new: bool) -> list[ox.Quad]:
+    def side(self, edit: Edit, *, new: bool) -> list[ox.Quad]:
+        """Returns the triples that an edit adds (``new``) or removes."""
         if isinstance(edit, ElementEdit):
             element = edit.new if new else edit.old
             return [] if element is None else list(self.element(element))
         if isinstance(edit, PlacementEdit):
-            return self._placement(edit.element, edit.new if new else edit.old)
+            where = edit.new if new else edit.old
+            statement = where and self._ontology.placement_statement(edit.element, where)
+            return [self.relation(*statement)] if statement else []
         if isinstance(edit, PropertyEdit):
             value = edit.new if new else edit.old
             return [] if value is None else [self.value(edit.element, edit.property, value)]
@@ -110,9 +105,6 @@ class Triples:
             return []
         holds = edit.new if new else edit.old
         return [self.relation(edit.subject, edit.relation, edit.object)] if holds else []
-
-    def _placement(self, element: str, placement: Placement | None) -> list[ox.Quad]:
-        return [] if placement is None else [self.relation(*self._ontology.placement_statement(element, placement))]
 
     def _literal(self, property_: str, value: Value) -> ox.Literal:
         range_ = "xsd:string" if property_ == LABEL else self._ontology.properties[property_].range
@@ -171,8 +163,8 @@ class Projection:
         """Applies the changes after its version, in order."""
         for change in changes:
             for edit in change.edits:
-                self.store.remove(self._triples.before(edit))
-                self.store.extend(self._triples.after(edit))
+                self.store.remove(self._triples.side(edit, new=False))
+                self.store.extend(self._triples.side(edit, new=True))
             self.version = change.number
 
     def entailed(self) -> QuadStore:

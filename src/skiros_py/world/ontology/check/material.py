@@ -97,11 +97,9 @@ def finding_of(
 
 def in_order(findings: list[Finding]) -> tuple[Finding, ...]:
     """Returns the findings without duplicates: errors first, then by file and line."""
-    return tuple(sorted(set(findings), key=_order))
-
-
-def _order(finding: Finding) -> tuple[object, ...]:
-    return (not finding.is_error, str(finding.file or ""), finding.line or 0, finding.kind, finding.term, finding.text)
+    return tuple(
+        sorted(set(findings), key=lambda f: (not f.is_error, str(f.file or ""), f.line or 0, f.kind, f.term, f.text))
+    )
 
 
 ANNOTATIONS = frozenset(

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from itertools import chain, pairwise
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import pairwise
 
 import pyoxigraph as ox
 
@@ -276,16 +276,7 @@ def depths(material: Material) -> Iterator[Finding]:
 # ---------------------------------------------------------------- all structural checks
 
 
-_CHECKS: tuple[Callable[[Material], Iterator[Finding]], ...] = (
-    undeclared_terms,
-    bad_ends,
-    cycles,
-    depths,
-    house_rules,
-    misfits,
-)
-
-
 def structural_findings(material: Material) -> list[Finding]:
     """Returns the faults in the declarations and statements of the files."""
-    return list(chain.from_iterable(check(material) for check in _CHECKS))
+    checks = (undeclared_terms, bad_ends, cycles, depths, house_rules, misfits)
+    return [finding for check in checks for finding in check(material)]
