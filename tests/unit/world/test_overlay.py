@@ -4,9 +4,11 @@ import pytest
 
 from skiros_py.errors import UnknownName
 from skiros_py.geometry import Pose
+from skiros_py.skills.conditions.watch import ReadingView
 from skiros_py.world.element import Placement
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.poses import map_pose
+from skiros_py.world.view import NO_SENSORS
 from skiros_py.world.world import World
 
 
@@ -100,3 +102,24 @@ def test_frames_supposed_to_hang_on_each_other_give_no_pose(world: World) -> Non
     overlay.set_relation("kit_1", "sk:poseFrame", "kit_1_a")
 
     assert map_pose(overlay, "kit_1_a") is None
+
+
+def test_what_is_read_through_an_overlay_is_noted_by_the_view_below_also_of_copies(world: World) -> None:
+    reading = ReadingView(world.snapshot(), NO_SENSORS)
+    overlay = Overlay(Overlay(reading)).copy()
+    overlay.place("starter_1", "sk:heldBy", "gripper_1")
+
+    assert overlay.subjects("sk:heldBy", "gripper_1") == ("starter_1",)
+    assert ("to", "sk:heldBy", "gripper_1") in reading.keys
+    assert reading.subjects("sk:heldBy", "gripper_1") == ()
+
+
+def test_what_is_hidden_keeps_its_place_and_a_copy_is_independent(world: World) -> None:
+    overlay = Overlay(world, hidden=["starter_1"])
+    copied = overlay.copy()
+    copied.unplace("alternator_1")
+
+    assert "starter_1" not in copied.instances("kitting:Starter")
+    assert copied.instances_among("kitting:Starter", ["starter_1"]) == ()
+    assert overlay.subjects("sk:in", "pallet_a") == ("alternator_1", "relay_box_1", "starter_1")
+    assert copied.subjects("sk:in", "pallet_a") == ("relay_box_1", "starter_1")

@@ -113,6 +113,8 @@ def test_many_edits_take_several_texts(edits: list[Edit]) -> None:
         '{"edits": [{"edit": "fly"}]}',
         '{"edits": [{"edit": "goals", "old": [], "new": 7}]}',
         '{"edits": [{"edit": "placement", "element": "a", "old": null, "new": {}}]}',
+        '{"edits": [{"edit": "element", "element": "a", "old": null, "new": "b"}]}',
+        '{"edits": [{"edit": "goals", "old": [], "new": [], "more": 1}]}',
         '{"edits": [{"edit": "property", "element": "a", "property": "b", "old": null, "new": {"position": [1]}}]}',
         '{"number": 1, "author": "", "reason": "", "time": 0, "writer": "dog", "undoes": null, "edits": []}',
         "[" * 100_000,
