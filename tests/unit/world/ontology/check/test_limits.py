@@ -43,7 +43,7 @@ def test_owl_rl_is_ended_when_its_time_is_over_and_leaves_no_process() -> None:
     before, start = _children(), time.monotonic()
 
     with OwlRlProcess(2.0) as reasoner, pytest.raises(NoAnswer, match="OWL-RL reasoner found no answer in the time"):
-        reasoner.consistent(_ring(3000))
+        reasoner.judge(_ring(3000))
 
     assert time.monotonic() - start < 8.0
     assert _children() <= before
@@ -55,14 +55,14 @@ def test_owl_rl_that_wants_too_much_memory_is_ended_and_not_asked_again() -> Non
     with OwlRlProcess(60.0, memory=64 << 20) as reasoner:
         for _ in range(2):
             with pytest.raises(NoAnswer, match="needs more than 64 MiB of memory"):
-                reasoner.consistent(_ring(3000))
+                reasoner.judge(_ring(3000))
 
     assert _children() <= before
 
 
 def test_one_process_answers_several_questions() -> None:
     with OwlRlProcess(60.0) as reasoner:
-        assert reasoner.consistent(_ring(3))
+        assert reasoner.judge(_ring(3)).consistent
         first = _children()
         assert reasoner.judge(_ring(3), ["http://c#C0"]).consistent
         assert _children() == first
@@ -126,7 +126,7 @@ def test_what_keeps_hermit_from_an_answer_is_told_apart(
     program = _fake_java(tmp_path, errors)
 
     with pytest.raises(NoAnswer, match=says) as raised:
-        HermiT(os.fspath(program), time.monotonic() + 20.0).consistent([])
+        HermiT(os.fspath(program), time.monotonic() + 20.0).judge([])
 
     assert raised.type is kind
 
