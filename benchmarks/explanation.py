@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 from mutations import Mutation, mutations
 from table import Figure, finish
 
-from skiros_py.planning.explanation import Explanation, Trial, explain
+from skiros_py.planning.explanation import Trial, explain
 from skiros_py.planning.plan import NoPlan
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.kairos import Kairos
@@ -65,10 +65,10 @@ def main() -> int:
 def _measure(mutation: Mutation, trying: Planners, checking: Planner, tally: Tally) -> None:
     task = build_task(mutation.world, mutation.capabilities, mutation.goal)
     started = time.perf_counter()
-    explain(task, mutation.world)
+    explain(task)
     tally.causes.append(time.perf_counter() - started)
     started = time.perf_counter()
-    found = explain(task, mutation.world, Trial(trying, mutation.capabilities))
+    found = explain(task, Trial(trying, mutation.capabilities))
     tally.whole.append(time.perf_counter() - started)
     tally.tasks += 1
     if not mutation.is_explained(found.causes):
@@ -76,7 +76,7 @@ def _measure(mutation: Mutation, trying: Planners, checking: Planner, tally: Tal
     _apply_each(mutation, found, checking, tally)
 
 
-def _apply_each(mutation: Mutation, found: Explanation, checking: Planner, tally: Tally) -> None:
+def _apply_each(mutation: Mutation, found: NoPlan, checking: Planner, tally: Tally) -> None:
     offered = [repair for repair in found.repairs if repair.edits or repair.without]
     tally.repairs += len(offered)
     tally.repaired += bool(offered)
@@ -99,7 +99,7 @@ def _in_a_large_world() -> float:
     world = tiny_world(*boxes, *parts, "scene:ball_9 a tiny:Ball ; sk:in scene:slot_1 .", robots=2)
     task = tiny_task(world, IN_CONTAINER("tiny:Ball", "slot_2"), IN_CONTAINER("part_7", "slot_1"))
     started = time.perf_counter()
-    explain(task, world)
+    explain(task)
     return time.perf_counter() - started
 
 

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 import pytest
 
 import skiros_py
-from skiros_py.planning.explanation.edits import Move
+from skiros_py.planning.edits import Move
 from skiros_py.planning.plan import NoPlan, Plan
 from skiros_py.station.session import Session
 from skiros_py.world.change import Writer

@@ -6,12 +6,12 @@ import enum
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import Any, Protocol
+from typing import Any
 
 from skiros_py.planning.domain.model import Grounding
+from skiros_py.planning.edits import SceneEdit
 from skiros_py.skills.conditions import Condition
 from skiros_py.world.change import Writer
-from skiros_py.world.transaction import Transaction
 from skiros_py.world.world import World
 
 
@@ -71,23 +71,6 @@ class Cause:
         }
 
 
-class Edit(Protocol):
-    """One change to the scene."""
-
-    def __str__(self) -> str:
-        """Returns it as an instruction: "put starter_2 in pallet_a"."""
-        ...
-
-    @property
-    def elements(self) -> tuple[str, ...]:
-        """Ids of the elements involved."""
-        ...
-
-    def write(self, tx: Transaction) -> None:
-        """Writes it into a transaction."""
-        ...
-
-
 @dataclass(frozen=True, slots=True)
 class Exchange:
     """A goal condition to be replaced.
@@ -123,7 +106,7 @@ class Repair:
     """
 
     text: str
-    edits: tuple[Edit, ...] = ()
+    edits: tuple[SceneEdit, ...] = ()
     without: tuple[Condition, ...] = ()
     instead: tuple[Exchange, ...] = ()
 

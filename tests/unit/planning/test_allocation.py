@@ -12,9 +12,10 @@ from skiros_py.planning.plan import Plan, Step
 from skiros_py.planning.plan_validation import grounded, read_plan
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.planner import Solved
+from skiros_py.planning.problem.reachability import Relaxation
 from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.planning.replay import replay
-from skiros_py.planning.robots.allocation import ASSIGNED, Dealing, deal, efforts
+from skiros_py.planning.robots.allocation import ASSIGNED, Dealing, deal
 from skiros_py.planning.robots.ordering import order, schedule
 from skiros_py.skills.conditions import AllOf, Condition, ConditionType, Exists, Related, Role
 from skiros_py.skills.parameters import Kind, Param
@@ -170,7 +171,7 @@ def test_subsystems_belong_to_the_robot_they_are_part_of() -> None:
 
 def test_an_estimate_adds_up_what_is_to_be_done() -> None:
     world = kit_world(1, 2)
-    cost = efforts(timed_task(world, *filled(1)))
+    cost = Relaxation(timed_task(world, *filled(1)), timed=True).cost
 
     assert cost[Atom("sk:at", ("robot_1", "store_1"))] == 5.0
     assert cost[Atom("sk:heldBy", ("part_1", "gripper_1"))] == 8.0
@@ -179,7 +180,7 @@ def test_an_estimate_adds_up_what_is_to_be_done() -> None:
 
 def test_what_nobody_allowed_can_do_has_no_estimate() -> None:
     world = kit_world(1, 2)
-    cost = efforts(timed_task(world, *filled(1)), {"base_1", "arm_2"})
+    cost = Relaxation(timed_task(world, *filled(1)), {"base_1", "arm_2"}, timed=True).cost
 
     assert Atom("sk:at", ("robot_1", "store_1")) in cost
     assert Atom("sk:in", ("part_1", "hole_1")) not in cost

@@ -16,7 +16,7 @@ from skiros_py.planning.planners.planner import Answer, Planner, Planners, Unsol
 from skiros_py.planning.problem.task import Capability
 from skiros_py.planning.process import ThreadHost
 from skiros_py.planning.requests import PlanRequest
-from skiros_py.planning.service import Planned, SolverLoop, Wanted, attempts, plan
+from skiros_py.planning.service import Planned, SolverLoop, plan
 from skiros_py.ports.values import Pending
 from skiros_py.skills.conditions import Condition
 from skiros_py.testing import SKILLS, GivenPlanner, tiny_world
@@ -109,10 +109,9 @@ def test_a_failure_with_a_few_candidates_lets_more_be_tried() -> None:
 
 def test_a_planner_that_takes_long_with_a_few_candidates_is_stopped_and_asked_with_more() -> None:
     world = tiny_world(*MUCH)
-    wanted = Wanted(world, able(world), (IN_CONTAINER("ball_1", "slot_1"),))
-    (few, few_texts), *_, (whole, texts) = attempts(wanted)
     slow = Failing(*RIGHT, times=1)
-    loop = SolverLoop(Planners.only(slow), wanted, hurry=0.05)
+    loop = SolverLoop(Planners.only(slow), world, able(world), (IN_CONTAINER("ball_1", "slot_1"),), hurry=0.05)
+    (few, few_texts), *_, (whole, texts) = loop.attempts()
 
     first = loop.solve(few, few_texts)
     second = loop.solve(whole, texts)

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from skiros_py.planning.domain.model import Action
 from skiros_py.planning.domain.pddl import PddlTexts, PddlWriter, block, real_deletes, variable_names
+from skiros_py.planning.problem.reachability import USUAL
 from skiros_py.planning.problem.task import PlanningTask
-from skiros_py.planning.robots.allocation import USUAL
 
 
 def write_temporal(task: PlanningTask, *, name: str) -> PddlTexts:

@@ -5,7 +5,7 @@ undone; goal conditions that exclude each other; a minimal part of the goal for 
 """
 
 from skiros_py.planning.explanation.causes import find_causes
-from skiros_py.planning.explanation.explaining import Explanation, Solve, explain
+from skiros_py.planning.explanation.explaining import Solve, explain
 from skiros_py.planning.explanation.trial import Trial
 
-__all__ = ["Explanation", "Solve", "Trial", "explain", "find_causes"]
+__all__ = ["Solve", "Trial", "explain", "find_causes"]

@@ -12,35 +12,33 @@ from skiros_py.planning.domain.literals import CAN
 from skiros_py.planning.domain.matching import is_variable
 from skiros_py.planning.domain.model import Atom
 from skiros_py.planning.explanation.contradictions import Contradictions
-from skiros_py.planning.explanation.facts import Relaxation, relax
 from skiros_py.planning.explanation.obstacles import Obstacles
 from skiros_py.planning.explanation.wording import Found, Obstacle
 from skiros_py.planning.plan import Cause, CauseKind
+from skiros_py.planning.problem.reachability import Relaxation
 from skiros_py.planning.problem.task import Capability, PlanningTask, build_task
 from skiros_py.skills.conditions import Condition
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import HAS_A
 
 
-def find_causes(task: PlanningTask, view: WorldView) -> tuple[Found, ...]:
+def find_causes(task: PlanningTask) -> tuple[Found, ...]:
     """Returns the cause of each condition that can never hold by itself, then those of mutually exclusive conditions.
 
     Each proves by itself that there is no plan, also with sequence numbers or in time. Empty if each condition could
     hold and no simple conflict prevents them from holding together.
     """
-    task = with_everyone(task, view)
-    relaxed = relax(task, view.ontology)
-    obstacles = Obstacles(relaxed, view)
-    missing = [(condition, _first(atoms, relaxed)) for condition, atoms in task.goal]
+    relaxed = Relaxation(with_everyone(task), together=True)
+    obstacles = Obstacles(relaxed)
     found: list[Found] = []
-    for condition, atom in missing:
-        if atom is not None:
-            found.append(_unreachable(condition, obstacles.of(atom), view))
-    cleared = _cleared(found, relaxed, view)
-    return _main_first(found, Contradictions(cleared, view.ontology).found())
+    for condition, atoms in relaxed.task.goal:
+        missing = next((atom for atom in atoms if atom not in relaxed.facts), None)
+        if missing is not None:
+            found.append(_unreachable(condition, obstacles.of(missing), task.view))
+    return _main_first(found, Contradictions(_cleared(found, relaxed)).found())
 
 
-def _cleared(found: Sequence[Found], relaxed: Relaxation, view: WorldView) -> Relaxation:
+def _cleared(found: Sequence[Found], relaxed: Relaxation) -> Relaxation:
     """Returns the facts reachable if the occupied places were empty: conditions exclusive even then are exclusive."""
     obstacles = [one.obstacle for one in found if one.obstacle is not None and one.obstacle.kind is CauseKind.FULL]
     empty = [atom for o in obstacles if (atom := o.missing) is not None and not any(map(is_variable, atom.arguments))]
@@ -48,7 +46,7 @@ def _cleared(found: Sequence[Found], relaxed: Relaxation, view: WorldView) -> Re
         return relaxed
     problem = relaxed.task.problem
     supposed = replace(problem, init=problem.init.union(empty))
-    return relax(replace(relaxed.task, problem=supposed), view.ontology)
+    return Relaxation(replace(relaxed.task, problem=supposed), together=True)
 
 
 def _main_first(hopeless: Sequence[Found], together: Sequence[Found]) -> tuple[Found, ...]:
@@ -79,10 +77,6 @@ def _covers(rivalry: Cause, one: Found) -> bool:
     return one.cause.conditions[0] in rivalry.conditions and set(obstacle.elements) <= set(rivalry.elements)
 
 
-def _first(atoms: tuple[Atom, ...], relaxed: Relaxation) -> Atom | None:
-    return next((atom for atom in atoms if atom not in relaxed.facts), None)
-
-
 def _unreachable(condition: Condition, obstacle: Obstacle, view: WorldView) -> Found:
     full = _full(condition, obstacle, view)
     said = "".join(f"{whole} is full: " for whole in full)
@@ -99,14 +93,14 @@ def _full(condition: Condition, obstacle: Obstacle, view: WorldView) -> tuple[st
     return tuple(whole for whole in named if set(view.objects(whole, HAS_A)).intersection(obstacle.elements))
 
 
-def with_everyone(task: PlanningTask, view: WorldView) -> PlanningTask:
+def with_everyone(task: PlanningTask) -> PlanningTask:
     """Returns a task in which every agent of the right class takes part, with or without the skill.
 
     Raises:
         PlanningError: It cannot be expressed in PDDL.
     """
-    everyone = [Capability(c.skill, view.instances(c.skill.agent_class)) for c in task.capabilities]
+    everyone = [Capability(c.skill, task.view.instances(c.skill.agent_class)) for c in task.capabilities]
     able = {Atom(CAN + c.skill.name, (agent,)) for c in task.capabilities for agent in c.agents}
-    whole = build_task(view, everyone, task.conditions)
+    whole = build_task(task.view, everyone, task.conditions)
     init = frozenset(atom for atom in whole.problem.init if not atom.predicate.startswith(CAN) or atom in able)
     return replace(whole, problem=replace(whole.problem, init=init), capabilities=task.capabilities)

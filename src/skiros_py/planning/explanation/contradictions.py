@@ -10,9 +10,9 @@ from itertools import combinations
 from skiros_py.planning.domain.literals import NOTHING, allows_value, common_class, property_of
 from skiros_py.planning.domain.matching import Binding, unified
 from skiros_py.planning.domain.model import Action, Atom
-from skiros_py.planning.explanation.facts import Relaxation
 from skiros_py.planning.explanation.wording import Found, Shortage, listed
 from skiros_py.planning.plan import Cause, CauseKind
+from skiros_py.planning.problem.reachability import Relaxation
 from skiros_py.skills.conditions import Compare, Condition, Not
 from skiros_py.world.element import Value
 from skiros_py.world.names import local_name
@@ -56,9 +56,9 @@ class _Want:
         return _Want(self.relation, self.things | other.things, self.places | other.places)
 
 
-def demands_of(relaxed: Relaxation, ontology: Ontology) -> list[Demand]:
+def demands_of(relaxed: Relaxation) -> list[Demand]:
     """Returns all placement demands of the goal; conditions with very many alternatives are left out."""
-    wants = _Wants(relaxed, ontology)
+    wants = _Wants(relaxed)
     return [
         Demand(condition, want.relation, want.things, want.places, want.things.issubset(named))
         for condition, atoms in relaxed.task.goal
@@ -71,9 +71,9 @@ def demands_of(relaxed: Relaxation, ontology: Ontology) -> list[Demand]:
 class _Wants:
     """Traces the goal's bookkeeping actions backwards: which facts must hold, and in which ways they can."""
 
-    def __init__(self, relaxed: Relaxation, ontology: Ontology) -> None:
+    def __init__(self, relaxed: Relaxation) -> None:
         self._relaxed = relaxed
-        self._ontology = ontology
+        self._ontology = relaxed.task.view.ontology
         self._known: dict[Atom, tuple[_Want, ...]] = {}
         self._closing: dict[str, list[tuple[Action, Atom]]] = {}
         for action in relaxed.task.domain.actions:
@@ -162,10 +162,10 @@ _Apart = Callable[[Demand, Demand], bool]
 class Contradictions:
     """Finds conditions of a goal that exclude each other."""
 
-    def __init__(self, relaxed: Relaxation, ontology: Ontology) -> None:
+    def __init__(self, relaxed: Relaxation) -> None:
         self._relaxed = relaxed
-        self._ontology = ontology
-        self._demands = demands_of(relaxed, ontology)
+        self._ontology = relaxed.task.view.ontology
+        self._demands = demands_of(relaxed)
         self._exclusive: dict[tuple[str, str], bool] = {}
 
     def found(self) -> tuple[Found, ...]:

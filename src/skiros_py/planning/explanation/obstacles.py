@@ -8,14 +8,13 @@ from dataclasses import dataclass, replace
 from skiros_py.planning.domain.literals import CAN, HAS, NOT, NOTHING
 from skiros_py.planning.domain.matching import is_variable
 from skiros_py.planning.domain.model import Action, Atom
-from skiros_py.planning.explanation.facts import Relaxation
 from skiros_py.planning.explanation.wording import Obstacle, Wording, listed, some
 from skiros_py.planning.plan import CauseKind
+from skiros_py.planning.problem.reachability import Relaxation
 from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.skills.conditions import Computed
 from skiros_py.world.names import local_name
 from skiros_py.world.terms import Family
-from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import ROBOT
 
 _SHOWN = 4
@@ -29,9 +28,9 @@ Types = Mapping[str, str]
 class Leaves:
     """Describes the actual state for false facts."""
 
-    def __init__(self, task: PlanningTask, view: WorldView, wording: Wording) -> None:
+    def __init__(self, task: PlanningTask, wording: Wording) -> None:
         self._task = task
-        self._view = view
+        self._view = task.view
         self._wording = wording
 
     def of(self, atom: Atom, types: Types) -> Obstacle:
@@ -187,13 +186,13 @@ class _Try:
 class Obstacles:
     """Finds the obstacle of each fact that the relaxation never reaches."""
 
-    def __init__(self, relaxation: Relaxation, view: WorldView) -> None:
+    def __init__(self, relaxation: Relaxation) -> None:
         self._relaxed = relaxation
         self._task = relaxation.task
-        self._view = view
-        self._ontology = view.ontology
-        self._wording = Wording(view.ontology)
-        self._leaves = Leaves(relaxation.task, view, self._wording)
+        self._view = relaxation.task.view
+        self._ontology = self._view.ontology
+        self._wording = Wording(self._ontology)
+        self._leaves = Leaves(self._task, self._wording)
         self._given = {e.predicate for action in self._task.domain.actions for e in action.add}
         self._left = _MOST
 

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations, islice, product
 
 from skiros_py.planning.domain.actions import actions_of
 from skiros_py.planning.domain.literals import CAN, HAS, NOT, NOTHING, VALUE, compared
 from skiros_py.planning.domain.matching import is_variable
 from skiros_py.planning.domain.model import Action
-from skiros_py.planning.explanation.edits import Add, Assign, Move, Relate, Remove, SceneEdit
+from skiros_py.planning.edits import Add, Assign, Move, Relate, Remove, SceneEdit
 from skiros_py.planning.explanation.wording import Found, Obstacle, Shortage, listed, some
-from skiros_py.planning.plan import Cause, CauseKind, Exchange
+from skiros_py.planning.plan import Cause, CauseKind, Exchange, Repair
 from skiros_py.planning.problem.task import Capability
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.conditions.condition import Comparison, Constant
@@ -140,35 +140,90 @@ _CHOICES = 3
 
 
 @dataclass(frozen=True, slots=True)
-class Remedy:
-    """One possible change.
+class Change:
+    """A change that may be a remedy, or several together.
 
     Attributes:
         cost: The size of the change; the smallest is offered first.
-        edits: Its changes to the scene.
+        edits: Changes to the scene.
         without: Conditions to give up.
         instead: Conditions to replace.
     """
 
-    cost: int
+    cost: int = 0
     edits: tuple[SceneEdit, ...] = ()
     without: tuple[Condition, ...] = ()
     instead: tuple[Exchange, ...] = ()
 
+    def and_(self, remedy: Change) -> Change | None:
+        """Returns the change with one more remedy.
 
-def remedies(found: Found, goal: Sequence[Condition], view: WorldView, room: Room) -> list[Remedy]:
+        None if it adds nothing new, moves a thing again, or changes an already replaced condition.
+        """
+        edits = tuple(e for e in remedy.edits if isinstance(e, Add) or e not in self.edits)
+        without = tuple(c for c in remedy.without if c not in self.without)
+        if not (edits or without or remedy.instead) or _placed(edits) & _placed(self.edits):
+            return None
+        if {exchange.by for exchange in self.instead}.intersection(without, (e.condition for e in remedy.instead)):
+            return None
+        both = self.edits + edits, self.without + without, self.instead + remedy.instead
+        return Change(self.cost + remedy.cost, *both)
+
+    def wanted(self, goal: Sequence[Condition]) -> list[Condition]:
+        """Returns the goal after the change."""
+        by = {exchange.condition: exchange.by for exchange in self.instead}
+        return [by.get(condition, condition) for condition in goal if condition not in self.without]
+
+    def leaving_out(self) -> Iterator[Change]:
+        """Yields the changes with one remedy less."""
+        for i in range(len(self.edits)):
+            yield replace(self, edits=self.edits[:i] + self.edits[i + 1 :])
+        for condition in self.without:
+            yield replace(self, without=tuple(c for c in self.without if c is not condition))
+        for exchange in self.instead:
+            yield replace(self, instead=tuple(e for e in self.instead if e is not exchange))
+
+    @property
+    def key(self) -> tuple[tuple[str, ...], ...]:
+        """A key that is equal for equivalent changes."""
+        return tuple(tuple(sorted(map(str, each))) for each in (self.edits, self.without, self.instead))
+
+    @property
+    def is_nothing(self) -> bool:
+        """Whether it changes nothing."""
+        return not (self.edits or self.without or self.instead)
+
+    def includes(self, offer: Repair) -> bool:
+        """Returns whether it does everything an offer does; alternative places are considered equivalent."""
+        otherwise = {exchange.condition for exchange in offer.instead}
+        also = otherwise <= {exchange.condition for exchange in self.instead}
+        return also and set(offer.edits) <= set(self.edits) and set(offer.without) <= set(self.without)
+
+    def repair(self) -> Repair:
+        """Returns it as a repair to be offered."""
+        given_up = [f"give up {listed(map(str, self.without))}"] if self.without else []
+        text = " and ".join([*map(str, self.instead), *map(str, dict.fromkeys(self.edits)), *given_up])
+        return Repair(text, self.edits, self.without, self.instead)
+
+
+def _placed(edits: Sequence[SceneEdit]) -> set[str]:
+    """Returns the elements that are placed or removed."""
+    return {edit.element for edit in edits if isinstance(edit, Move | Remove)}
+
+
+def remedies(found: Found, goal: Sequence[Condition], view: WorldView, room: Room) -> list[Change]:
     """Returns the possible remedies for a cause, smallest changes first."""
-    otherwise = (Remedy(1, instead=(exchange,)) for exchange in exchanges(found, goal, view, room))
+    otherwise = (Change(1, instead=(exchange,)) for exchange in exchanges(found, goal, view, room))
     return sorted((*otherwise, *_edits(found, view, room), *_given_up(found)), key=lambda remedy: remedy.cost)
 
 
-def _given_up(found: Found) -> Iterator[Remedy]:
+def _given_up(found: Found) -> Iterator[Change]:
     """Gives up one condition, or as many as exceed the supply."""
     conditions = found.cause.conditions
-    yield from (Remedy(4, without=(condition,)) for condition in conditions[:_CHOICES])
+    yield from (Change(4, without=(condition,)) for condition in conditions[:_CHOICES])
     excess = found.shortage.excess if found.shortage is not None else 0
     if 1 < excess < len(conditions):
-        yield Remedy(4 * excess, without=conditions[-excess:])
+        yield Change(4 * excess, without=conditions[-excess:])
 
 
 def advice(cause: Cause) -> str:
@@ -182,7 +237,7 @@ def advice(cause: Cause) -> str:
     return ""
 
 
-def _edits(found: Found, view: WorldView, room: Room) -> Iterator[Remedy]:
+def _edits(found: Found, view: WorldView, room: Room) -> Iterator[Change]:
     if found.shortage is not None:
         yield from _more(found.cause, found.shortage, view, room)
         yield from _fewer(found.cause, found.shortage, view)
@@ -195,32 +250,32 @@ def _edits(found: Found, view: WorldView, room: Room) -> Iterator[Remedy]:
     match obstacle.kind:
         case CauseKind.MISSING_ELEMENT:
             homes = room.homes(obstacle.elements[0], view)[:_CHOICES]
-            yield from (Remedy(2, (Add(obstacle.elements[0], home),)) for home in homes)
+            yield from (Change(2, (Add(obstacle.elements[0], home),)) for home in homes)
         case CauseKind.MISSING_FACT:
             yield from _stated(obstacle, view, room)
         case CauseKind.FULL:
             yield from _cleared(obstacle, view, room)
 
 
-def _more(cause: Cause, shortage: Shortage, view: WorldView, room: Room) -> Iterator[Remedy]:
+def _more(cause: Cause, shortage: Shortage, view: WorldView, room: Room) -> Iterator[Change]:
     """Adds as many things as are lacking."""
     for class_ in (name for name in cause.elements if name in view.ontology.classes):
         for home in room.homes(class_, view)[:_CHOICES]:
             if shortage.excess == 1 or not room.keeps_one(home, view):
-                yield Remedy(2 * shortage.excess, (Add(class_, home),) * shortage.excess)
+                yield Change(2 * shortage.excess, (Add(class_, home),) * shortage.excess)
 
 
-def _fewer(cause: Cause, shortage: Shortage, view: WorldView) -> Iterator[Remedy]:
+def _fewer(cause: Cause, shortage: Shortage, view: WorldView) -> Iterator[Change]:
     """Removes things that there is no room for from the scene, except things the goal names or that have parts."""
     named = {name for condition in cause.conditions for name in condition.arguments}
     things = [
         t for t in dict.fromkeys(shortage.things) if t not in named and view.has(t) and not view.objects(t, HAS_A)
     ]
     for chosen in islice(combinations(things, shortage.excess), _CHOICES):
-        yield Remedy(3 * shortage.excess, tuple(map(Remove, chosen)))
+        yield Change(3 * shortage.excess, tuple(map(Remove, chosen)))
 
 
-def _taken_out(obstacle: Obstacle, view: WorldView, room: Room) -> Iterator[Remedy]:
+def _taken_out(obstacle: Obstacle, view: WorldView, room: Room) -> Iterator[Change]:
     """Removes a thing from a place where it should not be."""
     atom = obstacle.missing
     relation = atom.predicate.removeprefix(NOT) if atom is not None else ""
@@ -233,7 +288,7 @@ def _taken_out(obstacle: Obstacle, view: WorldView, room: Room) -> Iterator[Reme
             yield from _away(thing, (placement.place,), view, room)
 
 
-def _cleared(obstacle: Obstacle, view: WorldView, room: Room) -> Iterator[Remedy]:
+def _cleared(obstacle: Obstacle, view: WorldView, room: Room) -> Iterator[Change]:
     """Removes what blocks a place."""
     for thing in obstacle.elements:
         at = view.placement(thing) if view.has(thing) else None
@@ -241,16 +296,16 @@ def _cleared(obstacle: Obstacle, view: WorldView, room: Room) -> Iterator[Remedy
             yield from _away(thing, obstacle.elements, view, room)
 
 
-def _away(thing: str, places: Sequence[str], view: WorldView, room: Room) -> Iterator[Remedy]:
+def _away(thing: str, places: Sequence[str], view: WorldView, room: Room) -> Iterator[Change]:
     """Moves a thing out of places: to where such things are stored, else to the floor, else out of the scene."""
     homes = room.homes(view.element(thing).type, view, besides=places)
-    yield from (Remedy(1, (Move(thing, home.relation, home.place),)) for home in homes[:1])
+    yield from (Change(1, (Move(thing, home.relation, home.place),)) for home in homes[:1])
     if not homes:
-        yield from (Remedy(2, (Move(thing, ON, floor),)) for floor in view.instances(FLOOR)[:1])
-    yield Remedy(3, (Remove(thing),))
+        yield from (Change(2, (Move(thing, ON, floor),)) for floor in view.instances(FLOOR)[:1])
+    yield Change(3, (Remove(thing),))
 
 
-def _stated(obstacle: Obstacle, view: WorldView, room: Room) -> Iterator[Remedy]:
+def _stated(obstacle: Obstacle, view: WorldView, room: Room) -> Iterator[Change]:
     """Makes the missing fact true."""
     atom = obstacle.missing
     if atom is None or atom.predicate.startswith((CAN, NOTHING)):
@@ -262,7 +317,7 @@ def _stated(obstacle: Obstacle, view: WorldView, room: Room) -> Iterator[Remedy]
         property_, comparison = compared(atom.predicate)
         value = _value(comparison)
         if value is not None:
-            yield from (Remedy(1, (Assign(thing, property_, value),)) for thing in choices[0])
+            yield from (Change(1, (Assign(thing, property_, value),)) for thing in choices[0])
     elif atom.predicate in view.ontology.relations and len(choices) == 2:
         yield from _related(atom.predicate, choices[0], choices[1], view, room)
 
@@ -274,14 +329,14 @@ def _things(argument: str, obstacle: Obstacle, view: WorldView) -> tuple[str, ..
     return view.instances(class_)[:_CHOICES] if class_ in view.ontology.classes else ()
 
 
-def _valued(property_: str, things: tuple[str, ...], view: WorldView) -> Iterator[Remedy]:
+def _valued(property_: str, things: tuple[str, ...], view: WorldView) -> Iterator[Change]:
     """Copies the value from a thing of the same class; values are never invented."""
     for thing in things:
         like = (other for other in view.instances(view.element(thing).type) if other != thing)
         donors = ((other, view.value(other, property_)) for other in like)
         for other, value in donors:
             if value is not None:
-                yield Remedy(1, (Assign(thing, property_, value, other),))
+                yield Change(1, (Assign(thing, property_, value, other),))
                 break
 
 
@@ -298,7 +353,7 @@ def _value(comparison: Comparison) -> Constant | None:
 
 def _related(
     relation: str, subjects: tuple[str, ...], objects: tuple[str, ...], view: WorldView, room: Room
-) -> Iterator[Remedy]:
+) -> Iterator[Change]:
     ontology = view.ontology
     for subject, object_ in product(subjects, objects):
         if ontology.family(relation) in (Family.COMPUTED, Family.STRUCTURE):
@@ -306,6 +361,6 @@ def _related(
         if ontology.is_placement(relation):
             element, placement = ontology.placed(subject, relation, object_)
             if room.has_room(placement, view):
-                yield Remedy(1, (Move(element, relation, placement.place),))
+                yield Change(1, (Move(element, relation, placement.place),))
         else:
-            yield Remedy(1, (Relate(subject, relation, object_),))
+            yield Change(1, (Relate(subject, relation, object_),))

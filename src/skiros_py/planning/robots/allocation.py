@@ -1,8 +1,5 @@
 """Allocates the parts of a goal to robots before planning, so that all robots get a fair share of the effort.
 
-The additive heuristic of Bonet and Geffner (2001), spread from the cheapest fact to the dearest as Knuth (1977) does:
-a fact costs as much as the cheapest action that achieves it, including that action's preconditions.
-
 A planner that minimizes plan length gives everything to one robot, since parallel work does not shorten the plan. So
 the parts of the goal are allocated by estimated time, and static facts state which robot may handle which thing. The
 resulting task is more constrained than the original: if it has no plan, the original still has to be tried.
@@ -10,104 +7,16 @@ resulting task is more constrained than the original: if it has no plan, the ori
 
 from __future__ import annotations
 
-import heapq
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import inf
 
 from skiros_py.planning.domain.actions import moved_and_place
-from skiros_py.planning.domain.literals import CAN
-from skiros_py.planning.domain.matching import FactIndex, unified
 from skiros_py.planning.domain.model import Action, Atom
+from skiros_py.planning.problem.reachability import Relaxation
 from skiros_py.planning.problem.task import PlanningTask, extended
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.vocabulary import ROBOT
-
-USUAL = 10.0
-"""Assumed duration of a skill with unknown duration [s]."""
-
-
-def efforts(task: PlanningTask, agents: Collection[str] | None = None) -> Mapping[Atom, float]:
-    """Returns the estimated time [s] to every reachable fact.
-
-    Args:
-        task: The task.
-        agents: The agents that may act; default: all.
-    """
-    spread = _Spread(task)
-    for atom in sorted(task.problem.init):
-        if agents is None or not atom.predicate.startswith(CAN) or atom.arguments[0] in agents:
-            spread.offer(atom, 0.0)
-    spread.run()
-    return spread.settled
-
-
-class _Spread:
-    """Facts with their costs, settled in order of cost."""
-
-    def __init__(self, task: PlanningTask) -> None:
-        self.settled: dict[Atom, float] = {}
-        self._waiting: list[tuple[float, Atom]] = []
-        self._best: dict[Atom, float] = {}
-        self._facts = FactIndex()
-        self._needs: dict[str, list[tuple[Action, int]]] = {}
-        for action in task.domain.actions:
-            for place, atom in enumerate(action.pre):
-                self._needs.setdefault(atom.predicate, []).append((action, place))
-        self._fits = task.fits
-
-    def offer(self, atom: Atom, cost: float) -> None:
-        if cost < self._best.get(atom, inf):
-            self._best[atom] = cost
-            heapq.heappush(self._waiting, (cost, atom))
-
-    def run(self) -> None:
-        while self._waiting:
-            cost, atom = heapq.heappop(self._waiting)
-            if atom not in self.settled:
-                self.settled[atom] = cost
-                self._facts.add(atom)
-                for action, place in self._needs.get(atom.predicate, ()):
-                    self._apply(action, place, atom)
-
-    def _apply(self, action: Action, place: int, fact: Atom) -> None:
-        """Queues the effects of an action whose last precondition has just been settled."""
-        types = action.types
-        start = unified(action.pre[place], fact, {}, types, self._fits)
-        if start is None:
-            return
-        given = {argument for atom in action.add for argument in atom.arguments}
-        rest = (*action.pre[:place], *action.pre[place + 1 :])
-        own = 0.0 if action.skill is None else USUAL if action.duration is None else action.duration
-        for binding, cost in self._joined(rest, start, types, given):
-            for atom in action.add:
-                effect = atom.bind(binding)
-                if not any(argument.startswith("?") for argument in effect.arguments):
-                    self.offer(effect, cost + self.settled[fact] + own)
-
-    def _joined(
-        self, atoms: Sequence[Atom], binding: dict[str, str], types: Mapping[str, str], given: set[str]
-    ) -> Iterator[tuple[dict[str, str], float]]:
-        """Yields bindings that make the atoms settled facts, with their total cost.
-
-        Variables not used afterwards, such as the place that is left, are bound to the cheapest value only.
-        """
-        if not atoms:
-            yield binding, 0.0
-            return
-        found = [self._facts.candidates(atom.bind(binding)) for atom in atoms]
-        at = min(range(len(atoms)), key=lambda i: len(found[i]))
-        rest = (*atoms[:at], *atoms[at + 1 :])
-        asked = given.union(*(atom.arguments for atom in rest))
-        matters = any(a.startswith("?") and a not in binding and a in asked for a in atoms[at].arguments)
-        for fact in tuple(found[at]):
-            matched = unified(atoms[at], fact, binding, types, self._fits)
-            if matched is None:
-                continue
-            for result, cost in self._joined(rest, matched, types, given):
-                yield result, cost + self.settled[fact]
-            if not matters:
-                return
 
 
 def moved_by(action: Action, ontology: Ontology) -> tuple[tuple[str, str], ...]:
@@ -236,7 +145,9 @@ class Dealing:
         self._handling = Handling(task)
         groups = [g for g in _merged(map(self._group, range(len(task.goal)))) if g.things or g.kind]
         sketch = self._sketched(groups)
-        self.shares = [Share(robot, agents, efforts(sketch, agents)) for robot, agents in task.teams.items()]
+        self.shares = [
+            Share(robot, agents, Relaxation(sketch, agents, timed=True).cost) for robot, agents in task.teams.items()
+        ]
         wanted = {group: [self._effort(group, share.cost) for share in self.shares] for group in groups}
         least = [effort for efforts in wanted.values() if (effort := min(efforts)) < inf]
         self._fair = sum(least) / len(self.shares)

@@ -21,9 +21,10 @@ from skiros_py.geometry import Pose
 from skiros_py.planning.domain.model import Grounding
 from skiros_py.planning.plan import Plan, Step
 from skiros_py.planning.plan_validation import TaskState, grounded
+from skiros_py.planning.problem.reachability import USUAL
 from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.planning.replay import replay
-from skiros_py.planning.robots.allocation import USUAL, Handling
+from skiros_py.planning.robots.allocation import Handling
 from skiros_py.planning.robots.ordering import partial_order, schedule
 from skiros_py.skills.conditions import Related
 from skiros_py.world.poses import map_pose

@@ -44,7 +44,7 @@ def tray(slots: int, *facts: str, robots: int = 1) -> World:
 
 def causes(world: World, *goal: str, skills: tuple[SkillDescription, ...] = (DRIVE, PICK, PLACE)) -> tuple[Cause, ...]:
     task = tiny_task(world, *parse_goal(list(goal), world, WORDS), skills=skills)
-    return tuple(found.cause for found in find_causes(task, world))
+    return tuple(found.cause for found in find_causes(task))
 
 
 @pytest.mark.parametrize(
@@ -93,7 +93,7 @@ def test_a_goal_with_a_certain_cause_has_no_plan(seed: int, planners: Planners) 
     goal = parse_goal([drawn(random, 2) for _ in range(random.randint(1, 2))], world, WORDS)
     skills = [Capability(skill, world.instances(skill.agent_class)) for skill in (DRIVE, PICK, PLACE)]
 
-    found = find_causes(tiny_task(world, *goal), world)
+    found = find_causes(tiny_task(world, *goal))
 
     assert not found or Trial(planners, skills, each=30.0, together=30.0)(world, goal) is not True, found
 

@@ -17,7 +17,7 @@ PARTS = [f"scene:part_{n} a tiny:Ball ; sk:in scene:box_a ." for n in range(60)]
 
 
 def reasons(world: World, *goal: Condition, agents: tuple[str, ...] | None = None) -> tuple[str, ...]:
-    return tuple(found.cause.text for found in find_causes(tiny_task(world, *goal, agents=agents), world))
+    return tuple(found.cause.text for found in find_causes(tiny_task(world, *goal, agents=agents)))
 
 
 def lost() -> World:
@@ -100,7 +100,7 @@ def test_a_part_at_an_unknown_place_is_blamed_on_where_it_is() -> None:
 def test_a_cause_says_as_data_which_skill_never_gets_what() -> None:
     world = lost()
 
-    (found,) = find_causes(tiny_task(world, IN_CONTAINER("ball_1", "slot_1")), world)
+    (found,) = find_causes(tiny_task(world, IN_CONTAINER("ball_1", "slot_1")))
 
     assert found.cause.kind is CauseKind.MISSING_FACT
     assert (found.cause.skill, found.cause.precondition) == ("pick", "ball_1 is in a Box")
@@ -122,7 +122,7 @@ def test_a_property_that_nothing_has_is_said_of_the_class() -> None:
     skill = replace(DRIVE, params=(*DRIVE.params, Param("Slot", "tiny:Slot", "A slot.")), pre=(REACHABLE("Slot"),))
     world = tiny_world()
 
-    (found,) = find_causes(tiny_task(world, AT_LOCATION("robot_1", "box_a"), skills=(skill,)), world)
+    (found,) = find_causes(tiny_task(world, AT_LOCATION("robot_1", "box_a"), skills=(skill,)))
 
     assert "needs that a Slot has a driving pose, and no Slot has a driving pose" in found.cause.text
 
@@ -131,7 +131,7 @@ def test_a_skill_that_needs_what_it_is_wanted_for_is_told_once() -> None:
     skill = replace(DRIVE, pre=(*DRIVE.pre, AT_LOCATION("Robot", "Location")))
     world = tiny_world()
 
-    (found,) = find_causes(tiny_task(world, AT_LOCATION("robot_1", "box_a"), skills=(skill,)), world)
+    (found,) = find_causes(tiny_task(world, AT_LOCATION("robot_1", "box_a"), skills=(skill,)))
 
     assert found.cause.text.count("skill 'drive'") == 1
 
@@ -139,7 +139,7 @@ def test_a_skill_that_needs_what_it_is_wanted_for_is_told_once() -> None:
 def test_of_two_robots_the_one_that_lacks_the_skill_is_named() -> None:
     world = tiny_world(robots=2)
 
-    (found,) = find_causes(tiny_task(world, AT_LOCATION("robot_2", "box_a"), agents=("base_1",)), world)
+    (found,) = find_causes(tiny_task(world, AT_LOCATION("robot_2", "box_a"), agents=("base_1",)))
 
     assert found.cause.kind is CauseKind.NO_SKILL
     assert (found.cause.skill, found.cause.elements) == ("drive", ("base_2",))
@@ -173,7 +173,7 @@ def test_conditions_that_exclude_each_other_are_named_with_what_they_are_about(
     world = tiny_world()
     conditions = parse_goal(goal, world, CONDITIONS)
 
-    (found,) = find_causes(tiny_task(world, *conditions), world)
+    (found,) = find_causes(tiny_task(world, *conditions))
 
     assert found.cause.kind is kind
     assert elements <= set(found.cause.elements)
@@ -184,7 +184,7 @@ def test_a_condition_that_undoes_what_it_needs_is_said_to() -> None:
     """Nothing here finds out why: the explanation says no more than it knows."""
     world = tiny_world()
 
-    found = explain(tiny_task(world, IN_CONTAINER("ball_1", "slot_1")), world)
+    found = explain(tiny_task(world, IN_CONTAINER("ball_1", "slot_1")))
 
     assert [cause.kind for cause in found.causes] == [CauseKind.CONFLICT]
     assert "whatever is done for it undoes something else that it needs" in found.reasons[0]

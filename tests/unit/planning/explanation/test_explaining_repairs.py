@@ -3,9 +3,9 @@ from __future__ import annotations
 import pytest
 
 from skiros_py.errors import WorldError
-from skiros_py.planning.explanation import Explanation, explain
-from skiros_py.planning.explanation.edits import Add, Assign, HypotheticalView, Move, Relate, Remove, SceneEdit
-from skiros_py.planning.plan import Repair
+from skiros_py.planning.edits import Add, Assign, HypotheticalView, Move, Relate, Remove, SceneEdit
+from skiros_py.planning.explanation import explain
+from skiros_py.planning.plan import NoPlan, Repair
 from skiros_py.skills.conditions import Condition
 from skiros_py.testing import tiny_task, tiny_world
 from skiros_py.testing.tiny import AT_LOCATION, IN_CONTAINER
@@ -14,8 +14,8 @@ from skiros_py.world.view import WorldView
 from skiros_py.world.world import World
 
 
-def explained(world: World, *goal: Condition, works: bool | None = True) -> Explanation:
-    return explain(tiny_task(world, *goal), world, lambda _view, _goal: answering(works))
+def explained(world: World, *goal: Condition, works: bool | None = True) -> NoPlan:
+    return explain(tiny_task(world, *goal), lambda _view, _goal: answering(works))
 
 
 def answering(works: bool | None) -> bool | None:
@@ -61,7 +61,7 @@ def test_a_goal_without_a_capable_robot_is_explained_in_words() -> None:
     world = tiny_world()
     task = tiny_task(world, AT_LOCATION("robot_1", "box_a"), agents=("arm_1",))
 
-    found = explain(task, world, lambda _view, _goal: answering(True))
+    found = explain(task, lambda _view, _goal: answering(True))
 
     assert found.repairs == (Repair("give base_1 the skill 'drive', or start a robot that has it"),)
 

@@ -33,7 +33,7 @@ HELD, ELSEWHERE = HOLDING("gripper_1", "ball_1"), AT_LOCATION("robot_1", "box_b"
 
 def blamed(*goal: Condition, drive: SkillDescription = CAREFUL) -> set[Condition]:
     world = tiny_world()
-    (cause,) = explain(tiny_task(world, *goal, skills=(drive, PICK, PLACE)), world).causes
+    (cause,) = explain(tiny_task(world, *goal, skills=(drive, PICK, PLACE))).causes
     assert cause.kind is CauseKind.CONFLICT
     return set(cause.conditions)
 

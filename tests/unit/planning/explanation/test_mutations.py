@@ -27,7 +27,7 @@ def test_the_cause_is_how_the_task_was_spoilt_and_every_repair_works(mutation: M
     trial = Trial(planners, mutation.capabilities, each=30.0, together=300.0)
     before = mutation.world.version
 
-    found = explain(build_task(mutation.world, mutation.capabilities, mutation.goal), mutation.world, trial)
+    found = explain(build_task(mutation.world, mutation.capabilities, mutation.goal), trial)
 
     assert mutation.is_explained(found.causes), found.reasons
     assert mutation.world.version == before

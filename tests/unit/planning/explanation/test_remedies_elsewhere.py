@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from skiros_py.planning.explanation import Explanation, Trial, explain
-from skiros_py.planning.plan import CauseKind
+from skiros_py.planning.explanation import Trial, explain
+from skiros_py.planning.plan import CauseKind, NoPlan
 from skiros_py.planning.planners.kairos import Kairos
 from skiros_py.planning.planners.planner import Planners
 from skiros_py.planning.problem.task import Capability
@@ -26,18 +26,18 @@ def planners() -> Iterator[Planners]:
     found.close()
 
 
-def explained(planners: Planners, *goal: str, facts: tuple[str, ...] = ()) -> Explanation:
+def explained(planners: Planners, *goal: str, facts: tuple[str, ...] = ()) -> NoPlan:
     return explained_in(tiny_world(*facts), planners, *goal)
 
 
-def explained_in(world: World, planners: Planners, *goal: str) -> Explanation:
+def explained_in(world: World, planners: Planners, *goal: str) -> NoPlan:
     able = [Capability(skill, world.instances(skill.agent_class)) for skill in (DRIVE, PICK, PLACE)]
     conditions = parse_goal(list(goal), world, CONDITIONS)
     trial = Trial(planners, able, each=30.0, together=300.0)
-    return explain(tiny_task(world, *conditions), world, trial)
+    return explain(tiny_task(world, *conditions), trial)
 
 
-def texts(found: Explanation) -> list[str]:
+def texts(found: NoPlan) -> list[str]:
     return [repair.text for repair in found.repairs]
 
 

@@ -7,9 +7,10 @@ from collections.abc import Iterator
 import pytest
 from mutations import IN_TRAY
 
-from skiros_py.planning.explanation import Explanation, Trial, explain, find_causes
-from skiros_py.planning.explanation.edits import Move
+from skiros_py.planning.edits import Move
+from skiros_py.planning.explanation import Trial, explain, find_causes
 from skiros_py.planning.explanation.explaining import find_repairs
+from skiros_py.planning.plan import NoPlan
 from skiros_py.planning.planners.kairos import Kairos
 from skiros_py.planning.planners.planner import Planners
 from skiros_py.planning.problem.task import Capability
@@ -41,9 +42,9 @@ def trial(world: World, planners: Planners) -> Trial:
     return Trial(planners, able(world), each=30.0, together=300.0)
 
 
-def explained(world: World, planners: Planners, *goal: str) -> Explanation:
+def explained(world: World, planners: Planners, *goal: str) -> NoPlan:
     conditions = parse_goal(list(goal), world, WORDS)
-    return explain(tiny_task(world, *conditions), world, trial(world, planners))
+    return explain(tiny_task(world, *conditions), trial(world, planners))
 
 
 def ball(number: int, place: str) -> str:
@@ -104,7 +105,7 @@ def test_unneeded_changes_are_left_out_of_a_repair(planners: Planners) -> None:
     """The search begins with a cause that is none: what is done about it is of no use."""
     world = tiny_world(*TRAY, ball(8, "tray_1_1"), ball(9, "slot_1"))
     other, wanted = (parse_goal([text], world, WORDS) for text in ("Free(tray_1_1)", "Free(slot_1)"))
-    found = find_causes(tiny_task(world, *other), world)
+    found = find_causes(tiny_task(world, *other))
 
     repairs = find_repairs(found, world, wanted, able(world), trial(world, planners))
 
