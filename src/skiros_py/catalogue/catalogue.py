@@ -328,24 +328,15 @@ def callers_of_broken(skills: Mapping[str, Skill], broken: Mapping[str, str]) ->
     """
     found: dict[str, str] = {}
     while True:
-        gone = _gone(skills, {**broken, **found})
-        more = {
-            key: f"it calls '{name}': {gone[name]}"
-            for key, skill in skills.items()
-            if key not in broken and key not in found
-            for name in _first(called_by(skill), gone)
-        }
+        known = {**broken, **found}
+        left = {skill.description.name for key, skill in skills.items() if key not in known}
+        reasons = {skills[key].description.name: reason for key, reason in known.items() if key in skills}
+        gone = {name: reason for name, reason in reasons.items() if name not in left}
+        more: dict[str, str] = {}
+        for key, skill in skills.items():
+            name = next((name for name in called_by(skill) if name in gone), None)
+            if name is not None and key not in known:
+                more[key] = f"it calls '{name}': {gone[name]}"
         if not more:
             return found
         found |= more
-
-
-def _gone(skills: Mapping[str, Skill], broken: Mapping[str, str]) -> dict[str, str]:
-    """Returns why skills are not there at all, by their own names."""
-    left = {skill.description.name for key, skill in skills.items() if key not in broken}
-    reasons = ((skills[key].description.name, reason) for key, reason in broken.items() if key in skills)
-    return {name: reason for name, reason in reasons if name not in left}
-
-
-def _first(called: Iterable[str], gone: Mapping[str, str]) -> list[str]:
-    return [name for name in called if name in gone][:1]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -65,7 +66,7 @@ def command(scene: str, folder: Path | None, explain: bool, **options: Any) -> F
     if not explain:
         return found, _lines(files, steps, reasons, [repair.text for repair in none.repairs]), status
     account = account_of(by_name.values(), list(texts.actions.items()))
-    return {**found, "skills": [entry.as_json() for entry in account]}, _account_lines(account), status
+    return {**found, "skills": [asdict(entry) for entry in account]}, _account_lines(account), status
 
 
 def _account_lines(account: Sequence[SkillAccount]) -> Iterator[str]:

@@ -7,9 +7,7 @@ inspected and deleted like all taught data.
 from __future__ import annotations
 
 import statistics
-from collections.abc import Mapping
 from dataclasses import replace
-from typing import Protocol
 
 from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.skills.skill import SkillDescription
@@ -22,51 +20,23 @@ KEPT = 15
 """How many recent runs of a skill are kept; their median is robust against single delays."""
 
 
-class Ran(Protocol):
-    """A record of an executed skill."""
-
-    @property
-    def skill(self) -> str:
-        """Its name."""
-        ...
-
-    @property
-    def start(self) -> float:
-        """When it started [s]."""
-        ...
-
-    @property
-    def end(self) -> float:
-        """When it ended [s]."""
-        ...
-
-    @property
-    def reason(self) -> str:
-        """Why it failed; empty when it worked."""
-        ...
-
-    @property
-    def agent(self) -> str:
-        """Id of the subsystem that ran it."""
-        ...
-
-
-def observe(world: World, ran: Ran) -> None:
-    """Learns from a run; ignores runs that failed, took no time, or whose agent is gone.
+def observe(world: World, skill: str, agent: str, seconds: float) -> None:
+    """Learns from a successful run; ignores runs that took no time, or whose agent is gone.
 
     Args:
         world: Stores the learned duration.
-        ran: The step of a plan that ran.
+        skill: Name of the skill.
+        agent: Id of the subsystem that ran it.
+        seconds: How long it took [s].
     """
-    seconds = ran.end - ran.start
-    if ran.reason or seconds <= 0.0 or not world.has(ran.agent):
+    if seconds <= 0.0 or not world.has(agent):
         return
-    class_ = world.element(ran.agent).type
-    known = _lesson(world, ran.skill, class_)
-    with world.transaction(author="task manager", reason=f"{ran.skill} took {seconds:.2f} s") as tx:
+    class_ = world.element(agent).type
+    known = _lesson(world, skill, class_)
+    with world.transaction(author="task manager", reason=f"{skill} took {seconds:.2f} s") as tx:
         if known is None:
-            properties: dict[str, Value] = {OF_SKILL: ran.skill, APPLIES_TO: class_, RUN_TIMES: (seconds,)}
-            tx.add(LEARNED_DURATION, f"{ran.skill} by {class_}", None, properties, learned=True)
+            properties: dict[str, Value] = {OF_SKILL: skill, APPLIES_TO: class_, RUN_TIMES: (seconds,)}
+            tx.add(LEARNED_DURATION, f"{skill} by {class_}", None, properties, learned=True)
         else:
             tx.set(known, RUN_TIMES, (*_times(world, known), seconds)[-KEPT:])
 
@@ -100,9 +70,8 @@ def _lesson(view: WorldView, skill: str, class_: str) -> str | None:
     """Returns the id of the learned duration of a skill for agents of a class, or None."""
     if LEARNED_DURATION not in view.ontology.classes:
         return None
-    wanted: Mapping[str, object] = {OF_SKILL: skill, APPLIES_TO: class_}
-    lessons = (view.element(lesson) for lesson in view.abstracts(LEARNED_DURATION))
-    found = (e.id for e in lessons if all(e.properties.get(key) == value for key, value in wanted.items()))
+    lessons = {lesson: view.element(lesson).properties for lesson in view.abstracts(LEARNED_DURATION)}
+    found = (name for name, own in lessons.items() if (own.get(OF_SKILL), own.get(APPLIES_TO)) == (skill, class_))
     return next(found, None)
 
 

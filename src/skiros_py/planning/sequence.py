@@ -14,7 +14,6 @@ from copy import copy
 from skiros_py.skills.conditions import Condition, Relate, Verdict, effects_of, judge
 from skiros_py.skills.inference import applying
 from skiros_py.skills.skill import SkillDescription
-from skiros_py.world.element import Placement
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import FLOOR, HAS_A, ROBOT, SEQUENCE_NUMBER, USE_SEQUENCE_NUMBERS, WORK_NUMBER
@@ -102,14 +101,16 @@ class Round:
         """
         if not self._counts:
             return None
-        moves = (_move(view, effect) for effect in _effects(skill, arguments) if isinstance(effect, Relate))
-        verdicts = (self._judge(view, *move) for move in moves if move is not None)
-        return next((verdict for verdict in verdicts if verdict is not None), None)
-
-    def _judge(self, view: WorldView, moved: str, place: str) -> Verdict | None:
-        if view.ontology.is_a(view.element(moved).type, ROBOT):
-            return self._visit(view, moved, place)
-        return self._begin(view, moved, place)
+        ontology = view.ontology
+        for condition in applying(skill.post, arguments):
+            for effect in effects_of(condition.bind(arguments)):
+                if isinstance(effect, Relate) and ontology.is_placement(effect.relation):
+                    moved, placement = ontology.placed(effect.subject, effect.relation, effect.object)
+                    is_robot = ontology.is_a(view.element(moved).type, ROBOT)
+                    wrong = (self._visit if is_robot else self._begin)(view, moved, placement.place)
+                    if wrong is not None:
+                        return wrong
+        return None
 
     def _visit(self, view: WorldView, robot: str, place: str) -> Verdict | None:
         number = sequence_number(view, place)
@@ -131,16 +132,3 @@ class Round:
                 text = f"{moved} goes to {turn[1]} (work number {turn[0]}) before {condition} holds"
                 return Verdict(False, f"{text}: {earlier[1]} has work number {earlier[0]} and is done first")
         return None
-
-
-def _effects(skill: SkillDescription, arguments: Mapping[str, str]) -> list[object]:
-    return [e for condition in applying(skill.post, arguments) for e in effects_of(condition.bind(arguments))]
-
-
-def _move(view: WorldView, effect: Relate) -> tuple[str, str] | None:
-    """Returns the moved element and its new place if the effect is a placement."""
-    if not view.ontology.is_placement(effect.relation):
-        return None
-    moved, placement = view.ontology.placed(effect.subject, effect.relation, effect.object)
-    assert isinstance(placement, Placement)
-    return moved, placement.place

@@ -220,7 +220,7 @@ def learn_durations(tasks: TaskManager, runtime: Runtime) -> None:
     def learn(run: StepRun, outcome: Outcome) -> None:
         if not isinstance(outcome, Failure):
             now = runtime.context.board.now
-            observe(runtime.world, StepReport(run.step.skill, {}, run.start, now, agent=run.agent))
+            observe(runtime.world, run.step.skill, run.agent, now - run.start)
 
     def follow(task: TaskHandle) -> None:
         task.after_step(learn)

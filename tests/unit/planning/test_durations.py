@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import pytest
 from hypothesis import given
@@ -11,19 +11,13 @@ from skiros_py.planning.durations import KEPT, duration_of, observe, timed
 from skiros_py.testing import tiny_task, tiny_world
 from skiros_py.testing.tiny import AT_LOCATION, DRIVE
 from skiros_py.world.vocabulary import LEARNED_DURATION
+from skiros_py.world.world import World
 
 DECLARED = replace(DRIVE, duration=20.0)
 
 
-@dataclass(frozen=True)
-class Run:
-    """A run of a skill."""
-
-    start: float
-    end: float
-    reason: str = ""
-    agent: str = "base_1"
-    skill: str = "drive"
+def ran(world: World, seconds: float, skill: str = "drive", agent: str = "base_1") -> None:
+    observe(world, skill, agent, seconds)
 
 
 def test_a_declared_duration_is_used_until_one_is_learned() -> None:
@@ -31,7 +25,7 @@ def test_a_declared_duration_is_used_until_one_is_learned() -> None:
 
     assert duration_of(world, DECLARED, "sk:Base") == 20.0
     assert duration_of(world, DRIVE, "sk:Base") is None
-    observe(world, Run(10.0, 22.0))
+    ran(world, 12.0)
     assert duration_of(world, DECLARED, "sk:Base") == 12.0
 
 
@@ -39,7 +33,7 @@ def test_a_declared_duration_is_used_until_one_is_learned() -> None:
 def test_the_median_of_the_last_runs_counts(times: list[float]) -> None:
     world = tiny_world()
     for seconds in times:
-        observe(world, Run(0.0, seconds))
+        ran(world, seconds)
     last = sorted(times[-KEPT:])
     learned = duration_of(world, DECLARED, "sk:Base")
 
@@ -47,12 +41,12 @@ def test_the_median_of_the_last_runs_counts(times: list[float]) -> None:
     assert len(world.abstracts(LEARNED_DURATION)) == 1
 
 
-@pytest.mark.parametrize("run", [Run(0.0, 9.0, reason="slipped"), Run(3.0, 3.0), Run(0.0, 9.0, agent="gone")])
-def test_runs_that_say_nothing_teach_nothing(run: Run) -> None:
+@pytest.mark.parametrize(("seconds", "agent"), [(0.0, "base_1"), (9.0, "gone")])
+def test_runs_that_say_nothing_teach_nothing(seconds: float, agent: str) -> None:
     world = tiny_world()
     before = world.version
 
-    observe(world, run)
+    ran(world, seconds, agent=agent)
 
     assert duration_of(world, DECLARED, "sk:Base") == 20.0
     assert world.version == before
@@ -60,9 +54,9 @@ def test_runs_that_say_nothing_teach_nothing(run: Run) -> None:
 
 def test_each_skill_and_class_of_agent_has_times_of_its_own() -> None:
     world = tiny_world()
-    observe(world, Run(0.0, 4.0))
-    observe(world, Run(0.0, 7.0, skill="push"))
-    observe(world, Run(0.0, 9.0, agent="arm_1"))
+    ran(world, 4.0)
+    ran(world, 7.0, skill="push")
+    ran(world, 9.0, agent="arm_1")
 
     assert duration_of(world, DECLARED, "sk:Base") == 4.0
     assert duration_of(world, DECLARED, "sk:Arm") == 9.0
@@ -71,7 +65,7 @@ def test_each_skill_and_class_of_agent_has_times_of_its_own() -> None:
 
 def test_a_task_says_how_long_its_actions_take() -> None:
     world = tiny_world()
-    observe(world, Run(0.0, 4.0))
+    ran(world, 4.0)
     task = timed(tiny_task(world, AT_LOCATION("robot_1", "box_a"), skills=[DECLARED]))
 
     assert [action.duration for action in task.domain.actions if action.skill == "drive"] == [4.0]

@@ -22,6 +22,22 @@ open("input", "w").write("read")
 sys.exit(int(sys.argv[2]))
 """
 LOADED = "import os\nBY = os.getpid()\n"
+DIES = """
+import os, signal
+fork = os.fork
+def fork_and_die():
+    pid = fork()
+    if pid != 0:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return pid
+os.fork = fork_and_die
+"""
+LASTS = """
+import os, pathlib, time
+pathlib.Path("written").write_text(str(os.getpid()))
+pathlib.Path("written").rename("pid")
+time.sleep(3600)
+"""
 LIMITS = Limits(time=20.0)
 
 
@@ -32,6 +48,8 @@ def modules(tmp_path: Path) -> Path:
     (folder / "said.py").write_text(LOADED)
     (folder / "says.py").write_text(SAYS.replace("sys.exit(int(sys.argv[2]))", "if sys.argv[2] != '0': sys.exit(7)"))
     (folder / "waits.py").write_text("import time\ntime.sleep(3600)\n")
+    (folder / "dies.py").write_text(DIES)
+    (folder / "lasts.py").write_text(LASTS)
     return folder
 
 
@@ -110,3 +128,17 @@ def test_where_the_resident_program_is_killed_its_run_is_over_and_the_next_run_s
     assert run.kill() == -9
     process.wait(5.0)
     assert ran(resident, tmp_path, of("says", "two", "0")).code == 0
+
+
+def test_a_run_ends_though_the_resident_program_is_killed_as_soon_as_it_has_started_it(
+    modules: Path, tmp_path: Path
+) -> None:
+    with closing(Resident("the program", modules, ["said", "dies"])) as resident:
+        run = resident.start(of("lasts"), tmp_path, LIMITS, os.environ)
+        while not (tmp_path / "pid").exists():
+            time.sleep(0.01)
+        process = psutil.Process(int((tmp_path / "pid").read_text()))
+
+        assert run.has_ended()
+        assert run.kill() == -9
+        process.wait(5.0)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import cache
 from itertools import count, product
 
 from skiros_py.errors import DescriptionError, PlanningError
@@ -191,9 +192,20 @@ def possible_variants(actions: Iterable[Action], view: WorldView) -> tuple[Actio
 
     If no variant is possible, a skill's first one is kept, so that explanations can name what it lacks.
     """
-    drafts = tuple(actions)
-    placing = _Placing(drafts, view)
-    possible = [a for a in drafts if placing.allows(a)]
+    drafts, ontology = tuple(actions), view.ontology
+    brought: dict[str, set[str]] = {}
+    for action in drafts:
+        for moved, atom in _moved(action, action.add, ontology):
+            brought.setdefault(atom.predicate, set()).add(moved)
+
+    @cache
+    def may_be(class_: str, relation: str) -> bool:
+        if any(overlap(class_, other, ontology) for other in brought.get(relation, ())):
+            return True
+        placements = (view.placement(thing) for thing in view.instances(class_))
+        return any(placement is not None and placement.relation == relation for placement in placements)
+
+    possible = [a for a in drafts if all(may_be(m, p.predicate) for m, p in _moved(a, a.pre, ontology))]
     there = {action.skill for action in possible}
     kept: list[Action] = []
     for action in drafts:
@@ -201,34 +213,6 @@ def possible_variants(actions: Iterable[Action], view: WorldView) -> tuple[Actio
             kept.append(action)
             there.add(action.skill)
     return numbered(kept)
-
-
-class _Placing:
-    """How things of some class are or could be placed."""
-
-    def __init__(self, actions: Sequence[Action], view: WorldView) -> None:
-        self._view = view
-        self._found: dict[tuple[str, str], bool] = {}
-        self._brought: dict[str, set[str]] = {}
-        for action in actions:
-            for moved, atom in _moved(action, action.add, view.ontology):
-                self._brought.setdefault(atom.predicate, set()).add(moved)
-
-    def allows(self, action: Action) -> bool:
-        return all(self._may_be(m, a.predicate) for m, a in _moved(action, action.pre, self._view.ontology))
-
-    def _may_be(self, class_: str, relation: str) -> bool:
-        key = class_, relation
-        if key not in self._found:
-            self._found[key] = self._is_brought(class_, relation) or self._is_there(class_, relation)
-        return self._found[key]
-
-    def _is_brought(self, class_: str, relation: str) -> bool:
-        return any(overlap(class_, c, self._view.ontology) for c in self._brought.get(relation, ()))
-
-    def _is_there(self, class_: str, relation: str) -> bool:
-        placements = (self._view.placement(thing) for thing in self._view.instances(class_))
-        return any(placement is not None and placement.relation == relation for placement in placements)
 
 
 def _moved(action: Action, atoms: Iterable[Atom], ontology: Ontology) -> Iterator[tuple[str, Atom]]:

@@ -276,7 +276,7 @@ def _expand(pattern: Pattern, where: str, fresh: Iterator[int]) -> tuple[Conjunc
     match pattern:
         case AllOf(patterns):
             combinations = product(*(_expand(p, where, fresh) for p in patterns))
-            return tuple(_join(combination) for combination in combinations)
+            return tuple(joined(combination) for combination in combinations)
         case AnyOf(patterns):
             return tuple(conjunction for p in patterns for conjunction in _expand(p, where, fresh))
         case Exists():
@@ -299,7 +299,9 @@ def _none_such(pattern: Exists, where: str, fresh: Iterator[int]) -> tuple[NoneS
     return tuple(NoneSuch(way.variables, way.atoms) for way in ways)
 
 
-def _join(parts: tuple[Conjunction, ...]) -> Conjunction:
+def joined(parts: Iterable[Conjunction]) -> Conjunction:
+    """Returns all parts as one."""
+    parts = tuple(parts)
     atoms = tuple(atom for part in parts for atom in part.atoms)
     variables = tuple(variable for part in parts for variable in part.variables)
     none = tuple(none for part in parts for none in part.none)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from skiros_py.skills.skill import SkillDescription
 
@@ -149,12 +148,6 @@ class SkillAccount:
     post: tuple[str, ...]
     actions: tuple[ActionAccount, ...]
 
-    def as_json(self) -> dict[str, Any]:
-        """Returns the same as plain data."""
-        actions = [{"name": a.name, "parameters": list(a.parameters), "notes": list(a.notes)} for a in self.actions]
-        written = {"pre": list(self.pre), "hold": list(self.hold), "post": list(self.post)}
-        return {"skill": self.skill, **written, "actions": actions}
-
 
 def account_of(skills: Iterable[SkillDescription], actions: Sequence[tuple[str, Action]]) -> tuple[SkillAccount, ...]:
     """Describes the translation skill by skill.
@@ -163,18 +156,12 @@ def account_of(skills: Iterable[SkillDescription], actions: Sequence[tuple[str, 
         skills: The skills.
         actions: The actions of the domain, each with its name there.
     """
-    accounts = tuple(
-        SkillAccount(
-            skill.name,
-            tuple(map(str, skill.pre)),
-            tuple(map(str, skill.hold)),
-            tuple(map(str, skill.post)),
-            _actions(skill.name, actions),
-        )
-        for skill in skills
-    )
+    accounts = [
+        SkillAccount(s.name, *(tuple(map(str, own)) for own in (s.pre, s.hold, s.post)), _actions(s.name, actions))
+        for s in skills
+    ]
     bookkeeping = _actions(None, actions)
-    return (*accounts, SkillAccount("", (), (), (), bookkeeping)) if bookkeeping else accounts
+    return (*accounts, *([SkillAccount("", (), (), (), bookkeeping)] if bookkeeping else ()))
 
 
 def _actions(skill: str | None, actions: Sequence[tuple[str, Action]]) -> tuple[ActionAccount, ...]:

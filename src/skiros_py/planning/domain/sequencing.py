@@ -7,10 +7,11 @@ nothing is added if the scene's numbers do not apply. Costs come from the number
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from itertools import count
+from dataclasses import replace
+from itertools import count, product
 
 from skiros_py.planning.domain.goals import FINISHED
+from skiros_py.planning.domain.literals import Conjunction, joined
 from skiros_py.planning.domain.model import Action, Atom, Variable
 from skiros_py.planning.domain.pddl import NameMap, PddlTexts, PddlWriter
 from skiros_py.planning.problem.task import PlanningTask, extended
@@ -116,14 +117,12 @@ def _with_turns(task: PlanningTask) -> PlanningTask:
     wanted = [(turn[0], _wish(task, part)) for part, turn in enumerate(turns) if turn is not None]
     placing = {a.name: [p for m, p in moved_by(a, ontology) if a.types[m] not in ("", "object")
                         and not ontology.is_a(a.types[m], ROBOT)] for a in task.domain.actions}  # fmt: skip
-    needs = [_together([wish for number, wish in wanted if number in numbers[:rank]]) for rank in _ranks(numbers)]
+    needs = [
+        _together([wish for number, wish in wanted if number in numbers[:rank]]) for rank in range(len(numbers) + 1)
+    ]
     actions = tuple(b for a in task.domain.actions for b in _turns(a, placing[a.name], needs, places, task))
     facts = {Atom(f"{TURN} {rank + 1}", (place,)) for place, rank in places.items()}
     return extended(task, actions, facts)
-
-
-def _ranks(numbers: Sequence[int]) -> range:
-    return range(len(numbers) + 1)
 
 
 def _turn(view: WorldView, place: str, numbers: Sequence[int]) -> int:
@@ -132,46 +131,34 @@ def _turn(view: WorldView, place: str, numbers: Sequence[int]) -> int:
     return 0 if turn is None else sum(number < turn[0] for number in numbers)
 
 
-@dataclass(frozen=True, slots=True)
-class _Way:
-    """One way to fulfil a wish: these atoms together, for some values of the variables."""
-
-    atoms: tuple[Atom, ...] = ()
-    variables: tuple[Variable, ...] = ()
-
-    def and_(self, other: _Way) -> _Way:
-        """Returns the conjunction of both."""
-        return _Way(tuple(dict.fromkeys((*self.atoms, *other.atoms))), (*self.variables, *other.variables))
-
-
-def _wish(task: PlanningTask, part: int) -> tuple[_Way, ...]:
+def _wish(task: PlanningTask, part: int) -> tuple[Conjunction, ...]:
     """Returns some of the ways in which a goal condition can hold, over changeable and static facts.
 
     Bookkeeping facts are expanded. With very many ways the wish is omitted: planned steps may then come too early,
     which the replay detects.
     """
     names = (f"_goal_{part + 1}_{number}" for number in count(1))
-    return _ways(task, task.goal[part][1], names) or (_Way(),)
+    return _ways(task, task.goal[part][1], names) or (Conjunction(),)
 
 
-def _ways(task: PlanningTask, atoms: Sequence[Atom], names: Iterator[str]) -> tuple[_Way, ...]:
+def _ways(task: PlanningTask, atoms: Sequence[Atom], names: Iterator[str]) -> tuple[Conjunction, ...]:
     """Returns each way to make all of some atoms true; none if these would be too many."""
-    found: tuple[_Way, ...] = (_Way(),)
+    found: tuple[Conjunction, ...] = (Conjunction(),)
     for atom in atoms:
         own = _ways_of_one(task, atom, names)
-        found = tuple(one.and_(other) for one in found for other in own)
+        found = tuple(joined(pair) for pair in product(found, own))
         if not 0 < len(found) <= _MOST_WAYS:
             return ()
     return found
 
 
-def _ways_of_one(task: PlanningTask, atom: Atom, names: Iterator[str]) -> tuple[_Way, ...]:
+def _ways_of_one(task: PlanningTask, atom: Atom, names: Iterator[str]) -> tuple[Conjunction, ...]:
     closing = [(a, e) for a in task.domain.actions if a.skill is None for e in a.add if e.predicate == atom.predicate]
     if atom == FINISHED:
-        return (_Way(),)
+        return (Conjunction(),)
     if not closing:
-        return (_Way((atom,)),)
-    found: list[_Way] = []
+        return (Conjunction((atom,)),)
+    found: list[Conjunction] = []
     for action, effect in closing:
         bound = dict(zip(effect.arguments, atom.arguments, strict=True))
         name = next(names)
@@ -180,24 +167,24 @@ def _ways_of_one(task: PlanningTask, atom: Atom, names: Iterator[str]) -> tuple[
         below = _ways(task, [pre.bind(binding) for pre in action.pre], names)
         if not below:
             return ()
-        found += [_Way((), tuple(free.values())).and_(way) for way in below]
+        found += [joined((Conjunction((), tuple(free.values())), way)) for way in below]
     return tuple(found)
 
 
-def _together(wishes: Sequence[Sequence[_Way]]) -> tuple[_Way, ...]:
+def _together(wishes: Sequence[Sequence[Conjunction]]) -> tuple[Conjunction, ...]:
     """Returns the ways to fulfil all wishes; those with the most alternatives are omitted if there are too many."""
-    found: tuple[_Way, ...] = (_Way(),)
+    found: tuple[Conjunction, ...] = (Conjunction(),)
     for ways in sorted(wishes, key=len):
         if len(found) * len(ways) > _MOST_WAYS:
             break
-        found = tuple(one.and_(other) for one in found for other in ways)
+        found = tuple(joined(pair) for pair in product(found, ways))
     return found
 
 
 def _turns(
     action: Action,
     places: Sequence[str],
-    needs: Sequence[Sequence[_Way]],
+    needs: Sequence[Sequence[Conjunction]],
     turns: Mapping[str, int],
     task: PlanningTask,
 ) -> Iterator[Action]:

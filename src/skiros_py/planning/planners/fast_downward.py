@@ -14,14 +14,14 @@ import signal
 import socket
 import weakref
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from threading import Lock
 
 from skiros_py.errors import PlanningError
 from skiros_py.planning.planners.planner import Answer, Unsolvable
-from skiros_py.planning.planners.program_planner import DOMAIN, PROBLEM, ProgramPlanner, read_plan_file
+from skiros_py.planning.planners.program_planner import CLASSICAL, DOMAIN, PROBLEM, ProgramPlanner, read_plan_file
 from skiros_py.processes import end_connected, start_connected
 from skiros_py.programs import Ended, Limits, Running, kill_group, resource_limits, wait_for_group
 
@@ -66,16 +66,8 @@ class Resident:
         Raises:
             PlanningError: It cannot be started.
         """
-        order = {
-            "folder": str(folder),
-            "module": run.module,
-            "arguments": run.arguments,
-            "then": run.then,
-            "input": run.input,
-            "environment": dict(environment),
-            "limits": resource_limits(limits),
-        }
-        message = json.dumps(order).encode()
+        where = {"folder": str(folder), "environment": dict(environment), "limits": resource_limits(limits)}
+        message = json.dumps(asdict(run) | where).encode()
         (output, output_there), (status, status_there) = os.pipe(), os.pipe()
         try:
             with self._lock:
@@ -139,23 +131,23 @@ class ResidentRun:
         """Returns whether it has ended, or was lost because the resident program was killed."""
         waiting = select.poll()
         waiting.register(self._status, select.POLLIN)
-        while self._said.count(b"\n") < 2 and waiting.poll(0):
+        while b"code" not in self._said and waiting.poll(0):
             piece = os.read(self._status, 100)
             self._said += piece
             if not piece:
                 return True
-        return self._said.count(b"\n") >= 2
+        return b"code" in self._said
 
     def kill(self) -> int:
         """Kills its group, waits until it is gone and closes the pipes; returns its exit code."""
         self.has_ended()  # reads what there is
-        said = [int(line) for line in self._said.splitlines()]
+        said = dict(line.split() for line in self._said.splitlines())
         os.close(self._status)  # for the resident program: to kill it, where it runs
         os.close(self.output)
-        if said:
-            kill_group(said[0])
-            wait_for_group(said[0])
-        return said[1] if len(said) == 2 else -signal.SIGKILL
+        if b"pid" in said:
+            kill_group(int(said[b"pid"]))
+            wait_for_group(int(said[b"pid"]))
+        return int(said.get(b"code", -signal.SIGKILL))
 
 
 LAMA_FIRST = (
@@ -205,13 +197,7 @@ class FastDownward(ProgramPlanner):
     name = "fast-downward"
     title = "Fast Downward"
     is_alone = True
-    supports = frozenset(
-        {
-            ":strips", ":typing", ":equality", ":negative-preconditions", ":disjunctive-preconditions",
-            ":existential-preconditions", ":universal-preconditions", ":quantified-preconditions",
-            ":conditional-effects", ":adl", ":derived-predicates", ":action-costs",
-        }
-    )  # fmt: skip
+    supports = CLASSICAL | {":adl", ":derived-predicates", ":action-costs"}
 
     def __init__(
         self,

@@ -16,7 +16,7 @@ from typing import Any
 
 from skiros_py.errors import PlanningError
 from skiros_py.planning.planners.planner import Answer, Solved, Unsolvable
-from skiros_py.planning.planners.program_planner import CommandLinePlanner
+from skiros_py.planning.planners.program_planner import EVERYTHING, CommandLinePlanner
 from skiros_py.programs import Ended, Limits
 
 _SOLVED, _PROVED_UNSOLVABLE, _OUT_OF_TIME, _OUT_OF_MEMORY, _UNSUPPORTED, _NO_PLAN_FOUND = 0, 10, 11, 12, 13, 14
@@ -58,15 +58,7 @@ class Kairos(CommandLinePlanner):
     name = "kairos"
     title = "Kairos"
     is_alone = True
-    supports = frozenset(
-        {
-            ":strips", ":typing", ":equality", ":negative-preconditions", ":disjunctive-preconditions",
-            ":existential-preconditions", ":universal-preconditions", ":quantified-preconditions",
-            ":conditional-effects", ":adl", ":derived-predicates", ":action-costs", ":numeric-fluents", ":fluents",
-            ":object-fluents", ":durative-actions", ":duration-inequalities", ":continuous-effects",
-            ":timed-initial-literals", ":timed-initial-fluents", ":preferences", ":constraints", ":time",
-        }
-    )  # fmt: skip
+    supports = EVERYTHING | {":time", ":timed-initial-fluents"}
 
     def __init__(
         self,

@@ -39,8 +39,8 @@ def main(descriptor: str, *modules: str) -> None:
 
     Each order is a JSON object: ``folder``, ``module`` with ``arguments``, the command ``then`` that takes the process
     over when the module has ended well, with the file ``input`` and the ``environment``, and ``limits`` (numbers of the
-    resource and its limit). Two pipes come with it: for what the run prints, and for its process id and its exit code,
-    one a line. When the reader of the second pipe closes it, the run is killed.
+    resource and its limit). Two pipes come with it: for what the run prints, and for "pid" and "code", its process id
+    and its exit code, one a line. When the reader of the second pipe closes it, the run is killed.
 
     Args:
         descriptor: Descriptor of the socket, which preserves message boundaries.
@@ -84,14 +84,13 @@ class _Server:
         pid = os.fork()
         if pid == 0:
             self._orders.close()
-            for other in (status, *(run.status for run in self._runs.values())):
-                os.close(other)
-            _run(json.loads(message), output)
+            for run in self._runs.values():
+                os.close(run.status)
+            _run(json.loads(message), output, status)
         os.close(output)
         run = self._runs[pid] = _Run(pid, os.pidfd_open(pid), status)
         self._selector.register(run.ended, selectors.EVENT_READ, pid)
         self._selector.register(status, selectors.EVENT_READ, pid)  # it is "readable" once the reader has closed it
-        _write(status, pid)
         return True
 
     def _report(self, run: _Run) -> None:
@@ -100,14 +99,14 @@ class _Server:
         with contextlib.suppress(KeyError):
             self._selector.unregister(run.status)
         _kill(run)
-        _write(run.status, os.waitstatus_to_exitcode(os.waitpid(run.pid, 0)[1]))
+        _write(run.status, "code", os.waitstatus_to_exitcode(os.waitpid(run.pid, 0)[1]))
         os.close(run.ended)
         os.close(run.status)
 
 
-def _write(status: int, number: int) -> None:
+def _write(status: int, what: str, number: int) -> None:
     with contextlib.suppress(BrokenPipeError):
-        os.write(status, f"{number}\n".encode())
+        os.write(status, f"{what} {number}\n".encode())
 
 
 def _kill(run: _Run) -> None:
@@ -118,11 +117,16 @@ def _kill(run: _Run) -> None:
         signal.pidfd_send_signal(run.ended, signal.SIGKILL)
 
 
-def _run(order: dict[str, Any], output: int) -> None:
-    """Executes an order in this process, then exits it."""
+def _run(order: dict[str, Any], output: int, status: int) -> None:
+    """Executes an order in this process, then exits it.
+
+    It reports its process id itself, once it leads a group: its parent could be killed before that.
+    """
     code: object = 1
     try:
         os.setsid()
+        _write(status, "pid", os.getpid())
+        os.close(status)
         os.chdir(order["folder"])
         os.dup2(output, 1)
         os.dup2(output, 2)

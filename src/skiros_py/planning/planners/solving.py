@@ -19,20 +19,21 @@ def main(domain: str, problem: str, call: str, reply: str) -> None:
         domain: Path of the domain file.
         problem: Path of the problem file.
         call: Path of a pickle: where modules are found, and the method, pickled.
-        reply: Path of the file for the reply: its kind in the first line, then a text.
+        reply: Path of the file for the reply: a pickle of the plan's text, of Unsolvable or of a PlanningError.
     """
     path, method = pickle.loads(Path(call).read_bytes())  # noqa: S301 - our own process has written it
     sys.path[:] = path
+    said: str | Unsolvable | PlanningError
     try:
         folder = Path.cwd()
         answer = pickle.loads(method)(folder / domain, folder / problem, folder)  # noqa: S301 - the same
-        words = _words(answer)
+        said = _plain(answer)
     except BaseException as error:
         if by_user(error):
             raise
         traceback.print_exc()
-        words = f"broke\n{_fault(error)}"
-    Path(reply).write_text(words, encoding="utf-8")
+        said = PlanningError(_fault(error))
+    Path(reply).write_bytes(pickle.dumps(said))
 
 
 def _fault(error: BaseException) -> str:
@@ -45,14 +46,15 @@ def _fault(error: BaseException) -> str:
             return f"{type(error).__name__}: {error}"
 
 
-def _words(answer: object) -> str:
+def _plain(answer: object) -> str | Unsolvable | PlanningError:
+    """Returns an answer without classes that the reader would have to import."""
     match answer:
         case str():
-            return f"plan\n{answer}"
+            return str(answer)
         case Unsolvable(reason, proven):
-            return f"{'proven' if proven else 'unproven'}\n{reason}"
+            return Unsolvable(str(reason), bool(proven))
         case _:
-            return f"broke\nit returned {answer!r}: neither the text of a plan nor Unsolvable()"
+            return PlanningError(f"it returned {answer!r}: neither the text of a plan nor Unsolvable()")
 
 
 if __name__ == "__main__":

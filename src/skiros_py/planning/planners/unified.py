@@ -18,7 +18,7 @@ from typing import Any
 from skiros_py.errors import PlanningError
 from skiros_py.planning.planners import solving
 from skiros_py.planning.planners.planner import Answer, Unsolvable
-from skiros_py.planning.planners.program_planner import CommandLinePlanner, read_plan_text
+from skiros_py.planning.planners.program_planner import CLASSICAL, CommandLinePlanner, read_plan_text
 from skiros_py.processes import packed
 from skiros_py.programs import USUAL_LIMITS, Ended, Limits
 
@@ -33,7 +33,7 @@ class FilesPlanner(CommandLinePlanner):
         limits: What each call may take.
     """
 
-    supports = frozenset({":strips", ":typing"})
+    supports = CLASSICAL
 
     def __init__(self, limits: Limits = USUAL_LIMITS) -> None:
         self.title = f"planner '{self.name}'"
@@ -73,14 +73,10 @@ class FilesPlanner(CommandLinePlanner):
         reply = folder / _REPLY
         if ended.code != 0 or not reply.is_file():
             raise PlanningError(f"{self.title} {ended.words}")
-        kind, _, text = reply.read_text(encoding="utf-8").partition("\n")
-        match kind:
-            case "plan":
-                return read_plan_text(self.title, text)
-            case "proven" | "unproven":
-                return Unsolvable(text, proven=kind == "proven")
-            case _:
-                raise PlanningError(f"{self.title} broke: {text}")
+        answer = pickle.loads(reply.read_bytes())  # noqa: S301 - our own program has written it
+        if isinstance(answer, PlanningError):
+            raise PlanningError(f"{self.title} broke: {answer}")
+        return read_plan_text(self.title, answer) if isinstance(answer, str) else answer
 
 
 _LIMITS = Limits(memory=None)
@@ -96,14 +92,9 @@ class UnifiedPlanning(FilesPlanner):
     """
 
     name = "unified-planning"
-    supports = frozenset(
-        {
-            ":strips", ":typing", ":equality", ":negative-preconditions", ":disjunctive-preconditions",
-            ":existential-preconditions", ":universal-preconditions", ":quantified-preconditions",
-            ":conditional-effects", ":adl", ":action-costs", ":numeric-fluents", ":fluents", ":durative-actions",
-            ":duration-inequalities", ":timed-initial-literals",
-        }
-    )  # fmt: skip
+    supports = CLASSICAL | {
+        ":adl", ":action-costs", ":fluents", ":durative-actions", ":duration-inequalities", ":timed-initial-literals",
+    }  # fmt: skip
 
     def __init__(
         self,

@@ -8,7 +8,6 @@ from typing import NamedTuple
 from skiros_py.planning.domain.literals import CAN, NOTHING, Asked, overlap
 from skiros_py.planning.domain.model import Action, Atom
 from skiros_py.skills.conditions import Not
-from skiros_py.world.ontology import Ontology
 from skiros_py.world.terms import Family
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import STRUCTURE
@@ -26,15 +25,19 @@ class Lifted:
 
     Args:
         actions: All there are; their names are unique.
-        ontology: Classes and relations.
-        evaluated: Predicates whose facts are computed rather than stored.
+        view: The world.
+        asked: The evaluated literals, by predicate.
+
+    Attributes:
+        view, asked: The same.
     """
 
-    def __init__(self, actions: Sequence[Action], ontology: Ontology, evaluated: Mapping[str, object]) -> None:
-        self.ontology = ontology
+    def __init__(self, actions: Sequence[Action], view: WorldView, asked: Mapping[str, Asked | Not]) -> None:
+        self.view = view
+        self.asked = asked
+        self._ontology = view.ontology
         self.actions = {action.name: action for action in actions}
         self.types = {action.name: action.types for action in actions}
-        self._evaluated = evaluated
         self._adding: dict[str, list[tuple[Action, Atom]]] = {}
         self._deleting: dict[str, list[tuple[Action, Atom]]] = {}
         self._needing: dict[Slot, list[Atom]] = {}
@@ -59,12 +62,12 @@ class Lifted:
     def fits(self, type_: str, slot: Slot) -> bool:
         """Returns True when elements of a class may be an argument."""
         class_ = self.class_of(slot)
-        return class_ in ("", "object") or self.ontology.is_a(type_, class_)
+        return class_ in ("", "object") or self._ontology.is_a(type_, class_)
 
     def is_stored(self, predicate: str) -> bool:
         """Returns True for a relation whose facts are in the world itself."""
-        relation = self.ontology.relations.get(predicate)
-        return relation is not None and predicate not in self._evaluated and relation.family is not Family.COMPUTED
+        relation = self._ontology.relations.get(predicate)
+        return relation is not None and predicate not in self.asked and relation.family is not Family.COMPUTED
 
     def is_changed(self, predicate: str) -> bool:
         """Returns True when some action adds facts of this kind."""
@@ -72,11 +75,11 @@ class Lifted:
 
     def is_determined(self, atom: Atom, variable: str) -> bool:
         """Returns True when an argument leaves one value at most for the atom's other: its place, its owner."""
-        relation = self.ontology.relations[atom.predicate]
+        relation = self._ontology.relations[atom.predicate]
         at_subject = atom.arguments[0] == variable
         if relation.family is Family.PLACEMENT:
             return at_subject == (relation.place_end == "object")
-        if atom.predicate in self.ontology.sub_relations(STRUCTURE):
+        if atom.predicate in self._ontology.sub_relations(STRUCTURE):
             return not at_subject
         return at_subject and relation.functional
 
@@ -103,7 +106,7 @@ class Lifted:
         """Returns True when something may be of both classes."""
         key = one, other
         if key not in self._overlaps:
-            self._overlaps[key] = overlap(one, other, self.ontology)
+            self._overlaps[key] = overlap(one, other, self._ontology)
         return self._overlaps[key]
 
     def is_passive(self, class_: str) -> bool:
@@ -147,24 +150,15 @@ class Candidates:
     """Chooses elements of a class heuristically; a wrong guess only costs time.
 
     Args:
-        view: The world.
         lifted: The actions.
-        asked: The evaluated literals, by predicate.
         agents: The agents that have a skill, by predicate ("can_pick").
         found: The known candidates of other arguments.
     """
 
-    def __init__(
-        self,
-        view: WorldView,
-        lifted: Lifted,
-        asked: Mapping[str, Asked | Not],
-        agents: Mapping[str, Collection[str]],
-        found: Found,
-    ) -> None:
-        self._view = view
+    def __init__(self, lifted: Lifted, agents: Mapping[str, Collection[str]], found: Found) -> None:
+        self._view = lifted.view
         self._lifted = lifted
-        self._asked = asked
+        self._asked = lifted.asked
         self._agents = agents
         self._found = found
         self._known: dict[tuple[Slot, str], bool] = {}

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass
 
 from skiros_py.planning.domain.literals import CAN, NOTHING, Asked
 from skiros_py.planning.domain.model import Action, Atom, NoneSuch
@@ -21,17 +20,8 @@ _AIM = ""
 """Name of the pseudo-action for the goal: its preconditions are the goal."""
 
 
-@dataclass(frozen=True, slots=True)
-class Relevant:
-    """The actions and elements relevant to a goal.
-
-    Attributes:
-        actions: Those that can help, directly or indirectly, in their order.
-        elements: Ids of the elements they could involve.
-    """
-
-    actions: tuple[Action, ...]
-    elements: frozenset[str]
+Relevant = tuple[tuple[Action, ...], frozenset[str]]
+"""The actions that can help, directly or indirectly, in their order; and the elements they could involve."""
 
 
 def relevant(
@@ -54,27 +44,20 @@ def relevant(
             everything that any plan without idle steps could be about.
     """
     aim = Action(_AIM, None, (), tuple(goal), (), ())
-    growth = _Growth(view, Lifted((*actions, aim), view.ontology, asked), agents, asked, width)
+    growth = _Growth(Lifted((*actions, aim), view, asked), agents, width)
     growth.run(aim)
     helping = (action for name, action in growth.lifted.actions.items() if name in growth.active and name != _AIM)
-    return Relevant(tuple(helping), frozenset(growth.elements))
+    return tuple(helping), frozenset(growth.elements)
 
 
 class _Growth:
     """The arguments of relevant actions, with their candidate elements."""
 
-    def __init__(
-        self,
-        view: WorldView,
-        lifted: Lifted,
-        agents: Mapping[str, Collection[str]],
-        asked: Mapping[str, Asked | Not],
-        width: int | None,
-    ) -> None:
+    def __init__(self, lifted: Lifted, agents: Mapping[str, Collection[str]], width: int | None) -> None:
         self.lifted = lifted
         self.active: dict[str, Action] = {}
         self.elements: dict[str, str] = {}
-        self._view = view
+        self._view = lifted.view
         self._agents = agents
         self._width = width
         self._found: dict[Slot, dict[str, None]] = {}
@@ -85,7 +68,7 @@ class _Growth:
         self._displaced: dict[str, None] = {}
         self._followed: set[tuple[Slot, Atom]] = set()
         self._changing: dict[tuple[Slot, Atom], bool] = {}
-        self._candidates = Candidates(view, lifted, asked, agents, self._values)
+        self._candidates = Candidates(lifted, agents, self._values)
 
     def run(self, aim: Action) -> None:
         """Grows from the goal until nothing more is needed."""

@@ -278,11 +278,11 @@ class _Building:
         compiled = self._compiled()
         atoms = tuple(atom for own in compiled.atoms for atom in own)
         if whole:
-            found = _everything(self._view, compiled.actions)
+            possible, elements = _everything(self._view, compiled.actions)
         else:
-            found = relevant(self._view, compiled.actions, atoms, self._agents, self._asked, width)
-        objects = {name: self._view.element(name).type for name in sorted(found.elements | self._named)}
-        actions = with_class_predicates(found.actions, objects, self._ontology)
+            possible, elements = relevant(self._view, compiled.actions, atoms, self._agents, self._asked, width)
+        objects = {name: self._view.element(name).type for name in sorted(elements | self._named)}
+        actions = with_class_predicates(possible, objects, self._ontology)
         actions, predicates, init = self._stated(actions, atoms, objects, compiled.init)
         if width is None and not whole:
             objects, init = self._merged(objects, init, actions, atoms)
@@ -337,7 +337,7 @@ class _Building:
         """Removes superfluous interchangeable elements."""
         said = (*(atom for action in actions for atom in action.atoms), *goal)
         spoken = {argument for atom in said for argument in atom.arguments}
-        lifted = Lifted(actions, self._ontology, self._asked)
+        lifted = Lifted(actions, self._view, self._asked)
         gone = superfluous(objects, init, actions, lifted, spoken | self._named)
         left = {name: type_ for name, type_ in objects.items() if name not in gone}
         return left, {atom for atom in init if gone.isdisjoint(atom.arguments)}
@@ -347,7 +347,7 @@ def _everything(view: WorldView, actions: Sequence[Action]) -> Relevant:
     """Takes all actions, and every element that fits some parameter."""
     classes = dict.fromkeys(v.type for action in actions for v in action.variables if v.type)
     constants = {c.name for action in actions for c in action.constants}
-    return Relevant(tuple(actions), frozenset(constants.union(*(view.instances(class_) for class_ in classes))))
+    return tuple(actions), frozenset(constants.union(*(view.instances(class_) for class_ in classes)))
 
 
 def _predicates(
