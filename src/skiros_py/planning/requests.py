@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import CancelledError, Future
 from dataclasses import dataclass, field, replace
 from typing import Generic, Protocol, TypeVar
 
@@ -11,7 +10,7 @@ from skiros_py.errors import PlanningError, SkirosError
 from skiros_py.interruptions import Interruption
 from skiros_py.planning.domain.actions import with_defaults
 from skiros_py.planning.plan import Plan, Step
-from skiros_py.planning.planners.planner import Planners
+from skiros_py.planning.planners.planner import FuturePending, Planners
 from skiros_py.planning.problem.stock import tokens_of, with_stock
 from skiros_py.planning.problem.task import Capability
 from skiros_py.planning.replay import Flaw, apply_effects, replay
@@ -54,44 +53,12 @@ class Answer(Generic[T]):
     value: T
 
 
-class Asked(Generic[T]):
-    """A pending request; a :class:`~skiros_py.ports.values.Pending`.
-
-    Args:
-        future: The answer.
-        stop: Cancels the work; callable from any thread, also after the answer has arrived.
-    """
-
-    latency = 0.0
-
-    def __init__(self, future: Future[Answer[T]], stop: Callable[[], None]) -> None:
-        self._future = future
-        self._stop = stop
-
-    def done(self) -> bool:
-        """Returns True when :meth:`result` will not block."""
-        return self._future.done()
-
-    def result(self) -> Answer[T]:
-        """Waits for the answer.
-
-        Raises:
-            SkirosError: There is no answer: planning failed or was cancelled.
-        """
-        try:
-            return self._future.result()
-        except CancelledError:
-            raise PlanningError("planning was stopped") from None
+class Asked(FuturePending[Answer[T]]):
+    """A pending request."""
 
     def when_done(self, callback: Callable[[Asked[T]], None]) -> None:
         """Calls back when the answer is available, in an arbitrary thread."""
         self._future.add_done_callback(lambda _future: callback(self))
-
-    def cancel(self) -> None:
-        """Cancels the work; does nothing if the answer is available."""
-        if not self._future.done():
-            self._stop()
-            self._future.cancel()
 
 
 class PlanningHost(Protocol):

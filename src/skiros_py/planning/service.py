@@ -297,9 +297,7 @@ class SolverLoop:
             reason = out_of_sequence(self.view, free.steps, self.goal, self.task.skills, reached=self.reached)
             return NoPlan((reason,), (Cause(CauseKind.CONFLICT, reason, self.goal),)) if reason else free
         options = self.options
-        trial = Trial(
-            self.planners, self.capabilities, each=options.each, together=options.together, stopped=self.stopped
-        )
+        trial = Trial(self.planners, self.capabilities, options.each, options.together, self.stopped)
         return explain(self.task, trial)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 from skiros_py.planning.domain.model import SkillAccount, account_of
 from skiros_py.skills.conditions import Condition, ConditionType, Exists, Nothing, Related, Role, any_of
@@ -98,7 +98,7 @@ def test_a_quantifier_that_takes_the_place_of_bookkeeping_is_told() -> None:
 
 
 def test_the_account_is_plain_data_too() -> None:
-    data = told(AT_LOCATION("robot_1", "box_a"))["drive"].as_json()
+    data = asdict(told(AT_LOCATION("robot_1", "box_a"))["drive"])
 
     assert data["skill"] == "drive"
     assert data["actions"][0]["name"] == "drive"

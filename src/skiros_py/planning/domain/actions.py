@@ -25,7 +25,7 @@ from skiros_py.planning.domain.literals import (
     storable,
 )
 from skiros_py.planning.domain.model import Action, Atom, NoneSuch, Variable
-from skiros_py.skills.conditions import Assign, Condition, Effect, Not, Relate, Unrelate, effects_of, is_sensed
+from skiros_py.skills.conditions import Assign, Condition, Not, Relate, Unrelate, effects_of, is_sensed
 from skiros_py.skills.inference import applying
 from skiros_py.skills.parameters import Param
 from skiros_py.skills.skill import SkillDescription
@@ -245,7 +245,7 @@ def actions_of(
     choices = [expand(c.pattern, f"{where}, precondition {c}", ontology, fresh) for c in needed]
     if asked is None:
         asked = asked_literals((c.pattern for c in needed), ontology)
-    effects = _Effects(skill, ontology, asked)
+    effects = _effects(skill, ontology, asked)
     variants = [_action(skill, variant, effects, _chosen(needed, choices, variant)) for variant in product(*choices)]
     complete = (action for variant in variants for action in with_implicit_deletes(variant, ontology))
     return numbered(map(_with_question_marks, complete))
@@ -275,14 +275,20 @@ def _constants(skill: SkillDescription) -> tuple[Variable, ...]:
     return tuple(Variable(element, skill.param(key).element_class) for key, element in defaults)
 
 
-def _action(skill: SkillDescription, pre: Sequence[Conjunction], effects: _Effects, notes: tuple[str, ...]) -> Action:
+def _action(
+    skill: SkillDescription,
+    pre: Sequence[Conjunction],
+    effects: tuple[tuple[Atom, ...], tuple[Atom, ...]],
+    notes: tuple[str, ...],
+) -> Action:
+    add, delete = effects
     own = tuple(Variable(param.key, param.element_class) for param in required_elements(skill))
     extra = tuple(dict.fromkeys(variable for part in pre for variable in part.variables))
     able = Atom(CAN + skill.name, (skill.agent,))
     needed = tuple(dict.fromkeys([able, *(atom for part in pre for atom in part.atoms)]))
     none = tuple(dict.fromkeys(none for part in pre for none in part.none))
     of_one = [c for c in skill.needs if c not in skill.described and c not in skill.pre]
-    spoken = {a for atom in (*needed, *effects.add, *effects.delete) for a in atom.arguments}
+    spoken = {a for atom in (*needed, *add, *delete) for a in atom.arguments}
     spoken |= {a for such in none for atom in such.atoms for a in atom.arguments}
     said = (
         f"precondition {shown(able)}: who has the skill",
@@ -292,67 +298,57 @@ def _action(skill: SkillDescription, pre: Sequence[Conjunction], effects: _Effec
         *(f"hold condition {c} left out: sensed while it runs, unknown to plans" for c in sensed_holds_of(skill)),
     )
     constants = tuple(constant for constant in _constants(skill) if constant.name in spoken)
-    return Action(skill.name, skill.name, own + extra, needed, effects.add, effects.delete, said, constants, none)
+    return Action(skill.name, skill.name, own + extra, needed, add, delete, said, constants, none)
 
 
-class _Effects:
-    """The effects of a skill's postconditions, as lists of added and deleted atoms."""
-
-    def __init__(self, skill: SkillDescription, ontology: Ontology, asked: Mapping[str, Asked | Not]) -> None:
-        self._skill = skill
-        self._ontology = ontology
-        self._asked = asked
-        added: list[Atom] = []
-        deleted: list[Atom] = []
-        for effect in self._declared():
-            add, delete = self._atoms(effect)
-            added += add
-            deleted += delete
-        self.add, self.delete = tuple(added), tuple(deleted)
-
-    def _declared(self) -> list[Effect]:
-        try:
-            return [effect for condition in _said(self._skill, self._skill.post) for effect in effects_of(condition)]
-        except DescriptionError as error:
-            raise PlanningError(f"skill '{self._skill.name}', postcondition {error}") from None
-
-    def _atoms(self, effect: Effect) -> tuple[list[Atom], list[Atom]]:
+def _effects(
+    skill: SkillDescription, ontology: Ontology, asked: Mapping[str, Asked | Not]
+) -> tuple[tuple[Atom, ...], tuple[Atom, ...]]:
+    """Returns the atoms that a skill's postconditions add and delete."""
+    try:
+        effects = [effect for condition in _said(skill, skill.post) for effect in effects_of(condition)]
+    except DescriptionError as error:
+        raise PlanningError(f"skill '{skill.name}', postcondition {error}") from None
+    added: list[Atom] = []
+    deleted: list[Atom] = []
+    for effect in effects:
         match effect:
             case Relate(relation, subject, object_):
-                self._check_storable(relation)
-                return [Atom(relation, (subject, object_))], []
+                _check_storable(relation, skill, ontology)
+                added.append(Atom(relation, (subject, object_)))
             case Unrelate(relation, subject, object_):
-                below = self._ontology.sub_relations(relation)
-                return [], [Atom(r, (subject, object_)) for r in below if r != PLACEMENT]
+                below = (r for r in ontology.sub_relations(relation) if r != PLACEMENT)
+                deleted += [Atom(r, (subject, object_)) for r in below]
             case Assign(property_, subject, value):
-                self._check_no_fallback(effect)
-                about = {p: literal for p, literal in self._asked.items() if property_of(literal) == property_}
-                true = {p for p, literal in about.items() if allows_value(literal, value)}
-                atoms = {p: Atom(p, (subject,)) for p in about}
-                return [atoms[p] for p in about if p in true], [atoms[p] for p in about if p not in true]
+                _check_no_fallback(effect, skill, ontology)
+                for predicate, literal in asked.items():
+                    if property_of(literal) == property_:
+                        atoms = added if allows_value(literal, value) else deleted
+                        atoms.append(Atom(predicate, (subject,)))
+    return tuple(added), tuple(deleted)
 
-    def _check_storable(self, relation: str) -> None:
-        if relation == PLACEMENT:
-            below = ", ".join(r for r in self._ontology.sub_relations(relation) if r != relation)
-            raise PlanningError(
-                f"skill '{self._skill.name}' has a postcondition of {relation}, which says that something is somewhere "
-                f"but not how: use one of {below}"
-            )
 
-    def _check_no_fallback(self, effect: Assign) -> None:
-        """Refuses to remove a value if the class's value would then apply: it differs from class to class."""
-        named = {constant.name: constant.type for constant in _constants(self._skill)}
-        class_ = named.get(effect.subject) or self._skill.param(effect.subject).element_class
-        if effect.value is not None or class_ not in self._ontology.classes:
-            return
-        given = [
-            c for c in self._ontology.subclasses(class_) if self._ontology.class_value(c, effect.property) is not None
-        ]
-        if given:
-            raise PlanningError(
-                f"skill '{self._skill.name}' takes away the {effect.property} of {effect.subject}, and the class "
-                f"{given[0]} gives one to all its things: set a value instead"
-            )
+def _check_storable(relation: str, skill: SkillDescription, ontology: Ontology) -> None:
+    if relation == PLACEMENT:
+        below = ", ".join(r for r in ontology.sub_relations(relation) if r != relation)
+        raise PlanningError(
+            f"skill '{skill.name}' has a postcondition of {relation}, which says that something is somewhere "
+            f"but not how: use one of {below}"
+        )
+
+
+def _check_no_fallback(effect: Assign, skill: SkillDescription, ontology: Ontology) -> None:
+    """Refuses to remove a value if the class's value would then apply: it differs from class to class."""
+    named = {constant.name: constant.type for constant in _constants(skill)}
+    class_ = named.get(effect.subject) or skill.param(effect.subject).element_class
+    if effect.value is not None or class_ not in ontology.classes:
+        return
+    given = [c for c in ontology.subclasses(class_) if ontology.class_value(c, effect.property) is not None]
+    if given:
+        raise PlanningError(
+            f"skill '{skill.name}' takes away the {effect.property} of {effect.subject}, and the class "
+            f"{given[0]} gives one to all its things: set a value instead"
+        )
 
 
 def _with_question_marks(action: Action) -> Action:

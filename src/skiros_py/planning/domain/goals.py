@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache, partial
 from itertools import count
 
 from skiros_py.errors import PlanningError, UsageError
@@ -152,8 +153,7 @@ def compile_goal(goal: Sequence[Condition], actions: Sequence[Action], view: Wor
     Raises:
         UsageError: A condition cannot be expressed in typed STRIPS.
     """
-    brought = Brought(actions, view.ontology)
-    parts = [_Part(condition, number, actions, brought, view) for number, condition in enumerate(goal, start=1)]
+    parts = [_Part(condition, number, actions, view) for number, condition in enumerate(goal, start=1)]
     atoms = tuple(part.atoms for part in parts)
     bookkeeping = [action for part in parts for action in part.bookkeeping]
     if not bookkeeping:
@@ -173,16 +173,14 @@ class _Part:
         bookkeeping: The actions that achieve those that are not facts of the world.
     """
 
-    def __init__(
-        self, condition: Condition, number: int, actions: Sequence[Action], brought: Brought, view: WorldView
-    ) -> None:
+    def __init__(self, condition: Condition, number: int, actions: Sequence[Action], view: WorldView) -> None:
         self.bookkeeping: list[Action] = []
         self._where = f"goal '{condition}'"
         self._number = number
         self._nodes = count()
         self._fresh = count(1)
         self._tracked = emptiness_classes(actions)
-        self._brought = brought
+        self._may_relate = cache(partial(_may_relate, actions=actions, ontology=view.ontology))
         self._view = view
         try:
             pattern = normal(condition.closed_pattern(view.ontology), self._where, view.ontology)
@@ -262,31 +260,15 @@ class _Part:
             return True
         if any(argument.startswith("?") for argument in atom.arguments):
             return True
-        return self._view.related(atom.arguments[0], relation, atom.arguments[1]) or self._brought.may_relate(
-            relation, *(self._view.element(argument).type for argument in atom.arguments)
-        )
+        classes = tuple(self._view.element(argument).type for argument in atom.arguments)
+        return self._view.related(atom.arguments[0], relation, atom.arguments[1]) or self._may_relate(relation, classes)
 
 
-class Brought:
-    """The relations that a set of skills can achieve.
+def _may_relate(relation: str, classes: Sequence[str], actions: Iterable[Action], ontology: Ontology) -> bool:
+    """Returns whether a skill could make a relation hold between things of these most specific classes."""
 
-    Args:
-        actions: The skills.
-        ontology: Their classes.
-    """
+    def fits(class_: str, wanted: str) -> bool:
+        return wanted not in ontology.classes or ontology.is_a(class_, wanted)
 
-    def __init__(self, actions: Iterable[Action], ontology: Ontology) -> None:
-        self._ontology = ontology
-        self._ends: dict[str, dict[tuple[str, ...], None]] = {}
-        for action in actions:
-            types = action.types
-            for atom in action.add:
-                ends = tuple(types[argument] for argument in atom.arguments)
-                self._ends.setdefault(atom.predicate, {})[ends] = None
-
-    def may_relate(self, relation: str, *classes: str) -> bool:
-        """Returns whether a skill could make a relation hold between things of these most specific classes."""
-        return any(all(map(self._fits, classes, ends)) for ends in self._ends.get(relation, ()))
-
-    def _fits(self, class_: str, wanted: str) -> bool:
-        return wanted not in self._ontology.classes or self._ontology.is_a(class_, wanted)
+    added = ((a, atom) for a in actions for atom in a.add if atom.predicate == relation)
+    return any(all(map(fits, classes, (a.types[name] for name in atom.arguments))) for a, atom in added)

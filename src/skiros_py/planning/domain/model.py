@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
+from skiros_py.skills.conditions import Condition
 from skiros_py.skills.skill import SkillDescription
 
 
@@ -157,11 +158,14 @@ def account_of(skills: Iterable[SkillDescription], actions: Sequence[tuple[str, 
         actions: The actions of the domain, each with its name there.
     """
     accounts = [
-        SkillAccount(s.name, *(tuple(map(str, own)) for own in (s.pre, s.hold, s.post)), _actions(s.name, actions))
-        for s in skills
+        SkillAccount(s.name, _texts(s.pre), _texts(s.hold), _texts(s.post), _actions(s.name, actions)) for s in skills
     ]
     bookkeeping = _actions(None, actions)
     return (*accounts, *([SkillAccount("", (), (), (), bookkeeping)] if bookkeeping else ()))
+
+
+def _texts(conditions: Iterable[Condition]) -> tuple[str, ...]:
+    return tuple(map(str, conditions))
 
 
 def _actions(skill: str | None, actions: Sequence[tuple[str, Action]]) -> tuple[ActionAccount, ...]:

@@ -231,14 +231,6 @@ class FastDownward(ProgramPlanner):
             return Unsolvable()
         if ended.code == _SEARCHED_IN_VAIN:
             return Unsolvable("its search came to an end without a plan", proven=False)
-        if ended.code in _OUT_OF_MEMORY:
-            raise PlanningError(f"{self.title} ran out of memory (it may take {_gibibytes(self.limits.memory)})")
-        if ended.code in _OUT_OF_TIME:
-            raise PlanningError(f"{self.title} found no answer in {self.limits.time:g} s")
         if ended.code != _PLAN_FOUND:
-            raise PlanningError(f"{self.title} {ended.words}")
+            raise self.failed(ended, out_of_time=_OUT_OF_TIME, out_of_memory=_OUT_OF_MEMORY)
         return read_plan_file(self.title, folder / "plan")
-
-
-def _gibibytes(memory: int | None) -> str:
-    return "any" if memory is None else f"{memory / (1 << 30):.2g} GiB"

@@ -78,14 +78,10 @@ class Kairos(CommandLinePlanner):
         """Reads the answer."""
         if ended.code in (_PROVED_UNSOLVABLE, _NO_PLAN_FOUND):
             return Unsolvable(proven=ended.code == _PROVED_UNSOLVABLE)
-        if ended.code == _OUT_OF_TIME:
-            raise PlanningError(f"{self.title} found no answer in {self.limits.time:g} s")
-        if ended.code == _OUT_OF_MEMORY:
-            raise PlanningError(f"{self.title} ran out of memory (it may take {(self.limits.memory or 0) >> 20} MiB)")
         if ended.code == _UNSUPPORTED:
             raise PlanningError(f"{self.title} cannot plan with something in the task; it {ended.words}")
         if ended.code != _SOLVED:
-            raise PlanningError(f"{self.title} {ended.words}")
+            raise self.failed(ended, out_of_time={_OUT_OF_TIME}, out_of_memory={_OUT_OF_MEMORY})
         return self._plan(folder / _PLAN)
 
     def _plan(self, path: Path) -> Solved:

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Collection, Iterable, Iterator
+from concurrent.futures import CancelledError, Future, wait
 from dataclasses import dataclass
 from threading import Lock
-from typing import Protocol, Self
+from typing import Generic, Protocol, Self, TypeVar
 
 from skiros_py.errors import PlanningError, SkirosError
 from skiros_py.ports.values import Pending
+
+T = TypeVar("T")
 
 _POLL = 0.005
 """Poll interval for cancellation; and for answers without a method ``wait`` [s]."""
@@ -44,6 +47,48 @@ class Unsolvable:
 
 
 Answer = Solved | Unsolvable
+
+
+class FuturePending(Generic[T]):
+    """A value that a thread computes; a :class:`~skiros_py.ports.values.Pending`.
+
+    Args:
+        future: The value.
+        stop: Cancels the work; callable from any thread, also after the value has arrived.
+        stopped: The message if it was cancelled.
+    """
+
+    latency = 0.0
+
+    def __init__(self, future: Future[T], stop: Callable[[], object], stopped: str = "planning was stopped") -> None:
+        self._future = future
+        self._stop = stop
+        self._stopped = stopped
+
+    def done(self) -> bool:
+        """Returns True when :meth:`result` will not block."""
+        return self._future.done()
+
+    def wait(self, seconds: float) -> None:
+        """Waits until the value is available, but not longer than some time [s]."""
+        wait((self._future,), seconds)
+
+    def result(self) -> T:
+        """Waits for the value.
+
+        Raises:
+            SkirosError: There is none: the work failed or was cancelled.
+        """
+        try:
+            return self._future.result()
+        except CancelledError:
+            raise PlanningError(self._stopped) from None
+
+    def cancel(self) -> None:
+        """Cancels the work; does nothing if the value is available."""
+        if not self._future.done():
+            self._stop()
+            self._future.cancel()
 
 
 class Planner(Protocol):
@@ -84,11 +129,11 @@ def wait_for(pending: Pending[Answer], check: Callable[[float], object]) -> Answ
         PlanningError: The planner failed.
     """
     started = time.monotonic()
-    wait = getattr(pending, "wait", time.sleep)
+    pause = getattr(pending, "wait", time.sleep)
     try:
         while not pending.done():
             check(time.monotonic() - started)
-            wait(_POLL)
+            pause(_POLL)
         return pending.result()
     finally:
         cancel = getattr(pending, "cancel", None)

@@ -7,13 +7,13 @@ import shlex
 import tempfile
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from concurrent.futures import CancelledError, Future, ThreadPoolExecutor, wait
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path, PurePosixPath
 from threading import Event
 
 from skiros_py.errors import PlanningError, UsageError
-from skiros_py.planning.planners.planner import Answer, Solved, Unsolvable
+from skiros_py.planning.planners.planner import Answer, FuturePending, Solved, Unsolvable
 from skiros_py.programs import USUAL_LIMITS, Child, Ended, Limits, ProgramError, Running, run_program
 
 _STEP = re.compile(
@@ -94,45 +94,6 @@ DOMAIN, PROBLEM = "domain.pddl", "problem.pddl"
 """Names of the files in the folder of a call."""
 
 
-class Solving:
-    """One running call.
-
-    Attributes:
-        latency: Declared time from request to answer [s].
-    """
-
-    latency = 0.0
-
-    def __init__(self, title: str, future: Future[Answer], stop: Event) -> None:
-        self._title = title
-        self._future = future
-        self._stop = stop
-
-    def done(self) -> bool:
-        """Returns True when :meth:`result` will not block."""
-        return self._future.done()
-
-    def wait(self, seconds: float) -> None:
-        """Waits until the answer is available, but not longer than some time [s]."""
-        wait((self._future,), seconds)
-
-    def result(self) -> Answer:
-        """Waits for the answer.
-
-        Raises:
-            PlanningError: The planner failed or was stopped.
-        """
-        try:
-            return self._future.result()
-        except CancelledError as error:
-            raise PlanningError(f"{self._title} was stopped") from error
-
-    def cancel(self) -> None:
-        """Kills it, at the latest a moment later; does nothing when it has ended."""
-        self._stop.set()
-        self._future.cancel()
-
-
 class ProgramPlanner(ABC):
     """The common base of planners that are programs.
 
@@ -165,6 +126,21 @@ class ProgramPlanner(ABC):
             PlanningError: It cannot be started.
         """
 
+    def failed(self, ended: Ended, *, out_of_time: Collection[int], out_of_memory: Collection[int]) -> PlanningError:
+        """Returns the error that a program ended without an answer.
+
+        Args:
+            ended: How it ended.
+            out_of_time: Exit codes of a program that ran out of time.
+            out_of_memory: Exit codes of a program that ran out of memory.
+        """
+        if ended.code in out_of_memory:
+            memory = "any" if self.limits.memory is None else f"{self.limits.memory / (1 << 30):.2g} GiB"
+            return PlanningError(f"{self.title} ran out of memory (it may take {memory})")
+        if ended.code in out_of_time:
+            return PlanningError(f"{self.title} found no answer in {self.limits.time:g} s")
+        return PlanningError(f"{self.title} {ended.words}")
+
     @abstractmethod
     def read(self, ended: Ended, folder: Path) -> Answer:
         """Reads the answer of a program that has ended.
@@ -176,7 +152,7 @@ class ProgramPlanner(ABC):
     def prepare(self, folder: Path) -> None:  # noqa: B027 - most programs need no more than the two files
         """Puts further files the program needs into its folder."""
 
-    def solve(self, domain: str, problem: str) -> Solving:
+    def solve(self, domain: str, problem: str) -> FuturePending[Answer]:
         """Starts solving; several calls may be under way at once.
 
         Raises:
@@ -189,7 +165,7 @@ class ProgramPlanner(ABC):
             future = self._threads.submit(self._solve, domain, problem, stop)
         except RuntimeError as error:  # closed concurrently by another thread
             raise PlanningError(f"{self.title} was stopped") from error
-        return Solving(self.title, future, stop)
+        return FuturePending(future, stop.set, f"{self.title} was stopped")
 
     def close(self) -> None:
         """Kills running calls and waits for them; may be called twice."""
