@@ -17,13 +17,16 @@ from skiros_py.world.transaction import Transaction
 class HypotheticalView(Overlay):
     """An overlay that adds elements to the world and removes others."""
 
-    def add(self, class_: str) -> str:
-        """Adds a hypothetical element of a class and returns its id."""
+    set = Overlay.set_value
+    relate = Overlay.set_relation
+
+    def add(self, class_: str, *, placement: Placement) -> None:
+        """Adds a hypothetical element of a class."""
         name = f"new_{local_name(class_).lower()}_{len(self.further) + 1}"
         while self.has(name):
             name += "_"
         self.extend(Element(name, class_, name))
-        return name
+        self.place(name, placement.relation, placement.place)
 
     def remove(self, element: str) -> None:
         """Removes an element; what others are related to stays as it is."""
@@ -68,13 +71,9 @@ class Move:
         """The elements that must be there for it."""
         return self.element, self.place
 
-    def suppose(self, view: HypotheticalView) -> None:
-        """Makes it in imagination."""
-        view.place(self.element, self.relation, self.place)
-
-    def write(self, tx: Transaction) -> None:
-        """Writes it."""
-        tx.place(_individual(tx, self.element), self.relation, self.place)
+    def write(self, to: Transaction | HypotheticalView) -> None:
+        """Writes it into a transaction of the world, or into a supposed world."""
+        to.place(_individual(to, self.element), self.relation, self.place)
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,13 +90,9 @@ class Remove:
         """The elements that must be there for it."""
         return (self.element,)
 
-    def suppose(self, view: HypotheticalView) -> None:
-        """Makes it in imagination."""
-        view.remove(self.element)
-
-    def write(self, tx: Transaction) -> None:
-        """Writes it."""
-        tx.remove(_individual(tx, self.element))
+    def write(self, to: Transaction | HypotheticalView) -> None:
+        """Writes it into a transaction of the world, or into a supposed world."""
+        to.remove(_individual(to, self.element))
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,13 +115,9 @@ class Add:
         """The elements that must be there for it."""
         return (self.placement.place,)
 
-    def suppose(self, view: HypotheticalView) -> None:
-        """Makes it in imagination."""
-        view.place(view.add(self.class_), self.placement.relation, self.placement.place)
-
-    def write(self, tx: Transaction) -> None:
-        """Writes it."""
-        tx.add(self.class_, placement=self.placement)
+    def write(self, to: Transaction | HypotheticalView) -> None:
+        """Writes it into a transaction of the world, or into a supposed world."""
+        to.add(self.class_, placement=self.placement)
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,13 +148,9 @@ class Assign:
         """The elements that must be there for it."""
         return (self.element, self.source) if self.source else (self.element,)
 
-    def suppose(self, view: HypotheticalView) -> None:
-        """Makes it in imagination."""
-        view.set_value(self.element, self.property, self.value)
-
-    def write(self, tx: Transaction) -> None:
-        """Writes it."""
-        tx.set(_individual(tx, self.element), self.property, self.value)
+    def write(self, to: Transaction | HypotheticalView) -> None:
+        """Writes it into a transaction of the world, or into a supposed world."""
+        to.set(_individual(to, self.element), self.property, self.value)
 
 
 @dataclass(frozen=True, slots=True)
@@ -186,19 +173,15 @@ class Relate:
         """The elements that must be there for it."""
         return self.subject, self.object
 
-    def suppose(self, view: HypotheticalView) -> None:
-        """Makes it in imagination."""
-        view.set_relation(self.subject, self.relation, self.object)
-
-    def write(self, tx: Transaction) -> None:
-        """Writes it."""
-        tx.relate(_individual(tx, self.subject), self.relation, _individual(tx, self.object))
+    def write(self, to: Transaction | HypotheticalView) -> None:
+        """Writes it into a transaction of the world, or into a supposed world."""
+        to.relate(_individual(to, self.subject), self.relation, _individual(to, self.object))
 
 
 SceneEdit = Move | Remove | Add | Assign | Relate
 """Any of them."""
 
 
-def _individual(tx: Transaction, name: str) -> str:
-    """Returns the element that a name stands for; for a thing in stock, creates one."""
-    return take(tx, name) if is_token(name) else name
+def _individual(to: Transaction | HypotheticalView, name: str) -> str:
+    """Returns the element that a name stands for; for a thing in stock, a transaction creates one."""
+    return take(to, name) if isinstance(to, Transaction) and is_token(name) else name

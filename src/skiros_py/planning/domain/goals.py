@@ -26,7 +26,7 @@ from skiros_py.world.vocabulary import ELEMENT
 
 
 @dataclass(frozen=True, slots=True)
-class _Emptiness:
+class Emptiness:
     """A precondition's requirement that nothing has a relation to a place of this class."""
 
     relation: str
@@ -34,12 +34,13 @@ class _Emptiness:
 
     @property
     def predicate(self) -> str:
+        """Its predicate."""
         return NOTHING + self.relation
 
 
 def emptiness_classes(actions: Iterable[Action]) -> dict[str, str]:
     """Returns the class of place that each "nothing …" precondition asks about; after :func:`maintain_emptiness`."""
-    return {e.predicate: e.class_ for e in _asked(actions)}
+    return {e.predicate: e.class_ for e in asked_emptiness(actions)}
 
 
 def maintain_emptiness(actions: Iterable[Action], ontology: Ontology) -> tuple[Action, ...]:
@@ -50,8 +51,8 @@ def maintain_emptiness(actions: Iterable[Action], ontology: Ontology) -> tuple[A
     that supports quantifiers. Things that are there already and stay neither fill nor free a place.
     """
     drafts = tuple(actions)
-    for predicate in sorted({e.predicate for e in _asked(drafts)}):
-        asked = [e for e in _asked(drafts) if e.predicate == predicate]
+    for predicate in sorted({e.predicate for e in asked_emptiness(drafts)}):
+        asked = [e for e in asked_emptiness(drafts) if e.predicate == predicate]
         if len(asked) == 1 and all(_keeps_track(action, asked[0], ontology) for action in drafts):
             drafts = tuple(_maintain(action, asked[0], ontology) for action in drafts)
         else:
@@ -59,9 +60,10 @@ def maintain_emptiness(actions: Iterable[Action], ontology: Ontology) -> tuple[A
     return drafts
 
 
-def _asked(actions: Iterable[Action]) -> tuple[_Emptiness, ...]:
+def asked_emptiness(actions: Iterable[Action]) -> tuple[Emptiness, ...]:
+    """Returns what the preconditions of actions require to be empty."""
     found = (
-        _Emptiness(atom.predicate.removeprefix(NOTHING), action.types[atom.arguments[0]])
+        Emptiness(atom.predicate.removeprefix(NOTHING), action.types.get(atom.arguments[0], ""))
         for action in actions
         for atom in action.pre
         if atom.predicate.startswith(NOTHING)
@@ -69,11 +71,11 @@ def _asked(actions: Iterable[Action]) -> tuple[_Emptiness, ...]:
     return tuple(dict.fromkeys(found))
 
 
-def _places(atoms: Iterable[Atom], emptiness: _Emptiness, but: Iterable[Atom]) -> list[str]:
+def _places(atoms: Iterable[Atom], emptiness: Emptiness, but: Iterable[Atom]) -> list[str]:
     return [atom.arguments[1] for atom in atoms if atom.predicate == emptiness.relation and atom not in but]
 
 
-def _keeps_track(action: Action, emptiness: _Emptiness, ontology: Ontology) -> bool:
+def _keeps_track(action: Action, emptiness: Emptiness, ontology: Ontology) -> bool:
     types = action.types
     filled = _ends(action, emptiness, ontology)
     freed = (types[place] for place in _places(action.delete, emptiness, but=action.add))
@@ -81,7 +83,7 @@ def _keeps_track(action: Action, emptiness: _Emptiness, ontology: Ontology) -> b
     return all(atom in action.pre for atom in filled) and all(known)
 
 
-def _ends(action: Action, emptiness: _Emptiness, ontology: Ontology) -> tuple[Atom, ...]:
+def _ends(action: Action, emptiness: Emptiness, ontology: Ontology) -> tuple[Atom, ...]:
     types = action.types
     filled = (
         p for p in _places(action.add, emptiness, but=action.pre) if _overlap(types[p], emptiness.class_, ontology)
@@ -89,7 +91,7 @@ def _ends(action: Action, emptiness: _Emptiness, ontology: Ontology) -> tuple[At
     return tuple(Atom(emptiness.predicate, (place,)) for place in filled)
 
 
-def _maintain(action: Action, emptiness: _Emptiness, ontology: Ontology) -> Action:
+def _maintain(action: Action, emptiness: Emptiness, ontology: Ontology) -> Action:
     types = action.types
     freed = (
         p for p in _places(action.delete, emptiness, but=action.add) if _within(types[p], emptiness.class_, ontology)
@@ -102,7 +104,7 @@ def _maintain(action: Action, emptiness: _Emptiness, ontology: Ontology) -> Acti
     return replace(action, add=action.add + starts, delete=action.delete + ends, notes=notes)
 
 
-def _with_quantifier(action: Action, emptiness: _Emptiness, ontology: Ontology) -> Action:
+def _with_quantifier(action: Action, emptiness: Emptiness, ontology: Ontology) -> Action:
     asked = [atom for atom in action.pre if atom.predicate == emptiness.predicate]
     class_ = ontology.relations[emptiness.relation].domain or ELEMENT
     none = []

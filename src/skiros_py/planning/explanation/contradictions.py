@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import reduce
 from itertools import combinations
 
+from skiros_py.planning.domain.actions import is_placement
 from skiros_py.planning.domain.literals import NOTHING, allows_value, common_class, property_of
 from skiros_py.planning.domain.matching import Binding, unified
 from skiros_py.planning.domain.model import Action, Atom
@@ -87,7 +88,7 @@ class _Wants:
         return self._known[atom]
 
     def _worked_out(self, atom: Atom) -> tuple[_Want, ...]:
-        if atom.predicate in self._ontology.relations and self._ontology.is_placement(atom.predicate):
+        if is_placement(atom, self._ontology):
             return (self._stated(atom),)
         ways: list[tuple[_Want, ...]] = []
         for action, binding in self._ways(atom):

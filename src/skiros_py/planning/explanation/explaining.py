@@ -145,7 +145,7 @@ class _Search:
         """Returns the world and the goal after a change."""
         view = HypotheticalView(self._view)
         for edit in change.edits:
-            edit.suppose(view)
+            edit.write(view)
         return view, change.wanted(self._goal)
 
     def _reduced(self, change: Change) -> Change:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from skiros_py.planning.domain.actions import is_placement, moved_and_place
 from skiros_py.planning.domain.literals import CAN, HAS, NOT, NOTHING
 from skiros_py.planning.domain.matching import is_variable
 from skiros_py.planning.domain.model import Action, Atom
@@ -39,19 +40,15 @@ class Leaves:
             return self._no_skill(atom, types)
         if atom.predicate.startswith(NOTHING):
             return self._full(atom, types)
-        if self._is_placement(atom.predicate):
+        if is_placement(atom, self._view.ontology):
             return self._elsewhere(atom, types)
-        if self._is_placement(atom.predicate.removeprefix(NOT)):
+        if is_placement(Atom(atom.predicate.removeprefix(NOT)), self._view.ontology):
             return self._still_there(atom, types)
         return self._plainly(atom, types)
 
     def none_of(self, class_: str) -> Obstacle:
         """Returns the obstacle that a class has no elements."""
         return Obstacle(CauseKind.MISSING_ELEMENT, f"there is no {local_name(class_)}", elements=(class_,))
-
-    def _is_placement(self, relation: str) -> bool:
-        ontology = self._view.ontology
-        return relation in ontology.relations and ontology.is_placement(relation)
 
     def _no_skill(self, atom: Atom, types: Types) -> Obstacle:
         agents = self._things(atom.arguments[0], types)
@@ -76,9 +73,7 @@ class Leaves:
 
     def _elsewhere(self, atom: Atom, types: Types) -> Obstacle:
         """Describes where the things are that should be in a place."""
-        first, second = atom.arguments
-        at_object = self._view.ontology.relations[atom.predicate].place_end == "object"
-        moved, place = (first, second) if at_object else (second, first)
+        moved, place = moved_and_place(atom, self._view.ontology)
         things = self._things(moved, types)
         if not things:
             return self.none_of(types.get(moved, moved))

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 from itertools import combinations, islice, product
 
 from skiros_py.planning.domain.actions import actions_of
+from skiros_py.planning.domain.goals import asked_emptiness
 from skiros_py.planning.domain.literals import CAN, HAS, NOT, NOTHING, VALUE, compared
 from skiros_py.planning.domain.matching import is_variable
-from skiros_py.planning.domain.model import Action
 from skiros_py.planning.edits import Add, Assign, Move, Relate, Remove, SceneEdit
 from skiros_py.planning.explanation.wording import Found, Obstacle, Shortage, listed, some
 from skiros_py.planning.plan import Cause, CauseKind, Exchange, Repair
@@ -35,7 +35,7 @@ class Room:
     def __init__(self, capabilities: Sequence[Capability], ontology: Ontology) -> None:
         self._ontology = ontology
         actions = (action for c in capabilities for action in actions_of(c.skill, ontology))
-        self._kept = frozenset(kept for action in actions for kept in _kept_empty(action))
+        self._kept = frozenset((kept.relation, kept.class_) for kept in asked_emptiness(actions))
 
     def homes(self, class_: str, view: WorldView, besides: Sequence[str] = ()) -> list[Placement]:
         """Returns where things of a class are stored, or else of the nearest superclass with stored things.
@@ -75,14 +75,6 @@ class Room:
         type_ = view.element(placement.place).type
         nowhere = any(self._ontology.is_a(type_, class_) for class_ in (FLOOR, UNKNOWN_LOCATION))
         return placement.place not in besides and self._ontology.is_a(type_, LOCATION) and not nowhere
-
-
-def _kept_empty(action: Action) -> Iterator[tuple[str, str]]:
-    """Yields relation and class of the places that an action requires to be empty."""
-    types = action.types
-    for atom in action.pre:
-        if atom.predicate.startswith(NOTHING):
-            yield atom.predicate.removeprefix(NOTHING), types[atom.arguments[0]]
 
 
 _ELSEWHERE_CHOICES = 4

@@ -6,7 +6,7 @@ import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from itertools import islice
 
-from skiros_py.planning.domain.literals import NOTHING
+from skiros_py.planning.domain.goals import asked_emptiness
 from skiros_py.planning.domain.model import Action, Atom
 from skiros_py.planning.plan import Step
 from skiros_py.planning.problem.lifted import Lifted
@@ -140,17 +140,13 @@ def _in_the_way(
     init: Iterable[Atom], objects: Mapping[str, str], actions: Iterable[Action], lifted: Lifted
 ) -> frozenset[str]:
     """The things in places that may be required to be empty."""
-    asked = {
-        (atom.predicate.removeprefix(NOTHING), action.types.get(atom.arguments[0], ""))
-        for action in actions
-        for atom in action.pre
-        if atom.predicate.startswith(NOTHING)
-    }
-    placed = (atom for atom in init if any(relation == atom.predicate for relation, _ in asked))
+    asked: dict[str, set[str]] = {}
+    for one in asked_emptiness(actions):
+        asked.setdefault(one.relation, set()).add(one.class_)
     return frozenset(
         atom.arguments[0]
-        for atom in placed
-        if any(r == atom.predicate and lifted.overlap(c, objects[atom.arguments[1]]) for r, c in asked)
+        for atom in init
+        if any(lifted.overlap(class_, objects[atom.arguments[1]]) for class_ in asked.get(atom.predicate, ()))
     )
 
 

@@ -11,7 +11,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import inf
 
-from skiros_py.planning.domain.actions import moved_and_place
+from skiros_py.planning.domain.actions import is_placement, moved_and_place
 from skiros_py.planning.domain.model import Action, Atom
 from skiros_py.planning.problem.reachability import Relaxation
 from skiros_py.planning.problem.task import PlanningTask, extended
@@ -21,9 +21,7 @@ from skiros_py.world.vocabulary import ROBOT
 
 def moved_by(action: Action, ontology: Ontology) -> tuple[tuple[str, str], ...]:
     """Returns the things an action moves, each with its new place, as the action's variables."""
-    relations = ontology.relations
-    placed = (a for a in action.add if a.predicate in relations and ontology.is_placement(a.predicate))
-    return tuple(moved_and_place(atom, ontology) for atom in placed)
+    return tuple(moved_and_place(atom, ontology) for atom in action.add if is_placement(atom, ontology))
 
 
 class Handling:
@@ -181,8 +179,8 @@ class Dealing:
 
     def _places(self, things: Collection[str]) -> set[str]:
         """Where some things are."""
-        facts = (atom for atom in self._task.problem.init if atom.predicate in self._ontology.relations)
-        placed = (moved_and_place(a, self._ontology) for a in facts if self._ontology.is_placement(a.predicate))
+        facts = (atom for atom in self._task.problem.init if is_placement(atom, self._ontology))
+        placed = (moved_and_place(atom, self._ontology) for atom in facts)
         return {place for thing, place in placed if thing in things}
 
     def _group(self, part: int) -> _Group:

@@ -124,7 +124,7 @@ def test_what_is_supposed_is_what_is_written(edit: SceneEdit, text: str) -> None
     world = tiny_world()
     supposed = HypotheticalView(world)
 
-    edit.suppose(supposed)
+    edit.write(supposed)
     imagined = facts(supposed)
     Repair(text, (edit,)).apply(world)
 
