@@ -3843,8 +3843,8 @@ export interface operations {
                 again?: boolean;
             };
             header?: {
-                "if-match"?: string | null;
                 prefer?: string | null;
+                "if-match"?: string | null;
             };
             path: {
                 id: string;
