@@ -6,7 +6,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import httpx2
 import pytest
+from support.serving import serving
 
 from skiros_py.api.documents import DocumentInfo
 from skiros_py.errors import DocumentError, DocumentFault, NotFound, StaleVersion, UnknownName, UsageError
@@ -28,7 +30,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from skiros_py.behaviours import Behaviour, DocumentKind, Edge, Uses
-from skiros_py.errors import DescriptionError
+from skiros_py.errors import DescriptionError, DocumentError, DocumentFault
 from skiros_py.skills.outcome import tick
 from skiros_py.skills.outcome import Failure, Success
 from skiros_py.skills.parameters import param
@@ -124,6 +126,7 @@ class Moody(DocumentKind):
     """Cannot be read on a bad day."""
 
     kind = "moody"
+    formats = {"json": "application/json", "signed": "application/x-signed"}
     bad_day = False
 
     def __init__(self):
@@ -134,6 +137,14 @@ class Moody(DocumentKind):
 
     def behaviour(self, document, reader):
         return reader.behaviour(document)
+
+    def parse(self, text, format_):
+        if format_ == "signed" and not text.startswith("moody "):
+            raise DocumentError((DocumentFault("", "it is not signed", 1, 1),))
+        return super().parse(text.removeprefix("moody "), format_)
+
+    def export(self, document, format_):
+        return ("moody " if format_ == "signed" else "") + super().export(document, format_)
 
 
 @dataclass(frozen=True, slots=True)
@@ -275,7 +286,8 @@ class Cell:
 
 
 @pytest.fixture
-def cell(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Cell]:
+def wheel(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The wheel, installed."""
     monkeypatch.setenv("SKIROS_ONTOLOGIES", str(TINY_ONTOLOGY))
     site = tmp_path / "site"
     info = site / "net_of_a_test-1.0.dist-info"
@@ -284,6 +296,10 @@ def cell(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Cell]:
     (info / "entry_points.txt").write_text(POINTS.replace("tree = skiros_py.behaviours.document:Tree\n", ""))
     (site / "net_of_a_test.py").write_text(WHEEL)
     monkeypatch.syspath_prepend(str(site))
+
+
+@pytest.fixture
+def cell(wheel: None, tmp_path: Path) -> Iterator[Cell]:
     scene = tiny_scene(tmp_path)
     store = DocumentStore(tmp_path / "documents.sqlite")
     with Session(str(scene), Options(fake=True)) as session:
@@ -599,3 +615,41 @@ def test_events_of_nodes_and_of_called_documents_carry_the_run_around_them(cell:
         ("node", "tree:outer/body"),
         ("document", "tree:outer"),
     ]
+
+
+EXAMPLES: dict[str, dict[str, Any]] = {
+    "tree": PAUSE,
+    "sequence": {"title": "round", "steps": [{"skill": "drive", "arguments": {"Location": "box_a"}}]},
+    "template": {"goal": [{"condition": "LocationEmpty", "arguments": ["box_a"]}]},
+    "net": net(),
+    "moody": PAUSE,
+}
+
+
+@pytest.mark.usefixtures("wheel")
+def test_documents_of_all_kinds_are_exported_and_imported_over_http_in_each_of_their_formats(tmp_path: Path) -> None:
+    with (
+        serving(str(tiny_scene(tmp_path)), tmp_path / "data") as served,
+        httpx2.Client(base_url=f"{served.url}/api/v1") as api,
+    ):
+        kinds = {one["kind"]: one["formats"] for one in api.get("/documents").json()["kinds"]}
+        assert kinds.keys() == EXAMPLES.keys()
+        assert set(kinds["moody"]) == {"json", "signed"}
+        for kind, formats in kinds.items():
+            first = api.put(f"/documents/{kind}/first", json={"data": EXAMPLES[kind]})
+            assert first.status_code == 201, first.text
+            for format_, media_type in formats.items():
+                text = api.get(f"/documents/{kind}/first/text", params={"format": format_})
+                headers = {"Content-Type": media_type}
+                copy = api.put(f"/documents/{kind}/copy {format_}/text", content=text.content, headers=headers)
+                wrong = api.put(f"/documents/{kind}/wrong/text", content=text.content[:-3], headers=headers)
+
+                assert (text.headers["Content-Type"], text.headers["ETag"]) == (media_type, first.headers["ETag"])
+                assert copy.status_code == 201, copy.text
+                assert copy.json()["data"] == first.json()["data"] == EXAMPLES[kind]
+                assert (wrong.status_code, wrong.json()["faults"][0]["line"] > 0) == (422, True), wrong.text
+            assert api.get(f"/documents/{kind}/wrong").status_code == 404
+        unsigned = api.put("/documents/moody/x/text", content="{}", headers={"Content-Type": "application/x-signed"})
+        foreign = api.put("/documents/tree/x/text", content="{}", headers={"Content-Type": "application/x-signed"})
+    assert "it is not signed" in unsigned.text
+    assert foreign.status_code == 415

@@ -296,5 +296,5 @@ def test_the_client_says_the_same(served):
 def test_a_server_that_ends_waits_for_no_plan(tmp_path):
     with serving("kitting", tmp_path) as served:
         httpx2.post(f"{served.url}/api/v1/previews", json={"goal": KIT}).raise_for_status()
-        (preview,) = served.services.station.preview_book.all()
+        (preview,) = served.services.station.previews._previews.values()
     assert preview.ended.is_set()

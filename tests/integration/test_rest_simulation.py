@@ -12,13 +12,12 @@ import pytest
 from PIL import Image
 from support.serving import Served, serving
 
-from skiros_py.api.alarms import AlarmKind
+from skiros_py.api.alarms import AlarmInfo, AlarmKind
 from skiros_py.client.client import Client
 from skiros_py.client.topics import Simulation
 from skiros_py.devices.mobile_base import BaseState
 from skiros_py.errors import WrongState
 from skiros_py.geometry import Pose
-from skiros_py.station.alarms.alarms import Alarm
 from skiros_py.station.session import Options
 from skiros_py.world.change import Writer
 from skiros_py.world.element import Placement
@@ -61,7 +60,7 @@ def test_paces_that_make_no_sense_are_refused(pretending: Served, pace: str) -> 
     assert answer.status_code in (400, 422)
 
 
-def stale_alarms(served: Served) -> list[Alarm]:
+def stale_alarms(served: Served) -> list[AlarmInfo]:
     return [alarm for alarm in served.services.station.alarm_book.active if alarm.kind is AlarmKind.STALE]
 
 

@@ -248,6 +248,8 @@ class ElementPatch(Request):
 class TreeNode(Answer):
     """An element with the elements placed there and its parts."""
 
+    model_config = ConfigDict(frozen=False)
+
     id: str = Field(examples=["pallet_a"])
     """Its id; "" for the root of the world."""
     class_: str = Field(validation_alias="class", serialization_alias="class", examples=["kitting:Pallet"])

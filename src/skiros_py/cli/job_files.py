@@ -64,7 +64,7 @@ class JobFiles:
 
     def plan(self, job: str) -> JobPlan:
         """Returns the last plan of a job."""
-        from skiros_py.station.jobs.accounts import plan_of
+        from skiros_py.station.jobs.views import plan_of
 
         return plan_of(self._job(job), self._store.trace(job))
 

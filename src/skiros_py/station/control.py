@@ -9,7 +9,7 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, wait
 from contextlib import contextmanager, nullcontext, suppress
-from typing import Any, Generic, TypeVar
+from typing import Any, TypeVar
 
 from skiros_py.errors import Busy, DeviceError, SkirosError, UsageError
 from skiros_py.station.session import Session
@@ -22,17 +22,14 @@ _BUDGET = 0.02
 """Maximum delay of the next cycle by queued work [s]; the rest is executed after that cycle."""
 
 
-class Commands:
-    """The queue: filled by any thread, emptied by one. It accepts nothing before :meth:`open`."""
+class _Queue:
+    """Work for the control thread: queued by any thread, executed by one. It accepts nothing before :meth:`open`."""
 
     def __init__(self) -> None:
-        self._waiting: deque[_Command[Any]] = deque()
+        self._waiting: deque[tuple[Future[Any], Callable[[], Any]]] = deque()
         self._guard = threading.Lock()
         self._asked = threading.Event()
         self._takes = False
-
-    def __len__(self) -> int:
-        return len(self._waiting)
 
     def open(self) -> None:
         """Accepts work from now on."""
@@ -48,17 +45,9 @@ class Commands:
         with self._guard:
             if not self._takes:
                 raise Busy("the station is not running: the server begins or ends", retry_after=5.0)
-            self._waiting.append(_Command(answer, work))
+            self._waiting.append((answer, work))
         self._asked.set()
         return answer
-
-    def ask_aside(self, work: Callable[[], object]) -> None:
-        """Queues work whose result is not used; exceptions are logged.
-
-        Raises:
-            Busy: The queue accepts nothing now.
-        """
-        self.ask(work).add_done_callback(_log_failure)
 
     # ------------------------------------------------------------------ in the control thread
 
@@ -66,7 +55,7 @@ class Commands:
         """Executes the work queued so far, within a time limit: continuous requests must not stop the cycle."""
         end = time.perf_counter() + _BUDGET
         for _ in range(len(self._waiting)):
-            self._waiting.popleft().do()
+            _do(*self._waiting.popleft())
             if time.perf_counter() > end:
                 return
 
@@ -85,31 +74,21 @@ class Commands:
         with self._guard:
             self._takes = False
         while self._waiting:
-            self._waiting.popleft().refuse(Busy("the station was shut down before that was done", retry_after=5.0))
+            answer, _ = self._waiting.popleft()
+            if answer.set_running_or_notify_cancel():
+                answer.set_exception(Busy("the station was shut down before that was done", retry_after=5.0))
 
 
-class _Command(Generic[T]):
-    """Requested work, and the future of its result."""
-
-    def __init__(self, answer: Future[T], work: Callable[[], T]) -> None:
-        self._answer: Future[T] = answer
-        self._work = work
-
-    def do(self) -> None:
-        """Executes it, unless it was cancelled."""
-        if not self._answer.set_running_or_notify_cancel():
-            return
-        try:
-            self._answer.set_result(self._work())
-        except Exception as error:  # noqa: BLE001 - raised in the thread that requested the work
-            self._answer.set_exception(error)
-        except BaseException as error:  # noqa: BLE001 - in that thread it would end more than the request
-            self._answer.set_exception(DeviceError(f"it was aborted: {error!r}"))
-
-    def refuse(self, error: SkirosError) -> None:
-        """Reports that it will not be executed."""
-        if self._answer.set_running_or_notify_cancel():
-            self._answer.set_exception(error)
+def _do(answer: Future[Any], work: Callable[[], Any]) -> None:
+    """Executes work, unless it was cancelled."""
+    if not answer.set_running_or_notify_cancel():
+        return
+    try:
+        answer.set_result(work())
+    except Exception as error:  # noqa: BLE001 - raised in the thread that requested the work
+        answer.set_exception(error)
+    except BaseException as error:  # noqa: BLE001 - in that thread it would end more than the request
+        answer.set_exception(DeviceError(f"it was aborted: {error!r}"))
 
 
 def _log_failure(answer: Future[object]) -> None:
@@ -157,7 +136,7 @@ class ControlThread:
         self._opening = opening
         self._session: Session | None = None
         self._ready = threading.Condition()
-        self._commands = Commands()
+        self._queue = _Queue()
         self._places = threading.BoundedSemaphore(_PLACES)
         self._ending = False
         self._stepped = time.monotonic()
@@ -187,7 +166,7 @@ class ControlThread:
         Raises:
             SkirosError: It cannot be opened.
         """
-        self._commands.open()
+        self._queue.open()
         self._thread.start()
         with self._ready:
             self._ready.wait_for(lambda: self._session is not None or self.fault is not None)
@@ -198,7 +177,7 @@ class ControlThread:
     def close(self) -> None:
         """Stops everything, waits for a standstill, closes the session and ends the thread; may be called twice."""
         self._ending = True
-        self._commands.wake()
+        self._queue.wake()
         if self._thread.ident is not None and not self._is_mine:
             self._thread.join()
 
@@ -286,7 +265,7 @@ class ControlThread:
         with nullcontext() if urgent else self._place():
             self._await_session()  # while the session is being reopened, this may take longer than a turn
             self._present()
-            return self._outcome(self._commands.ask(lambda: work(self._present())))
+            return self._outcome(self._queue.ask(lambda: work(self._present())))
 
     def soon(self, work: Callable[[Session], object]) -> None:
         """Executes short work in the control thread between two cycles, without waiting for it.
@@ -294,7 +273,7 @@ class ControlThread:
         For listeners that must not wait. Exceptions are logged; without a session, nothing is done.
         """
         with suppress(Busy):
-            self._commands.ask_aside(lambda: work(self._present()))
+            self._queue.ask(lambda: work(self._present())).add_done_callback(_log_failure)
 
     def reopen(
         self,
@@ -319,7 +298,7 @@ class ControlThread:
         """
         if self._is_mine:
             raise UsageError("the control thread cannot reopen its own session: ask for it in another thread")
-        self._commands.ask(lambda: self._renew(prepare, restore)).result()
+        self._queue.ask(lambda: self._renew(prepare, restore)).result()
 
     def _outcome(self, answer: Future[T]) -> T:
         wait([answer], _PATIENCE)
@@ -347,13 +326,13 @@ class ControlThread:
             if self._session is not None:
                 self._leave(self._session)
         self._tell_fault(self.fault or DeviceError("the station was shut down"))
-        self._commands.refuse_all()
+        self._queue.refuse_all()
 
     def _go_round(self) -> None:
-        self._commands.do_some()
+        self._queue.do_some()
         session = self._session
         if session is None:  # failed: only a new session helps
-            self._commands.wait(0.1)
+            self._queue.wait(0.1)
             return
         try:
             session.cycle.step()
@@ -365,7 +344,7 @@ class ControlThread:
         self.beat += 1
         self._stepped = time.monotonic()
         if rests:
-            self._commands.wait(_REST)
+            self._queue.wait(_REST)
 
     def _renew(self, prepare: Callable[[Session], object], restore: Callable[[], object] | None) -> None:
         session, halted = self._session, ""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import logging
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple, TypeVar
 
 from skiros_py.api.alarms import AlarmKind
@@ -23,7 +23,6 @@ from skiros_py.errors import (
     DocumentFault,
     Refused,
     SkirosError,
-    UnknownName,
     UsageError,
     WrongState,
 )
@@ -34,7 +33,7 @@ from skiros_py.skills.lint.checking import faults_of_document
 from skiros_py.skills.lint.rule import Known
 from skiros_py.skills.plain import Reader
 from skiros_py.station.document_store import Document, DocumentStore
-from skiros_py.station.requests import ANY_VERSION, Seen, Service, addressed, require_seen
+from skiros_py.station.requests import ANY_VERSION, Seen, Service, addressed, find, require_seen
 from skiros_py.station.session import Session
 
 _PATIENCE = 10.0
@@ -118,7 +117,7 @@ class DocumentService(Service):
     def _palette(self, kind: str) -> tuple[PaletteNode, ...]:
         try:
             entries = _asked(f"documents of kind {kind}", lambda: self._kind(kind).palette(self._reader))
-            return tuple(PaletteNode(**asdict(entry)) for entry in entries)
+            return tuple(map(PaletteNode.view_of, entries))
         except Exception as error:  # noqa: BLE001 - a plug-in's palette
             _log.warning("the palette of kind %s: %s: %s", kind, type(error).__name__, error)
             return ()
@@ -129,8 +128,7 @@ class DocumentService(Service):
         Raises:
             NotFound: There is no such kind.
         """
-        with addressed():
-            return self._known(kind).for_orders
+        return self._known(kind).for_orders
 
     def all(self, kind: str) -> Documents:
         """Lists the documents of a kind, by id, without comparing them with the world.
@@ -138,8 +136,7 @@ class DocumentService(Service):
         Raises:
             NotFound: There is no such kind.
         """
-        with addressed():
-            self._known(kind)
+        self._known(kind)
         return Documents(documents=tuple(map(_info, self._store.all(kind))))
 
     def get(self, kind: str, id_: str) -> DocumentInfo:
@@ -157,8 +154,7 @@ class DocumentService(Service):
         Raises:
             NotFound: There is no such kind.
         """
-        with addressed():
-            self._known(kind)
+        self._known(kind)
         return Documents(documents=tuple(map(_info, self._store.revisions(kind, id_))))
 
     def export(self, kind: str, id_: str, format_: str | None = None) -> DocumentText:
@@ -192,8 +188,7 @@ class DocumentService(Service):
             WrongState: There are too many documents of its kind.
             StaleVersion: It was changed since it was seen.
         """
-        with addressed():
-            self._known(kind)
+        self._known(kind)
         before = self._store.get(kind, id_)
         if before is not None:
             require_seen(seen, before.version)
@@ -223,8 +218,7 @@ class DocumentService(Service):
             DocumentError: The text is not well-formed, or the document is not valid.
             StaleVersion: It was changed since it was seen.
         """
-        with addressed():
-            known = self._known(kind)
+        known = self._known(kind)
         formats = [name for name, type_ in known.formats.items() if type_ == media_type]
         if not formats:
             types = ", ".join(known.formats.values())
@@ -250,14 +244,12 @@ class DocumentService(Service):
     # ------------------------------------------------------------------ kinds
 
     def _find(self, kind: str, id_: str) -> Document:
+        self._known(kind)
         with addressed():
-            self._known(kind)
             return self._store.find(kind, id_)
 
     def _known(self, kind: str) -> type[DocumentKind]:
-        if kind not in self._kinds:
-            raise UnknownName("kind of document", kind, tuple(self._kinds))
-        return self._kinds[kind]
+        return find("kind of document", kind, self._kinds)
 
     def _kind(self, kind: str) -> DocumentKind:
         return _asked(f"documents of kind {kind}", self._known(kind))
@@ -371,12 +363,11 @@ def _module(kind: str, id_: str) -> str:
 
 
 def _info(document: Document, review: Review = _NOT_REVIEWED) -> DocumentInfo:
-    return DocumentInfo(
-        kind=document.kind,
+    return DocumentInfo.view_of(
+        document,
         id=document.name,
         revision=document.version,
         module=_module(document.kind, document.name),
-        data=document.data,
-        problems=tuple(DocumentProblem(place=one.place, text=one.text) for one in review.problems),
+        problems=tuple(map(DocumentProblem.view_of, review.problems)),
         agents=dict(review.agents),
     )

@@ -36,9 +36,7 @@ from skiros_py.station.scenes.service import SceneService
 from skiros_py.station.session import Session
 from skiros_py.station.simulation.simulation import Bodies, Simulation
 from skiros_py.station.stops import HaltMark, Stops
-from skiros_py.station.tasks.book import TaskBook
-from skiros_py.station.tasks.planning import PreviewService
-from skiros_py.station.tasks.previews import Previews
+from skiros_py.station.tasks.previews import PreviewService
 from skiros_py.station.tasks.tasks import TaskService
 from skiros_py.station.world.elements import ElementService
 from skiros_py.station.world.service import OntologyService, Queries
@@ -80,7 +78,7 @@ class Station:
         looks: The last looks of the cameras.
         motions: The planned motions of devices.
         document_store: The stored documents; from :meth:`start` on.
-        alarm_book, job_recordings, module_runs, preview_book, task_book: Active and recent items.
+        alarm_book, job_recordings, module_runs: Active and recent items.
         scene_store: The files of scenes.
         stage: Reads scenes beside the live world.
         robot_models: Visual models of the robots.
@@ -99,10 +97,9 @@ class Station:
         self.motions = Motions()
         self.live = LiveState(self.looks, self.motions)
         self.module_runs = ModuleRuns(self.events.epoch)
-        self.task_book = TaskBook()
+        self.tasks = TaskService(self)
         self.document_store: DocumentStore
         self.waiter = JobWaiter(limits.open_jobs)
-        self.preview_book = Previews()
         self.query_worker = Queries(self.control)
         self.robot_models = RobotModels(user_cache_path("skiros-py") / "models")
         self.scene_store = SceneStore(data / "scenes")
@@ -113,14 +110,13 @@ class Station:
             self.motions,
             self.live,
             self.module_runs,
-            self.task_book,
-            EventSources(self.events, self.task_book, self.module_runs),
+            self.tasks,
+            EventSources(self.events, self.tasks, self.module_runs),
             AlarmSources(self.alarm_book, self.control),
         ):
             self.control.on_open(part.open)
             self.control.on_close(part.close)
         self.control.on_open(self.waiter.open)
-        self.control.on_close(self.preview_book.forget)
         self.control.on_close(self.stage.forget)
         self.bodies = Bodies(self.control, self.alarm_book)
         self.simulation = Simulation(self.control, self.bodies)
@@ -136,9 +132,9 @@ class Station:
         self.ontology = OntologyService(self)
         self.plugins = PluginService(self)
         self.previews = PreviewService(self)
+        self.control.on_close(self.previews.forget)
         self.robots = RobotService(self)
         self.scenes = SceneService(self)
-        self.tasks = TaskService(self)
         self.world = WorldService(self)
         self.job_recordings = JobRecordings(data / "recordings")
         self.control.on_open(self.job_recordings.open)
@@ -177,7 +173,7 @@ class Station:
             self.stops.restore()
             self.control.start()  # locks the data directory, so that no other program has its files open
             self._stack.callback(self.waiter.close)
-            self._stack.callback(self.preview_book.close)
+            self._stack.callback(self.previews.close)
             store = closing(DocumentStore(self.data / "server.db", self._note))
             self.document_store = self._stack.enter_context(store)
             self.control.call(self.documents.open)

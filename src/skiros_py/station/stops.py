@@ -5,17 +5,18 @@ from __future__ import annotations
 import asyncio
 import json
 import logging
-import os
 import threading
 import time
-from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
-from skiros_py.errors import SkirosError, WrongState
+from skiros_py.api.alarms import StopInfo
+from skiros_py.api.wire import moment
+from skiros_py.errors import FileError, SkirosError, WrongState
 from skiros_py.station.control import CLOSING, ControlThread
 from skiros_py.station.events.log import EventLog, Kind
 from skiros_py.station.session import Session
+from skiros_py.world.scene.files import write_atomically
 
 _log = logging.getLogger(__name__)
 
@@ -83,42 +84,15 @@ class HaltMark:
                 if wanted is None:
                     self._path.unlink(missing_ok=True)
                 else:
-                    self._write(json.dumps(wanted))
-            except OSError as error:
+                    write_atomically(self._path, json.dumps(wanted))
+            except (OSError, FileError) as error:
                 _log.error("a stop would not outlive the server: %s", error)
-
-    def _write(self, text: str) -> None:
-        new = self._path.with_name(f"{self._path.name}.new")
-        with new.open("w", encoding="utf-8") as file:
-            file.write(text)
-            file.flush()
-            os.fsync(file.fileno())
-        new.replace(self._path)
 
 
 _PATIENCE = 0.5
 """Maximum time that a stop waits for the control thread to complete a cycle before reporting that it does not [s]."""
 _LOOK = 0.002
 """Period at which a waiting stop checks [s]."""
-
-
-@dataclass(frozen=True, slots=True)
-class Stopped:
-    """Whether everything is halted, and why.
-
-    Attributes:
-        why: Why everything is halted; empty while it is not.
-        by: Name of the caller who requested it; empty if it was the watchdog or a module.
-        since: When it was first detected [s since 1970]; None while nothing is halted.
-        standing: True if no arm and no base moves; None if unknown, because the control thread does not run.
-        obeyed: True if the control thread has completed a cycle since, or nothing could move.
-    """
-
-    why: str
-    by: str
-    since: float | None
-    standing: bool | None
-    obeyed: bool
 
 
 class Stops:
@@ -165,7 +139,7 @@ class Stops:
 
     # ------------------------------------------------------------------ stopping
 
-    async def stop(self, reason: str, by: str) -> Stopped:
+    async def stop(self, reason: str, by: str) -> StopInfo:
         """Halts everything immediately, and reports shortly after whether that was obeyed.
 
         Args:
@@ -197,7 +171,7 @@ class Stops:
         braked = brake is None or not brake.is_alive()
         return self._session is None or (self._control.beat >= before + 2 and braked)
 
-    def now(self, *, obeyed: bool | None = None) -> Stopped:
+    def now(self, *, obeyed: bool | None = None) -> StopInfo:
         """Returns whether everything is halted, and why.
 
         Args:
@@ -208,12 +182,18 @@ class Stops:
         why = self._why()
         standing = session is None or session.cycle.board.still
         with self._guard:
-            since = self._since if why else None
-            return Stopped(why, self._by if why else "", since, standing if round_ else None, round_)
+            return StopInfo(
+                halted=bool(why),
+                why=why,
+                by=self._by if why else "",
+                since=moment(self._since) if why else None,
+                standing=standing if round_ else None,
+                obeyed=round_,
+            )
 
     # ------------------------------------------------------------------ reset
 
-    def reset(self, by: str) -> Stopped:
+    def reset(self, by: str) -> StopInfo:
         """Lets motions start again; has no effect if nothing is halted.
 
         If the station was closed after a fault, such as one of a device, it is opened, its drivers connected again.

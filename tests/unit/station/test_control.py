@@ -240,7 +240,7 @@ def test_after_the_end_all_requests_are_refused_and_none_waits(start: Start) -> 
     control.soon(lambda _: go_on.wait(30.0))
     with ThreadPoolExecutor(2) as pool:
         waiting = pool.submit(control.reopen), pool.submit(control.call, id)
-        wait_for(lambda: len(control._commands) == 2)
+        wait_for(lambda: len(control._queue._waiting) == 2)
         ending = pool.submit(threading.Thread(target=control.close).start)
         wait_for(lambda: control._ending)
         go_on.set()
@@ -287,11 +287,11 @@ def test_of_those_who_wait_for_the_cycle_only_some_have_places_and_the_urgent_ne
     assert held.wait(30)
     with ThreadPoolExecutor(3) as pool:
         waiting = [pool.submit(control.call, lambda _: "done") for _ in range(2)]
-        wait_for(lambda: len(control._commands) == 2)
+        wait_for(lambda: len(control._queue._waiting) == 2)
         with pytest.raises(Busy, match="very many"):
             control.call(lambda _: "done")
         urgent = pool.submit(control.call, lambda _: "urgent", urgent=True)
-        wait_for(lambda: len(control._commands) == 3)
+        wait_for(lambda: len(control._queue._waiting) == 3)
         go_on.set()
 
         assert [one.result() for one in (*waiting, urgent)] == ["done", "done", "urgent"]

@@ -11,12 +11,10 @@ from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect
 
 from skiros_py.api.alarms import AlarmAnswer, AlarmInfo, AlarmPage, StopInfo, StopRequest
-from skiros_py.api.wire import moment
 from skiros_py.server.access.audit import note
 from skiros_py.server.access.roles import Operator, OperatorOrMes, Role, ViewerOrMes
 from skiros_py.server.problems import Problem
 from skiros_py.server.routes.world import Cursor, Limit, number_cursor
-from skiros_py.station.stops import Stopped
 
 router = APIRouter(prefix="/alarms", tags=["alarms"])
 
@@ -105,7 +103,7 @@ async def stop(act: OperatorOrMes) -> StopInfo:
     stopped = await act.station.stops.stop(reason, act.caller.name)
     if not stopped.obeyed:
         act.response.status_code = 202
-    return _info(stopped)
+    return stopped
 
 
 @stop_router.get("/stop")
@@ -114,7 +112,7 @@ async def get_stop(act: ViewerOrMes) -> StopInfo:
 
     Returns whether everything is halted, why, since when and by whom, and whether all devices stand still.
     """
-    return _info(act.station.stops.now())
+    return act.station.stops.now()
 
 
 @stop_router.post("/reset")
@@ -125,11 +123,7 @@ def reset(act: Operator) -> StopInfo:
 
     Held jobs continue when they are answered. If nothing is halted, this has no effect.
     """
-    return _info(act.station.stops.reset(act.caller.name))
-
-
-def _info(stopped: Stopped) -> StopInfo:
-    return StopInfo.view_of(stopped, halted=bool(stopped.why), since=moment(stopped.since))
+    return act.station.stops.reset(act.caller.name)
 
 
 async def _reason(request: Request) -> str:

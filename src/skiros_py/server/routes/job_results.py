@@ -167,4 +167,4 @@ def list_job_responses(
         since: Only jobs changed since then.
     """
     after = None if cursor is None else int(cursor)
-    return act.station.jobs.responses(state, since, limit, after, newest_first=newest_first)
+    return act.station.jobs.responses(states=state, since=since, limit=limit, after=after, newest_first=newest_first)

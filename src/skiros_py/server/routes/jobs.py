@@ -122,7 +122,8 @@ def list_jobs(
         state: Only jobs in these states.
         since: Only jobs changed since then.
     """
-    return act.station.jobs.all(state, since, limit, None if cursor is None else int(cursor), newest_first=newest_first)
+    after = None if cursor is None else int(cursor)
+    return act.station.jobs.all(states=state, since=since, limit=limit, after=after, newest_first=newest_first)
 
 
 @router.get("/jobs/{id}", responses=tagged())

@@ -5,64 +5,17 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from typing import Any
 
 from skiros_py.api.alarms import AlarmAnswer, AlarmInfo, AlarmKind, AlarmPage, Severity
+from skiros_py.api.wire import moment
 from skiros_py.errors import StaleVersion, UnknownName, WrongState
 from skiros_py.station.events.log import EventLog, Kind
 from skiros_py.station.requests import LIBRARY, Author, Service, addressed
 
 _KEPT = 1000
 """So many alarms that are over are kept; those that are active all are."""
-
-
-@dataclass(frozen=True, slots=True)
-class Alarm:
-    """One alarm.
-
-    Attributes:
-        number: Counts the alarms of one start of the server.
-        id: Names it, and no other one, also not of another start of the server.
-        kind: What it is about.
-        severity: How soon somebody has to look.
-        text: What there is, in the operator's words.
-        source: What it comes from: a subsystem, a module, a job, ….
-        since: When it came [s since 1970].
-        lasts: True where it goes by itself when its reason does; else it is over when somebody acknowledges it.
-        until: When it went [s since 1970]; None while it is active.
-        acknowledged: When that was [s since 1970]; None before.
-        by: Who acknowledged it.
-        choices: The answers that it waits for.
-        job: Id of the job that waits; empty where none does.
-        question: Id of the question that is asked; None where there is none.
-    """
-
-    number: int
-    id: str
-    kind: AlarmKind
-    severity: Severity
-    text: str
-    source: str
-    since: float
-    lasts: bool = True
-    until: float | None = None
-    acknowledged: float | None = None
-    by: str = ""
-    choices: tuple[str, ...] = ()
-    job: str = ""
-    question: int | None = None
-
-    @property
-    def active(self) -> bool:
-        """True while its reason is there."""
-        return self.until is None
-
-    @property
-    def state(self) -> str:
-        """Its state after ISA-18.2: "unacknowledged", "acknowledged", "returned" (gone unseen), or "normal"."""
-        if self.active:
-            return "unacknowledged" if self.acknowledged is None else "acknowledged"
-        return "returned" if self.acknowledged is None else "normal"
 
 
 class Alarms:
@@ -77,26 +30,26 @@ class Alarms:
         self._events = events
         self._clock = clock
         self._guard = threading.RLock()
-        self._active: dict[tuple[AlarmKind, str], Alarm] = {}
-        self._known: dict[str, Alarm] = {}
+        self._active: dict[tuple[AlarmKind, str], AlarmInfo] = {}
+        self._known: dict[str, AlarmInfo] = {}
         self._over: dict[str, None] = {}
         self._count = 0
 
     # ------------------------------------------------------------------ looking
 
     @property
-    def active(self) -> tuple[Alarm, ...]:
+    def active(self) -> tuple[AlarmInfo, ...]:
         """Those whose reason is there, oldest first."""
         with self._guard:
             return tuple(self._active.values())
 
     @property
-    def all(self) -> tuple[Alarm, ...]:
+    def all(self) -> tuple[AlarmInfo, ...]:
         """All that are kept, oldest first."""
         with self._guard:
             return tuple(self._known.values())
 
-    def alarm(self, id_: str) -> Alarm:
+    def alarm(self, id_: str) -> AlarmInfo:
         """Returns one of them.
 
         Raises:
@@ -120,7 +73,7 @@ class Alarms:
         choices: Sequence[str] = (),
         job: str = "",
         question: int | None = None,
-    ) -> Alarm:
+    ) -> AlarmInfo:
         """Raises an alarm. One of that kind and source that is active already is the same alarm, with another text.
 
         Args:
@@ -135,8 +88,9 @@ class Alarms:
         """
         with self._guard:
             known = self._active.get((kind, source))
-            base = known or self._new(kind, severity, text, source, lasts=lasts)
-            alarm = replace(base, severity=severity, text=text, choices=tuple(choices), job=job, question=question)
+            base = known or self._new(kind, source, lasts=lasts)
+            asks = {"choices": tuple(choices), "job": job, "question": question}
+            alarm = base.model_copy(update={"severity": severity, "text": text, **asks})
             return alarm if alarm == known else self._keep(alarm, "changed" if known else "raised")
 
     def clear(self, kind: AlarmKind, source: str = "") -> None:
@@ -144,7 +98,7 @@ class Alarms:
         with self._guard:
             known = self._active.get((kind, source))
             if known is not None:
-                self._keep(replace(known, until=self._clock()), "cleared")
+                self._keep(known, "cleared", until=moment(self._clock()))
 
     def clear_all(self, *kinds: AlarmKind) -> None:
         """Ends all active alarms of some kinds."""
@@ -153,7 +107,7 @@ class Alarms:
                 if kind in kinds:
                     self.clear(kind, source)
 
-    def acknowledge(self, id_: str, by: str) -> Alarm:
+    def acknowledge(self, id_: str, by: str) -> AlarmInfo:
         """Notes that somebody has seen it; one that does not last is over then. Once more changes nothing.
 
         Raises:
@@ -163,11 +117,11 @@ class Alarms:
             known = self.alarm(id_)
             if known.acknowledged is not None:
                 return known
-            now = self._clock()
+            now = moment(self._clock())
             until = now if known.active and not known.lasts else known.until
-            return self._keep(replace(known, acknowledged=now, by=by, until=until), "acknowledged")
+            return self._keep(known, "acknowledged", acknowledged=now, by=by, until=until)
 
-    def note_answer(self, id_: str, answer: str, by: str) -> Alarm:
+    def note_answer(self, id_: str, answer: str, by: str) -> AlarmInfo:
         """Notes that somebody has answered it, which is an acknowledgement, too; the alarm goes when its reason does.
 
         Raises:
@@ -178,7 +132,7 @@ class Alarms:
             self._tell(known, "answered", answer=answer, by=by)
             return known
 
-    def require_choice(self, id_: str, answer: str, question: int | None = None) -> Alarm:
+    def require_choice(self, id_: str, answer: str, question: int | None = None) -> AlarmInfo:
         """Returns an alarm that may be answered so.
 
         Args:
@@ -203,12 +157,26 @@ class Alarms:
 
     # ------------------------------------------------------------------ keeping
 
-    def _new(self, kind: AlarmKind, severity: Severity, text: str, source: str, *, lasts: bool) -> Alarm:
+    def _new(self, kind: AlarmKind, source: str, *, lasts: bool) -> AlarmInfo:
         self._count += 1
-        id_ = f"{self._events.epoch}-{self._count}"
-        return Alarm(self._count, id_, kind, severity, text, source, self._clock(), lasts)
+        return AlarmInfo(
+            id=f"{self._events.epoch}-{self._count}",
+            kind=kind,
+            severity=Severity.MEDIUM,
+            text="",
+            source=source,
+            active=True,
+            state="unacknowledged",
+            lasts=lasts,
+            since=datetime.fromtimestamp(self._clock(), UTC),
+        )
 
-    def _keep(self, alarm: Alarm, what: str) -> Alarm:
+    def _keep(self, alarm: AlarmInfo, what: str, **changes: Any) -> AlarmInfo:
+        """Keeps an alarm with changes, its state after ISA-18.2, and announces it."""
+        alarm = alarm.model_copy(update=changes)
+        seen, active = alarm.acknowledged is not None, alarm.until is None
+        state = ("acknowledged" if seen else "unacknowledged") if active else "normal" if seen else "returned"
+        alarm = alarm.model_copy(update={"active": active, "state": state})
         key = alarm.kind, alarm.source
         self._known[alarm.id] = alarm
         if alarm.active:
@@ -216,23 +184,20 @@ class Alarms:
         elif key in self._active and self._active[key].id == alarm.id:
             del self._active[key]
             self._over[alarm.id] = None
-            self._forget()
+            if len(self._over) > _KEPT:
+                oldest = next(iter(self._over))
+                del self._over[oldest], self._known[oldest]
         self._tell(alarm, what)
         return alarm
 
-    def _forget(self) -> None:
-        while len(self._over) > _KEPT:
-            oldest = next(iter(self._over))
-            del self._over[oldest], self._known[oldest]
-
-    def _tell(self, alarm: Alarm, what: str, **more: object) -> None:
-        data = alarm_info(alarm).model_dump(mode="json") | more
+    def _tell(self, alarm: AlarmInfo, what: str, **more: object) -> None:
+        data = alarm.model_dump(mode="json") | more
         self._events.append(Kind.ALARM, what, alarm.id, job=alarm.job, data=data)
 
 
-def alarm_info(alarm: Alarm) -> AlarmInfo:
-    """Returns an alarm as the API shows it."""
-    return AlarmInfo.model_validate(alarm, from_attributes=True)
+def _number(alarm: AlarmInfo) -> int:
+    """Returns the number of an alarm since the start of the server, which is part of its id."""
+    return int(alarm.id.rpartition("-")[2])
 
 
 _UNKNOWN = "UnknownAlarm"
@@ -250,10 +215,9 @@ class AlarmService(Service):
             after: Only those with a higher number.
         """
         alarms = [one for one in self._station.alarm_book.all if active is None or one.active is active]
-        rest = [alarm for alarm in alarms if alarm.number > after]
+        rest = [alarm for alarm in alarms if _number(alarm) > after]
         page = rest[:limit]
-        further = str(page[-1].number) if len(rest) > limit else None
-        return AlarmPage(items=tuple(map(alarm_info, page)), next=further)
+        return AlarmPage(items=tuple(page), next=str(_number(page[-1])) if len(rest) > limit else None)
 
     def get(self, id_: str) -> AlarmInfo:
         """Describes an alarm.
@@ -262,7 +226,7 @@ class AlarmService(Service):
             NotFound: There is none of that id.
         """
         with addressed(_UNKNOWN):
-            return alarm_info(self._station.alarm_book.alarm(id_))
+            return self._station.alarm_book.alarm(id_)
 
     def acknowledge(self, id_: str, author: Author = LIBRARY) -> AlarmInfo:
         """Notes that somebody has seen an alarm; it goes when its reason does.
@@ -271,7 +235,7 @@ class AlarmService(Service):
             NotFound: There is none of that id.
         """
         with addressed(_UNKNOWN):
-            return alarm_info(self._station.alarm_book.acknowledge(id_, author.name))
+            return self._station.alarm_book.acknowledge(id_, author.name)
 
     def answer(self, id_: str, answer: AlarmAnswer, author: Author = LIBRARY) -> AlarmInfo:
         """Passes an answer on to the job or the robot that waits for it.
@@ -287,9 +251,9 @@ class AlarmService(Service):
             self._answer_job(alarm, answer, author.name)
         else:
             self._answer_question(alarm, answer, author.name)
-        return alarm_info(self._station.alarm_book.note_answer(id_, answer.answer, author.name))
+        return self._station.alarm_book.note_answer(id_, answer.answer, author.name)
 
-    def _answer_job(self, alarm: Alarm, answer: AlarmAnswer, by: str) -> None:
+    def _answer_job(self, alarm: AlarmInfo, answer: AlarmAnswer, by: str) -> None:
         """Gives an answer to a job, which may have gone on and ask something else while this alarm is looked at.
 
         Raises:
@@ -306,7 +270,7 @@ class AlarmService(Service):
         except StaleVersion:
             raise WrongState(f"job '{alarm.job}' has gone on meanwhile: look what it asks now") from None
 
-    def _answer_question(self, alarm: Alarm, answer: AlarmAnswer, by: str) -> None:
+    def _answer_question(self, alarm: AlarmInfo, answer: AlarmAnswer, by: str) -> None:
         """Gives an answer to a robot.
 
         Raises:

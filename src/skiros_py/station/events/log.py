@@ -83,49 +83,6 @@ class Event:
         return self.elements is None or element in self.elements
 
 
-def written(
-    epoch: str,
-    number: int,
-    moment: tuple[float, float],
-    kind: Kind,
-    type_: str,
-    subject: str,
-    job: str,
-    elements: frozenset[str] | None,
-    data: Mapping[str, Any],
-) -> Event:
-    """Returns a serialised event.
-
-    Args:
-        epoch: Identifies the start of the server.
-        number: Its number.
-        moment: Its time [s since 1970], and in run time [s].
-        kind: Its kind.
-        type_: Its type.
-        subject: Its subject.
-        job: Id of the job to which it belongs.
-        elements: Ids of the elements that it concerns; None for too many.
-        data: The details, as plain data.
-    """
-    wall, time = moment
-    head: dict[str, Any] = {
-        "id": f"{epoch}-{number}",
-        "number": number,
-        "at": datetime.fromtimestamp(wall, UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z"),
-        "time": time,
-        "kind": kind.value,
-        "type": type_,
-        "subject": subject,
-        "job": job,
-    }
-    said = as_text(data)
-    if len(said) > _LONGEST:
-        said = as_text({"left_out": f"{len(said)} characters are too many for an event: read it where it is kept"})
-    text = f'{as_text(head)[:-1]},"data":{said}}}'
-    frame = f"event: {kind.value}\ndata: {text}\nid: {head['id']}\n\n".encode()
-    return Event(number, wall, time, kind, type_, subject, job, elements, frame)
-
-
 def _head(kind: Kind) -> bytes:
     """Returns the prefix of the text in a server-sent event."""
     return f"event: {kind.value}\ndata: ".encode()
@@ -203,11 +160,30 @@ class EventLog:
     ) -> Event:
         """Appends an event and calls the listeners; does not block; callable from any thread."""
         touched = frozenset(elements)
+        listed = touched if len(touched) <= _MOST_ELEMENTS else None
         with self._guard:
-            number, moment = self._last + 1, (time.time(), self.clock())
-            listed = touched if len(touched) <= _MOST_ELEMENTS else None
-            event = written(self.epoch, number, moment, kind, type_, subject, job, listed, data or {})
-            self._keep(event)
+            number, wall, now = self._last + 1, time.time(), self.clock()
+            head: dict[str, Any] = {
+                "id": f"{self.epoch}-{number}",
+                "number": number,
+                "at": datetime.fromtimestamp(wall, UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z"),
+                "time": now,
+                "kind": kind.value,
+                "type": type_,
+                "subject": subject,
+                "job": job,
+            }
+            text = as_text(data or {})
+            if len(text) > _LONGEST:
+                left_out = f"{len(text)} characters are too many for an event: read it where it is kept"
+                text = as_text({"left_out": left_out})
+            frame = f'event: {kind.value}\ndata: {as_text(head)[:-1]},"data":{text}}}\nid: {head["id"]}\n\n'.encode()
+            event = Event(number, wall, now, kind, type_, subject, job, listed, frame)
+            self._events.append(event)
+            self._last = number
+            self._size += len(frame)
+            while len(self._events) > self._kept or self._size > self._room:
+                self._size -= len(self._events.popleft().frame)
         self._listeners.notify()
         return event
 
@@ -222,10 +198,3 @@ class EventLog:
     def on_event(self, listener: Callable[[], None]) -> Callable[[], None]:
         """Calls the listener after each event, in the thread of the event; returns a function that removes it."""
         return self._listeners.add(listener)
-
-    def _keep(self, event: Event) -> None:
-        self._events.append(event)
-        self._last = event.number
-        self._size += len(event.frame)
-        while len(self._events) > self._kept or self._size > self._room:
-            self._size -= len(self._events.popleft().frame)

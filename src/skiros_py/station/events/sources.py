@@ -11,7 +11,7 @@ from skiros_py.station.events.log import EventLog, Kind
 from skiros_py.station.jobs.views import state_name
 from skiros_py.station.modules.runs import ModuleRun, ModuleRuns, Turn
 from skiros_py.station.session import Session
-from skiros_py.station.tasks.book import TaskBook
+from skiros_py.station.tasks.tasks import TaskService
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.jobs import Job
 from skiros_py.tasks.trace import TraceEntry
@@ -31,7 +31,7 @@ class EventSources:
         modules: Reports when a run is paused and when it continues.
     """
 
-    def __init__(self, events: EventLog, tasks: TaskBook, modules: ModuleRuns) -> None:
+    def __init__(self, events: EventLog, tasks: TaskService, modules: ModuleRuns) -> None:
         self._events = events
         self._tasks = tasks
         self._modules = modules

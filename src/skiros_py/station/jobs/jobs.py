@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from datetime import datetime
-from typing import Literal
+from typing import Literal, NamedTuple, TypedDict, Unpack
 
 from skiros_py.api.jobs import (
     Job,
@@ -25,10 +25,18 @@ from skiros_py.api.jobs import (
 )
 from skiros_py.errors import Refused, StaleVersion, UsageError, WrongState
 from skiros_py.station.document_store import TEMPLATE
-from skiros_py.station.jobs.accounts import explanation_of, plan_of, planned_steps, report_of, response_of
 from skiros_py.station.jobs.orders import digest_of, is_same, job_order, new_id, texts_of
 from skiros_py.station.jobs.templates import content_of
-from skiros_py.station.jobs.views import STATES, job_view, transitions_view
+from skiros_py.station.jobs.views import (
+    STATES,
+    explanation_of,
+    job_view,
+    plan_of,
+    planned_steps,
+    report_of,
+    response_of,
+    transitions_view,
+)
 from skiros_py.station.requests import LIBRARY, Author, Service
 from skiros_py.tasks.jobs import Job as Known
 from skiros_py.tasks.jobs import JobManager, Page, Receipt, Trigger
@@ -41,7 +49,7 @@ _UNABLE = 1 << 4
 """Bit of the standard's return status: unable to accept (OPC 10031-4 v2.00, annex B.2)."""
 
 
-class OrderResult:
+class OrderResult(NamedTuple):
     """The result of an order.
 
     Attributes:
@@ -49,9 +57,18 @@ class OrderResult:
         repeated: True if the same request, or the same order, was received before.
     """
 
-    def __init__(self, job: Job, *, repeated: bool) -> None:
-        self.job = job
-        self.repeated = repeated
+    job: Job
+    repeated: bool
+
+
+class JobFilter(TypedDict, total=False):
+    """Which jobs to list: those in certain states, changed since a time, after a number, in either order."""
+
+    states: Sequence[StateName] | None
+    since: datetime | None
+    limit: int
+    after: int | None
+    newest_first: bool
 
 
 class JobService(Service):
@@ -231,47 +248,24 @@ class JobService(Service):
 
     # ------------------------------------------------------------------ reading
 
-    def all(
-        self,
-        states: Sequence[StateName] | None = None,
-        since: datetime | None = None,
-        limit: int = 100,
-        after: int | None = None,
-        *,
-        newest_first: bool = False,
-    ) -> JobPage:
+    def all(self, **wanted: Unpack[JobFilter]) -> JobPage:
         """Lists the jobs that were not removed, in order of acceptance."""
-        page, now = self._page(states, since, limit, after, newest_first=newest_first), time.time()
+        page, now = self._page(**wanted), time.time()
         return JobPage(items=tuple(job_view(job, now) for job in page.jobs), next=_next(page))
 
-    def responses(
-        self,
-        states: Sequence[StateName] | None = None,
-        since: datetime | None = None,
-        limit: int = 100,
-        after: int | None = None,
-        *,
-        newest_first: bool = False,
-    ) -> JobResponses:
+    def responses(self, **wanted: Unpack[JobFilter]) -> JobResponses:
         """Lists the ISA-95 job responses of the jobs that were not removed."""
-        page, now = self._page(states, since, limit, after, newest_first=newest_first), time.time()
+        page, now = self._page(**wanted), time.time()
         return JobResponses(items=tuple(response_of(self._jobs, job, now) for job in page.jobs), next=_next(page))
 
-    def _page(
-        self,
-        states: Sequence[StateName] | None,
-        since: datetime | None,
-        limit: int,
-        after: int | None,
-        *,
-        newest_first: bool,
-    ) -> Page:
+    def _page(self, **wanted: Unpack[JobFilter]) -> Page:
+        states, since = wanted.get("states"), wanted.get("since")
         return self._jobs.store.page(
             states=[STATES[name] for name in states] if states else None,
             since=None if since is None else since.timestamp(),
-            after=after,
-            limit=limit,
-            newest_first=newest_first,
+            after=wanted.get("after"),
+            limit=wanted.get("limit", 100),
+            newest_first=wanted.get("newest_first", False),
         )
 
     def get(self, id_: str) -> Job:

@@ -203,41 +203,39 @@ def _check_number(name: str, condition: object, materials: Sequence[Material]) -
         )
 
 
+def _walk(data: object, path: str = "") -> Iterator[tuple[str, Any, int]]:
+    """Yields data and all parts of it, in order, each with its path and depth; without recursion, for any depth."""
+    waiting = [(path, data, 0)]
+    while waiting:
+        path, one, depth = waiting.pop()
+        yield path, one, depth
+        if isinstance(one, dict):
+            inner = [(f"{path}.{key}", value, depth + 1) for key, value in one.items()]
+        else:
+            parts = one if isinstance(one, list | tuple) else ()
+            inner = [(f"{path}[{index}]", value, depth + 1) for index, value in enumerate(parts)]
+        waiting += reversed(inner)
+
+
 def _size(data: object) -> int:
     """Returns the number of names, lists and objects in the data."""
-    number, left = 0, [data]
-    while left:
-        number += 1
-        one = left.pop()
-        left.extend(one.values() if isinstance(one, dict) else one if isinstance(one, list | tuple) else ())
-    return number
+    return sum(1 for _ in _walk(data))
 
 
 def _check_pieces(name: str, pieces: list[Any]) -> None:
     """Checks that each piece has its own condition: two identical ones would be fulfilled by one piece."""
     if not pieces:
         raise UsageError(f"materials: goal template '{name}' makes a condition of each material, and none is ordered")
-    seen: set[str] = set()
+    seen = set()
     for piece in pieces:
-        if (text := repr(_without_prefixes(piece))) in seen:
+        # "Starter" and "kitting:Starter" are the same class.
+        content = tuple((path, one.rpartition(":")[2]) for path, one, _ in _walk(piece) if isinstance(one, str))
+        if content in seen:
             raise UsageError(
-                f"materials: two pieces lead to the same condition {text[:200]}, which one of them would fulfil:"
+                f"materials: two pieces lead to the same condition {piece!r:.200}, which one of them would fulfil:"
                 " give each an id or a location of its own, and a template that uses it"
             )
-        seen.add(text)
-
-
-def _without_prefixes(data: Any) -> Any:
-    """Returns data with names without prefixes: "Starter" and "kitting:Starter" are the same class."""
-    match data:
-        case str():
-            return data.rpartition(":")[2]
-        case dict():
-            return {key: _without_prefixes(value) for key, value in data.items()}
-        case list():
-            return [_without_prefixes(value) for value in data]
-        case _:
-            return data
+        seen.add(content)
 
 
 def _replaced(data: Any, parameters: Mapping[str, str], material: Mapping[str, str]) -> Any:
@@ -257,23 +255,17 @@ def _replaced(data: Any, parameters: Mapping[str, str], material: Mapping[str, s
             return data
 
 
-def _faults(data: Any, path: str, names: Sequence[str], fields: Sequence[str], depth: int = 0) -> list[DocumentFault]:
-    if depth > _DEEPEST:
-        return [DocumentFault(path[:200], f"nested deeper than {_DEEPEST} levels")]
-    match data:
-        case {"parameter": key} if len(data) == 1:
-            return [] if key in names else [DocumentFault(path, str(UnknownName("parameter", str(key), names)))]
-        case {"material": field} if len(data) == 1:
-            where = "" if fields else "(materials are for per_material only)"
-            unknown = UnknownName("field of a material", str(field), fields, where=where)
-            return [] if field in fields else [DocumentFault(path, str(unknown))]
-        case dict():
-            each = [_faults(value, f"{path}.{key}", names, fields, depth + 1) for key, value in data.items()]
-        case list():
-            each = [_faults(value, f"{path}[{i}]", names, fields, depth + 1) for i, value in enumerate(data)]
-        case _:
-            return []
-    return [fault for found in each for fault in found]
+def _faults(data: object, where: str, names: Sequence[str], fields: Sequence[str]) -> Iterator[DocumentFault]:
+    for path, one, depth in _walk(data, where):
+        match one:
+            case _ if depth > _DEEPEST:
+                yield DocumentFault(path[:200], f"nested deeper than {_DEEPEST} levels")
+                return
+            case {"parameter": key} if len(one) == 1 and key not in names:
+                yield DocumentFault(path, str(UnknownName("parameter", str(key), names)))
+            case {"material": field} if len(one) == 1 and field not in fields:
+                unless = "" if fields else "(materials are for per_material only)"
+                yield DocumentFault(path, str(UnknownName("field of a material", str(field), fields, where=unless)))
 
 
 def content_of(document: Any) -> GoalTemplateContent:
@@ -349,28 +341,18 @@ def _word_faults(content: GoalTemplateContent, conditions: Mapping[str, Conditio
         except DocumentError as error:
             yield from error.faults
             continue
-        yield from _unknown_words(goal, path, conditions)
-
-
-def _unknown_words(data: object, path: str, conditions: Mapping[str, ConditionType]) -> Iterator[DocumentFault]:
-    known = {name.casefold(): type_ for name, type_ in conditions.items()}
-    match data:
-        case {"condition": str(word), "arguments": list(arguments)}:
-            yield from _word_fault(word, arguments, path, known, conditions)
-        case dict():
-            for key, value in data.items():
-                yield from _unknown_words(value, f"{path}.{key}", conditions)
-        case list():
-            for index, value in enumerate(data):
-                yield from _unknown_words(value, f"{path}[{index}]", conditions)
+        for place, one, _ in _walk(goal, path):
+            match one:
+                case {"condition": str(word), "arguments": list(arguments)}:
+                    yield from _word_fault(word, arguments, place, conditions)
 
 
 def _word_fault(
-    word: str, arguments: Collection[object], path: str, known: Mapping[str, ConditionType], all_: Collection[str]
+    word: str, arguments: Collection[object], path: str, conditions: Mapping[str, ConditionType]
 ) -> Iterator[DocumentFault]:
-    type_ = known.get(word.casefold())
+    type_ = next((type_ for name, type_ in conditions.items() if name.casefold() == word.casefold()), None)
     if type_ is None:
-        yield DocumentFault(f"{path}.condition", str(UnknownName("condition", word, all_)))
+        yield DocumentFault(f"{path}.condition", str(UnknownName("condition", word, conditions)))
     elif len(arguments) != len(type_.roles):
         roles = ", ".join(f"{role.name}: {local_name(role.class_)}" for role in type_.roles)
         text = f"{type_.name} takes {len(type_.roles)} ({roles}), got {len(arguments)}"

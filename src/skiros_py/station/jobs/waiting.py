@@ -38,15 +38,17 @@ class JobWaiter:
             job: The job.
             seconds: Maximum wait [s].
         """
-        if not self._places.acquire(blocking=False):
-            return job
+        rests = threading.Event()
+        unsubscribe = jobs.subscribe(lambda one: rests.set() if one.id == job.id and not _is_under_way(one) else None)
         try:
-            return self._wait(jobs, job, time.monotonic() + seconds)
+            if _is_under_way(jobs.find(job.id) or job):
+                self.wait_for(rests, seconds)
+            return jobs.find(job.id) or job
         finally:
-            self._places.release()
+            unsubscribe()
 
     def wait_for(self, event: threading.Event, seconds: float) -> None:
-        """Waits for an event, in the same way."""
+        """Waits for an event, at most so long [s]; not at all if too many callers wait already."""
         end = time.monotonic() + seconds
         if event.is_set() or not self._places.acquire(blocking=False):
             return
@@ -59,19 +61,6 @@ class JobWaiter:
     def close(self) -> None:
         """Ends all waiting."""
         self._ending = True
-
-    def _wait(self, jobs: JobManager, job: Job, end: float) -> Job:
-        changed = threading.Event()
-        unsubscribe = jobs.subscribe(lambda one: changed.set() if one.id == job.id else None)
-        try:
-            now = jobs.find(job.id) or job
-            while _is_under_way(now) and not self._ending and (left := end - time.monotonic()) > 0.0:
-                changed.wait(min(left, _GLANCE))
-                changed.clear()
-                now = jobs.find(job.id) or now
-            return now
-        finally:
-            unsubscribe()
 
 
 def _is_under_way(job: Job) -> bool:

@@ -18,14 +18,13 @@ from skiros_py.api.modules import (
     Plugins,
     SkillInfo,
 )
-from skiros_py.catalogue import Surveyed, survey
-from skiros_py.errors import UnknownName, UsageError, WrongState
+from skiros_py.catalogue import survey
+from skiros_py.errors import UsageError, WrongState
 from skiros_py.execution.runtime import agents_of
 from skiros_py.execution.skill_manager import SkillManager
-from skiros_py.plugins.plugin import PluginFault
 from skiros_py.station.modules import views
 from skiros_py.station.modules.runs import ModuleRun, Wish
-from skiros_py.station.requests import LIBRARY, Author, Service, addressed
+from skiros_py.station.requests import LIBRARY, Author, Service, addressed, find
 from skiros_py.station.session import Session
 
 
@@ -36,7 +35,7 @@ class ModuleService(Service):
 
     def managers(self) -> list[ManagerInfo]:
         """Lists the skill managers, each with the modules that it runs now, or why it is lost."""
-        return self._station.control.call(views.managers)
+        return self._call(views.managers)
 
     def open_manager(self, agent: str) -> ManagerInfo:
         """Opens the skill manager of a subsystem, which offers its skills from now on.
@@ -59,7 +58,7 @@ class ModuleService(Service):
             session.managers.open(agent)
             return views.manager(session, session.managers[agent])
 
-        return self._station.control.call(do)
+        return self._call(do)
 
     def close_manager(self, agent: str, *, force: bool = False) -> None:
         """Closes the skill manager of a subsystem; its skills are removed from the world model.
@@ -79,13 +78,13 @@ class ModuleService(Service):
                 raise WrongState(f"{agent} runs {', '.join(sorted(running))}: stop that first, or force it")
             session.managers.close(agent)
 
-        self._station.control.call(do)
+        self._call(do)
 
     # ------------------------------------------------------------------ modules
 
     def all(self) -> list[ModuleSummary]:
         """Lists every skill and primitive once, with the subsystems that can run it."""
-        return self._station.control.call(views.modules)
+        return self._call(views.modules)
 
     def get(self, agent: str, module: str) -> ModuleDetails:
         """Describes a module of a skill manager: parameters, conditions, implementations.
@@ -93,13 +92,12 @@ class ModuleService(Service):
         Raises:
             NotFound: There is no such skill manager, or it has no such module.
         """
-        return self._station.control.call(lambda session: views.module(_manager(session, agent, module), module))
+        return self._call(lambda session: views.module(_manager(session, agent, module), module))
 
     def panel(self, agent: str, module: str, arguments: Mapping[str, Any]) -> PanelInfo:
         """Returns the arguments with which a module would run now, and which of its conditions hold."""
-        return self._station.control.call(
-            lambda session: views.panel(_manager(session, agent, module), module, arguments)
-        )
+        panel = self._call(lambda session: _manager(session, agent, module).panel(module, arguments))
+        return PanelInfo.model_validate(panel.as_json())
 
     def run(
         self,
@@ -132,7 +130,7 @@ class ModuleService(Service):
             _manager(session, agent, module)
             return self._station.module_runs.start(session, wish)
 
-        return views.run_info(self._station.control.call(start))
+        return views.run_info(self._call(start))
 
     def reset(self, agent: str, module: str) -> None:
         """Resets a module after a fault, so that it can run again.
@@ -148,7 +146,7 @@ class ModuleService(Service):
                 raise WrongState(f"{module} of {agent} is running: stop it first")
             manager.reset(module)
 
-        self._station.control.call(do)
+        self._call(do)
 
     # ------------------------------------------------------------------ runs
 
@@ -178,7 +176,7 @@ class ModuleService(Service):
             WrongState: It does not accept that command now.
         """
         run = self._find(id_)
-        self._station.control.call(lambda _session: run.command(command))
+        self._call(lambda _session: run.command(command))
         return views.run_info(run)
 
     def set_breakpoints(self, id_: str, paths: Sequence[str]) -> ModuleRunInfo:
@@ -192,7 +190,7 @@ class ModuleService(Service):
             NotFound: There is no such run.
         """
         run = self._find(id_)
-        self._station.control.call(lambda _session: run.set_breakpoints(paths))
+        self._call(lambda _session: run.set_breakpoints(paths))
         return views.run_info(run)
 
     def _find(self, id_: str) -> ModuleRun:
@@ -203,7 +201,7 @@ class ModuleService(Service):
 
     def skills(self) -> list[SkillInfo]:
         """Lists the offered skills as planners see them: parameters, conditions, effects."""
-        return self._station.control.call(views.skills)
+        return self._call(views.skills)
 
     def skill(self, name: str) -> SkillInfo:
         """Describes one skill, without its implementations.
@@ -211,18 +209,11 @@ class ModuleService(Service):
         Raises:
             NotFound: No skill with this name is offered.
         """
-        skills = {skill.name: skill for skill in self.skills()}
-        with addressed():
-            if name not in skills:
-                raise UnknownName("skill", name, skills)
-        return skills[name]
+        return find("skill", name, {skill.name: skill for skill in self.skills()})
 
 
 def _manager(session: Session, agent: str, module: str = "") -> SkillManager:
-    with addressed("UnknownAgent"):
-        if agent not in session.managers:
-            raise UnknownName("skill manager", agent, session.managers)
-    manager = session.managers[agent]
+    manager = find("skill manager", agent, session.managers, "UnknownAgent")
     if module:
         with addressed("UnknownModule"):
             manager.info(module)
@@ -238,27 +229,22 @@ class PluginService(Service):
 
     def faults(self) -> list[PluginFaultInfo]:
         """Lists the plug-ins that do not load or do not fit the present scene."""
-        return [_fault(fault) for fault in self._station.session.catalogue.faults]
+        return list(map(PluginFaultInfo.view_of, self._session.catalogue.faults))
 
 
 @cache
 def _surveyed() -> Plugins:
     """Loads all entry points, once: the installation does not change while a program runs."""
     found, others = survey()
-    return Plugins(items=[_plugin(one) for one in found], others=[_fault(fault) for fault in others])
-
-
-def _plugin(one: Surveyed) -> PluginInfo:
-    entry = one.entry
-    return PluginInfo.view_of(
-        entry,
-        distribution=entry.distribution.name,
-        version=entry.distribution.version,
-        object=entry.value,
-        works=one.works,
-        faults=[_fault(fault) for fault in one.faults],
-    )
-
-
-def _fault(fault: PluginFault) -> PluginFaultInfo:
-    return PluginFaultInfo.model_validate(fault, from_attributes=True)
+    plugins = [
+        PluginInfo.view_of(
+            one.entry,
+            distribution=one.entry.distribution.name,
+            version=one.entry.distribution.version,
+            object=one.entry.value,
+            works=one.works,
+            faults=one.faults,
+        )
+        for one in found
+    ]
+    return Plugins(items=plugins, others=list(map(PluginFaultInfo.view_of, others)))

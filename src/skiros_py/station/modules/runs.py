@@ -256,14 +256,11 @@ class ModuleRuns:
         run.begin(running, session.cycle.board.now)
         with self._guard:
             self._runs[run.id] = run
-            self._forget()
+            over = [id_ for id_, one in self._runs.items() if one.over]
+            for id_ in over[: max(0, len(over) - _KEPT)]:
+                del self._runs[id_]
         self._active = (*self._active, run)
         return run
-
-    def _forget(self) -> None:
-        over = [id_ for id_, run in self._runs.items() if run.over]
-        for id_ in over[: max(0, len(over) - _KEPT)]:
-            del self._runs[id_]
 
     def on_turn(self, listener: Callable[[ModuleRun, Turn], None]) -> Callable[[], None]:
         """Calls the listener when a run was paused, and when it continues; returns a function that removes it."""

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from datetime import UTC, datetime
-from typing import Any
 
 from skiros_py.api.modules import (
     BodyEdge,
@@ -19,20 +17,18 @@ from skiros_py.api.modules import (
     ModuleRound,
     ModuleRunInfo,
     ModuleSummary,
-    PanelInfo,
     RunningInfo,
     SkillCondition,
     SkillInfo,
 )
-from skiros_py.execution.monitor import ModuleEvent
 from skiros_py.execution.running import RunnableDocument
 from skiros_py.execution.skill_manager import SkillManager
 from skiros_py.planning.problem.task import Capability
-from skiros_py.skills.behaviour import Behaviour, Node, nodes_of
+from skiros_py.skills.behaviour import Behaviour, nodes_of
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.outcome import Failure
 from skiros_py.skills.parameters import Kind, Output, Param, as_json, as_shown, schema
-from skiros_py.skills.skill import Skill, SkillDescription
+from skiros_py.skills.skill import Skill
 from skiros_py.skills.surroundings import owner
 from skiros_py.station.modules.runs import ModuleRun, Round
 from skiros_py.station.session import Session
@@ -122,79 +118,54 @@ def _output(output: Output) -> ModuleOutput:
 
 
 def _conditions(conditions: Iterable[Condition]) -> list[SkillCondition]:
-    return [
-        SkillCondition(
-            text=str(condition),
-            words=condition.type.help,
-            word=condition.type.name,
-            arguments=list(condition.arguments),
-            negated=condition.negated,
-        )
-        for condition in conditions
-    ]
+    return [SkillCondition.view_of(one, text=str(one), words=one.type.help, word=one.type.name) for one in conditions]
 
 
 def _implementation(way: Skill) -> Implementation:
     return Implementation.view_of(
-        way,
-        driver=way.driver or "",
-        when=_conditions(way.when),
-        nodes=_nodes(way.parts),
-        edges=_edges(way.parts),
+        way, driver=way.driver or "", when=_conditions(way.when), nodes=_nodes(way.parts), edges=_edges(way.parts)
     )
 
 
 def _document(document: RunnableDocument) -> Implementation:
-    label, parts = f"revision {document.revision}", {"body": document.behaviour}
-    version, nodes, edges = str(document.revision), _nodes(parts), _edges(parts)
+    revision, parts = str(document.revision), {"body": document.behaviour}
     return Implementation(
-        label=label, version=version, driver="", order=0, requires=[], when=[], nodes=nodes, edges=edges
+        label=f"revision {revision}",
+        version=revision,
+        driver="",
+        order=0,
+        requires=[],
+        when=[],
+        nodes=_nodes(parts),
+        edges=_edges(parts),
     )
 
 
 def _nodes(parts: Mapping[str, Behaviour]) -> list[BodyNode]:
-    return [_node(node) for part, root in parts.items() for node in nodes_of(root, part)]
+    return [
+        BodyNode.view_of(
+            node.behaviour, path=node.path, module=next((call.module for call in node.behaviour.uses().calls), "")
+        )
+        for part, root in parts.items()
+        for node in nodes_of(root, part)
+    ]
 
 
 def _edges(parts: Mapping[str, Behaviour]) -> list[BodyEdge]:
     drawn = (edge for part, root in parts.items() for node in nodes_of(root, part) for edge in node.edges)
-    return [
-        *(BodyEdge(source="", target=part, label="") for part in parts),
-        *map(BodyEdge.view_of, drawn),
-    ]
-
-
-def _node(node: Node) -> BodyNode:
-    calls = node.behaviour.uses().calls
-    module = calls[0].module if calls else ""
-    return BodyNode(path=node.path, kind=node.behaviour.kind, title=node.behaviour.title, module=module)
-
-
-def panel(manager: SkillManager, name: str, given: Mapping[str, Any]) -> PanelInfo:
-    """Returns the arguments with which a module would run now; to be called in the control thread.
-
-    Raises:
-        UnknownName: There is no such module, parameter or element.
-        UsageError: The arguments are not valid.
-    """
-    return PanelInfo.model_validate(manager.panel(name, given).as_json())
+    return [*(BodyEdge(source="", target=part, label="") for part in parts), *map(BodyEdge.view_of, drawn)]
 
 
 # ---------------------------------------------------------------------- skills
 
 
-def skills_of(session: Session) -> Mapping[str, Capability]:
-    """Returns the skills offered now, by name; to be called in the control thread."""
-    return {capability.skill.name: capability for capability in session.tasks.capabilities}
-
-
 def skills(session: Session) -> list[SkillInfo]:
     """Describes the skills offered now; to be called in the control thread."""
-    return [_skill(session, capability) for _, capability in sorted(skills_of(session).items())]
+    return [_skill(session, one) for one in sorted(session.tasks.capabilities, key=lambda one: one.skill.name)]
 
 
 def _skill(session: Session, capability: Capability) -> SkillInfo:
-    skill: SkillDescription = capability.skill
+    skill = capability.skill
     return SkillInfo.view_of(
         skill,
         parameters=_parameters(skill.params),
@@ -216,24 +187,20 @@ def run_info(run: ModuleRun, *, in_full: bool = True) -> ModuleRunInfo:
         agent=run.wish.agent,
         module=run.wish.module,
         by=run.wish.by,
-        started=datetime.fromtimestamp(run.wall, UTC),
-        given=dict(run.wish.given),
-        arguments={param.key: as_shown(param, run.values.get(param.key)) for param in run.params},
+        given=run.wish.given,
         repeat=run.wish.repeat,
+        started=run.wall,
+        arguments={param.key: as_shown(param, run.values.get(param.key)) for param in run.params},
         breakpoints=sorted(run.breakpoints),
         rounds=[_round(one) for one in tuple(run.rounds)],
-        progress=[_progress(event) for event in tuple(run.progress)] if in_full else [],
+        progress=[ModuleProgress.view_of(one, run=one.id) for one in tuple(run.progress)] if in_full else [],
         changes=[change.as_json() for change in tuple(run.changes)] if in_full else [],
     )
 
 
 def _round(one: Round) -> ModuleRound:
-    outcome = one.outcome
-    if isinstance(outcome, Failure):
-        return ModuleRound.view_of(one, success=False, code=outcome.code, text=outcome.reason)
-    return ModuleRound.view_of(one, success=True, code=1, text=outcome.message)
-
-
-def _progress(event: ModuleEvent) -> ModuleProgress:
-    data = {**event.as_json(), "time": event.time, "module": event.module, "status": event.status.value}
-    return ModuleProgress.model_validate(data)
+    match one.outcome:
+        case Failure(reason=text, code=code):
+            return ModuleRound.view_of(one, success=False, code=code, text=text)
+        case outcome:
+            return ModuleRound.view_of(one, success=True, code=1, text=outcome.message)

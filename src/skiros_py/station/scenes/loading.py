@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tempfile
 import threading
-from collections import OrderedDict
+from functools import lru_cache
 from pathlib import Path
 
 from skiros_py.config import ontology_paths
@@ -137,7 +137,7 @@ class SceneStage:
 
     def __init__(self) -> None:
         self._reading = threading.Lock()
-        self._known: OrderedDict[tuple[int, Path, int], tuple[Session, Index]] = OrderedDict()
+        self._known = lru_cache(_KEPT)(lambda session, path, _version: _read(session, path))
         self._compared: tuple[tuple[object, ...], tuple[Edit, ...]] | None = None
 
     def read(self, session: Session, file: SceneFile) -> Index:
@@ -150,14 +150,8 @@ class SceneStage:
         Raises:
             FileError: It is broken; the error contains the line if known.
         """
-        key = (id(session), file.path, file.version)
         with self._reading:
-            if key not in self._known:
-                self._known[key] = session, _read(session, file.path)
-                while len(self._known) > _KEPT:
-                    self._known.popitem(last=False)
-            self._known.move_to_end(key)
-            return self._known[key][1]
+            return self._known(session, file.path, file.version)
 
     def read_text(self, session: Session, text: bytes) -> Index:
         """Returns the content of a scene sent as Turtle; no imports are fetched from the network.
@@ -197,11 +191,10 @@ class SceneStage:
             known = self._compared = key, diff(scene_only(self.read(session, file)), scene_only(now))
         return version, known[1]
 
-    def forget(self, session: Session) -> None:
-        """Clears the cache of a session."""
+    def forget(self, _session: Session) -> None:
+        """Clears the cache."""
         with self._reading:
-            for key in [key for key, (owner, _) in self._known.items() if owner is session]:
-                del self._known[key]
+            self._known.cache_clear()
             self._compared = None
 
     @staticmethod

@@ -11,7 +11,8 @@ from pathlib import Path
 
 from skiros_py.api.scenes import SCENE_NAME
 from skiros_py.config import named_scene, scene_names
-from skiros_py.errors import FileError, StaleVersion, UnknownName, UsageError
+from skiros_py.errors import FileError, Refused, StaleVersion, UnknownName, UsageError
+from skiros_py.station.requests import Seen, require_seen
 from skiros_py.world.change import Edit, ElementEdit, SourceEdit
 from skiros_py.world.index import Index
 from skiros_py.world.scene import diff, scene_source
@@ -116,56 +117,57 @@ class SceneStore:
         except UnknownName:
             raise UnknownName("scene", name, self.names()) from None
 
-    def save(self, name: str, scene: Index, *, expects: int | None = None) -> SceneFile:
+    def save(self, name: str, scene: Index, seen: Seen | None = None) -> SceneFile:
         """Saves a state as a scene, atomically.
 
         Args:
             name: Name of the scene.
             scene: The state.
-            expects: The version of the saved scene that it replaces; None for a new scene.
+            seen: The version of the saved scene that it replaces; None for a new scene.
 
         Raises:
-            UsageError: The name is not valid, or belongs to an installed scene.
-            StaleVersion: There is a different version of it, or none.
+            UsageError: The name is not valid.
+            Refused: It is an installed scene, or there is a scene of this name, and its version is not given.
+            StaleVersion: The version of the saved scene is another one, or it was removed.
             FileError: It cannot be written.
         """
         if not _NAME.fullmatch(name):
             raise UsageError("a scene is saved under small letters, digits, '_' and '-', 64 at most")
         text = scene_turtle(scene_only(scene))
         with self._writing:
-            self._check(name, expects)
-            self._make_folder()
+            try:
+                file = self.find(name)
+            except UnknownName:
+                if seen is not None and seen.version is not None:
+                    raise StaleVersion(f"there is no scene '{name}' any more: it was removed since") from None
+            else:
+                if not file.saved:
+                    text = f"'{name}' is a scene that came with a package: choose another name"
+                    raise Refused("SceneInstalled", text)
+                require_seen(seen, file.version)
+            try:
+                self._folder.mkdir(exist_ok=True)
+            except OSError as error:
+                raise FileError(self._folder, f"cannot be made: {error.strerror}") from error
             path = self._path(name)
             write_atomically(path, text)
         return SceneFile(name, path, saved=True)
 
-    def remove(self, name: str, *, expects: int | None = None) -> None:
+    def remove(self, name: str, seen: Seen | None = None) -> None:
         """Removes a saved scene.
 
         Raises:
             UnknownName: There is none with this name.
-            UsageError: It is an installed scene.
-            StaleVersion: The present version is not the expected one.
+            Refused: It is an installed scene.
+            StaleVersion: The present version is not the one seen.
         """
         with self._writing:
             file = self.find(name)
             if not file.saved:
-                raise UsageError(f"scene '{name}' came with a package, and stays: only saved ones can be removed")
-            if expects is not None and expects != file.version:
-                raise _stale(file, expects)
+                raise Refused("SceneInstalled", f"scene '{name}' came with a package, and stays")
+            if seen is not None:
+                require_seen(seen, file.version)
             file.path.unlink(missing_ok=True)
-
-    def _check(self, name: str, expects: int | None) -> None:
-        try:
-            file = self.find(name)
-        except UnknownName:
-            if expects is not None:
-                raise StaleVersion(f"there is no scene '{name}' any more: it was removed since") from None
-            return
-        if not file.saved:
-            raise UsageError(f"'{name}' is a scene that came with a package: choose another name")
-        if expects != file.version:
-            raise _stale(file, expects)
 
     def _saved(self) -> Iterator[str]:
         files = sorted(self._folder.glob(f"*{_SUFFIX}")) if self._folder.is_dir() else []
@@ -178,17 +180,6 @@ class SceneStore:
             raise FileError(path, "is a symbolic link: scenes are saved as files of their own")
         return path
 
-    def _make_folder(self) -> None:
-        try:
-            self._folder.mkdir(exist_ok=True)
-        except OSError as error:
-            raise FileError(self._folder, f"cannot be made: {error.strerror}") from error
-
 
 def _is_plain(path: Path) -> bool:
     return path.is_file() and not path.is_symlink()
-
-
-def _stale(file: SceneFile, expects: int | None) -> StaleVersion:
-    seen = "you have seen none" if expects is None else f"not version {expects}"
-    return StaleVersion(f"there is a scene '{file.name}' of version {file.version}, {seen}: look again, then decide")

@@ -63,10 +63,9 @@ class SceneService(Service):
             Refused: It is an installed scene, its version was not given, or the disk is full.
             StaleVersion: It was changed since it was seen.
         """
-        world = self._station.session.world
-        expects = self._expected(name, seen)
+        world = self._world
         try:
-            file = self._station.scene_store.save(name, world.snapshot(), expects=expects)
+            file = self._station.scene_store.save(name, world.snapshot(), seen)
         except FileError as error:
             raise Refused("NotSaved", f"the scene is not saved: {shown(error)}") from None
         with world.transaction("server", f"saved as scene {name}", writer=Writer.SYSTEM) as tx:
@@ -81,10 +80,8 @@ class SceneService(Service):
             Refused: It is an installed scene.
             StaleVersion: It was changed since it was seen.
         """
-        if not self._file(name).saved:
-            raise Refused("SceneInstalled", f"scene '{name}' came with a package, and stays")
-        with addressed(_UNKNOWN):
-            self._station.scene_store.remove(name, expects=None if seen is None else seen.version)
+        with addressed(_UNKNOWN), _broken("SceneBroken", name):
+            self._station.scene_store.remove(name, seen)
 
     # ------------------------------------------------------------------ the present scene
 
@@ -182,24 +179,9 @@ class SceneService(Service):
         with addressed(_UNKNOWN), _broken("SceneBroken", name):
             return self._station.scene_store.find(name)
 
-    def _expected(self, name: str, seen: Seen | None) -> int | None:
-        """Returns the version of the saved scene that may be replaced; None if there is none."""
-        try:
-            with _broken("SceneBroken", name):
-                file = self._station.scene_store.find(name)
-        except UsageError:
-            return None if seen is None else seen.version
-        if not file.saved:
-            text = f"'{name}' is a scene that came with a package: choose another name"
-            raise Refused("SceneInstalled", text)
-        version = file.version  # read once: the file may be saved again meanwhile
-        require_seen(seen, version)
-        return version
-
 
 def _robots(scene: Index) -> list[SceneRobot]:
-    robots = (scene.element(id_) for id_ in scene.instances(ROBOT))
-    return [SceneRobot(id=robot.id, label=robot.label, type=robot.type) for robot in robots]
+    return [SceneRobot.view_of(scene.element(id_)) for id_ in scene.instances(ROBOT)]
 
 
 def _entry(file: SceneFile) -> SceneEntry:

@@ -219,16 +219,14 @@ class Simulation:
 
         def look(session: Session) -> SimulationState:
             cycle = session.cycle
-            snapshot = cycle.board.snapshot
-            return SimulationState(
+            return SimulationState.view_of(
+                cycle.board.snapshot,
                 driver=session.options.driver or ("fake" if session.options.fake else session.options.engine),
                 simulates=session.simulates,
                 running=not cycle.halted,
                 halted=cycle.halted,
                 resting=session.resting,
                 pace=cycle.pace,
-                time=snapshot.time,
-                cycle=snapshot.cycle,
                 period=cycle.board.period,
                 stuck=stuck,
                 stale=stale,
@@ -254,11 +252,10 @@ class Simulation:
         poses, places = work_out()  # not in the control thread, because it takes longer than a cycle
         view = self._control.session.world.snapshot()
         items = [
-            SimulatedBody(
+            SimulatedBody.view_of(
+                poses[name],
                 id=name,
                 type=types[name],
-                position=list(poses[name].position),
-                orientation=list(poses[name].orientation),
                 place=places.get(name),
                 believed=view.has(name),
             )
@@ -273,14 +270,7 @@ class Simulation:
             NotFound: There is no such body.
             WrongState: It is bolted to a robot, or a region of another body.
         """
-
-        def do(session: Session) -> None:
-            cell = _cell(session)
-            with addressed("UnknownBody"):
-                _require_free(cell, body)
-            cell.move_body(body, Pose(pose.position, pose.orientation))
-
-        self._control.call(do)
+        self._change(body, lambda cell: cell.move_body(body, Pose(pose.position, pose.orientation)))
 
     def remove(self, body: str) -> None:
         """Removes a body without informing the robots.
@@ -289,12 +279,14 @@ class Simulation:
             NotFound: There is no such body.
             WrongState: It is bolted to a robot, or a region of another body.
         """
+        self._change(body, lambda cell: cell.remove_body(body))
 
+    def _change(self, body: str, edit: Callable[[SimulatedCell], object]) -> None:
         def do(session: Session) -> None:
             cell = _cell(session)
             with addressed("UnknownBody"):
                 _require_free(cell, body)
-            cell.remove_body(body)
+            edit(cell)
 
         self._control.call(do)
 

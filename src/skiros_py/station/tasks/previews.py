@@ -1,20 +1,29 @@
-"""Previews: plans for goals that are not executed, for the world at the time of the request."""
+"""Use cases: previews, which plan for a goal in the world at the time of the request, and execute nothing."""
 
 from __future__ import annotations
 
 import threading
 import time
 from collections import OrderedDict
-from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
-from skiros_py.errors import Busy, SkirosError, UnknownName
+from skiros_py.api import previews as api
+from skiros_py.api.goals import GoalOrder
+from skiros_py.api.previews import AppliedRepair, PreviewPage, PreviewState
+from skiros_py.errors import Busy, Refused, SkirosError, UnknownName
 from skiros_py.planning.plan import NoPlan, Plan, Repair
-from skiros_py.planning.problem.task import Capability
 from skiros_py.planning.requests import Asked, PlanRequest
 from skiros_py.planning.service import Planned, PlanningOptions
 from skiros_py.skills.conditions import Condition
+from skiros_py.station.jobs.orders import texts_of
+from skiros_py.station.jobs.views import planned_steps
+from skiros_py.station.requests import LIBRARY, Author, Service, addressed, find
 from skiros_py.station.session import Session
+from skiros_py.world.change import Writer
+
+if TYPE_CHECKING:
+    from skiros_py.station.station import Station
 
 _AT_ONCE = 2
 """Maximum number of concurrent planners, each of which occupies a core."""
@@ -25,7 +34,7 @@ _EACH, _TOGETHER = 1.0, 4.0
 
 
 @dataclass
-class Preview:
+class _Preview:
     """A plan for one goal, which is not executed.
 
     Attributes:
@@ -49,111 +58,112 @@ class Preview:
     ended: threading.Event = field(default_factory=threading.Event)
 
     @property
-    def plan(self) -> Plan | None:
-        """The plan, if there is one."""
-        outcome = None if self.planned is None else self.planned.outcome
-        return outcome if isinstance(outcome, Plan) else None
-
-    @property
-    def no_plan(self) -> NoPlan | None:
-        """Why there is no plan, if that is the answer."""
-        outcome = None if self.planned is None else self.planned.outcome
-        return outcome if isinstance(outcome, NoPlan) else None
+    def outcome(self) -> Plan | NoPlan | None:
+        """The plan, or why there is none; None without an answer."""
+        return None if self.planned is None else self.planned.outcome
 
     @property
     def repairs(self) -> tuple[Repair, ...]:
         """The possible repairs."""
-        return () if self.no_plan is None else self.no_plan.repairs
-
-    def repair(self, number: int) -> Repair:
-        """Returns one of the repairs.
-
-        Raises:
-            UnknownName: There is none with this number.
-        """
-        if not 0 <= number < len(self.repairs):
-            known = [str(index) for index in range(len(self.repairs))]
-            raise UnknownName("repair", str(number), known, where=f"of preview {self.id}")
-        return self.repairs[number]
+        return self.outcome.repairs if isinstance(self.outcome, NoPlan) else ()
 
 
-class Previews:
-    """The latest previews of a server. Close it."""
+class PreviewService(Service):
+    """Plans goals from the present beliefs, and applies the repairs offered if there is no plan. Close it."""
 
-    def __init__(self) -> None:
-        self._previews: OrderedDict[str, Preview] = OrderedDict()
+    def __init__(self, station: Station) -> None:
+        super().__init__(station)
+        self._previews: OrderedDict[str, _Preview] = OrderedDict()
         self._under_way: dict[str, Asked[Planned]] = {}
         self._guard = threading.Lock()
         self._last = 0
         self._closed = False
 
-    def ask(self, session: Session, goal: tuple[str, ...], capabilities: Sequence[Capability]) -> Preview:
+    def ask(self, order: GoalOrder) -> api.Preview:
         """Starts to plan for a goal, and returns immediately.
-
-        Args:
-            session: The station for which it is planned.
-            goal: Goal texts.
-            capabilities: The capabilities of its robots.
 
         Raises:
             UsageError: The goal cannot be parsed.
             Busy: Too many previews are being planned already.
         """
+        session, goal = self._session, texts_of(order, self._station.document_store)
         conditions = session.parse(goal)
+        capabilities = tuple(self._call(lambda session: session.tasks.capabilities))
         options = PlanningOptions("preview", session.options.temporal, _EACH, _TOGETHER)
-        request = PlanRequest(conditions, tuple(capabilities), options=options)
         with self._guard:
             if self._closed or len(self._under_way) >= _AT_ONCE:
                 raise Busy(f"{_AT_ONCE} previews are being planned: ask again later", retry_after=_RETRY_AFTER)
             self._last += 1
-            preview = Preview(str(self._last), goal, conditions, session.world.version, time.time())
-            asked = session.planning.ask(request)
-            self._keep(preview)
+            preview = _Preview(str(self._last), goal, conditions, session.world.version, time.time())
+            asked = session.planning.ask(PlanRequest(conditions, capabilities, options=options))
+            self._previews[preview.id] = preview
+            over = [id_ for id_, one in self._previews.items() if one.ended.is_set()]
+            for id_ in over[: max(0, len(self._previews) - _KEPT)]:
+                del self._previews[id_]
             self._under_way[preview.id] = asked
         asked.when_done(lambda asked: self._answered(preview, asked))
-        return preview
+        return _shown(preview)
 
-    def find(self, id_: str) -> Preview:
-        """Returns a preview.
+    def all(self) -> PreviewPage:
+        """Lists the previews kept, latest first."""
+        with self._guard:
+            return PreviewPage(items=tuple(map(_shown, reversed(self._previews.values()))))
+
+    def get(self, id_: str, wait: float = 0.0) -> api.Preview:
+        """Returns the plan with order and planned starts; or why there is none, and possible repairs.
+
+        Args:
+            id_: Id of the preview.
+            wait: Maximum wait for the answer [s].
 
         Raises:
-            UnknownName: There is none, or it is no longer kept.
+            NotFound: There is none with this id.
         """
-        with self._guard:
-            if id_ not in self._previews:
-                raise UnknownName("preview", id_, list(self._previews))
-            return self._previews[id_]
+        preview = self._find(id_)
+        self._station.waiter.wait_for(preview.ended, wait)
+        return _shown(preview)
 
-    def all(self) -> tuple[Preview, ...]:
-        """Returns the previews kept, latest first."""
-        with self._guard:
-            return tuple(reversed(self._previews.values()))
+    def apply_repair(self, id_: str, number: int, author: Author = LIBRARY) -> AppliedRepair:
+        """Applies a repair to the world, as one transaction; the goal is not changed.
 
-    def forget(self, session: Session) -> None:
+        Raises:
+            NotFound: There is no such preview or repair.
+            Refused: It does not change the world.
+        """
+        repairs = self._find(id_).repairs
+        with addressed():
+            if not 0 <= number < len(repairs):
+                raise UnknownName("repair", str(number), map(str, range(len(repairs))), where=f"of preview {id_}")
+        repair = repairs[number]
+        if not repair.edits:
+            raise Refused(
+                "RepairNotApplicable", f"'{repair.text}' is no change of the world: see to it, or order otherwise"
+            )
+        repair.apply(self._world, author.name, Writer.PERSON, author.holder)
+        return AppliedRepair(text=repair.done, world=self._world.version)
+
+    def forget(self, _session: Session) -> None:
         """Cancels planning and drops all previews, because the station has changed."""
-        del session
-        self._end()
+        self._cancel()
         with self._guard:
             self._previews.clear()
 
     def close(self) -> None:
         """Cancels planning; may be called twice."""
         self._closed = True
-        self._end()
+        self._cancel()
 
-    def _keep(self, preview: Preview) -> None:
-        self._previews[preview.id] = preview
-        over = [id_ for id_, one in self._previews.items() if one.ended.is_set()]
-        for id_ in over[: max(0, len(self._previews) - _KEPT)]:
-            del self._previews[id_]
+    def _find(self, id_: str) -> _Preview:
+        with self._guard:
+            return find("preview", id_, self._previews)
 
-    def _end(self) -> None:
+    def _cancel(self) -> None:
         with self._guard:
             under_way = tuple(self._under_way.values())
         for asked in under_way:
             asked.cancel()
 
-    def _answered(self, preview: Preview, asked: Asked[Planned]) -> None:
+    def _answered(self, preview: _Preview, asked: Asked[Planned]) -> None:
         try:
             answer = asked.result()
             preview.world, preview.planned = answer.version, answer.value
@@ -164,6 +174,24 @@ class Previews:
         preview.ended.set()
 
 
-def is_applicable(repair: Repair) -> bool:
-    """Returns whether a repair contains changes of the world, not only of the goal."""
-    return bool(repair.edits)
+def _shown(preview: _Preview) -> api.Preview:
+    planned, outcome = preview.planned, preview.outcome
+    plan, none = (outcome, None) if isinstance(outcome, Plan) else (None, outcome)
+    state = PreviewState.FAILED if preview.fault else PreviewState.PLANNING
+    if outcome is not None:
+        state = PreviewState.PLANNED if plan is not None else PreviewState.NO_PLAN
+    return api.Preview.view_of(
+        preview,
+        state=state,
+        conditions=tuple(map(str, preview.conditions)),
+        wall=None if planned is None else planned.wall,
+        planner="" if planned is None else planned.planner,
+        steps=() if plan is None else planned_steps(plan),
+        reasons=((preview.fault,) if preview.fault else ()) if none is None else none.reasons,
+        causes=() if none is None else tuple(cause.as_json() for cause in none.causes),
+        repairs=tuple(
+            api.Repair(id=number, **repair.as_json(), applicable=bool(repair.edits))
+            for number, repair in enumerate(preview.repairs)
+        ),
+        notes=() if planned is None else planned.notes,
+    )

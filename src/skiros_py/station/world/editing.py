@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager
 from datetime import UTC, datetime, timedelta
-from functools import singledispatch
 
 from skiros_py.api import world as api
 from skiros_py.api.wire import moment
-from skiros_py.api.world import Addition, Change, ChangePage, ElementPatch, NewRelation, Undoable, Written
+from skiros_py.api.world import Addition, Change, ChangePage, ElementPatch, Lock, NewRelation, Undoable, Written
 from skiros_py.errors import Refused, UsageError
 from skiros_py.station.requests import Author
 from skiros_py.station.world.values import set_value
@@ -18,7 +17,7 @@ from skiros_py.world.branches import add_draft, draft_of, instantiate
 from skiros_py.world.change import Edit, Writer
 from skiros_py.world.element import is_abstract
 from skiros_py.world.journal import Entry, Journal
-from skiros_py.world.locks import Lock
+from skiros_py.world.locks import Lock as WorldLock
 from skiros_py.world.transaction import Transaction
 from skiros_py.world.vocabulary import LABEL, STRUCTURE
 from skiros_py.world.world import World
@@ -122,10 +121,9 @@ def _forgotten(journal: Journal, what: str) -> Refused:
     return Refused("Forgotten", text, remembered_from=journal.first)
 
 
-@contextmanager
 def writing(
     world: World, author: Author, reason: str, expects: Mapping[str, int] | None = None
-) -> Iterator[Transaction]:
+) -> AbstractContextManager[Transaction]:
     """Opens a transaction of a person.
 
     Args:
@@ -137,15 +135,14 @@ def writing(
     Raises:
         Locked: Another author has locked an affected element.
     """
-    transaction = world.transaction(author.name, reason, writer=Writer.PERSON, expects=expects, holder=author.holder)
-    with transaction as tx:
-        yield tx
+    return world.transaction(author.name, reason, writer=Writer.PERSON, expects=expects, holder=author.holder)
 
 
-def lock_view(world: World, lock: Lock) -> tuple[str, str, datetime, float]:
-    """Returns element, owner, time of expiry (UTC) and remaining time [s] of a lock."""
+def lock_view(world: World, lock: WorldLock) -> Lock:
+    """Describes a lock, with its time of expiry and its remaining time [s]."""
     left = max(0.0, lock.until - world.locks.now())
-    return lock.element, lock.shown, datetime.now(UTC) + timedelta(seconds=left), round(left, 1)
+    until = datetime.now(UTC) + timedelta(seconds=left)
+    return Lock(element=lock.element, owner=lock.shown, until=until, seconds=round(left, 1))
 
 
 # ------------------------------------------------------------------ elements
@@ -218,7 +215,23 @@ def operate(tx: Transaction, operations: Sequence[api.Operation]) -> dict[str, s
     """
     ids: dict[str, str] = {}
     for operation in operations:
-        _do(operation, tx, ids)
+        match operation:
+            case api.AddOperation(ref=ref):
+                if ref in ids:
+                    raise UsageError(f"two operations add something as '{ref}': give each its own ref")
+                element = add(tx, operation, ids)
+                if ref is not None:
+                    ids[ref] = element
+            case api.RemoveOperation(element=element):
+                tx.remove(_target(element, ids))
+            case api.SetOperation(element=element):
+                set_value(tx, _target(element, ids), operation.property, operation.value)
+            case api.PlaceOperation(element=element):
+                tx.place(_target(element, ids), operation.relation, _target(operation.place, ids))
+            case api.RelateOperation(subject=subject, object=object_):
+                tx.relate(_target(subject, ids), operation.relation, _target(object_, ids))
+            case api.UnrelateOperation(subject=subject, object=object_):
+                tx.unrelate(_target(subject, ids), operation.relation, _target(object_, ids))
     return ids
 
 
@@ -229,42 +242,3 @@ def _target(name: str, ids: Mapping[str, str]) -> str:
         known = ", ".join(f"${ref}" for ref in ids) or "none"
         raise UsageError(f"nothing was added as '{name[:100]}' before that operation; there is: {known}")
     return ids[name[1:]]
-
-
-@singledispatch
-def _do(operation: object, _tx: Transaction, _ids: dict[str, str]) -> None:
-    raise AssertionError(f"there is no code for {operation!r}")
-
-
-@_do.register
-def _add(operation: api.AddOperation, tx: Transaction, ids: dict[str, str]) -> None:
-    if operation.ref in ids:
-        raise UsageError(f"two operations add something as '{operation.ref}': give each its own ref")
-    element = add(tx, operation, ids)
-    if operation.ref is not None:
-        ids[operation.ref] = element
-
-
-@_do.register
-def _remove(operation: api.RemoveOperation, tx: Transaction, ids: dict[str, str]) -> None:
-    tx.remove(_target(operation.element, ids))
-
-
-@_do.register
-def _set(operation: api.SetOperation, tx: Transaction, ids: dict[str, str]) -> None:
-    set_value(tx, _target(operation.element, ids), operation.property, operation.value)
-
-
-@_do.register
-def _place(operation: api.PlaceOperation, tx: Transaction, ids: dict[str, str]) -> None:
-    tx.place(_target(operation.element, ids), operation.relation, _target(operation.place, ids))
-
-
-@_do.register
-def _state(operation: api.RelateOperation, tx: Transaction, ids: dict[str, str]) -> None:
-    tx.relate(_target(operation.subject, ids), operation.relation, _target(operation.object, ids))
-
-
-@_do.register
-def _take_back(operation: api.UnrelateOperation, tx: Transaction, ids: dict[str, str]) -> None:
-    tx.unrelate(_target(operation.subject, ids), operation.relation, _target(operation.object, ids))

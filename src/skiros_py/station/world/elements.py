@@ -13,8 +13,6 @@ from skiros_py.api.world import (
     ElementPage,
     ElementPatch,
     NewElement,
-    Placement,
-    Pose,
     Relation,
     RelationPage,
     Written,
@@ -31,7 +29,6 @@ from skiros_py.world.taught import lesson_about
 from skiros_py.world.terms import Family
 from skiros_py.world.transaction import Transaction
 from skiros_py.world.vocabulary import ELEMENT, POSE, POSE_FRAME
-from skiros_py.world.world import World
 
 _MOST_RELATIONS = 200
 """Maximum number of relations returned with an element."""
@@ -44,11 +41,11 @@ def summary(view: Index, name: str) -> api.ElementSummary:
         UnknownName: There is none with this id.
     """
     element, placement = view.element(name), view.placement(name)
-    return api.ElementSummary(
+    return api.ElementSummary.view_of(
+        element,
         id=name,
         class_=element.type,
-        label=element.label,
-        placement=None if placement is None else Placement(relation=placement.relation, place=placement.place),
+        placement=None if placement is None else api.Placement(relation=placement.relation, place=placement.place),
         abstract=is_abstract(name),
         version=view.stamp(name).change,
     )
@@ -67,16 +64,15 @@ def details(view: Index, name: str, computed: Sequence[str] = ()) -> api.Element
         UsageError: A relation is stated, not computed.
     """
     stated = relations(view, name)
-    pose = map_pose(view, name)
-    return api.ElementDetails(
-        **dict(summary(view, name)),
+    return api.ElementDetails.view_of(
+        summary(view, name),
         changed_at=view.stamp(name).time,
         properties=dict(_properties(view, name)),
         relations=stated[:_MOST_RELATIONS],
         relations_total=len(stated),
         computed=computed_relations(view, name, computed),
         owner=next(iter(view.owners(name)), None),
-        map_pose=None if pose is None else Pose(position=pose.position, orientation=pose.orientation),
+        map_pose=map_pose(view, name),
     )
 
 
@@ -143,10 +139,6 @@ def _property(view: Index, name: str, property_: str, value: Any) -> api.Propert
 
 class ElementService(Service):
     """Reads and edits elements."""
-
-    @property
-    def _world(self) -> World:
-        return self._station.session.world
 
     def all(
         self,

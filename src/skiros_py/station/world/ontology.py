@@ -11,7 +11,7 @@ from skiros_py.world.index import Index
 from skiros_py.world.literals import DATATYPES
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.taught import class_value
-from skiros_py.world.terms import Class, End, Property, Relation
+from skiros_py.world.terms import Property, Relation
 from skiros_py.world.vocabulary import ELEMENT
 
 _MOST_SHOWN = 100
@@ -58,16 +58,19 @@ def class_details(view: Index, name: str, catalogue: Catalogue) -> api.ClassDeta
     """
     ontology = view.ontology
     ancestors = ontology.ancestors(name)
-    class_: Class = ontology.classes[name]
+    properties = [one for _, one in sorted(ontology.properties.items()) if not ontology.missed_end(name, one.domains)]
     return api.ClassDetails.view_of(
-        class_,
+        ontology.classes[name],
         name=name,
         ancestors=list(ancestors),
         subclasses=list(ontology.subclasses(name)),
-        properties=[_class_property(view, name, p) for p in _fitting_properties(ontology, name)],
+        properties=[
+            api.ClassProperty.view_of(property_info(one), value=plain(class_value(view, name, one.curie)))
+            for one in properties
+        ],
         relations_from=[r.curie for r in _relations(ontology) if not ontology.missed_end(name, r.domains)],
         relations_to=[r.curie for r in _relations(ontology) if not ontology.missed_end(name, r.ranges)],
-        how_many=list(map(api.HowMany.view_of, ontology.cardinalities(name))),
+        how_many=ontology.cardinalities(name),
         instances=view.count(name),
         some_instances=list(view.some_instances(name, _MOST_SHOWN)),
         individuals=list(view.abstracts(name))[:_MOST_SHOWN],
@@ -102,17 +105,6 @@ def _relations(ontology: Ontology) -> list[Relation]:
     return [ontology.relations[name] for name in sorted(ontology.relations)]
 
 
-def _fitting_properties(ontology: Ontology, class_: str) -> Iterator[Property]:
-    for name in sorted(ontology.properties):
-        if not ontology.missed_end(class_, ontology.properties[name].domains):
-            yield ontology.properties[name]
-
-
-def _class_property(view: Index, class_: str, property_: Property) -> api.ClassProperty:
-    value = class_value(view, class_, property_.curie)
-    return api.ClassProperty(**property_info(property_).model_dump(), value=plain(value))
-
-
 def property_info(property_: Property) -> api.PropertyInfo:
     """Describes a property."""
     return api.PropertyInfo.view_of(
@@ -120,7 +112,7 @@ def property_info(property_: Property) -> api.PropertyInfo:
         name=property_.curie,
         datatype=property_.range,
         says=DATATYPES[property_.range].says,
-        borne_by=_end(property_.domains),
+        borne_by=property_.domains,
     )
 
 
@@ -130,12 +122,7 @@ def relation_info(view: Index, relation: Relation) -> api.RelationInfo:
         relation,
         name=relation.curie,
         family=relation.family.value,
-        parents=list(relation.parents),
-        subjects=_end(relation.domains),
-        objects=_end(relation.ranges),
+        subjects=relation.domains,
+        objects=relation.ranges,
         computed=view.reasoners.computes(relation.curie),
     )
-
-
-def _end(end: End) -> list[list[str]]:
-    return [list(group) for group in end]

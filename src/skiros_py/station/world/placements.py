@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Iterator
+from contextlib import suppress
 
 from skiros_py.api.ontology import PlacementOption, PlacementOptions, PlaceOption
 from skiros_py.errors import UsageError, WorldError
@@ -38,9 +39,24 @@ def placement_options(
         UsageError: It is not a placement relation.
     """
     wanted = _placements(view) if relation is None else [_placement(view, relation)]
-    trial = _Trial(view, class_, element)
-    shown = [_option(view, trial, r, limit, after) for r in wanted if not view.ontology.missed_end(class_, _guests(r))]
-    return PlacementOptions(class_=class_, element=element, options=shown)
+    options = []
+    for one in wanted:
+        guests, places = (one.domains, one.ranges) if one.place_end == "object" else (one.ranges, one.domains)
+        if view.ontology.missed_end(class_, guests):
+            continue
+        found = sorted(set(_candidates(view, places)) - {element})
+        start = bisect_right(found, after)
+        shown = found[start : start + limit]
+        options.append(
+            PlacementOption(
+                relation=one.curie,
+                label=one.label,
+                places=[_place(view, name, _why_not(view, class_, element, one.curie, name)) for name in shown],
+                total=len(found),
+                next=shown[-1] if shown and start + limit < len(found) else None,
+            )
+        )
+    return PlacementOptions(class_=class_, element=element, options=options)
 
 
 def _placements(view: Index) -> list[Relation]:
@@ -56,27 +72,6 @@ def _placement(view: Index, name: str) -> Relation:
     return relation
 
 
-def _guests(relation: Relation) -> End:
-    return relation.domains if relation.place_end == "object" else relation.ranges
-
-
-def _places(relation: Relation) -> End:
-    return relation.ranges if relation.place_end == "object" else relation.domains
-
-
-def _option(view: Index, trial: _Trial, relation: Relation, limit: int, after: str) -> PlacementOption:
-    found = sorted(set(_candidates(view, _places(relation))) - {trial.element})
-    start = bisect_right(found, after)
-    shown = found[start : start + limit]
-    return PlacementOption(
-        relation=relation.curie,
-        label=relation.label,
-        places=[_place(view, name, trial.why_not(relation.curie, name)) for name in shown],
-        total=len(found),
-        next=shown[-1] if shown and start + limit < len(found) else None,
-    )
-
-
 def _candidates(view: Index, end: End) -> Iterator[str]:
     first = end[0] if end else (ELEMENT,)
     for class_ in first:
@@ -87,39 +82,25 @@ def _candidates(view: Index, end: End) -> Iterator[str]:
 
 def _place(view: Index, name: str, why_not: str) -> PlaceOption:
     element = view.element(name)
-    return PlaceOption(id=name, class_=element.type, label=element.label, fits=not why_not, why_not=why_not)
+    return PlaceOption.view_of(element, id=name, class_=element.type, fits=not why_not, why_not=why_not)
 
 
-class _Trial:
-    """Places an element in a private state, to find the reasons against it.
+def _why_not(view: Index, class_: str, element: str | None, relation: str, place: str) -> str:
+    """Returns why an element, or a new one of a class, cannot be placed there; empty if it can.
 
-    Args:
-        view: The state.
-        class_: Class of the element to place.
-        element: Id of the element; None for a new one.
+    It is placed in a private state.
     """
-
-    def __init__(self, view: Index, class_: str, element: str | None) -> None:
-        self.element = element
-        self._view = view
-        self._class = class_
-
-    def why_not(self, relation: str, place: str) -> str:
-        """Returns why it cannot be placed there; empty if it can."""
-        tx = Transaction(self._view, Ids())
-        if self.element is not None:
-            tx.place(self.element, relation, place)
-            about = None
-        else:
-            tx.add(self._class, id=_TRIAL, placement=Placement(relation, place))
-            about = place  # other faults of a new element, such as missing pieces, are reported when it is added
-        problems = [sentence for name, sentence in tx.problems() if about is None or name == about]
-        return ("; ".join(problems) or self._objection(tx)).replace(_TRIAL, "it")
-
-    def _objection(self, tx: Transaction) -> str:
-        try:
+    tx = Transaction(view, Ids())
+    if element is not None:
+        tx.place(element, relation, place)
+        problems = [sentence for _, sentence in tx.problems()]
+    else:
+        tx.add(class_, id=_TRIAL, placement=Placement(relation, place))
+        # Other faults of a new element, such as missing pieces, are reported when it is added.
+        problems = [sentence for name, sentence in tx.problems() if name == place]
+    if not problems:
+        with suppress(WorldError):
             after, edits = tx.finish()
-        except WorldError:
-            return ""
-        proposal = Proposal(self._view, after, edits, "somebody", Writer.PERSON)
-        return "; ".join(self._view.reasoners.vetoes(proposal)) if edits else ""
+            proposal = Proposal(view, after, edits, "somebody", Writer.PERSON)
+            problems = list(view.reasoners.vetoes(proposal)) if edits else []
+    return "; ".join(problems).replace(_TRIAL, "it")

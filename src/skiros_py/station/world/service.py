@@ -104,21 +104,17 @@ class Queries:
         """
         if not self._turns.acquire(blocking=False):
             raise Busy(f"{self._limits.at_once} questions are being answered already: ask again later")
-        try:
-            return self._answer(sparql, bindings, entailed=entailed, time_limit=time_limit)
-        finally:
-            self._turns.release()
-
-    def _answer(self, sparql: str, bindings: Mapping[str, Binding], *, entailed: bool, time_limit: float) -> Result:
         outside = self._outside
-        if outside is None:
-            raise Busy("the station is not running: ask again later")
         try:
+            if outside is None:
+                raise Busy("the station is not running: ask again later")
             return outside.query(sparql, bindings, entailed=entailed, time_limit=time_limit)
         except DeviceError:
             if self._outside is outside:
                 raise
             raise Busy("the station was closed meanwhile: ask again later") from None
+        finally:
+            self._turns.release()
 
     def _open(self, session: Session) -> None:
         self._outside = OutsideQueries(session.world, self._limits)
@@ -205,11 +201,8 @@ class OntologyService(Service):
             Busy: Too many queries are being answered.
         """
         bindings = {name: _binding(value) for name, value in question.bindings.items()}
-        return Answer(
-            self._station.query_worker.answer(
-                question.query, bindings, entailed=question.entailed, time_limit=question.time_limit
-            )
-        )
+        ask = self._station.query_worker.answer
+        return Answer(ask(question.query, bindings, entailed=question.entailed, time_limit=question.time_limit))
 
 
 def _page(names: Iterable[str], limit: int, after: str) -> tuple[list[str], str | None]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Literal
 
-from skiros_py.api.view import Block, PoseInfo, ViewElement, WorldView
+from skiros_py.api.view import Block, ViewElement, WorldView
 from skiros_py.geometry import Pose, Primitive, Solid
 from skiros_py.world.element import Element, Value, is_abstract
 from skiros_py.world.index import Index
@@ -85,10 +85,10 @@ class Shapes:
 def _blocks(solid: Value | None, size: Value | None) -> tuple[Block, ...] | None:
     if isinstance(solid, str):
         try:
-            return _shapes_told(Solid.from_json(solid).primitives)
+            return tuple(map(Block.view_of, Solid.from_json(solid).primitives))
         except ValueError:
             return None  # a class may have a shape that cannot be parsed
-    return _shapes_told((_box(size),)) if isinstance(size, tuple) and _is_size(size) else None
+    return (Block.view_of(_box(size)),) if isinstance(size, tuple) and _is_size(size) else None
 
 
 def _is_size(size: tuple[float, ...]) -> bool:
@@ -99,17 +99,6 @@ def _box(size: tuple[float, ...]) -> Primitive:
     if len(size) == len(("x", "y", "z")):
         return Primitive("box", size)
     return Primitive("box", (*size, _SHEET), Pose((0.0, 0.0, -_SHEET / 2.0)))
-
-
-def _shapes_told(primitives: Iterable[Primitive]) -> tuple[Block, ...]:
-    return tuple(
-        Block(
-            kind=block.kind,
-            size=block.size,
-            pose=PoseInfo.view_of(block.pose),
-        )
-        for block in primitives
-    )
 
 
 Kind = Literal["part", "place", "furniture", "floor", "robot", "device", "other"]
@@ -187,11 +176,11 @@ class _Observer:
             return None
         held = placement is not None and placement.relation == HELD_BY
         carrier, pose = self._where(name)
-        return ViewElement(
+        return ViewElement.view_of(
+            element,
             id=name,
             class_=element.type,
-            label=element.label,
-            pose=None if pose is None else PoseInfo.view_of(pose),
+            pose=pose,
             carrier=carrier,
             place=placement.place if placement is not None else None,
             owner=next(iter(view.owners(name)), None),
@@ -220,10 +209,9 @@ class _Observer:
     def _known(self, frame: str) -> Pose | None:
         return _AT if self._carries(frame) else self._found.get(frame, (None, None))[1]
 
-    def _in_hand(self, name: str, gripper: str) -> PoseInfo | None:
+    def _in_hand(self, name: str, gripper: str) -> Pose | None:
         pose = self._view.value(name, POSE)
-        hangs = gripper in self._view.objects(name, POSE_FRAME)
-        return PoseInfo.view_of(pose) if hangs and isinstance(pose, Pose) else None
+        return pose if isinstance(pose, Pose) and gripper in self._view.objects(name, POSE_FRAME) else None
 
     def _carries(self, name: str) -> bool:
         return name in self._platforms or self._sort(self._view.element(name).type).base

@@ -5,7 +5,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections import deque
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from operator import itemgetter
 from typing import TYPE_CHECKING
 
 from skiros_py.api.view import WorldView
@@ -14,7 +14,6 @@ from skiros_py.api.world import (
     ChangePage,
     Learned,
     LearnedPage,
-    Lock,
     LockList,
     LockOrder,
     TransactionOrder,
@@ -40,11 +39,9 @@ from skiros_py.station.world.view import view_of
 from skiros_py.world.change import SourceEdit
 from skiros_py.world.element import is_learned
 from skiros_py.world.index import Index
-from skiros_py.world.locks import Lock as WorldLock
 from skiros_py.world.scene.learned import learned_turtle
 from skiros_py.world.undo import undo
 from skiros_py.world.vocabulary import APPLIES_TO, ELEMENT, MODULE, ROOT, SPATIAL_THING, STRUCTURE
-from skiros_py.world.world import World
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -55,15 +52,6 @@ MOST_NODES = 2000
 
 _TOP = ""
 """The node above everything."""
-
-
-@dataclass(slots=True)
-class _Draft:
-    name: str
-    relation: str = ""
-    children: list[_Draft] = field(default_factory=list)
-    total: int = 0
-    next: str | None = None
 
 
 def tree(view: Index, root: str, depth: int, limit: int, after: str = "") -> TreeNode:
@@ -81,25 +69,34 @@ def tree(view: Index, root: str, depth: int, limit: int, after: str = "") -> Tre
     """
     if root != _TOP:
         view.element(root)
-    top = _Draft(root)
-    waiting = deque([(top, depth)])
-    budget = MOST_NODES
+    top = _node(view, root, "")
+    waiting, budget = deque([(top, depth)]), MOST_NODES
     while waiting:
-        draft, levels = waiting.popleft()
-        found = sorted(_children(view, draft.name))
-        draft.total = len(found)
-        start = bisect_right(found, after, key=_id) if draft is top else 0
+        node, levels = waiting.popleft()
+        found = sorted(_children(view, node.id))
+        start = bisect_right(found, after, key=itemgetter(0)) if node is top else 0
         shown = found[start : start + min(limit, budget)] if levels else []
-        draft.children = [_Draft(name, relation) for name, relation in shown]
         budget -= len(shown)
-        if shown and start + len(shown) < len(found):
-            draft.next = shown[-1][0]
-        waiting.extend((child, levels - 1) for child in draft.children)
-    return _tree_node(view, top)
+        more = shown[-1][0] if shown and start + len(shown) < len(found) else None
+        node.children_total, node.next = len(found), more
+        node.children = [_node(view, name, relation) for name, relation in shown]
+        waiting.extend((child, levels - 1) for child in node.children)
+    return top
 
 
-def _id(child: tuple[str, str]) -> str:
-    return child[0]
+def _node(view: Index, name: str, relation: str) -> TreeNode:
+    """Returns a node without its children."""
+    element = None if name == _TOP else view.element(name)
+    return TreeNode(
+        id=name,
+        class_="" if element is None else element.type,
+        label="world" if element is None else element.label,
+        relation=relation,
+        version=view.version if element is None else view.stamp(name).change,
+        children=[],
+        children_total=0,
+        next=None,
+    )
 
 
 def _children(view: Index, name: str) -> Iterator[tuple[str, str]]:
@@ -123,26 +120,8 @@ def _roots(view: Index) -> set[str]:
     return set(view.instances(ROOT)) | {name for name in loose if not view.owners(name)}
 
 
-def _tree_node(view: Index, draft: _Draft) -> TreeNode:
-    element = None if draft.name == _TOP else view.element(draft.name)
-    return TreeNode(
-        id=draft.name,
-        class_="" if element is None else element.type,
-        label="world" if element is None else element.label,
-        relation=draft.relation,
-        version=view.version if element is None else view.stamp(draft.name).change,
-        children=[_tree_node(view, child) for child in draft.children],
-        children_total=draft.total,
-        next=draft.next,
-    )
-
-
 class WorldService(Service):
     """Reads the world as a whole, and executes transactions of a person."""
-
-    @property
-    def _world(self) -> World:
-        return self._station.session.world
 
     # ------------------------------------------------------------------ reading
 
@@ -284,7 +263,7 @@ class WorldService(Service):
     def locks(self) -> LockList:
         """Lists the locks: elements, owners and times of expiry."""
         world = self._world
-        return LockList(items=[_lock(world, lock) for lock in world.locks.held()])
+        return LockList(items=[lock_view(world, lock) for lock in world.locks.held()])
 
     def lock(self, order: LockOrder, author: Author = LIBRARY) -> LockList:
         """Locks all given elements or none; locking again extends the lock.
@@ -295,7 +274,7 @@ class WorldService(Service):
         """
         world = self._world
         locks = world.locks.acquire(order.elements, author.holder, order.seconds, author.name)
-        return LockList(items=[_lock(world, lock) for lock in locks])
+        return LockList(items=[lock_view(world, lock) for lock in locks])
 
     def unlock(
         self, elements: Sequence[str] | None = None, author: Author = LIBRARY, owner: str | None = None
@@ -333,16 +312,11 @@ def _learned(view: Index) -> list[str]:
 def _learned_view(view: Index, name: str) -> Learned:
     element = view.element(name)
     about = element.properties.get(APPLIES_TO)
-    return Learned(
+    return Learned.view_of(
+        element,
         id=name,
         class_=element.type,
-        label=element.label,
         about=None if about is None else str(about),
         properties={key: plain(value) for key, value in sorted(element.properties.items())},
         version=view.stamp(name).change,
     )
-
-
-def _lock(world: World, lock: WorldLock) -> Lock:
-    element, owner, until, seconds = lock_view(world, lock)
-    return Lock(element=element, owner=owner, until=until, seconds=seconds)

@@ -4,7 +4,7 @@ import pytest
 
 from skiros_py.api.alarms import AlarmKind, Severity
 from skiros_py.errors import UnknownName, WrongState
-from skiros_py.station.alarms.alarms import Alarms, alarm_info
+from skiros_py.station.alarms.alarms import Alarms
 from skiros_py.station.events.log import EventLog
 
 
@@ -112,6 +112,6 @@ def test_clearing_by_kind_leaves_other_kinds(alarms):
 
 def test_an_alarm_on_the_wire_says_everything(alarms):
     alarm = alarms.raise_(AlarmKind.JOB, "held", "a", choices=("retry",), job="a", question=3)
-    plain = alarm_info(alarm).model_dump(mode="json")
+    plain = alarm.model_dump(mode="json")
     assert (plain["since"], plain["until"]) == ("2023-11-14T22:13:20Z", None)
     assert (plain["choices"], plain["job"], plain["question"]) == (["retry"], "a", 3)
