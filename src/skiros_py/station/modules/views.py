@@ -182,6 +182,7 @@ def _skill(session: Session, capability: Capability) -> SkillInfo:
 
 def run_info(run: ModuleRun, *, in_full: bool = True) -> ModuleRunInfo:
     """Describes a run; callable in any thread; without ``in_full``, omits its progress reports and changes."""
+    progress, changes = (tuple(run.progress), tuple(run.changes)) if in_full else ((), ())
     return ModuleRunInfo.view_of(
         run,
         agent=run.wish.agent,
@@ -193,8 +194,8 @@ def run_info(run: ModuleRun, *, in_full: bool = True) -> ModuleRunInfo:
         arguments={param.key: as_shown(param, run.values.get(param.key)) for param in run.params},
         breakpoints=sorted(run.breakpoints),
         rounds=[_round(one) for one in tuple(run.rounds)],
-        progress=[ModuleProgress.view_of(one, run=one.id) for one in tuple(run.progress)] if in_full else [],
-        changes=[change.as_json() for change in tuple(run.changes)] if in_full else [],
+        progress=[ModuleProgress.view_of(one, run=one.id, status=one.status.value) for one in progress],
+        changes=[change.as_json() for change in changes],
     )
 
 
