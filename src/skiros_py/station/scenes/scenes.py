@@ -140,6 +140,8 @@ class SceneStore:
             except UnknownName:
                 if seen is not None and seen.version is not None:
                     raise StaleVersion(f"there is no scene '{name}' any more: it was removed since") from None
+            except FileError as error:
+                raise Refused("SceneBroken", f"{name} is broken, nothing was changed: {error.reason}") from None
             else:
                 if not file.saved:
                     text = f"'{name}' is a scene that came with a package: choose another name"

@@ -15,7 +15,7 @@ from skiros_py.testing.tiny import tiny_world
 def test_a_scene_that_was_saved_meanwhile_is_neither_overwritten_nor_removed(tmp_path: Path) -> None:
     store, world = SceneStore(tmp_path / "scenes"), tiny_world()
     first = store.save("shared", world.snapshot()).version
-    with world.transaction("anna") as tx:
+    with world.transaction("anna", "another goal") as tx:
         tx.set_goals(("LocationEmpty(box_a)",))
     second = store.save("shared", world.snapshot(), Seen(first)).version
 
