@@ -1,4 +1,4 @@
-"""Saved scenes: whoever has not seen the present version does not overwrite it."""
+"""Saved scenes are overwritten and removed only by callers who have seen the present version."""
 
 from __future__ import annotations
 
