@@ -266,7 +266,7 @@ def _narrowed(task: PlanningTask, owners: Mapping[str, frozenset[str]]) -> Plann
     actions = tuple(replace(a, pre=(*a.pre, *asking[a.name])) if asking[a.name] else a for a in task.domain.actions)
     handled = {a.types[atom.arguments[1]] for a in actions for atom in asking[a.name]}
     able = {a.types[handling.agents[a.name]] for a in actions if asking[a.name]}
-    agents = sorted(agent for agent in task.robots if handling.is_one_of(objects.get(agent, ""), able))
+    agents = sorted(agent for agent in task.robots if agent in objects and handling.is_one_of(objects[agent], able))
     things = [o for o, class_ in objects.items() if handling.is_one_of(class_, handled)]
     facts = {Atom(ASSIGNED, (a, o)) for a in agents for o in things if o not in owners or a in owners[o]}
     return extended(task, actions, facts)
