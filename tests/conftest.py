@@ -48,7 +48,8 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> LoadSco
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
     """Returns the number of processes for the whole suite; 0 for a part of it, which runs in this one."""
     whole = config.args_source is pytest.Config.ArgsSource.TESTPATHS
-    return max(2, min(_MOST_WORKERS, len(os.sched_getaffinity(0)))) if whole else 0
+    # One more than there are cores: tests of servers and of killed processes wait for a quarter of their time.
+    return min(_MOST_WORKERS, len(os.sched_getaffinity(0)) + 1) if whole else 0
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
