@@ -141,7 +141,6 @@ class ControlThread:
         self._ending = False
         self._stepped = time.monotonic()
         self._on_open: list[Listener] = []
-        self._on_close: list[Listener] = []
         self._thread = threading.Thread(target=self._run, name="skiros-control", daemon=True)
 
     # ------------------------------------------------------------------ life cycle
@@ -149,16 +148,10 @@ class ControlThread:
     def on_open(self, listener: Listener) -> None:
         """Calls the listener in the control thread with each session before its first cycle; before :meth:`start`.
 
-        If it raises, that session is not opened.
+        If it raises, that session is not opened. A part of the station attaches itself to the session like this, and
+        names by :meth:`Session.on_close <skiros_py.station.session.Session.on_close>` what detaches it.
         """
         self._on_open.append(listener)
-
-    def on_close(self, listener: Listener) -> None:
-        """Calls the listener in the control thread with each session after its last cycle; before :meth:`start`.
-
-        Its exceptions are logged.
-        """
-        self._on_close.append(listener)
 
     def start(self) -> None:
         """Starts the thread, and returns when the session is open.
@@ -407,12 +400,11 @@ class ControlThread:
         self._end(session)
 
     def _end(self, session: Session) -> None:
-        """Notifies all listeners, and closes the session; an exception does not prevent the remaining steps."""
-        for end in (*self._on_close, Session.close):
-            try:
-                end(session)
-            except BaseException as error:  # noqa: BLE001 - the thread outlives any fault here
-                _log.error("a session did not end well: %s", error, exc_info=error)
+        """Closes the session, which detaches all parts of the station first."""
+        try:
+            session.close()
+        except BaseException as error:  # noqa: BLE001 - the thread outlives any fault here
+            _log.error("a session did not end well: %s", error, exc_info=error)
 
     def _tell_fault(self, error: BaseException) -> None:
         with self._ready:

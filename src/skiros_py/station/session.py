@@ -468,6 +468,14 @@ class Session:
         if self.simulates and self.cycle.board.snapshot.cycle % _HASH_EVERY == 0:
             self._digest.add(self.simulation.state_bytes())
 
+    def on_close(self, *callbacks: Callable[[], object]) -> None:
+        """Calls functions when the session is closed, before its own parts are; those added last come first.
+
+        One that raises does not prevent the others; its exception is raised by :meth:`close`.
+        """
+        for callback in callbacks:
+            self._stack.callback(callback)
+
     def close(self) -> None:
         """Ends all processes and the simulation; may be called twice."""
         self._closed = True

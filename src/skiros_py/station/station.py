@@ -61,7 +61,8 @@ class Station:
     """A running cell with its use cases, for several callers at once. Start and close it, or use it in a ``with``.
 
     A control thread steps its :class:`~skiros_py.station.session.Session`, and opens another one when a scene is loaded
-    or after a fault. Listeners of the control thread set up everything that belongs to a session.
+    or after a fault. The method ``open`` of each part that belongs to a session attaches the part to it, and names what
+    detaches it when the session is closed.
 
     Args:
         opening: Opens the session.
@@ -100,29 +101,14 @@ class Station:
         self.tasks = TaskService(self)
         self.document_store: DocumentStore
         self.waiter = JobWaiter(limits.open_jobs)
-        self.query_worker = Queries(self.control)
+        self.query_worker = Queries()
         self.robot_models = RobotModels(user_cache_path("skiros-py") / "models")
         self.scene_store = SceneStore(data / "scenes")
         self.stage = SceneStage()
-        for part in (
-            self.stops,  # first: a stop requested meanwhile takes effect before anything else
-            self.looks,
-            self.motions,
-            self.live,
-            self.module_runs,
-            self.tasks,
-            EventSources(self.events, self.tasks, self.module_runs),
-            AlarmSources(self.alarm_book, self.control),
-        ):
-            self.control.on_open(part.open)
-            self.control.on_close(part.close)
-        self.control.on_open(self.waiter.open)
-        self.control.on_close(self.stage.forget)
         self.bodies = Bodies(self.control, self.alarm_book)
         self.simulation = Simulation(self.control, self.bodies)
         self.alarms = AlarmService(self)
         self.documents = DocumentService(self)
-        self.control.on_open(self.documents.open)
         self.devices = DeviceService(self)
         self.signals = SignalService(self)
         self.elements = ElementService(self)
@@ -132,14 +118,30 @@ class Station:
         self.ontology = OntologyService(self)
         self.plugins = PluginService(self)
         self.previews = PreviewService(self)
-        self.control.on_close(self.previews.forget)
         self.robots = RobotService(self)
         self.scenes = SceneService(self)
         self.world = WorldService(self)
         self.job_recordings = JobRecordings(data / "recordings")
-        self.control.on_open(self.job_recordings.open)
-        self.control.on_close(self.job_recordings.close_session)
         self.recordings = RecordingService(self)
+        for part in (
+            self.stops,  # first: a stop requested meanwhile takes effect before anything else
+            self.query_worker,
+            self.looks,
+            self.motions,
+            self.live,
+            self.module_runs,
+            self.tasks,  # before the events, which name the job of each task
+            EventSources(self.events, self.tasks, self.module_runs),
+            AlarmSources(self.alarm_book, self.control),
+            self.waiter,
+            self.stage,
+            self.bodies,
+            self.simulation,
+            self.documents,
+            self.previews,
+            self.job_recordings,
+        ):
+            self.control.on_open(part.open)
         self._stack = ExitStack()
 
     @property

@@ -127,14 +127,14 @@ class Stops:
     def open(self, session: Session) -> None:
         """Controls a session from now on; halts it immediately if a stop was requested and not reset since."""
         self._session, self._seen = session, ""
+        session.on_close(self._leave)
         session.cycle.observe(self._look)
         if self._wanted:
             session.cycle.halt(self._wanted)
         else:
             self._forget()
 
-    def close(self, _session: Session) -> None:
-        """Releases the session."""
+    def _leave(self) -> None:
         self._session = None
 
     # ------------------------------------------------------------------ stopping

@@ -31,7 +31,7 @@ def start(tmp_path: Path) -> Iterator[Start]:
         ) -> ControlThread:
             control = ControlThread(lambda: Session("kitting", Options(fake=True, data=tmp_path)))
             control.on_open(opened)
-            control.on_close(closed)
+            control.on_open(lambda session: session.on_close(lambda: closed(session)))
             stack.callback(control.close)
             control.start()
             return control
@@ -195,6 +195,22 @@ def test_listeners_that_raise_at_the_end_do_not_prevent_it(start: Start, caplog:
     assert control.alive
     control.close()
     assert caplog.text.count("a session did not end well: listener") == 2
+
+
+def test_what_was_attached_first_is_detached_last_and_a_fault_of_one_does_not_keep_the_others(
+    start: Start, caplog: pytest.LogCaptureFixture
+) -> None:
+    ends: list[str] = []
+
+    def attach(session: Session) -> None:
+        session.on_close(lambda: ends.append("first"), lambda: raise_(RuntimeError("second")))
+        session.on_close(lambda: ends.append("third"))
+
+    control = start(opened=attach)
+    control.reopen()
+
+    assert ends == ["third", "first"]
+    assert "a session did not end well: second" in caplog.text
 
 
 def test_what_was_halted_still_is_in_the_next_session(start: Start) -> None:

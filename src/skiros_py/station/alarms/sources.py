@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
-
 from skiros_py.api.alarms import AlarmKind, Severity
 from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.interruptions import Overrun, Watched
@@ -35,7 +33,6 @@ class AlarmSources:
     def __init__(self, alarms: Alarms, control: ControlThread) -> None:
         self._alarms = alarms
         self._control = control
-        self._ends: list[Callable[[], None]] = []
         self._session: Session
         self._halted = ""
         self._lost: set[str] = set()
@@ -50,21 +47,18 @@ class AlarmSources:
         for job in session.jobs.open.values():
             self._job(job)
         # The jobs' own observer comes before this one: what a job asks is known when the questions are looked at.
-        self._ends = [
+        session.on_close(
+            self._close,
             session.jobs.subscribe(self._job),
             session.cycle.observe(self._attend),
             session.monitor.subscribe(self._module),
             session.tasks.on_begin(self._task),
-        ]
+        )
         session.runtime.watchdog.on_overrun(self._overrun)
         session.runtime.watchdog.on_lost(self._stuck)
         self._look_at_plugins()
 
-    def close(self, _session: Session) -> None:
-        """Watches it no longer."""
-        for end in self._ends:
-            end()
-        self._ends = []
+    def _close(self) -> None:
         self._alarms.clear_all(*_OF_SESSION)
         if self._control.fault is not None:
             self._alarms.raise_(

@@ -36,9 +36,9 @@ class LiveState:
         for robot in session.spec.robots:
             session.runtime.context.frames.kinematics(robot)  # loaded now, not at the first request of a client
         self._session = session
+        session.on_close(self._leave)
 
-    def close(self, _session: Session) -> None:
-        """Shows nothing until there is a session again."""
+    def _leave(self) -> None:
         self._session = None
 
     def state(self, session: Session) -> dict[str, Any]:

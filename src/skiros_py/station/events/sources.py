@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from skiros_py.execution.monitor import ModuleEvent
@@ -35,30 +35,23 @@ class EventSources:
         self._events = events
         self._tasks = tasks
         self._modules = modules
-        self._ends: list[Callable[[], None]] = []
 
     def open(self, session: Session) -> None:
         """Listens to a session."""
         board = session.cycle.board
         self._events.clock = lambda: board.snapshot.time
-        self._ends = [
+        session.on_close(
+            lambda: self._events.append(Kind.SYSTEM, "closed"),
             session.world.subscribe(self._change),
             session.monitor.subscribe(self._module),
             self._modules.on_turn(self._turn),
             session.questions.subscribe(self._question),
             session.tasks.on_begin(self._task),
             session.jobs.subscribe(self._job),
-            session.jobs.on_remove(self._job_removed),
-        ]
+            session.jobs.on_remove(partial(self._job, removed=True)),
+        )
         data = {"scene": session.scene, "world_version": session.world.version}
         self._events.append(Kind.SYSTEM, "opened", data=data)
-
-    def close(self, _session: Session) -> None:
-        """Stops listening to it."""
-        for end in self._ends:
-            end()
-        self._ends = []
-        self._events.append(Kind.SYSTEM, "closed")
 
     # ------------------------------------------------------------------ listeners
 
@@ -100,11 +93,9 @@ class EventSources:
 
         task.trace.subscribe(tell)
 
-    def _job(self, job: Job) -> None:
-        self._events.append(Kind.JOB, state_name(job.state).value, job.id, job=job.id, data=job_data(job))
-
-    def _job_removed(self, job: Job) -> None:
-        self._events.append(Kind.JOB, "Removed", job.id, job=job.id, data=job_data(job))
+    def _job(self, job: Job, *, removed: bool = False) -> None:
+        type_ = "Removed" if removed else state_name(job.state).value
+        self._events.append(Kind.JOB, type_, job.id, job=job.id, data=job_data(job))
 
 
 def change_data(change: Change) -> dict[str, Any]:

@@ -7,6 +7,7 @@ import time
 from collections import OrderedDict, deque
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from itertools import count
 from typing import Any, Literal
 
@@ -272,8 +273,9 @@ class ModuleRuns:
         session.cycle.observe(self._attend)
         session.monitor.subscribe(self._on_event)
         session.world.subscribe(self._on_change)
+        session.on_close(partial(self._end_all, session))
 
-    def close(self, session: Session) -> None:
+    def _end_all(self, session: Session) -> None:
         """Ends the runs that are still active together with their session."""
         for run in self._active:
             run.stop_wanted = True

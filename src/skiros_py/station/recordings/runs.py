@@ -144,7 +144,6 @@ class JobRecordings:
         self._run = ""
         self._running: dict[int, Recorder] = {}
         self._writers: dict[int, RecordingWriter] = {}
-        self._leave: list[Callable[[], object]] = []
 
     def path(self, number: int) -> Path:
         """Returns the path of the recording of a job, whether it exists or not."""
@@ -163,15 +162,15 @@ class JobRecordings:
     def open(self, session: Session) -> None:
         """Follows the jobs of a session."""
         self._session, self._run = session, uuid4().hex
-        self._leave = [session.tasks.on_begin(self._begin), session.jobs.on_remove(self._remove)]
+        session.on_close(
+            self._end_all, session.tasks.on_begin(self._begin), session.jobs.on_remove(self._remove)
+        )
 
-    def close_session(self, _session: Session) -> None:
-        """Stops following them; jobs still running were interrupted."""
-        for leave in self._leave:
-            leave()
+    def _end_all(self) -> None:
+        """Ends the recordings of jobs that were interrupted."""
         for recorder in self._running.values():
             recorder.end(cut_off=True)
-        self._leave, self._running, self._session = [], {}, None
+        self._running, self._session = {}, None
 
     def close(self) -> None:
         """Waits until everything is written."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import math
 from collections import Counter, deque
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -54,7 +54,6 @@ class Looks:
         self._shots: dict[str, deque[_Shot]] = {}
         self._counts: Counter[str] = Counter()
         self._shown: dict[str, Look] = {}
-        self._leave: Callable[[], None] = lambda: None
 
     def open(self, session: Session) -> None:
         """Records the looks of a session."""
@@ -62,11 +61,9 @@ class Looks:
         self._shots = {id_: deque(maxlen=_KEPT) for id_ in only_asked}
         self._shown = {}
         self._session = session
-        self._leave = session.runtime.asked.subscribe(self._note)
+        session.on_close(self._forget, session.runtime.asked.subscribe(self._note))
 
-    def close(self, _session: Session) -> None:
-        """Stops recording, and forgets the looks of the session."""
-        self._leave()
+    def _forget(self) -> None:
         self._session, self._shots = None, {}
 
     def numbers(self) -> dict[str, int]:

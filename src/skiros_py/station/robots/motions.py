@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import threading
 from collections import Counter, deque
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -75,16 +74,13 @@ class Motions:
         self._asked: deque[_Plan] = deque(maxlen=_KEPT)
         self._plans: dict[str, _Plan] = {}
         self._counts: Counter[str] = Counter()
-        self._leave: Callable[[], None] = lambda: None
 
     def open(self, session: Session) -> None:
         """Records the plans of a session."""
         self._session = session
-        self._leave = session.runtime.asked.subscribe(self._note)
+        session.on_close(self._forget, session.runtime.asked.subscribe(self._note))
 
-    def close(self, _session: Session) -> None:
-        """Stops recording, and drops the plans of the session."""
-        self._leave()
+    def _forget(self) -> None:
         with self._lock:
             self._session = None
             self._asked.clear()

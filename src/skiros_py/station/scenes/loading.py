@@ -191,8 +191,11 @@ class SceneStage:
             known = self._compared = key, diff(scene_only(self.read(session, file)), scene_only(now))
         return version, known[1]
 
-    def forget(self, _session: Session) -> None:
-        """Clears the cache."""
+    def open(self, session: Session) -> None:
+        """Keeps what is read for a session until that is closed."""
+        session.on_close(self._forget)
+
+    def _forget(self) -> None:
         with self._reading:
             self._known.cache_clear()
             self._compared = None

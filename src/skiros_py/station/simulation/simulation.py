@@ -40,8 +40,6 @@ from skiros_py.world.index import Index
 from skiros_py.world.view import WorldView
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from skiros_py.simulation.cell import SimulatedCell
     from skiros_py.station.judgement import Whereabouts
 
@@ -63,24 +61,20 @@ class Bodies:
         self._control = control
         self._alarms = alarms
         self._stale: dict[str, str] = {}
-        self._unsubscribe: Callable[[], None] = lambda: None
-        control.on_open(self._open)
-        control.on_close(self._close)
 
     @property
     def stale(self) -> tuple[str, ...]:
         """The edits that take effect only in a new session, as sentences."""
         return tuple(self._stale.values())
 
-    def _open(self, session: Session) -> None:
+    def open(self, session: Session) -> None:
+        """Follows the edits in a session."""
         self._stale = {}
         for name, why in session.left_out.items():
             self._note(name, f"the station was brought up without {name}: {why}")
-        self._unsubscribe = session.world.subscribe(partial(self._hear, session))
-
-    def _close(self, _session: Session) -> None:
-        self._unsubscribe()
-        self._alarms.clear_all(AlarmKind.STALE)
+        session.on_close(
+            partial(self._alarms.clear_all, AlarmKind.STALE), session.world.subscribe(partial(self._hear, session))
+        )
 
     def _hear(self, session: Session, change: Change) -> None:
         """Handles a change in the thread that wrote it; must not wait for the control thread, which may notify."""
@@ -211,7 +205,6 @@ class Simulation:
         self._bodies = bodies
         self._pace: float | None = None
         self._drawing = threading.Lock()
-        control.on_open(self._keep_pace)
 
     def state(self) -> SimulationState:
         """Returns the state of the simulation."""
@@ -310,7 +303,8 @@ class Simulation:
         self._control.call(do)
         return pace
 
-    def _keep_pace(self, session: Session) -> None:
+    def open(self, session: Session) -> None:
+        """Gives a session the pace that was set."""
         if self._pace is not None and session.cycle.pace is not None:
             session.cycle.set_pace(self._pace)
 

@@ -142,8 +142,11 @@ class PreviewService(Service):
         repair.apply(self._world, author.name, Writer.PERSON, author.holder)
         return AppliedRepair(text=repair.done, world=self._world.version)
 
-    def forget(self, _session: Session) -> None:
-        """Cancels planning and drops all previews, because the station has changed."""
+    def open(self, session: Session) -> None:
+        """Keeps the previews of a session until that is closed."""
+        session.on_close(self._forget)
+
+    def _forget(self) -> None:
         self._cancel()
         with self._guard:
             self._previews.clear()

@@ -145,7 +145,6 @@ class TaskService(Service):
         super().__init__(station)
         self._tasks: OrderedDict[str, KeptTask] = OrderedDict()
         self._guard = threading.Lock()
-        self._leave: Callable[[], None] = lambda: None
 
     # ------------------------------------------------------------------ sessions, in the control thread
 
@@ -155,11 +154,10 @@ class TaskService(Service):
         def note(task: TaskHandle) -> None:
             self._note(task, job=task.name if task.name in session.jobs.open else "")
 
-        self._leave = session.tasks.on_begin(note)
+        session.on_close(self._release, session.tasks.on_begin(note))
 
-    def close(self, _session: Session) -> None:
-        """Releases a session, whose tasks are over."""
-        self._leave()
+    def _release(self) -> None:
+        """Releases the tasks of a session that ends, which are over."""
         for task in tuple(self._tasks.values()):
             task.release()
 

@@ -13,7 +13,6 @@ from typing import Any
 from skiros_py.api.ontology import ClassDetails, ClassNode, PlacementOptions, PropertyPage, RelationInfoPage
 from skiros_py.api.queries import Bound, DecimalLiteral, Query, TextLiteral
 from skiros_py.errors import Busy, DeviceError, UsageError
-from skiros_py.station.control import ControlThread
 from skiros_py.station.requests import Service, addressed
 from skiros_py.station.session import Session
 from skiros_py.station.world.ontology import class_details, class_tree, property_info, relation_info
@@ -78,16 +77,13 @@ class Queries:
     """Answers queries about the world of the present session.
 
     Args:
-        control: Notifies of the begin and end of sessions.
         limits: Resource limits of one query.
     """
 
-    def __init__(self, control: ControlThread, limits: Limits = _LIMITS) -> None:
+    def __init__(self, limits: Limits = _LIMITS) -> None:
         self._limits = limits
         self._turns = threading.BoundedSemaphore(limits.at_once)
         self._outside: OutsideQueries | None = None
-        control.on_open(self._open)
-        control.on_close(self._close)
 
     def answer(self, sparql: str, bindings: Mapping[str, Binding], *, entailed: bool, time_limit: float) -> Result:
         """Answers a query.
@@ -116,13 +112,13 @@ class Queries:
         finally:
             self._turns.release()
 
-    def _open(self, session: Session) -> None:
+    def open(self, session: Session) -> None:
+        """Answers queries about a session's world from now on."""
         self._outside = OutsideQueries(session.world, self._limits)
+        session.on_close(self._outside.close, self._leave)
 
-    def _close(self, _session: Session) -> None:
-        outside, self._outside = self._outside, None
-        if outside is not None:
-            outside.close()
+    def _leave(self) -> None:
+        self._outside = None
 
 
 class OntologyService(Service):

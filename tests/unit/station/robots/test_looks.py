@@ -159,12 +159,12 @@ def test_a_registered_body_is_told_with_its_class_and_size(station: Station) -> 
     assert (seen.type, seen.cost) == ("kitting:Kit", 0.0007)
 
 
-def test_what_was_seen_in_a_session_is_forgotten_with_it_and_the_numbers_go_on(
-    station: Station, session: Session
-) -> None:
-    station.see(shot(10, 20))
-    station.looks.close(session)
+def test_what_was_seen_in_a_session_is_forgotten_with_it_and_the_numbers_go_on(session: Session) -> None:
+    with Session("kitting", Options(fake=True)) as first:
+        station = Station(first)
+        station.see(shot(10, 20))
     assert station.looks.numbers() == {}
+    session.runtime.asked = station.ports
     station.looks.open(session)
     assert station.looks.numbers() == {"camera_1": 0}
     station.see(shot(10, 20))

@@ -27,11 +27,10 @@ def session() -> Iterator[Session]:
 
 
 @pytest.fixture
-def motions(session: Session) -> Iterator[Motions]:
+def motions(session: Session) -> Motions:
     noting = Motions()
     noting.open(session)
-    yield noting
-    noting.close(session)
+    return noting
 
 
 def planned_for(device: str, session: Session, motions: Motions, running: RunningModule) -> DeviceMotion:
