@@ -257,7 +257,7 @@ class Cell:
     def __init__(self, session: Session, store: DocumentStore) -> None:
         self.session = session
         self.document_store = store
-        self.alarm_book = Alarms(EventLog(100))
+        self.alarms = Alarms(EventLog(100), lambda: session)
         self.documents = DocumentService(self)  # type: ignore[arg-type]
         self.documents.open(session)
         self.events: list[ModuleEvent] = []
@@ -565,14 +565,14 @@ def test_a_stored_document_that_cannot_be_read_any_more_is_set_aside_and_can_be_
     again.open(cell.session)
 
     assert set(cell.session.managers.documents) == {"tree:hello"}
-    (alarm,) = cell.alarm_book.active
+    (alarm,) = cell.alarms.active
     assert (alarm.source, reason in alarm.text) == ("moody:sad", True)
     sad = again.get("moody", "sad")
     assert (sad.data, reason in sad.problems[0].text) == (note("sad"), True)
     with pytest.raises(UsageError, match=reason):
         again.put("moody", "sadder", note("sad"))
     again.remove("moody", "sad")
-    assert (again.all("moody").documents, cell.alarm_book.active) == ((), ())
+    assert (again.all("moody").documents, cell.alarms.active) == ((), ())
 
 
 @pytest.mark.parametrize(

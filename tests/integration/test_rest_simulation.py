@@ -61,7 +61,7 @@ def test_paces_that_make_no_sense_are_refused(pretending: Served, pace: str) -> 
 
 
 def stale_alarms(served: Served) -> list[AlarmInfo]:
-    return [alarm for alarm in served.services.station.alarm_book.active if alarm.kind is AlarmKind.STALE]
+    return [alarm for alarm in served.services.station.alarms.active if alarm.kind is AlarmKind.STALE]
 
 
 def test_a_robot_that_was_changed_is_said_to_need_a_reset(pretending: Served) -> None:

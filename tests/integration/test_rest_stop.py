@@ -354,7 +354,7 @@ def test_pages_of_alarms_go_on_where_the_one_before_ended(served, http):
     from skiros_py.api.alarms import AlarmKind
 
     for n in range(25):
-        served.services.station.alarm_book.raise_(AlarmKind.WEBHOOK, f"message {n}", str(n))
+        served.services.station.alarms.raise_(AlarmKind.WEBHOOK, f"message {n}", str(n))
     texts, cursor = [], None
     while True:
         page = http.get("/alarms", params={"limit": 10} | ({"cursor": cursor} if cursor else {})).json()

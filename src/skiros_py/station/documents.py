@@ -90,7 +90,7 @@ class DocumentService(Service):
                 except UsageError as error:
                     text = f"{_module(kind, document.name)} cannot run: {error}"
                     _log.warning("%s", text)
-                    self._station.alarm_book.raise_(AlarmKind.MODULE, text, _module(kind, document.name))
+                    self._station.alarms.raise_(AlarmKind.MODULE, text, _module(kind, document.name))
                 else:
                     self._offer(session, document, made)
 
@@ -204,7 +204,7 @@ class DocumentService(Service):
                 raise DocumentError(refused, module)
         document = self._store.put(kind, id_, data, expects=0 if before is None else before.version)
         self._offer(self._station.session, document, made)
-        self._station.alarm_book.clear(AlarmKind.MODULE, module)
+        self._station.alarms.clear(AlarmKind.MODULE, module)
         return _info(document, _as_problems(review)), before is None
 
     def import_text(
@@ -239,7 +239,7 @@ class DocumentService(Service):
         require_seen(seen, document.version)
         self._store.remove(kind, id_, expects=document.version)
         self._station.session.managers.documents.pop(module, None)
-        self._station.alarm_book.clear(AlarmKind.MODULE, module)
+        self._station.alarms.clear(AlarmKind.MODULE, module)
 
     # ------------------------------------------------------------------ kinds
 

@@ -10,7 +10,7 @@ from typing import Literal, Self
 
 from platformdirs import user_cache_path
 
-from skiros_py.station.alarms.alarms import Alarms, AlarmService
+from skiros_py.station.alarms.alarms import Alarms
 from skiros_py.station.alarms.sources import AlarmSources
 from skiros_py.station.control import ControlThread, OpenSession
 from skiros_py.station.document_store import Document, DocumentStore
@@ -79,7 +79,7 @@ class Station:
         looks: The last looks of the cameras.
         motions: The planned motions of devices.
         document_store: The stored documents; from :meth:`start` on.
-        alarm_book, job_recordings, module_runs: Active and recent items.
+        job_recordings, module_runs: Active and recent items.
         scene_store: The files of scenes.
         stage: Reads scenes beside the live world.
         robot_models: Visual models of the robots.
@@ -92,7 +92,7 @@ class Station:
         self.data = data
         self.control = ControlThread(opening)
         self.events = EventLog(limits.events)
-        self.alarm_book = Alarms(self.events)
+        self.alarms = Alarms(self.events, lambda: self.session)
         self.stops = Stops(self.control, self.events, HaltMark(data / "halted.json"))
         self.looks = Looks()
         self.motions = Motions()
@@ -105,9 +105,8 @@ class Station:
         self.robot_models = RobotModels(user_cache_path("skiros-py") / "models")
         self.scene_store = SceneStore(data / "scenes")
         self.stage = SceneStage()
-        self.bodies = Bodies(self.control, self.alarm_book)
+        self.bodies = Bodies(self.control, self.alarms)
         self.simulation = Simulation(self.control, self.bodies)
-        self.alarms = AlarmService(self)
         self.documents = DocumentService(self)
         self.devices = DeviceService(self)
         self.signals = SignalService(self)
@@ -132,7 +131,7 @@ class Station:
             self.module_runs,
             self.tasks,  # before the events, which name the job of each task
             EventSources(self.events, self.tasks, self.module_runs),
-            AlarmSources(self.alarm_book, self.control),
+            AlarmSources(self.alarms, self.control),
             self.waiter,
             self.stage,
             self.bodies,

@@ -81,12 +81,12 @@ def test_a_stored_document_that_cannot_be_read_is_set_aside_with_an_alarm_until_
 
     station = opened()
 
-    (alarm,) = (alarm for alarm in station.alarm_book.active if alarm.kind is AlarmKind.MODULE)
+    (alarm,) = (alarm for alarm in station.alarms.active if alarm.kind is AlarmKind.MODULE)
     assert (alarm.source, "a number of seconds" in alarm.text) == ("tree:bad", True)
     assert station.session.managers["base_1"].documents == ("tree:good",)
     assert station.documents.get("tree", "bad").data == {"type": "wait", "seconds": "soon"}
     station.documents.remove("tree", "bad")
-    assert not [alarm for alarm in station.alarm_book.active if alarm.kind is AlarmKind.MODULE]
+    assert not [alarm for alarm in station.alarms.active if alarm.kind is AlarmKind.MODULE]
 
 
 def test_a_world_without_a_robot_is_edited_and_looked_at(opened: Opened, tmp_path: Path) -> None:

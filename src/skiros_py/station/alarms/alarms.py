@@ -12,22 +12,27 @@ from skiros_py.api.alarms import AlarmAnswer, AlarmInfo, AlarmKind, AlarmPage, S
 from skiros_py.api.wire import moment
 from skiros_py.errors import StaleVersion, UnknownName, WrongState
 from skiros_py.station.events.log import EventLog, Kind
-from skiros_py.station.requests import LIBRARY, Author, Service, addressed
+from skiros_py.station.requests import LIBRARY, Author, addressed
+from skiros_py.station.session import Session
 
 _KEPT = 1000
 """So many alarms that are over are kept; those that are active all are."""
 
 
 class Alarms:
-    """The alarms of one server; for any thread.
+    """The alarms of one server: all active ones, and the last thousand that are over; for any thread.
 
     Args:
-        events: Gets every change.
-        clock: Gives the wall time [s since 1970].
+        events: Receives every change.
+        session: Returns the open session, whose jobs and questions wait for answers.
+        clock: Returns the wall time [s since 1970].
     """
 
-    def __init__(self, events: EventLog, clock: Callable[[], float] = time.time) -> None:
+    def __init__(
+        self, events: EventLog, session: Callable[[], Session], clock: Callable[[], float] = time.time
+    ) -> None:
         self._events = events
+        self._session = session
         self._clock = clock
         self._guard = threading.RLock()
         self._active: dict[tuple[AlarmKind, str], AlarmInfo] = {}
@@ -35,27 +40,35 @@ class Alarms:
         self._over: dict[str, None] = {}
         self._count = 0
 
-    # ------------------------------------------------------------------ looking
+    # ------------------------------------------------------------------ reading
 
     @property
     def active(self) -> tuple[AlarmInfo, ...]:
-        """Those whose reason is there, oldest first."""
+        """The active alarms, oldest first."""
         with self._guard:
             return tuple(self._active.values())
 
-    @property
-    def all(self) -> tuple[AlarmInfo, ...]:
-        """All that are kept, oldest first."""
-        with self._guard:
-            return tuple(self._known.values())
+    def all(self, *, active: bool | None = None, limit: int = 100, after: int = 0) -> AlarmPage:
+        """Lists alarms, oldest first.
 
-    def alarm(self, id_: str) -> AlarmInfo:
-        """Returns one of them.
-
-        Raises:
-            UnknownName: There is none of that id, or it is long over.
+        Args:
+            active: True for active ones only, False for the others only.
+            limit: Maximum number of alarms.
+            after: Only those with a higher number.
         """
         with self._guard:
+            known = tuple(self._known.values())
+        rest = [alarm for alarm in known if active in (None, alarm.active) and _number(alarm) > after]
+        page = rest[:limit]
+        return AlarmPage(items=tuple(page), next=str(_number(page[-1])) if len(rest) > limit else None)
+
+    def get(self, id_: str) -> AlarmInfo:
+        """Describes an alarm.
+
+        Raises:
+            NotFound: There is none with this id, or it ended long ago.
+        """
+        with self._guard, addressed("UnknownAlarm"):
             if id_ not in self._known:
                 raise UnknownName("alarm", id_, [alarm.id for alarm in self._active.values()])
             return self._known[id_]
@@ -107,29 +120,37 @@ class Alarms:
                 if kind in kinds:
                     self.clear(kind, source)
 
-    def acknowledge(self, id_: str, by: str) -> AlarmInfo:
-        """Notes that somebody has seen it; one that does not last is over then. Once more changes nothing.
+    # ------------------------------------------------------------------ acknowledging and answering
+
+    def acknowledge(self, id_: str, author: Author = LIBRARY) -> AlarmInfo:
+        """Records that a person has seen it; one that does not last is over then. Repeating it has no effect.
 
         Raises:
-            UnknownName: There is none of that id.
+            NotFound: There is none with this id.
         """
         with self._guard:
-            known = self.alarm(id_)
+            known = self.get(id_)
             if known.acknowledged is not None:
                 return known
             now = moment(self._clock())
             until = now if known.active and not known.lasts else known.until
-            return self._keep(known, "acknowledged", acknowledged=now, by=by, until=until)
+            return self._keep(known, "acknowledged", acknowledged=now, by=author.name, until=until)
 
-    def note_answer(self, id_: str, answer: str, by: str) -> AlarmInfo:
-        """Notes that somebody has answered it, which is an acknowledgement, too; the alarm goes when its reason does.
+    def answer(self, id_: str, answer: AlarmAnswer, author: Author = LIBRARY) -> AlarmInfo:
+        """Passes an answer on to the job or the robot that waits for it, which also acknowledges the alarm.
 
         Raises:
-            UnknownName: There is none of that id.
+            NotFound: There is no such alarm.
+            UnknownName: It does not offer that answer.
+            WrongState: Nothing waits for that answer any more.
         """
+        if job := self.get(id_).job:
+            self._answer_job(id_, job, answer, author.name)
+        else:
+            self._answer_question(id_, answer, author.name)
         with self._guard:
-            known = self.acknowledge(id_, by)
-            self._tell(known, "answered", answer=answer, by=by)
+            known = self.acknowledge(id_, author)
+            self._tell(known, "answered", answer=answer.answer, by=author.name)
             return known
 
     def require_choice(self, id_: str, answer: str, question: int | None = None) -> AlarmInfo:
@@ -144,7 +165,7 @@ class Alarms:
             UnknownName: There is none of that id, or it does not offer that answer.
             WrongState: It is over, asks nothing, or asks something else.
         """
-        alarm = self.alarm(id_)
+        alarm = self.get(id_)
         if not alarm.active:
             raise WrongState(f"alarm {id_} is over: it waits for no answer any more")
         if not alarm.choices:
@@ -154,6 +175,37 @@ class Alarms:
         if answer not in alarm.choices:
             raise UnknownName("answer", answer, alarm.choices, where=f"of alarm {id_}")
         return alarm
+
+    def _answer_job(self, id_: str, job_id: str, answer: AlarmAnswer, by: str) -> None:
+        """Gives an answer to a job, which may have gone on and ask something else while this alarm is looked at.
+
+        Raises:
+            UnknownName: The alarm does not offer that answer.
+            WrongState: The job waits for it no longer.
+        """
+        jobs = self._session().jobs
+        job = jobs.open.get(job_id)  # before the alarm, which is then of this version or a later one
+        now = self.require_choice(id_, answer.answer, answer.question)
+        if job is None or job.question != now.question:
+            raise WrongState(f"job '{job_id}' does not wait for that answer any more: look what it asks now")
+        try:
+            jobs.answer(job_id, answer.answer, by=by, expects=job.version)
+        except StaleVersion:
+            raise WrongState(f"job '{job_id}' has gone on meanwhile: look what it asks now") from None
+
+    def _answer_question(self, id_: str, answer: AlarmAnswer, by: str) -> None:
+        """Gives an answer to a robot.
+
+        Raises:
+            UnknownName: The alarm does not offer that answer.
+            WrongState: It waits for it no longer.
+        """
+        now = self.require_choice(id_, answer.answer, answer.question)
+        assert now.question is not None, "alarms that offer choices are those of jobs and of questions"
+        try:
+            self._session().questions.answer(now.question, answer.answer, by=by)
+        except UnknownName as error:
+            raise WrongState(f"the question is not open any more: {error}") from None
 
     # ------------------------------------------------------------------ keeping
 
@@ -198,88 +250,3 @@ class Alarms:
 def _number(alarm: AlarmInfo) -> int:
     """Returns the number of an alarm since the start of the server, which is part of its id."""
     return int(alarm.id.rpartition("-")[2])
-
-
-_UNKNOWN = "UnknownAlarm"
-
-
-class AlarmService(Service):
-    """Lists, acknowledges and answers alarms."""
-
-    def all(self, *, active: bool | None = None, limit: int = 100, after: int = 0) -> AlarmPage:
-        """Lists alarms, oldest first: all active ones, and the last thousand that are over.
-
-        Args:
-            active: True for active ones only, False for the others only.
-            limit: How many at most.
-            after: Only those with a higher number.
-        """
-        alarms = [one for one in self._station.alarm_book.all if active is None or one.active is active]
-        rest = [alarm for alarm in alarms if _number(alarm) > after]
-        page = rest[:limit]
-        return AlarmPage(items=tuple(page), next=str(_number(page[-1])) if len(rest) > limit else None)
-
-    def get(self, id_: str) -> AlarmInfo:
-        """Describes an alarm.
-
-        Raises:
-            NotFound: There is none of that id.
-        """
-        with addressed(_UNKNOWN):
-            return self._station.alarm_book.alarm(id_)
-
-    def acknowledge(self, id_: str, author: Author = LIBRARY) -> AlarmInfo:
-        """Notes that somebody has seen an alarm; it goes when its reason does.
-
-        Raises:
-            NotFound: There is none of that id.
-        """
-        with addressed(_UNKNOWN):
-            return self._station.alarm_book.acknowledge(id_, author.name)
-
-    def answer(self, id_: str, answer: AlarmAnswer, author: Author = LIBRARY) -> AlarmInfo:
-        """Passes an answer on to the job or the robot that waits for it.
-
-        Raises:
-            NotFound: There is no such alarm.
-            UnknownName: It does not offer that answer.
-            WrongState: Nothing waits for that answer any more.
-        """
-        with addressed(_UNKNOWN):
-            alarm = self._station.alarm_book.alarm(id_)
-        if alarm.job:
-            self._answer_job(alarm, answer, author.name)
-        else:
-            self._answer_question(alarm, answer, author.name)
-        return self._station.alarm_book.note_answer(id_, answer.answer, author.name)
-
-    def _answer_job(self, alarm: AlarmInfo, answer: AlarmAnswer, by: str) -> None:
-        """Gives an answer to a job, which may have gone on and ask something else while this alarm is looked at.
-
-        Raises:
-            UnknownName: The alarm does not offer that answer.
-            WrongState: The job waits for it no longer.
-        """
-        jobs = self._station.session.jobs
-        job = jobs.open.get(alarm.job)  # before the alarm, which is then of this version or a later one
-        now = self._station.alarm_book.require_choice(alarm.id, answer.answer, answer.question)
-        if job is None or job.question != now.question:
-            raise WrongState(f"job '{alarm.job}' does not wait for that answer any more: look what it asks now")
-        try:
-            jobs.answer(alarm.job, answer.answer, by=by, expects=job.version)
-        except StaleVersion:
-            raise WrongState(f"job '{alarm.job}' has gone on meanwhile: look what it asks now") from None
-
-    def _answer_question(self, alarm: AlarmInfo, answer: AlarmAnswer, by: str) -> None:
-        """Gives an answer to a robot.
-
-        Raises:
-            UnknownName: The alarm does not offer that answer.
-            WrongState: It waits for it no longer.
-        """
-        now = self._station.alarm_book.require_choice(alarm.id, answer.answer, answer.question)
-        assert now.question is not None, "alarms that offer choices are those of jobs and of questions"
-        try:
-            self._station.session.questions.answer(now.question, answer.answer, by=by)
-        except UnknownName as error:
-            raise WrongState(f"the question is not open any more: {error}") from None

@@ -6,6 +6,9 @@ from skiros_py.api.alarms import AlarmKind, Severity
 from skiros_py.errors import UnknownName, WrongState
 from skiros_py.station.alarms.alarms import Alarms
 from skiros_py.station.events.log import EventLog
+from skiros_py.station.requests import Author
+
+ANNA = Author("anna", "anna")
 
 
 @pytest.fixture
@@ -16,7 +19,7 @@ def log():
 @pytest.fixture
 def alarms(log):
     ticks = iter(range(1_700_000_000, 1_800_000_000))
-    return Alarms(log, lambda: float(next(ticks)))
+    return Alarms(log, lambda: pytest.fail("there is no session"), lambda: float(next(ticks)))
 
 
 def told(log):
@@ -26,9 +29,9 @@ def told(log):
 def test_an_alarm_comes_is_acknowledged_and_goes(alarms, log):
     alarm = alarms.raise_(AlarmKind.MANAGER, "arm_1 is lost", "arm_1", severity=Severity.HIGH)
     assert (alarm.state, alarm.active) == ("unacknowledged", True)
-    assert alarms.acknowledge(alarm.id, "anna").state == "acknowledged"
+    assert alarms.acknowledge(alarm.id, ANNA).state == "acknowledged"
     alarms.clear(AlarmKind.MANAGER, "arm_1")
-    gone = alarms.alarm(alarm.id)
+    gone = alarms.get(alarm.id)
     assert (gone.state, gone.active, gone.by) == ("normal", False, "anna")
     assert told(log) == [(what, alarm.id) for what in ("raised", "acknowledged", "cleared")]
 
@@ -36,8 +39,8 @@ def test_an_alarm_comes_is_acknowledged_and_goes(alarms, log):
 def test_one_that_went_before_anybody_saw_it_says_so(alarms):
     alarm = alarms.raise_(AlarmKind.HALTED, "halted")
     alarms.clear(AlarmKind.HALTED)
-    assert alarms.alarm(alarm.id).state == "returned"
-    assert alarms.acknowledge(alarm.id, "anna").state == "normal"
+    assert alarms.get(alarm.id).state == "returned"
+    assert alarms.acknowledge(alarm.id, ANNA).state == "normal"
 
 
 def test_what_is_active_already_is_the_same_alarm_with_another_text(alarms, log):
@@ -55,19 +58,19 @@ def test_a_cause_that_returns_after_it_was_cleared_is_another_alarm(alarms):
     alarms.clear(AlarmKind.HALTED)
     second = alarms.raise_(AlarmKind.HALTED, "halted")
     assert first.id != second.id
-    assert len(alarms.all) == 2
+    assert len(alarms.all(limit=10_000).items) == 2
 
 
 def test_acknowledging_twice_changes_nothing(alarms, log):
     alarm = alarms.raise_(AlarmKind.HALTED, "halted")
-    once = alarms.acknowledge(alarm.id, "anna")
-    assert alarms.acknowledge(alarm.id, "ben") == once
+    once = alarms.acknowledge(alarm.id, ANNA)
+    assert alarms.acknowledge(alarm.id, Author("ben", "ben")) == once
     assert len(told(log)) == 2
 
 
 def test_what_does_not_last_is_over_when_it_is_acknowledged(alarms):
     alarm = alarms.raise_(AlarmKind.TASK, "the planner broke", "a", lasts=False)
-    assert not alarms.acknowledge(alarm.id, "anna").active
+    assert not alarms.acknowledge(alarm.id, ANNA).active
     assert alarms.active == ()
 
 
@@ -77,7 +80,7 @@ def test_active_ones_are_never_dropped_and_of_the_others_the_last_thousand_are_k
         alarms.raise_(AlarmKind.HALTED, str(n))
         alarms.clear(AlarmKind.HALTED)
     assert [alarm.id for alarm in alarms.active] == [alarm.id for alarm in kept]
-    assert len(alarms.all) == 2500
+    assert len(alarms.all(limit=10_000).items) == 2500
 
 
 def test_an_answer_has_to_be_one_of_the_choices_of_an_active_alarm(alarms):
@@ -99,7 +102,7 @@ def test_an_answer_has_to_be_one_of_the_choices_of_an_active_alarm(alarms):
 def test_an_unknown_one_is_told_with_those_there_are(alarms):
     alarm = alarms.raise_(AlarmKind.HALTED, "halted")
     with pytest.raises(UnknownName, match=alarm.id):
-        alarms.alarm("1")
+        alarms.get("1")
 
 
 def test_clearing_by_kind_leaves_other_kinds(alarms):
