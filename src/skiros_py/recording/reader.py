@@ -18,18 +18,7 @@ from typing import IO, Any, Self, cast
 
 from mcap.exceptions import McapError
 from mcap.reader import SeekingReader
-from mcap.records import (
-    Attachment,
-    AttachmentIndex,
-    Channel,
-    Chunk,
-    ChunkIndex,
-    Message,
-    Metadata,
-    MetadataIndex,
-    Schema,
-    Statistics,
-)
+from mcap import records
 from mcap.stream_reader import MAGIC_SIZE, StreamReader, breakup_chunk
 from mcap.summary import Summary
 from zstandard import ZstdError
@@ -172,7 +161,7 @@ class Recording:
 
     def raw_messages(
         self, *topics: str, start: float = float("-inf"), end: float = float("inf")
-    ) -> Iterator[tuple[Schema | None, Channel, Message]]:
+    ) -> Iterator[tuple[records.Schema | None, records.Channel, records.Message]]:
         """Yields messages as they are in the file, with schema and channel; see :meth:`messages`."""
         wanted = [name for name in self.topics if not topics or any(_below(name, topic) for topic in topics)]
         with self._faults():
@@ -183,12 +172,12 @@ class Recording:
                     ending_before=nanoseconds(end) + 1 if end < float("inf") else None,
                 )
 
-    def attachments(self) -> Iterator[Attachment]:
+    def attachments(self) -> Iterator[records.Attachment]:
         """Yields the attached files."""
         with self._faults():
             yield from self._reader.iter_attachments()
 
-    def metadata(self) -> Iterator[Metadata]:
+    def metadata(self) -> Iterator[records.Metadata]:
         """Yields the records with facts about the whole."""
         with self._faults():
             yield from self._reader.iter_metadata()
@@ -323,7 +312,7 @@ class _Reader(SeekingReader):
         self._own = summary if summary is not None else self._scanned()
 
     @property
-    def chunks(self) -> list[ChunkIndex]:
+    def chunks(self) -> list[records.ChunkIndex]:
         return self._own.chunk_indexes
 
     @property
@@ -346,28 +335,28 @@ class _Reader(SeekingReader):
             if end > len(data):
                 break
             record = next(StreamReader(io.BytesIO(data[at:end]), skip_magic=True, emit_chunks=True).records, None)
-            if isinstance(record, Chunk):
+            if isinstance(record, records.Chunk):
                 summary.chunk_indexes.append(_chunk_index(record, at, end - at))
                 for one in breakup_chunk(record):
-                    if isinstance(one, Schema):
+                    if isinstance(one, records.Schema):
                         summary.schemas[one.id] = one
-                    elif isinstance(one, Channel):
+                    elif isinstance(one, records.Channel):
                         summary.channels[one.id] = one
-                    elif isinstance(one, Message):
+                    elif isinstance(one, records.Message):
                         counts[one.channel_id] += 1
-            elif isinstance(record, Attachment):
+            elif isinstance(record, records.Attachment):
                 summary.attachment_indexes.append(
-                    AttachmentIndex(at, end - at, 0, 0, 0, record.name, record.media_type)
+                    records.AttachmentIndex(at, end - at, 0, 0, 0, record.name, record.media_type)
                 )
-            elif isinstance(record, Metadata):
-                summary.metadata_indexes.append(MetadataIndex(at, end - at, record.name))
+            elif isinstance(record, records.Metadata):
+                summary.metadata_indexes.append(records.MetadataIndex(at, end - at, record.name))
             at = end
-        summary.statistics = Statistics(0, 0, counts, 0, 0, 0, 0, 0, 0)
+        summary.statistics = records.Statistics(0, 0, counts, 0, 0, 0, 0, 0, 0)
         return summary
 
 
-def _chunk_index(chunk: Chunk, offset: int, length: int) -> ChunkIndex:
-    return ChunkIndex(
+def _chunk_index(chunk: records.Chunk, offset: int, length: int) -> records.ChunkIndex:
+    return records.ChunkIndex(
         chunk_length=length,
         chunk_start_offset=offset,
         compression=chunk.compression,

@@ -9,14 +9,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple, TypeVar
 
 from skiros_py.api.alarms import AlarmKind
-from skiros_py.api.documents import (
-    DocumentInfo,
-    DocumentKindInfo,
-    DocumentKinds,
-    DocumentProblem,
-    Documents,
-    PaletteNode,
-)
+from skiros_py.api import documents as api
 from skiros_py.behaviours import Behaviour, DocumentKind, Interface, Review
 from skiros_py.errors import (
     DocumentError,
@@ -100,11 +93,11 @@ class DocumentService(Service):
 
     # ------------------------------------------------------------------ reading
 
-    def kinds(self) -> DocumentKinds:
+    def kinds(self) -> api.DocumentKinds:
         """Lists the kinds of documents, each with its formats and the nodes that an editor offers."""
-        return DocumentKinds(
+        return api.DocumentKinds(
             kinds=tuple(
-                DocumentKindInfo(
+                api.DocumentKindInfo(
                     kind=name,
                     help=(kind.__doc__ or "").strip().partition("\n")[0],
                     formats=dict(kind.formats),
@@ -114,10 +107,10 @@ class DocumentService(Service):
             )
         )
 
-    def _palette(self, kind: str) -> tuple[PaletteNode, ...]:
+    def _palette(self, kind: str) -> tuple[api.PaletteNode, ...]:
         try:
             entries = _asked(f"documents of kind {kind}", lambda: self._kind(kind).palette(self._reader))
-            return tuple(map(PaletteNode.view_of, entries))
+            return tuple(map(api.PaletteNode.view_of, entries))
         except Exception as error:  # noqa: BLE001 - a plug-in's palette
             _log.warning("the palette of kind %s: %s: %s", kind, type(error).__name__, error)
             return ()
@@ -130,16 +123,16 @@ class DocumentService(Service):
         """
         return self._known(kind).for_orders
 
-    def all(self, kind: str) -> Documents:
+    def all(self, kind: str) -> api.Documents:
         """Lists the documents of a kind, by id, without comparing them with the world.
 
         Raises:
             NotFound: There is no such kind.
         """
         self._known(kind)
-        return Documents(documents=tuple(map(_info, self._store.all(kind))))
+        return api.Documents(documents=tuple(map(_info, self._store.all(kind))))
 
-    def get(self, kind: str, id_: str) -> DocumentInfo:
+    def get(self, kind: str, id_: str) -> api.DocumentInfo:
         """Returns a document, and what would not work now.
 
         Raises:
@@ -148,14 +141,14 @@ class DocumentService(Service):
         document = self._find(kind, id_)
         return _info(document, self._reviewed(document))
 
-    def revisions(self, kind: str, id_: str) -> Documents:
+    def revisions(self, kind: str, id_: str) -> api.Documents:
         """Lists the kept revisions of a document, oldest first, also of a removed one.
 
         Raises:
             NotFound: There is no such kind.
         """
         self._known(kind)
-        return Documents(documents=tuple(map(_info, self._store.revisions(kind, id_))))
+        return api.Documents(documents=tuple(map(_info, self._store.revisions(kind, id_))))
 
     def export(self, kind: str, id_: str, format_: str | None = None) -> DocumentText:
         """Returns a document as text.
@@ -177,7 +170,7 @@ class DocumentService(Service):
 
     # ------------------------------------------------------------------ writing
 
-    def put(self, kind: str, id_: str, data: Any, seen: Seen | None = ANY_VERSION) -> tuple[DocumentInfo, bool]:
+    def put(self, kind: str, id_: str, data: Any, seen: Seen | None = ANY_VERSION) -> tuple[api.DocumentInfo, bool]:
         """Writes a document; returns it, and True if it is new. Its next run uses this revision.
 
         Faults that the present revision has, too, do not prevent writing: they are among its problems.
@@ -209,7 +202,7 @@ class DocumentService(Service):
 
     def import_text(
         self, kind: str, id_: str, text: str, media_type: str, seen: Seen | None = ANY_VERSION
-    ) -> tuple[DocumentInfo, bool]:
+    ) -> tuple[api.DocumentInfo, bool]:
         """Writes a document from text in one of the formats of its kind; see :meth:`put`.
 
         Raises:
@@ -362,12 +355,12 @@ def _module(kind: str, id_: str) -> str:
     return f"{kind}:{id_}"
 
 
-def _info(document: Document, review: Review = _NOT_REVIEWED) -> DocumentInfo:
-    return DocumentInfo.view_of(
+def _info(document: Document, review: Review = _NOT_REVIEWED) -> api.DocumentInfo:
+    return api.DocumentInfo.view_of(
         document,
         id=document.name,
         revision=document.version,
         module=_module(document.kind, document.name),
-        problems=tuple(map(DocumentProblem.view_of, review.problems)),
+        problems=tuple(map(api.DocumentProblem.view_of, review.problems)),
         agents=dict(review.agents),
     )

@@ -13,21 +13,7 @@ from skiros_py.world.element import Element
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.terms import Family
 from skiros_py.world.view import WorldView
-from skiros_py.world.vocabulary import (
-    AT,
-    CONTAINER,
-    DRIVING_POSE,
-    FLOOR,
-    GRIPPER,
-    HELD_BY,
-    IN,
-    LOCATION,
-    MANIPULATABLE,
-    ON,
-    POSE,
-    POSE_FRAME,
-    STATION,
-)
+from skiros_py.world import vocabulary as v
 
 Whereabouts = tuple[Mapping[str, Pose], Mapping[str, str]]
 """Poses in the map, and placements of movable bodies; by the ids of bodies."""
@@ -52,7 +38,7 @@ def judge(cell: SimulatedCell, spec: CellSpec, view: WorldView, goal: Sequence[C
     for body in placements.keys() & types.keys():
         if not view.has(body):  # in stock, or taken from stock: the individual is unknown
             real.extend(Element(body, types[body], body))
-    for part in real.instances(MANIPULATABLE):
+    for part in real.instances(v.MANIPULATABLE):
         place = placements.get(part)
         if place is None:
             real.unplace(part)
@@ -60,8 +46,8 @@ def judge(cell: SimulatedCell, spec: CellSpec, view: WorldView, goal: Sequence[C
             real.place(part, _relation(view, place), place if view.has(place) else _floor(view))
     for robot in spec.robots:
         if robot.carrier is not None and robot.carrier.id in cell.devices:  # others are not simulated
-            real.place(robot.id, AT, _location(view, truth, robot.carrier.id))
-    unknown = {part for part in view.instances(MANIPULATABLE) if part not in types}
+            real.place(robot.id, v.AT, _location(view, truth, robot.carrier.id))
+    unknown = {part for part in view.instances(v.MANIPULATABLE) if part not in types}
     can_tell = (_is_physical(c.pattern, view) and unknown.isdisjoint(c.arguments) for c in goal)
     return tuple(bool(c.evaluate(real)) if can else None for c, can in zip(goal, can_tell, strict=True))
 
@@ -94,23 +80,23 @@ def _is_physical(pattern: Pattern, view: WorldView) -> bool:
 
 def _relation(view: WorldView, place: str) -> str:
     if place == "floor" or not view.has(place):  # or on a body unknown to the robot
-        return ON
+        return v.ON
     type_ = view.element(place).type
-    if view.ontology.is_a(type_, GRIPPER):
-        return HELD_BY
-    return IN if view.ontology.is_a(type_, CONTAINER) else ON
+    if view.ontology.is_a(type_, v.GRIPPER):
+        return v.HELD_BY
+    return v.IN if view.ontology.is_a(type_, v.CONTAINER) else v.ON
 
 
 def _floor(view: WorldView) -> str:
-    return view.instances(FLOOR)[0]
+    return view.instances(v.FLOOR)[0]
 
 
 def _location(view: WorldView, truth: Truth, base: str) -> str:
     """Returns the true location of a robot: the location at whose driving pose it stands, or the floor."""
     bodies = truth.poses()
     at = truth.base_pose(base)
-    for location in view.instances(LOCATION):
-        driving, place = view.value(location, DRIVING_POSE), _pose(view, bodies, location)
+    for location in view.instances(v.LOCATION):
+        driving, place = view.value(location, v.DRIVING_POSE), _pose(view, bodies, location)
         if isinstance(driving, Pose) and place is not None:
             wanted = place @ driving
             off = ((at.position[0] - wanted.position[0]) ** 2 + (at.position[1] - wanted.position[1]) ** 2) ** 0.5
@@ -121,8 +107,8 @@ def _location(view: WorldView, truth: Truth, base: str) -> str:
 
 def _pose(view: WorldView, bodies: Mapping[str, Pose], element: str) -> Pose | None:
     """Returns the true pose of an element: a body, or a spot fixed to a body or to the map."""
-    if element in bodies or not view.ontology.is_a(view.element(element).type, STATION):
+    if element in bodies or not view.ontology.is_a(view.element(element).type, v.STATION):
         return bodies.get(element)
-    pose, frames = view.value(element, POSE), view.objects(element, POSE_FRAME)
+    pose, frames = view.value(element, v.POSE), view.objects(element, v.POSE_FRAME)
     frame = _pose(view, bodies, frames[0]) if frames else Pose()
     return frame @ pose if frame is not None and isinstance(pose, Pose) else None

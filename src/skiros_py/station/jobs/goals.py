@@ -8,16 +8,7 @@ from dataclasses import fields, is_dataclass
 from functools import partial
 from typing import Any
 
-from skiros_py.api.goals import (
-    CheckedCondition,
-    CheckedGoal,
-    ConditionWord,
-    ConditionWords,
-    GoalOrder,
-    GoalTexts,
-    Role,
-    SceneGoals,
-)
+from skiros_py.api import goals as api
 from skiros_py.errors import SkirosError, StaleVersion, UsageError
 from skiros_py.planning.problem.stock import believed
 from skiros_py.planning.problem.task import Capability
@@ -36,7 +27,7 @@ from skiros_py.world.view import WorldView
 
 def checked_goal(
     texts: Sequence[str], view: WorldView, version: int, conditions: Mapping[str, ConditionType]
-) -> CheckedGoal:
+) -> api.CheckedGoal:
     """Returns a goal as parsed, and whether it holds.
 
     Args:
@@ -50,14 +41,14 @@ def checked_goal(
     """
     goal = parse_goal(texts, view, conditions)
     each = tuple(_checked(condition, view) for condition in goal)
-    return CheckedGoal(text=goal_as_text(goal), conditions=each, holds=all(one.holds for one in each), world=version)
+    return api.CheckedGoal(text=goal_as_text(goal), conditions=each, holds=all(one.holds for one in each), world=version)
 
 
-def _checked(condition: Condition, view: WorldView) -> CheckedCondition:
+def _checked(condition: Condition, view: WorldView) -> api.CheckedCondition:
     verdict = believed(condition, view)
     (data,) = goal_as_data((condition,))
     text = goal_as_text((condition,))
-    return CheckedCondition.view_of(verdict, text=text, data=data, lines=tuple(verdict.lines()))
+    return api.CheckedCondition.view_of(verdict, text=text, data=data, lines=tuple(verdict.lines()))
 
 
 # ------------------------------------------------------------------ words
@@ -68,7 +59,7 @@ _Change = tuple[str, str]
 
 def condition_words(
     conditions: Mapping[str, ConditionType], capabilities: Sequence[Capability], ontology: Ontology
-) -> Iterator[ConditionWord]:
+) -> Iterator[api.ConditionWord]:
     """Yields the words of the goal language, with the skills that can make them hold.
 
     A skill counts if it changes a relation or property on which the condition depends; whether it does so for the
@@ -79,10 +70,10 @@ def condition_words(
         wanted = tuple(_wanted(type_.pattern, ontology))
         skills = [skill for skill, changes in brought.items() if any(one(c) for one in wanted for c in changes)]
         roles = tuple(_roles(type_, [c.skill for c in capabilities if c.skill.name in skills], ontology))
-        yield ConditionWord.view_of(type_, name=name, roles=roles, skills=tuple(sorted(skills)))
+        yield api.ConditionWord.view_of(type_, name=name, roles=roles, skills=tuple(sorted(skills)))
 
 
-def _roles(type_: ConditionType, skills: Sequence[SkillDescription], ontology: Ontology) -> Iterator[Role]:
+def _roles(type_: ConditionType, skills: Sequence[SkillDescription], ontology: Ontology) -> Iterator[api.Role]:
     """Yields the arguments of a condition, each with the class for which those skills make it hold."""
     made = [
         [skill.param(argument).element_class for argument in post.arguments]
@@ -93,7 +84,7 @@ def _roles(type_: ConditionType, skills: Sequence[SkillDescription], ontology: O
     for number, role in enumerate(type_.roles):
         reached = _widest([classes[number] for classes in made], ontology)
         narrower = reached is not None and ontology.is_a(reached, role.class_)
-        yield Role.model_validate(
+        yield api.Role.model_validate(
             {"name": role.name, "class": role.class_, "reached": reached if narrower else role.class_}
         )
 
@@ -156,24 +147,24 @@ def _takes_away(relation: str, ontology: Ontology, change: _Change) -> bool:
 class GoalService(Service):
     """Checks goals, and stores those of the scene."""
 
-    def check(self, order: GoalOrder) -> CheckedGoal:
+    def check(self, order: api.GoalOrder) -> api.CheckedGoal:
         """Returns the goal as parsed, and for each condition whether it holds now, or why not."""
         session = self._station.session
         version, state = session.world.state()
         view = ReadingView(state, session.world.sensors)  # one state of the world, with the present readings of devices
         return checked_goal(texts_of(order, self._station.document_store), view, version, session.catalogue.conditions)
 
-    def get(self) -> SceneGoals:
+    def get(self) -> api.SceneGoals:
         """Returns the goals of the scene."""
         session = self._station.session
         goals = session.world.goals
         try:
             session.parse(goals)
         except UsageError as error:
-            return SceneGoals(goals=goals, fault=str(error))
-        return SceneGoals(goals=goals)
+            return api.SceneGoals(goals=goals, fault=str(error))
+        return api.SceneGoals(goals=goals)
 
-    def put(self, body: GoalTexts, seen: Seen | None = ANY_VERSION, author: Author = LIBRARY) -> SceneGoals:
+    def put(self, body: api.GoalTexts, seen: Seen | None = ANY_VERSION, author: Author = LIBRARY) -> api.SceneGoals:
         """Replaces the goals of the scene.
 
         Raises:
@@ -191,7 +182,7 @@ class GoalService(Service):
             tx.set_goals(texts)
         return self.get()
 
-    def words(self, *, every: bool = False) -> ConditionWords:
+    def words(self, *, every: bool = False) -> api.ConditionWords:
         """Lists the words of goals, with the classes of their arguments.
 
         Args:
@@ -200,7 +191,7 @@ class GoalService(Service):
         session = self._station.session
         capabilities = self._station.control.call(lambda now: now.tasks.capabilities)
         words = condition_words(session.catalogue.conditions, capabilities, session.world.ontology)
-        return ConditionWords(conditions=tuple(word for word in words if every or word.skills))
+        return api.ConditionWords(conditions=tuple(word for word in words if every or word.skills))
 
 
 def goals_version(goals: tuple[str, ...]) -> int:

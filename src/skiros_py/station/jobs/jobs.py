@@ -7,22 +7,8 @@ from collections.abc import Sequence
 from datetime import datetime
 from typing import Literal, NamedTuple, TypedDict, Unpack
 
-from skiros_py.api.jobs import (
-    Job,
-    JobAnswer,
-    JobCapabilities,
-    JobExplanation,
-    JobOrder,
-    JobPage,
-    JobPlan,
-    JobReport,
-    JobResponse,
-    JobResponses,
-    JobTrace,
-    JobTransitions,
-    StateName,
-    WorkMaster,
-)
+from skiros_py.api import jobs as api
+from skiros_py.api.jobs import StateName
 from skiros_py.errors import Refused, StaleVersion, UsageError, WrongState
 from skiros_py.station.document_store import TEMPLATE
 from skiros_py.station.jobs.orders import digest_of, is_same, job_order, new_id, texts_of
@@ -38,9 +24,7 @@ from skiros_py.station.jobs.views import (
     transitions_view,
 )
 from skiros_py.station.requests import LIBRARY, Author, Service
-from skiros_py.tasks.jobs import Job as Known
-from skiros_py.tasks.jobs import JobManager, Page, Receipt, Trigger
-from skiros_py.tasks.jobs import JobState as State
+from skiros_py.tasks.jobs import Job, JobManager, JobState, Page, Receipt, Trigger
 from skiros_py.world.vocabulary import MANIPULATABLE
 
 Command = Literal["start", "revoke_start", "pause", "resume", "stop", "abort", "cancel", "clear", "remove"]
@@ -57,7 +41,7 @@ class OrderResult(NamedTuple):
         repeated: True if the same request, or the same order, was received before.
     """
 
-    job: Job
+    job: api.Job
     repeated: bool
 
 
@@ -82,7 +66,7 @@ class JobService(Service):
 
     def order(
         self,
-        order: JobOrder,
+        order: api.JobOrder,
         *,
         start: bool = True,
         again: bool = False,
@@ -118,7 +102,7 @@ class JobService(Service):
     def put(
         self,
         id_: str,
-        order: JobOrder,
+        order: api.JobOrder,
         *,
         start: bool = True,
         again: bool = False,
@@ -162,7 +146,7 @@ class JobService(Service):
             known = jobs.update(changed, _said(author, ""), expects=expects)
         return OrderResult(_view(known), repeated=True)
 
-    def wait(self, id_: str, seconds: float) -> Job:
+    def wait(self, id_: str, seconds: float) -> api.Job:
         """Waits until a job is over or interrupted; returns immediately if too many callers wait already.
 
         Args:
@@ -172,7 +156,7 @@ class JobService(Service):
         jobs = self._jobs
         return _view(self._station.waiter.wait(jobs, jobs.job(id_), seconds))
 
-    def _ordered_before(self, order: JobOrder, receipt: Receipt | None, *, again: bool) -> Known | None:
+    def _ordered_before(self, order: api.JobOrder, receipt: Receipt | None, *, again: bool) -> Job | None:
         """Returns the job that the same request, or the same order, has created before."""
         jobs = self._jobs
         before = None if receipt is None else jobs.store.known(receipt)
@@ -187,13 +171,13 @@ class JobService(Service):
             return jobs.submit(known.order, receipt=receipt)
         return known
 
-    def _with_leave(self, known: Known, start: bool, author: Author) -> Known:
+    def _with_leave(self, known: Job, start: bool, author: Author) -> Job:
         """Starts a job that was ordered with ``start=False`` if the same order is repeated with ``start=True``.
 
         A revoked start is renewed only by the start command, because this order may have been sent before.
         """
         jobs = self._jobs
-        if not start or known.state is not State.NOT_ALLOWED_TO_START or known.id not in jobs.open:
+        if not start or known.state is not JobState.NOT_ALLOWED_TO_START or known.id not in jobs.open:
             return known
         if any(one.trigger == Trigger.REVOKE_START.value for one in jobs.transitions(known.id)):
             return known
@@ -206,7 +190,7 @@ class JobService(Service):
 
     def command(
         self, id_: str, command: Command, *, comment: str = "", expects: int | None = None, author: Author = LIBRARY
-    ) -> Job:
+    ) -> api.Job:
         """Commands a job; has no effect if the job is already in the state that the command leads to.
 
         Args:
@@ -228,7 +212,7 @@ class JobService(Service):
             return _view(getattr(jobs, command)(id_, expects=expects))
         return _view(getattr(jobs, command)(id_, _said(author, comment), expects=expects))
 
-    def answer(self, id_: str, answer: JobAnswer, *, expects: int | None = None, author: Author = LIBRARY) -> Job:
+    def answer(self, id_: str, answer: api.JobAnswer, *, expects: int | None = None, author: Author = LIBRARY) -> api.Job:
         """Answers the pending question of a job.
 
         Raises:
@@ -248,15 +232,15 @@ class JobService(Service):
 
     # ------------------------------------------------------------------ reading
 
-    def all(self, **wanted: Unpack[JobFilter]) -> JobPage:
+    def all(self, **wanted: Unpack[JobFilter]) -> api.JobPage:
         """Lists the jobs that were not removed, in order of acceptance."""
         page, now = self._page(**wanted), time.time()
-        return JobPage(items=tuple(job_view(job, now) for job in page.jobs), next=_next(page))
+        return api.JobPage(items=tuple(job_view(job, now) for job in page.jobs), next=_next(page))
 
-    def responses(self, **wanted: Unpack[JobFilter]) -> JobResponses:
+    def responses(self, **wanted: Unpack[JobFilter]) -> api.JobResponses:
         """Lists the ISA-95 job responses of the jobs that were not removed."""
         page, now = self._page(**wanted), time.time()
-        return JobResponses(items=tuple(response_of(self._jobs, job, now) for job in page.jobs), next=_next(page))
+        return api.JobResponses(items=tuple(response_of(self._jobs, job, now) for job in page.jobs), next=_next(page))
 
     def _page(self, **wanted: Unpack[JobFilter]) -> Page:
         states, since = wanted.get("states"), wanted.get("since")
@@ -268,7 +252,7 @@ class JobService(Service):
             newest_first=wanted.get("newest_first", False),
         )
 
-    def get(self, id_: str) -> Job:
+    def get(self, id_: str) -> api.Job:
         """Returns a job as it is now.
 
         Raises:
@@ -276,45 +260,45 @@ class JobService(Service):
         """
         return _view(self._jobs.job(id_))
 
-    def response(self, id_: str) -> JobResponse:
+    def response(self, id_: str) -> api.JobResponse:
         """Returns what was done to each part, by which skills, and the reason if it was not done."""
         return response_of(self._jobs, self._jobs.job(id_), time.time())
 
-    def plan(self, id_: str) -> JobPlan:
+    def plan(self, id_: str) -> api.JobPlan:
         """Returns the steps of a job's last plan, each with the steps for which it waits."""
         session = self._station.session
         job = session.jobs.job(id_)
         running = next((task for task in session.tasks.active if task.name == id_), None)
         if running is not None and running.plan is not None:  # newer than the stored plan
-            return JobPlan(steps=planned_steps(running.plan))
+            return api.JobPlan(steps=planned_steps(running.plan))
         return plan_of(job, session.jobs.trace(id_))
 
-    def trace(self, id_: str, skip: int = 0, limit: int = 100) -> JobTrace:
+    def trace(self, id_: str, skip: int = 0, limit: int = 100) -> api.JobTrace:
         """Returns the trace of a job, in sentences and as data."""
         entries = self._jobs.trace(id_, skip=skip, limit=limit + 1)
-        return JobTrace(
+        return api.JobTrace(
             entries=tuple(dict(entry) for entry in entries[:limit]),
             next=str(skip + limit) if len(entries) > limit else None,
         )
 
-    def report(self, id_: str) -> JobReport:
+    def report(self, id_: str) -> api.JobReport:
         """Returns the outcome of each condition and of each step."""
         return report_of(self._jobs.job(id_), self._jobs.trace(id_), time.time())
 
-    def transitions(self, id_: str) -> JobTransitions:
+    def transitions(self, id_: str) -> api.JobTransitions:
         """Returns the transitions of a job with time, author and reason."""
-        return JobTransitions(transitions=transitions_view(self._jobs.transitions(id_)))
+        return api.JobTransitions(transitions=transitions_view(self._jobs.transitions(id_)))
 
-    def explanation(self, id_: str) -> JobExplanation:
+    def explanation(self, id_: str) -> api.JobExplanation:
         """Returns why there is no plan for a job, and the possible repairs."""
         return explanation_of(self._jobs.job(id_), self._jobs.trace(id_))
 
-    def capabilities(self) -> JobCapabilities:
+    def capabilities(self) -> api.JobCapabilities:
         """Returns the goal templates, material classes and robots for orders, and the limit of open jobs."""
         session = self._station.session
-        return JobCapabilities(
+        return api.JobCapabilities(
             work_masters=tuple(
-                WorkMaster.view_of(content_of(one.data), id=one.name, version=one.version)
+                api.WorkMaster.view_of(content_of(one.data), id=one.name, version=one.version)
                 for one in self._station.document_store.all(TEMPLATE)
             ),
             material_class_ids=tuple(sorted(session.world.ontology.subclasses(MANIPULATABLE))),
@@ -324,7 +308,7 @@ class JobService(Service):
         )
 
 
-def _view(job: Known) -> Job:
+def _view(job: Job) -> api.Job:
     return job_view(job, time.time())
 
 
@@ -337,7 +321,7 @@ def _next(page: Page) -> str | None:
     return None if page.next is None else str(page.next)
 
 
-def _check_removed(last: Known | None, order: JobOrder) -> None:
+def _check_removed(last: Job | None, order: api.JobOrder) -> None:
     """Refuses an order with the id of a job that was removed.
 
     Raises:
@@ -354,7 +338,7 @@ def _check_removed(last: Known | None, order: JobOrder) -> None:
     raise Refused("JobOrderRemoved", detail, return_status=_UNABLE, last=view)
 
 
-def _taken_already(known: Known) -> Refused:
+def _taken_already(known: Job) -> Refused:
     return Refused(
         "UnableToAcceptJobOrder",
         f"job '{known.id}' is there already, with another order: take another id; or, before it has begun, put the"

@@ -5,70 +5,56 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from skiros_py.api.jobs import (
-    ConditionActual,
-    Job,
-    JobExplanation,
-    JobPlan,
-    JobReport,
-    JobResponse,
-    JobState,
-    JobTransition,
-    OrderedGoal,
-    PlannedStep,
-    StateEntry,
-    StateName,
-)
+from skiros_py.api import jobs as api
+from skiros_py.api.jobs import StateName
 from skiros_py.planning.plan import Plan
-from skiros_py.tasks.jobs import Job as Known
-from skiros_py.tasks.jobs import JobManager, Transition
-from skiros_py.tasks.jobs import JobState as State
+from skiros_py.tasks.jobs import Job, JobManager, JobState, Transition
 from skiros_py.tasks.jobs.store import Announcement as Announcement  # also for the server
 from skiros_py.tasks.trace import TraceEventKind
 
 Trace = Sequence[Mapping[str, Any]]
 
-STATES: dict[StateName, State] = {StateName(s.name.title().replace("_", "")): s for s in State}
+STATES: dict[StateName, JobState] = {StateName(s.name.title().replace("_", "")): s for s in JobState}
 """The states of jobs by their names in the standard."""
 _NAMES = {state: name for name, state in STATES.items()}
 
 
-def state_name(state: State) -> StateName:
+def state_name(state: JobState) -> StateName:
     """Returns the name of a state in the standard, which the API uses."""
     return _NAMES[state]
 
 
-def is_open(job: Job) -> bool:
+def is_open(job: api.Job) -> bool:
     """Returns whether a job is not over."""
-    return State(job.state.number).is_open
+    return JobState(job.state.number).is_open
 
 
-_COMMANDS: dict[State, tuple[str, ...]] = {
-    State.NOT_ALLOWED_TO_START: ("start", "abort", "cancel"),
-    State.ALLOWED_TO_START: ("revoke-start", "abort", "cancel"),
-    State.RUNNING: ("pause", "stop", "abort"),
-    State.INTERRUPTED: ("resume", "stop", "abort"),
-    State.ENDED: ("clear",),
-    State.ABORTED: ("clear",),
+_COMMANDS: dict[JobState, tuple[str, ...]] = {
+    JobState.NOT_ALLOWED_TO_START: ("start", "abort", "cancel"),
+    JobState.ALLOWED_TO_START: ("revoke-start", "abort", "cancel"),
+    JobState.RUNNING: ("pause", "stop", "abort"),
+    JobState.INTERRUPTED: ("resume", "stop", "abort"),
+    JobState.ENDED: ("clear",),
+    JobState.ABORTED: ("clear",),
 }
 
 
-def commands_of(job: Known) -> tuple[str, ...]:
+def commands_of(job: Job) -> tuple[str, ...]:
     """Returns the commands that a job accepts in its state."""
     return _COMMANDS[job.state]
 
 
-def job_view(job: Known, now: float) -> Job:
+def job_view(job: Job, now: float) -> api.Job:
     """Returns a job as the API shows it.
 
     Args:
         job: The job.
         now: Wall time [s since 1970].
     """
-    return Job.view_of(
+    return api.Job.view_of(
         job,
         state=_state(job, now),
-        order=OrderedGoal.model_validate(job.order, from_attributes=True),
+        order=api.OrderedGoal.model_validate(job.order, from_attributes=True),
         commands=commands_of(job),
         conditions=job.actuals,
         late=_is_late(job, now),
@@ -81,34 +67,34 @@ def announced_job(announcement: Announcement) -> dict[str, Any]:
     return {"trigger": announcement.trigger, "job": job.model_dump(mode="json", by_alias=True)}
 
 
-def state_view(state: State, substates: tuple[str, ...] = ()) -> JobState:
+def state_view(state: JobState, substates: tuple[str, ...] = ()) -> api.JobState:
     """Returns a state as the API shows it."""
-    return JobState(number=state.value, text=_NAMES[state], substates=substates)
+    return api.JobState(number=state.value, text=_NAMES[state], substates=substates)
 
 
-def transitions_view(transitions: Iterable[Transition]) -> tuple[JobTransition, ...]:
+def transitions_view(transitions: Iterable[Transition]) -> tuple[api.JobTransition, ...]:
     """Returns a job's changes of state as the API shows them."""
-    return tuple(JobTransition.view_of(one, at=one.wall, state=state_view(one.state)) for one in transitions)
+    return tuple(api.JobTransition.view_of(one, at=one.wall, state=state_view(one.state)) for one in transitions)
 
 
-def _state(job: Known, now: float) -> JobState:
+def _state(job: Job, now: float) -> api.JobState:
     return state_view(job.state, _substates(job, now))
 
 
-def _substates(job: Known, now: float) -> tuple[str, ...]:
+def _substates(job: Job, now: float) -> tuple[str, ...]:
     match job.state:
-        case State.NOT_ALLOWED_TO_START:
+        case JobState.NOT_ALLOWED_TO_START:
             return ("Ready",)
-        case State.ALLOWED_TO_START:
+        case JobState.ALLOWED_TO_START:
             gate = job.order.not_before
             return ("Waiting",) if gate is not None and gate.timestamp() > now else ("Ready", "Queued")
-        case State.RUNNING:
+        case JobState.RUNNING:
             return (_ACTIVITIES.get(job.detail, "Executing"),)
-        case State.INTERRUPTED:
+        case JobState.INTERRUPTED:
             return ("Held",) if job.choices or job.question is not None else ("Suspended",)
-        case State.ENDED:
+        case JobState.ENDED:
             return ("Completed", "Closed")
-        case State.ABORTED:
+        case JobState.ABORTED:
             return ()
 
 
@@ -116,14 +102,14 @@ _ENDS = (TraceEventKind.ENDED.value, TraceEventKind.FAILED.value, TraceEventKind
 _ACTIVITIES = {"planning": "Planning", "waiting": "WaitingForPerson"}
 
 
-def _is_late(job: Known, now: float) -> bool:
+def _is_late(job: Job, now: float) -> bool:
     return job.order.deadline is not None and (job.ended or now) > job.order.deadline.timestamp()
 
 
 # ---------------------------------------------------------------------- results, from stored data
 
 
-def response_of(jobs: JobManager, job: Known, now: float) -> JobResponse:
+def response_of(jobs: JobManager, job: Job, now: float) -> api.JobResponse:
     """Returns the job response of the standard.
 
     Args:
@@ -133,7 +119,7 @@ def response_of(jobs: JobManager, job: Known, now: float) -> JobResponse:
     """
     view = job_view(job, now)
     state = view.state
-    return JobResponse.view_of(
+    return api.JobResponse.view_of(
         view,
         job_response_id=job.id,
         job_order_id=job.id,
@@ -141,8 +127,8 @@ def response_of(jobs: JobManager, job: Known, now: float) -> JobResponse:
         start_time=view.started,
         end_time=view.ended,
         job_state=(
-            StateEntry(number=state.number, text=state.text),
-            *(StateEntry(number=None, text=text) for text in state.substates),
+            api.StateEntry(number=state.number, text=state.text),
+            *(api.StateEntry(number=None, text=text) for text in state.substates),
         ),
         material_actuals=view.materials,
         job_response_data=jobs.intents(job.id),
@@ -151,25 +137,25 @@ def response_of(jobs: JobManager, job: Known, now: float) -> JobResponse:
     )
 
 
-def planned_steps(plan: Plan) -> tuple[PlannedStep, ...]:
+def planned_steps(plan: Plan) -> tuple[api.PlannedStep, ...]:
     """Returns the steps of a plan as the API shows them."""
     return _steps(plan.as_json())
 
 
-def plan_of(job: Known, trace: Trace) -> JobPlan:
+def plan_of(job: Job, trace: Trace) -> api.JobPlan:
     """Returns the last plan of a job from its trace; if the trace contains none, the plan stored with the job."""
     entry = _last(trace, TraceEventKind.PLANNED)
     if entry is not None:
-        return JobPlan(steps=_steps(entry["data"]))
+        return api.JobPlan(steps=_steps(entry["data"]))
     bare = {"steps": job.plan, "after": [[index - 1] if index else [] for index in range(len(job.plan))]}
-    return JobPlan(steps=_steps(bare))
+    return api.JobPlan(steps=_steps(bare))
 
 
-def report_of(job: Known, trace: Trace, now: float) -> JobReport:
+def report_of(job: Job, trace: Trace, now: float) -> api.JobReport:
     """Returns the result of a job in the form of the report of a run of one goal."""
     conditions = _conditions(job)
     ended = job.ended or now
-    return JobReport(
+    return api.JobReport(
         id=job.id,
         outcome=None if job.outcome is None else job.outcome.value,
         reached=bool(conditions) and all(condition.reached for condition in conditions),
@@ -180,15 +166,15 @@ def report_of(job: Known, trace: Trace, now: float) -> JobReport:
     )
 
 
-def explanation_of(job: Known, trace: Trace) -> JobExplanation:
+def explanation_of(job: Job, trace: Trace) -> api.JobExplanation:
     """Returns why there is no plan for a job; empty if there is one, or planning has not started."""
     refused = _last(trace, TraceEventKind.NO_PLAN)
     planned = _last(trace, TraceEventKind.PLANNED)
     missing = tuple(condition for condition in _conditions(job) if not condition.reached)
     if refused is None or (planned is not None and trace.index(planned) > trace.index(refused)):
-        return JobExplanation(reasons=job.reasons, causes=(), repairs=(), conditions=missing)
+        return api.JobExplanation(reasons=job.reasons, causes=(), repairs=(), conditions=missing)
     data = refused["data"]
-    return JobExplanation(
+    return api.JobExplanation(
         reasons=tuple(data["reasons"]),
         causes=tuple(data.get("causes", ())),
         repairs=tuple(data.get("repairs", ())),
@@ -200,16 +186,16 @@ def _last(trace: Trace, what: TraceEventKind) -> Mapping[str, Any] | None:
     return next((entry for entry in reversed(trace) if entry["what"] == what.value), None)
 
 
-def _conditions(job: Known) -> tuple[ConditionActual, ...]:
-    return tuple(map(ConditionActual.view_of, job.actuals))
+def _conditions(job: Job) -> tuple[api.ConditionActual, ...]:
+    return tuple(map(api.ConditionActual.view_of, job.actuals))
 
 
-def _steps(plan: Mapping[str, Any]) -> tuple[PlannedStep, ...]:
+def _steps(plan: Mapping[str, Any]) -> tuple[api.PlannedStep, ...]:
     """Returns the steps of a plan stored as plain data; fields that older traces lack are left empty."""
     texts, starts = plan["steps"], plan.get("starts", ())
     calls = plan.get("calls") or [{"skill": text.partition("(")[0], "arguments": {}} for text in texts]
     return tuple(
-        PlannedStep(
+        api.PlannedStep(
             text=text,
             skill=calls[index]["skill"],
             arguments=calls[index]["arguments"],

@@ -6,18 +6,7 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import Any, Literal
 
-from skiros_py.api.modules import (
-    ManagerInfo,
-    ModuleDetails,
-    ModuleRunInfo,
-    ModuleRuns,
-    ModuleSummary,
-    PanelInfo,
-    PluginFaultInfo,
-    PluginInfo,
-    Plugins,
-    SkillInfo,
-)
+from skiros_py.api import modules as api
 from skiros_py.catalogue import survey
 from skiros_py.errors import UsageError, WrongState
 from skiros_py.execution.runtime import agents_of
@@ -33,11 +22,11 @@ class ModuleService(Service):
 
     # ------------------------------------------------------------------ skill managers
 
-    def managers(self) -> list[ManagerInfo]:
+    def managers(self) -> list[api.ManagerInfo]:
         """Lists the skill managers, each with the modules that it runs now, or why it is lost."""
         return self._call(views.managers)
 
-    def open_manager(self, agent: str) -> ManagerInfo:
+    def open_manager(self, agent: str) -> api.ManagerInfo:
         """Opens the skill manager of a subsystem, which offers its skills from now on.
 
         Raises:
@@ -46,7 +35,7 @@ class ModuleService(Service):
             WrongState: Its skill manager is open already.
         """
 
-        def do(session: Session) -> ManagerInfo:
+        def do(session: Session) -> api.ManagerInfo:
             with addressed("UnknownAgent"):
                 session.world.element(agent)
             if agent in session.managers and not session.managers[agent].lost:
@@ -82,11 +71,11 @@ class ModuleService(Service):
 
     # ------------------------------------------------------------------ modules
 
-    def all(self) -> list[ModuleSummary]:
+    def all(self) -> list[api.ModuleSummary]:
         """Lists every skill and primitive once, with the subsystems that can run it."""
         return self._call(views.modules)
 
-    def get(self, agent: str, module: str) -> ModuleDetails:
+    def get(self, agent: str, module: str) -> api.ModuleDetails:
         """Describes a module of a skill manager: parameters, conditions, implementations.
 
         Raises:
@@ -94,10 +83,10 @@ class ModuleService(Service):
         """
         return self._call(lambda session: views.module(_manager(session, agent, module), module))
 
-    def panel(self, agent: str, module: str, arguments: Mapping[str, Any]) -> PanelInfo:
+    def panel(self, agent: str, module: str, arguments: Mapping[str, Any]) -> api.PanelInfo:
         """Returns the arguments with which a module would run now, and which of its conditions hold."""
         panel = self._call(lambda session: _manager(session, agent, module).panel(module, arguments))
-        return PanelInfo.model_validate(panel.as_json())
+        return api.PanelInfo.model_validate(panel.as_json())
 
     def run(
         self,
@@ -108,7 +97,7 @@ class ModuleService(Service):
         repeat: int = 1,
         author: Author = LIBRARY,
         breakpoints: Sequence[str] = (),
-    ) -> ModuleRunInfo:
+    ) -> api.ModuleRunInfo:
         """Starts a single skill or primitive, and returns immediately.
 
         Args:
@@ -150,7 +139,7 @@ class ModuleService(Service):
 
     # ------------------------------------------------------------------ runs
 
-    def runs(self, *, active: bool | None = None, limit: int = 100) -> ModuleRuns:
+    def runs(self, *, active: bool | None = None, limit: int = 100) -> api.ModuleRuns:
         """Lists runs of modules, newest first.
 
         Args:
@@ -158,9 +147,9 @@ class ModuleService(Service):
             limit: Maximum number of runs.
         """
         wanted = [run for run in self._station.module_runs.all() if active is None or active != run.over]
-        return ModuleRuns(items=[views.run_info(run, in_full=False) for run in wanted[:limit]])
+        return api.ModuleRuns(items=[views.run_info(run, in_full=False) for run in wanted[:limit]])
 
-    def get_run(self, id_: str) -> ModuleRunInfo:
+    def get_run(self, id_: str) -> api.ModuleRunInfo:
         """Describes a run: progress, inferred arguments, changes of the world, outcome.
 
         Raises:
@@ -168,7 +157,7 @@ class ModuleService(Service):
         """
         return views.run_info(self._find(id_))
 
-    def command_run(self, id_: str, command: Literal["pause", "resume", "step", "stop"]) -> ModuleRunInfo:
+    def command_run(self, id_: str, command: Literal["pause", "resume", "step", "stop"]) -> api.ModuleRunInfo:
         """Pauses, resumes or stops a run, or executes one cycle of a paused run.
 
         Raises:
@@ -179,7 +168,7 @@ class ModuleService(Service):
         self._call(lambda _session: run.command(command))
         return views.run_info(run)
 
-    def set_breakpoints(self, id_: str, paths: Sequence[str]) -> ModuleRunInfo:
+    def set_breakpoints(self, id_: str, paths: Sequence[str]) -> api.ModuleRunInfo:
         """Sets the breakpoints of a run: it is paused before these nodes until a command resumes it.
 
         Args:
@@ -199,11 +188,11 @@ class ModuleService(Service):
 
     # ------------------------------------------------------------------ skills
 
-    def skills(self) -> list[SkillInfo]:
+    def skills(self) -> list[api.SkillInfo]:
         """Lists the offered skills as planners see them: parameters, conditions, effects."""
         return self._call(views.skills)
 
-    def skill(self, name: str) -> SkillInfo:
+    def skill(self, name: str) -> api.SkillInfo:
         """Describes one skill, without its implementations.
 
         Raises:
@@ -223,21 +212,21 @@ def _manager(session: Session, agent: str, module: str = "") -> SkillManager:
 class PluginService(Service):
     """Lists plug-ins."""
 
-    def all(self) -> Plugins:
+    def all(self) -> api.Plugins:
         """Lists every installed entry point, and whether it works."""
         return _surveyed()
 
-    def faults(self) -> list[PluginFaultInfo]:
+    def faults(self) -> list[api.PluginFaultInfo]:
         """Lists the plug-ins that do not load or do not fit the present scene."""
-        return list(map(PluginFaultInfo.view_of, self._session.catalogue.faults))
+        return list(map(api.PluginFaultInfo.view_of, self._session.catalogue.faults))
 
 
 @cache
-def _surveyed() -> Plugins:
+def _surveyed() -> api.Plugins:
     """Loads all entry points, once: the installation does not change while a program runs."""
     found, others = survey()
     plugins = [
-        PluginInfo.view_of(
+        api.PluginInfo.view_of(
             one.entry,
             distribution=one.entry.distribution.name,
             version=one.entry.distribution.version,
@@ -247,4 +236,4 @@ def _surveyed() -> Plugins:
         )
         for one in found
     ]
-    return Plugins(items=plugins, others=list(map(PluginFaultInfo.view_of, others)))
+    return api.Plugins(items=plugins, others=list(map(api.PluginFaultInfo.view_of, others)))

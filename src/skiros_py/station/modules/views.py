@@ -4,23 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from skiros_py.api.modules import (
-    BodyEdge,
-    BodyNode,
-    Implementation,
-    ManagerInfo,
-    ModuleDetails,
-    ModuleOutput,
-    ModuleParameter,
-    ModulePlace,
-    ModuleProgress,
-    ModuleRound,
-    ModuleRunInfo,
-    ModuleSummary,
-    RunningInfo,
-    SkillCondition,
-    SkillInfo,
-)
+from skiros_py.api import modules as api
 from skiros_py.execution.running import RunnableDocument
 from skiros_py.execution.skill_manager import SkillManager
 from skiros_py.planning.problem.task import Capability
@@ -36,32 +20,32 @@ from skiros_py.station.session import Session
 # ---------------------------------------------------------------------- managers and modules
 
 
-def managers(session: Session) -> list[ManagerInfo]:
+def managers(session: Session) -> list[api.ManagerInfo]:
     """Describes all skill managers; to be called in the control thread."""
     return [manager(session, one) for _, one in sorted(session.managers.items())]
 
 
-def manager(session: Session, manager: SkillManager) -> ManagerInfo:
+def manager(session: Session, manager: SkillManager) -> api.ManagerInfo:
     """Describes a skill manager."""
     element = session.world.element(manager.agent) if session.world.has(manager.agent) else None
     offered = set(manager.descriptions)
-    return ManagerInfo.view_of(
+    return api.ManagerInfo.view_of(
         manager,
         label=element.label if element else "",
         type=element.type if element else "",
         robot=_place(session, manager.agent).robot,
         skills=sorted(offered),
         primitives=[name for name in manager.modules if manager.info(name).kind == "primitive"],
-        running=[RunningInfo(module=name, status=run.status) for name, run in sorted(manager.running.items())],
+        running=[api.RunningInfo(module=name, status=run.status) for name, run in sorted(manager.running.items())],
     )
 
 
-def _place(session: Session, agent: str) -> ModulePlace:
+def _place(session: Session, agent: str) -> api.ModulePlace:
     there = session.world.has(agent)
-    return ModulePlace(agent=agent, robot=(owner(session.world, agent) or "") if there else "")
+    return api.ModulePlace(agent=agent, robot=(owner(session.world, agent) or "") if there else "")
 
 
-def modules(session: Session) -> list[ModuleSummary]:
+def modules(session: Session) -> list[api.ModuleSummary]:
     """Describes every module once, with the subsystems that can run it; to be called in the control thread."""
     able: dict[str, list[SkillManager]] = {}
     for _, manager in sorted(session.managers.items()):
@@ -70,12 +54,12 @@ def modules(session: Session) -> list[ModuleSummary]:
     return [_summary(session, name, able[name]) for name in sorted(able)]
 
 
-def _summary(session: Session, name: str, able: list[SkillManager]) -> ModuleSummary:
+def _summary(session: Session, name: str, able: list[SkillManager]) -> api.ModuleSummary:
     info = able[0].info(name)
-    return ModuleSummary.view_of(info, agents=[_place(session, manager.agent) for manager in able])
+    return api.ModuleSummary.view_of(info, agents=[_place(session, manager.agent) for manager in able])
 
 
-def module(manager: SkillManager, name: str) -> ModuleDetails:
+def module(manager: SkillManager, name: str) -> api.ModuleDetails:
     """Describes one module of a manager.
 
     Raises:
@@ -85,7 +69,7 @@ def module(manager: SkillManager, name: str) -> ModuleDetails:
     ways = manager.implementations(name) if info.kind == "skill" else ()
     description = ways[0].description if ways else None
     document = manager.document(name)
-    return ModuleDetails.view_of(
+    return api.ModuleDetails.view_of(
         info,
         agent=manager.agent,
         parameters=_parameters(info.params),
@@ -97,9 +81,9 @@ def module(manager: SkillManager, name: str) -> ModuleDetails:
     )
 
 
-def _parameters(params: Iterable[Param]) -> list[ModuleParameter]:
+def _parameters(params: Iterable[Param]) -> list[api.ModuleParameter]:
     return [
-        ModuleParameter.view_of(
+        api.ModuleParameter.view_of(
             param,
             type=param.type_name,
             kind=param.kind.value,
@@ -112,24 +96,24 @@ def _parameters(params: Iterable[Param]) -> list[ModuleParameter]:
     ]
 
 
-def _output(output: Output) -> ModuleOutput:
+def _output(output: Output) -> api.ModuleOutput:
     typed = schema(output.param) if output.type else {}
-    return ModuleOutput.view_of(output, type=output.param.type_name, json_schema=typed)
+    return api.ModuleOutput.view_of(output, type=output.param.type_name, json_schema=typed)
 
 
-def _conditions(conditions: Iterable[Condition]) -> list[SkillCondition]:
-    return [SkillCondition.view_of(one, text=str(one), words=one.type.help, word=one.type.name) for one in conditions]
+def _conditions(conditions: Iterable[Condition]) -> list[api.SkillCondition]:
+    return [api.SkillCondition.view_of(one, text=str(one), words=one.type.help, word=one.type.name) for one in conditions]
 
 
-def _implementation(way: Skill) -> Implementation:
-    return Implementation.view_of(
+def _implementation(way: Skill) -> api.Implementation:
+    return api.Implementation.view_of(
         way, driver=way.driver or "", when=_conditions(way.when), nodes=_nodes(way.parts), edges=_edges(way.parts)
     )
 
 
-def _document(document: RunnableDocument) -> Implementation:
+def _document(document: RunnableDocument) -> api.Implementation:
     revision, parts = str(document.revision), {"body": document.behaviour}
-    return Implementation(
+    return api.Implementation(
         label=f"revision {revision}",
         version=revision,
         driver="",
@@ -141,9 +125,9 @@ def _document(document: RunnableDocument) -> Implementation:
     )
 
 
-def _nodes(parts: Mapping[str, Behaviour]) -> list[BodyNode]:
+def _nodes(parts: Mapping[str, Behaviour]) -> list[api.BodyNode]:
     return [
-        BodyNode.view_of(
+        api.BodyNode.view_of(
             node.behaviour, path=node.path, module=next((call.module for call in node.behaviour.uses().calls), "")
         )
         for part, root in parts.items()
@@ -151,22 +135,22 @@ def _nodes(parts: Mapping[str, Behaviour]) -> list[BodyNode]:
     ]
 
 
-def _edges(parts: Mapping[str, Behaviour]) -> list[BodyEdge]:
+def _edges(parts: Mapping[str, Behaviour]) -> list[api.BodyEdge]:
     drawn = (edge for part, root in parts.items() for node in nodes_of(root, part) for edge in node.edges)
-    return [*(BodyEdge(source="", target=part, label="") for part in parts), *map(BodyEdge.view_of, drawn)]
+    return [*(api.BodyEdge(source="", target=part, label="") for part in parts), *map(api.BodyEdge.view_of, drawn)]
 
 
 # ---------------------------------------------------------------------- skills
 
 
-def skills(session: Session) -> list[SkillInfo]:
+def skills(session: Session) -> list[api.SkillInfo]:
     """Describes the skills offered now; to be called in the control thread."""
     return [_skill(session, one) for one in sorted(session.tasks.capabilities, key=lambda one: one.skill.name)]
 
 
-def _skill(session: Session, capability: Capability) -> SkillInfo:
+def _skill(session: Session, capability: Capability) -> api.SkillInfo:
     skill = capability.skill
-    return SkillInfo.view_of(
+    return api.SkillInfo.view_of(
         skill,
         parameters=_parameters(skill.params),
         needs=_conditions(skill.needs),
@@ -180,10 +164,10 @@ def _skill(session: Session, capability: Capability) -> SkillInfo:
 # ---------------------------------------------------------------------- runs
 
 
-def run_info(run: ModuleRun, *, in_full: bool = True) -> ModuleRunInfo:
+def run_info(run: ModuleRun, *, in_full: bool = True) -> api.ModuleRunInfo:
     """Describes a run; callable in any thread; without ``in_full``, omits its progress reports and changes."""
     progress, changes = (tuple(run.progress), tuple(run.changes)) if in_full else ((), ())
-    return ModuleRunInfo.view_of(
+    return api.ModuleRunInfo.view_of(
         run,
         agent=run.wish.agent,
         module=run.wish.module,
@@ -194,14 +178,14 @@ def run_info(run: ModuleRun, *, in_full: bool = True) -> ModuleRunInfo:
         arguments={param.key: as_shown(param, run.values.get(param.key)) for param in run.params},
         breakpoints=sorted(run.breakpoints),
         rounds=[_round(one) for one in tuple(run.rounds)],
-        progress=[ModuleProgress.view_of(one, run=one.id, status=one.status.value) for one in progress],
+        progress=[api.ModuleProgress.view_of(one, run=one.id, status=one.status.value) for one in progress],
         changes=[change.as_json() for change in changes],
     )
 
 
-def _round(one: Round) -> ModuleRound:
+def _round(one: Round) -> api.ModuleRound:
     match one.outcome:
         case Failure(reason=text, code=code):
-            return ModuleRound.view_of(one, success=False, code=code, text=text)
+            return api.ModuleRound.view_of(one, success=False, code=code, text=text)
         case outcome:
-            return ModuleRound.view_of(one, success=True, code=1, text=outcome.message)
+            return api.ModuleRound.view_of(one, success=True, code=1, text=outcome.message)

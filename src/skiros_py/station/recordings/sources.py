@@ -14,19 +14,8 @@ from skiros_py.geometry import Pose
 from skiros_py.ports.frames import MAP
 from skiros_py.ports.perception import LookRequest, RegistrationRequest
 from skiros_py.ports.values import Pending, Snapshot
-from skiros_py.recording.foxglove import (
-    COMPRESSED_IMAGE,
-    POINT_CLOUD,
-    SCENE_UPDATE,
-    Json,
-    Schema,
-    compressed_image,
-    cuboid,
-    cylinder,
-    entity,
-    point_cloud,
-    scene_update,
-)
+from skiros_py.recording import foxglove
+from skiros_py.recording.foxglove import Json, Schema
 from skiros_py.recording.pictures import HEIGHT, WIDTH, Camera, from_above, over_the_shoulder, webp
 from skiros_py.recording.recorder import Recorder
 from skiros_py.recording.topics import Topic
@@ -53,7 +42,7 @@ _GREY = (0.62, 0.66, 0.71, 1.0)
 
 # ---------------------------------------------------------------------- the scene
 
-_SCENE = Topic("/scene", SCENE_UPDATE, lambda time, scene: scene_update(time, *scene))
+_SCENE = Topic("/scene", foxglove.SCENE_UPDATE, lambda time, scene: foxglove.scene_update(time, *scene))
 VIEW = Topic(
     "/view",
     Schema(
@@ -136,12 +125,12 @@ def _entity(element: ViewElement, blocks: Any) -> Json:
     for block in blocks if pose is not None else ():
         where = at @ Pose(block.pose.position, block.pose.orientation)
         if block.kind == "box":
-            cubes.append(cuboid(where, block.size, colour))
+            cubes.append(foxglove.cuboid(where, block.size, colour))
         else:
             radius, length = block.size
-            cylinders.append(cylinder(where, radius, length, colour))
+            cylinders.append(foxglove.cylinder(where, radius, length, colour))
     about = {"class": element.class_, "label": element.label, "place": element.place or ""}
-    return entity(element.id, frame, about, cubes, cylinders)
+    return foxglove.entity(element.id, frame, about, cubes, cylinders)
 
 
 # ---------------------------------------------------------------------- cameras
@@ -171,17 +160,17 @@ def record_looks(recorder: Recorder) -> None:
     def on_call(call: LibraryCall) -> None:
         request = call.request
         if isinstance(request, LookRequest | RegistrationRequest) and request.camera:
-            recorder.put(Topic(f"/camera/{request.camera}", COMPRESSED_IMAGE, _image, every=1.0), request)
-            recorder.put(Topic(f"/points/{request.camera}", POINT_CLOUD, _points, every=1.0), request)
+            recorder.put(Topic(f"/camera/{request.camera}", foxglove.COMPRESSED_IMAGE, _image, every=1.0), request)
+            recorder.put(Topic(f"/points/{request.camera}", foxglove.POINT_CLOUD, _points, every=1.0), request)
 
     recorder.on_end(recorder.runtime.asked.subscribe(on_call))
 
 
 def _image(time: float, request: LookRequest | RegistrationRequest) -> Json:
-    return compressed_image(time, request.camera, webp(np.ascontiguousarray(request.image.colour)), "webp")
+    return foxglove.compressed_image(time, request.camera, webp(np.ascontiguousarray(request.image.colour)), "webp")
 
 
 def _points(time: float, request: LookRequest | RegistrationRequest) -> Json:
     points, colours = points_of(request.image, request.camera_pose, _MOST_POINTS)
     _, kept = np.unique(np.floor(points / _CUBE).astype(np.int32), axis=0, return_index=True)
-    return point_cloud(time, MAP, points[kept], colours[kept])
+    return foxglove.point_cloud(time, MAP, points[kept], colours[kept])

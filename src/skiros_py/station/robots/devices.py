@@ -7,18 +7,7 @@ from contextlib import suppress
 from typing import Any, Literal
 
 from skiros_py.api.modules import ModuleRunInfo
-from skiros_py.api.robots import (
-    CellSignal,
-    DeviceInfo,
-    DeviceModule,
-    DeviceMotion,
-    DeviceReading,
-    JointDescription,
-    Look,
-    SignalInfo,
-    SignalReading,
-    SignalReadings,
-)
+from skiros_py.api import robots as api
 from skiros_py.errors import DeviceError, Refused, SkirosError, UnknownName, UsageError, WrongState
 from skiros_py.execution.claims import pieces
 from skiros_py.execution.signals import SignalLost, Signals
@@ -42,12 +31,12 @@ _UNLIMITED = JointRange(None, None, None)
 class DeviceService(Service):
     """Describes and reads devices of any kind, opens and closes them, and moves them by hand."""
 
-    def all(self) -> list[DeviceInfo]:
+    def all(self) -> list[api.DeviceInfo]:
         """Describes all devices of the cell, with the values that each provides."""
         session = self._session
         return [device_info(session, id_) for id_ in session.spec.devices]
 
-    def get(self, id_: str) -> DeviceInfo:
+    def get(self, id_: str) -> api.DeviceInfo:
         """Describes one device.
 
         Raises:
@@ -56,7 +45,7 @@ class DeviceService(Service):
         with addressed():
             return device_info(self._session, id_)
 
-    def open(self, id_: str) -> DeviceInfo:
+    def open(self, id_: str) -> api.DeviceInfo:
         """Opens a device: connects its driver, and lets modules use it.
 
         Raises:
@@ -67,7 +56,7 @@ class DeviceService(Service):
             open_device(self._station.control, id_)
         return self.get(id_)
 
-    def close(self, id_: str) -> DeviceInfo:
+    def close(self, id_: str) -> api.DeviceInfo:
         """Closes a device: no module may use it; with its last device, the driver is disconnected.
 
         Raises:
@@ -78,7 +67,7 @@ class DeviceService(Service):
             close_device(self._station.control, id_)
         return self.get(id_)
 
-    def reading(self, id_: str) -> DeviceReading:
+    def reading(self, id_: str) -> api.DeviceReading:
         """Returns the state of a device, and the values that it provides; does not block.
 
         Raises:
@@ -87,14 +76,14 @@ class DeviceService(Service):
         session = self._session
         device, snapshot = find("device", id_, session.cycle.board.devices), session.cycle.board.snapshot
         state = snapshot.devices.get(id_)
-        return DeviceReading.view_of(
+        return api.DeviceReading.view_of(
             snapshot,
             id=id_,
             signals={} if state is None else {signal.name: signal.read(state) for signal in device.signals},
             **device_state(session, snapshot, id_),
         )
 
-    def look(self, id_: str) -> Look:
+    def look(self, id_: str) -> api.Look:
         """Returns the last picture of a camera used for perception, as points in the map.
 
         Raises:
@@ -102,7 +91,7 @@ class DeviceService(Service):
         """
         return self._station.looks.look(self._session, id_)
 
-    def motion(self, id_: str) -> DeviceMotion:
+    def motion(self, id_: str) -> api.DeviceMotion:
         """Returns the planned motion of a device.
 
         Raises:
@@ -159,7 +148,7 @@ class DeviceService(Service):
         return run_info(self._call(start))
 
 
-def device_info(session: Session, id_: str) -> DeviceInfo:
+def device_info(session: Session, id_: str) -> api.DeviceInfo:
     """Describes a device; callable in any thread.
 
     Raises:
@@ -170,16 +159,16 @@ def device_info(session: Session, id_: str) -> DeviceInfo:
     model = session.runtime.context.frames.kinematics(group)
     limits = {} if model is None else model.joints
     robot = group.id if group in session.spec.robots else None
-    return DeviceInfo.view_of(
+    return api.DeviceInfo.view_of(
         device,
         robot=robot,
         model="" if robot else group.model,
         place=None if robot else group.place,
         description={key: value for key, value in to_plain(device).items() if key != "id"},
-        signals=tuple(SignalInfo.view_of(s, dimension=dimension_of(s.unit)) for s in device.signals),
+        signals=tuple(api.SignalInfo.view_of(s, dimension=dimension_of(s.unit)) for s in device.signals),
         open=id_ not in session.cycle.board.closed,
         commanded=device.target_type is not None,
-        joints=tuple(JointDescription.view_of(limits.get(j, _UNLIMITED), name=j) for j in device.joint_names),
+        joints=tuple(api.JointDescription.view_of(limits.get(j, _UNLIMITED), name=j) for j in device.joint_names),
         frames=device.frame_names,
         jog=_modules(session, id_, device.jog),
         teach=_modules(session, id_, device.teach),
@@ -204,8 +193,8 @@ def device_state(session: Session, snapshot: Snapshot, id_: str) -> dict[str, An
 # ---------------------------------------------------------------------- by hand
 
 
-def _modules(session: Session, device: str, names: Sequence[str]) -> tuple[DeviceModule, ...]:
-    return tuple(DeviceModule(module=name, agent=_agent(session, device, name)) for name in names)
+def _modules(session: Session, device: str, names: Sequence[str]) -> tuple[api.DeviceModule, ...]:
+    return tuple(api.DeviceModule(module=name, agent=_agent(session, device, name)) for name in names)
 
 
 def _agent(session: Session, device: str, module: str) -> str | None:
@@ -324,11 +313,11 @@ def _connection_of(session: Session, device: str) -> Connection | None:
 class SignalService(Service):
     """Describes, reads and sets signals."""
 
-    def all(self) -> list[CellSignal]:
+    def all(self) -> list[api.CellSignal]:
         """Describes all signals, those of the devices first."""
         signals = self._session.runtime.signals
         return [
-            CellSignal.view_of(
+            api.CellSignal.view_of(
                 one := signals.describe(name),
                 name=name,
                 dimension=dimension_of(one.unit),
@@ -338,7 +327,7 @@ class SignalService(Service):
             for name in signals.names
         ]
 
-    def read(self, names: Sequence[str]) -> SignalReadings:
+    def read(self, names: Sequence[str]) -> api.SignalReadings:
         """Returns the values of signals in one control cycle.
 
         Args:
@@ -348,9 +337,9 @@ class SignalService(Service):
             NotFound: There is no such signal.
         """
 
-        def readings(session: Session) -> SignalReadings:
+        def readings(session: Session) -> api.SignalReadings:
             values = {name: _reading(session.runtime.signals, name) for name in names}
-            return SignalReadings.view_of(session.cycle.board.snapshot, signals=values)
+            return api.SignalReadings.view_of(session.cycle.board.snapshot, signals=values)
 
         with addressed():
             return self._call(readings)
@@ -366,8 +355,8 @@ class SignalService(Service):
             self._session.runtime.signals.set(name, value)
 
 
-def _reading(signals: Signals, name: str) -> SignalReading:
+def _reading(signals: Signals, name: str) -> api.SignalReading:
     try:
-        return SignalReading(value=signals.read(name).value, reason="")
+        return api.SignalReading(value=signals.read(name).value, reason="")
     except SignalLost as error:
-        return SignalReading(value=None, reason=error.reason)
+        return api.SignalReading(value=None, reason=error.reason)

@@ -7,16 +7,6 @@ from itertools import islice
 from typing import Any
 
 from skiros_py.api import world as api
-from skiros_py.api.world import (
-    ChangePage,
-    ElementDetails,
-    ElementPage,
-    ElementPatch,
-    NewElement,
-    Relation,
-    RelationPage,
-    Written,
-)
 from skiros_py.errors import UsageError
 from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, Service, addressed, require_seen
 from skiros_py.station.world.editing import add, change, history, writing, written
@@ -150,7 +140,7 @@ class ElementService(Service):
         abstract: bool = False,
         limit: int = 100,
         after: str = "",
-    ) -> ElementPage:
+    ) -> api.ElementPage:
         """Lists elements by id; all conditions must be met.
 
         Args:
@@ -167,9 +157,9 @@ class ElementService(Service):
         wanted = (name for name in names if _is_wanted(view, name, label, text))
         page = list(islice(wanted, limit + 1))
         items = [summary(view, name) for name in page[:limit]]
-        return ElementPage(items=items, next=items[-1].id if len(page) > limit else None)
+        return api.ElementPage(items=items, next=items[-1].id if len(page) > limit else None)
 
-    def get(self, element: str, computed: Sequence[str] = ()) -> ElementDetails:
+    def get(self, element: str, computed: Sequence[str] = ()) -> api.ElementDetails:
         """Returns an element: its values with their origin, its relations, and its placement and pose.
 
         Args:
@@ -184,7 +174,7 @@ class ElementService(Service):
             view.element(element)
         return details(view, element, list(computed))
 
-    def relations(self, element: str, relation: str | None = None, start: int = 0, limit: int = 100) -> RelationPage:
+    def relations(self, element: str, relation: str | None = None, start: int = 0, limit: int = 100) -> api.RelationPage:
         """Lists the relations of an element, in both directions.
 
         Args:
@@ -201,9 +191,9 @@ class ElementService(Service):
             view.element(element)
         found = relations(view, element) if relation is None else _of(view, element, relation)
         more = str(start + limit) if start + limit < len(found) else None
-        return RelationPage(items=found[start : start + limit], next=more)
+        return api.RelationPage(items=found[start : start + limit], next=more)
 
-    def history(self, element: str, beyond: int, limit: int = 100, *, newest_first: bool = True) -> ChangePage:
+    def history(self, element: str, beyond: int, limit: int = 100, *, newest_first: bool = True) -> api.ChangePage:
         """Lists the changes of an element, which may have been removed.
 
         Raises:
@@ -212,7 +202,7 @@ class ElementService(Service):
         with addressed():
             return history(self._world, element, beyond, limit, newest_first=newest_first)
 
-    def add(self, new: NewElement, author: Author = LIBRARY) -> ElementDetails:
+    def add(self, new: api.NewElement, author: Author = LIBRARY) -> api.ElementDetails:
         """Adds an element with its values, placement and relations, in one transaction.
 
         Raises:
@@ -223,8 +213,8 @@ class ElementService(Service):
         return self.get(element)
 
     def change(
-        self, element: str, patch: ElementPatch, seen: Seen | None = ANY_VERSION, author: Author = LIBRARY
-    ) -> ElementDetails:
+        self, element: str, patch: api.ElementPatch, seen: Seen | None = ANY_VERSION, author: Author = LIBRARY
+    ) -> api.ElementDetails:
         """Changes label, values and placement of an element in one transaction.
 
         Raises:
@@ -238,7 +228,7 @@ class ElementService(Service):
 
     def remove(
         self, element: str, seen: Seen | None = ANY_VERSION, author: Author = LIBRARY, reason: str = ""
-    ) -> Written:
+    ) -> api.Written:
         """Removes an element with its parts; elements placed there move to the place where it was."""
         return self._write(element, seen, author, reason or f"removes {element}", lambda tx: tx.remove(element))
 
@@ -250,7 +240,7 @@ class ElementService(Service):
         seen: Seen | None = ANY_VERSION,
         author: Author = LIBRARY,
         reason: str = "",
-    ) -> Written:
+    ) -> api.Written:
         """States a relation between two elements; a placement moves the element."""
         reason = reason or f"states {element} {relation} {other}"
         return self._write(element, seen, author, reason, lambda tx: tx.relate(element, relation, other))
@@ -263,7 +253,7 @@ class ElementService(Service):
         seen: Seen | None = ANY_VERSION,
         author: Author = LIBRARY,
         reason: str = "",
-    ) -> Written:
+    ) -> api.Written:
         """Removes a stated relation; not a placement, because every element has one."""
         reason = reason or f"takes back {element} {relation} {other}"
         return self._write(element, seen, author, reason, lambda tx: tx.unrelate(element, relation, other))
@@ -275,7 +265,7 @@ class ElementService(Service):
 
     def _write(
         self, element: str, seen: Seen | None, author: Author, reason: str, edit: Callable[[Transaction], object]
-    ) -> Written:
+    ) -> api.Written:
         world = self._world
         with addressed():
             now = world.stamp(element).change
@@ -307,8 +297,8 @@ def _is_wanted(view: Index, name: str, label: str | None, text: str | None) -> b
     return any(wanted in said.casefold() for said in (name, element.label, local_name(element.type)))
 
 
-def _of(view: Index, element: str, relation: str) -> list[Relation]:
+def _of(view: Index, element: str, relation: str) -> list[api.Relation]:
     family = view.ontology.family(relation).value
     away = {(element, other) for other in view.objects(element, relation)}
     back = {(other, element) for other in view.subjects(relation, element)}
-    return [Relation(subject=s, relation=relation, object=o, family=family) for s, o in sorted(away | back)]
+    return [api.Relation(subject=s, relation=relation, object=o, family=family) for s, o in sorted(away | back)]

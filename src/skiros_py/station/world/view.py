@@ -13,21 +13,7 @@ from skiros_py.geometry import Pose, Primitive, Solid
 from skiros_py.world.element import Element, Value, is_abstract
 from skiros_py.world.index import Index
 from skiros_py.world.poses import pose_on
-from skiros_py.world.vocabulary import (
-    BASE,
-    DEVICE,
-    FLOOR,
-    HELD_BY,
-    HOLLOW,
-    LOCATION,
-    MANIPULATABLE,
-    POSE,
-    POSE_FRAME,
-    ROBOT,
-    SIZE,
-    SOLID,
-    STRUCTURE,
-)
+from skiros_py.world import vocabulary as v
 
 _AT = Pose()
 
@@ -55,21 +41,21 @@ class Shapes:
     def of(self, element: Element) -> str | None:
         """Returns the key of an element's shape; None if it has none, or one that cannot be parsed."""
         own, given = element.properties, self._given(element.type)
-        key = f"{element.type}#" if SOLID in own or SIZE in own else element.type
-        what = own.get(SOLID, given[SOLID]), own.get(SIZE, given[SIZE]), key
+        key = f"{element.type}#" if v.SOLID in own or v.SIZE in own else element.type
+        what = own.get(v.SOLID, given[v.SOLID]), own.get(v.SIZE, given[v.SIZE]), key
         if what not in self._keys:
             self._keys[what] = self._take(*what)
         return self._keys[what]
 
     def hollow(self, element: Element) -> bool:
         """Returns whether an element's shape is empty space, not solid."""
-        return element.properties.get(HOLLOW, self._given(element.type)[HOLLOW]) is True
+        return element.properties.get(v.HOLLOW, self._given(element.type)[v.HOLLOW]) is True
 
     def _given(self, class_: str) -> dict[str, Value | None]:
         given = self._of_class.get(class_)
         if given is None:
             read = self._ontology.class_value
-            given = self._of_class[class_] = {name: read(class_, name) for name in (SOLID, SIZE, HOLLOW)}
+            given = self._of_class[class_] = {name: read(class_, name) for name in (v.SOLID, v.SIZE, v.HOLLOW)}
         return given
 
     def _take(self, solid: Value | None, size: Value | None, key: str) -> str | None:
@@ -105,11 +91,11 @@ Kind = Literal["part", "place", "furniture", "floor", "robot", "device", "other"
 
 _UNSEEN: Mapping[str, Pose] = MappingProxyType({})
 _KINDS: tuple[tuple[str, Kind], ...] = (
-    (FLOOR, "floor"),
-    (ROBOT, "robot"),
-    (DEVICE, "device"),
-    (MANIPULATABLE, "part"),
-    (LOCATION, "place"),
+    (v.FLOOR, "floor"),
+    (v.ROBOT, "robot"),
+    (v.DEVICE, "device"),
+    (v.MANIPULATABLE, "part"),
+    (v.LOCATION, "place"),
 )
 """The first match counts; all other elements with a shape are furniture."""
 
@@ -142,9 +128,9 @@ def _dependents(view: Index, ids: Iterable[str]) -> set[str]:
         name = waiting.pop()
         if name not in found:
             found.add(name)
-            waiting += view.objects(name, STRUCTURE)
-            waiting += view.subjects(POSE_FRAME, name)
-            waiting += view.owners(name) if view.ontology.is_a(view.element(name).type, BASE) else ()
+            waiting += view.objects(name, v.STRUCTURE)
+            waiting += view.subjects(v.POSE_FRAME, name)
+            waiting += view.owners(name) if view.ontology.is_a(view.element(name).type, v.BASE) else ()
     return found
 
 
@@ -172,9 +158,9 @@ class _Observer:
             return None
         view, element = self._view, self._view.element(name)
         placement, shape = view.placement(name), self.shapes.of(element)
-        if shape is None and placement is None and view.value(name, POSE) is None:
+        if shape is None and placement is None and view.value(name, v.POSE) is None:
             return None
-        held = placement is not None and placement.relation == HELD_BY
+        held = placement is not None and placement.relation == v.HELD_BY
         carrier, pose = self._where(name)
         return ViewElement.view_of(
             element,
@@ -197,7 +183,7 @@ class _Observer:
         if self._carries(name):
             return None, self._platforms.get(name)
         if self._sort(self._view.element(name).type).kind == "robot":
-            pieces = self._view.objects(name, STRUCTURE)
+            pieces = self._view.objects(name, v.STRUCTURE)
             moved = next((self._platforms[piece] for piece in pieces if piece in self._platforms), None)
             if moved is not None:
                 return None, moved
@@ -210,8 +196,8 @@ class _Observer:
         return _AT if self._carries(frame) else self._found.get(frame, (None, None))[1]
 
     def _in_hand(self, name: str, gripper: str) -> Pose | None:
-        pose = self._view.value(name, POSE)
-        return pose if isinstance(pose, Pose) and gripper in self._view.objects(name, POSE_FRAME) else None
+        pose = self._view.value(name, v.POSE)
+        return pose if isinstance(pose, Pose) and gripper in self._view.objects(name, v.POSE_FRAME) else None
 
     def _carries(self, name: str) -> bool:
         return name in self._platforms or self._sort(self._view.element(name).type).base
@@ -221,5 +207,5 @@ class _Observer:
         if known is None:
             is_a = self._view.ontology.is_a
             kind = next((kind for above, kind in _KINDS if is_a(class_, above)), None)
-            known = self._sorts[class_] = _Sort(kind, is_a(class_, BASE))
+            known = self._sorts[class_] = _Sort(kind, is_a(class_, v.BASE))
         return known

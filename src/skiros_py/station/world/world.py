@@ -9,19 +9,7 @@ from operator import itemgetter
 from typing import TYPE_CHECKING
 
 from skiros_py.api.view import WorldView
-from skiros_py.api.world import (
-    Change,
-    ChangePage,
-    Learned,
-    LearnedPage,
-    LockList,
-    LockOrder,
-    TransactionOrder,
-    TreeNode,
-    UndoOrder,
-    WorldInfo,
-    Written,
-)
+from skiros_py.api import world as api
 from skiros_py.errors import Locked, Refused, StaleVersion, UnknownName, WorldError
 from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, Service, addressed, require_seen
 from skiros_py.station.world.editing import (
@@ -54,7 +42,7 @@ _TOP = ""
 """The node above everything."""
 
 
-def tree(view: Index, root: str, depth: int, limit: int, after: str = "") -> TreeNode:
+def tree(view: Index, root: str, depth: int, limit: int, after: str = "") -> api.TreeNode:
     """Returns an element with its descendants.
 
     Args:
@@ -84,10 +72,10 @@ def tree(view: Index, root: str, depth: int, limit: int, after: str = "") -> Tre
     return top
 
 
-def _node(view: Index, name: str, relation: str) -> TreeNode:
+def _node(view: Index, name: str, relation: str) -> api.TreeNode:
     """Returns a node without its children."""
     element = None if name == _TOP else view.element(name)
-    return TreeNode(
+    return api.TreeNode(
         id=name,
         class_="" if element is None else element.type,
         label="world" if element is None else element.label,
@@ -125,13 +113,13 @@ class WorldService(Service):
 
     # ------------------------------------------------------------------ reading
 
-    def info(self) -> WorldInfo:
+    def info(self) -> api.WorldInfo:
         """Returns the world's version, its size, and the edit that an undo would revert."""
         world = self._world
         view = world.snapshot()
         abstract = view.abstracts(ELEMENT)
         learned = sum(map(is_learned, abstract))
-        return WorldInfo(
+        return api.WorldInfo(
             version=view.version,
             time=world.clock(),
             elements=view.count(ELEMENT),
@@ -143,7 +131,7 @@ class WorldService(Service):
             undoable=undoable(world),
         )
 
-    def tree(self, root: str = "", depth: int = 3, limit: int = 100, after: str = "") -> TreeNode:
+    def tree(self, root: str = "", depth: int = 3, limit: int = 100, after: str = "") -> api.TreeNode:
         """Returns placements and parts of all elements as a tree.
 
         Args:
@@ -158,7 +146,7 @@ class WorldService(Service):
         with addressed():
             return tree(self._world.snapshot(), root, depth, limit, after)
 
-    def changes(self, beyond: int = 0, limit: int = 100, *, newest_first: bool = False) -> ChangePage:
+    def changes(self, beyond: int = 0, limit: int = 100, *, newest_first: bool = False) -> api.ChangePage:
         """Lists changes, with the first 100 edits of each.
 
         Raises:
@@ -166,7 +154,7 @@ class WorldService(Service):
         """
         return change_page(self._world, beyond, limit, newest_first=newest_first)
 
-    def change(self, number: int, start: int = 0, limit: int = 1000) -> Change:
+    def change(self, number: int, start: int = 0, limit: int = 1000) -> api.Change:
         """Returns a change with its edits.
 
         Raises:
@@ -191,7 +179,7 @@ class WorldService(Service):
 
     # ------------------------------------------------------------------ writing
 
-    def write(self, order: TransactionOrder, seen: Seen | None = None, author: Author = LIBRARY) -> Written:
+    def write(self, order: api.TransactionOrder, seen: Seen | None = None, author: Author = LIBRARY) -> api.Written:
         """Executes all operations as one change, or none.
 
         Raises:
@@ -203,7 +191,7 @@ class WorldService(Service):
             ids = operate(tx, order.operations)
         return written(world, tx, ids)
 
-    def undo(self, order: UndoOrder | None = None, author: Author = LIBRARY) -> Change:
+    def undo(self, order: api.UndoOrder | None = None, author: Author = LIBRARY) -> api.Change:
         """Reverts the last edit of a person that was not reverted yet.
 
         Raises:
@@ -224,18 +212,18 @@ class WorldService(Service):
 
     # ------------------------------------------------------------------ learned concepts
 
-    def learned(self, limit: int = 100, after: str = "") -> LearnedPage:
+    def learned(self, limit: int = 100, after: str = "") -> api.LearnedPage:
         """Lists the concepts taught to robots, by id."""
         view = self._world.snapshot()
         names = [name for name in _learned(view) if name > after]
         shown = names[:limit]
-        return LearnedPage(
+        return api.LearnedPage(
             items=[_learned_view(view, name) for name in shown], next=shown[-1] if len(names) > limit else None
         )
 
     def forget(
         self, element: str, seen: Seen | None = ANY_VERSION, author: Author = LIBRARY, reason: str = ""
-    ) -> Written:
+    ) -> api.Written:
         """Deletes a learned concept with its parts; an undo restores it.
 
         Raises:
@@ -260,12 +248,12 @@ class WorldService(Service):
 
     # ------------------------------------------------------------------ locks
 
-    def locks(self) -> LockList:
+    def locks(self) -> api.LockList:
         """Lists the locks: elements, owners and times of expiry."""
         world = self._world
-        return LockList(items=[lock_view(world, lock) for lock in world.locks.held()])
+        return api.LockList(items=[lock_view(world, lock) for lock in world.locks.held()])
 
-    def lock(self, order: LockOrder, author: Author = LIBRARY) -> LockList:
+    def lock(self, order: api.LockOrder, author: Author = LIBRARY) -> api.LockList:
         """Locks all given elements or none; locking again extends the lock.
 
         Raises:
@@ -274,11 +262,11 @@ class WorldService(Service):
         """
         world = self._world
         locks = world.locks.acquire(order.elements, author.holder, order.seconds, author.name)
-        return LockList(items=[lock_view(world, lock) for lock in locks])
+        return api.LockList(items=[lock_view(world, lock) for lock in locks])
 
     def unlock(
         self, elements: Sequence[str] | None = None, author: Author = LIBRARY, owner: str | None = None
-    ) -> LockList:
+    ) -> api.LockList:
         """Releases locks, and returns the remaining ones.
 
         Args:
@@ -294,7 +282,7 @@ class WorldService(Service):
         return self.locks()
 
 
-def _expected(order: TransactionOrder, seen: Seen | None) -> dict[str, int]:
+def _expected(order: api.TransactionOrder, seen: Seen | None) -> dict[str, int]:
     if seen is not None and seen.version is not None:
         return {"": seen.version, **order.expects}
     adds_only = all(operation.op == "add" for operation in order.operations)
@@ -309,10 +297,10 @@ def _learned(view: Index) -> list[str]:
     return [name for name in view.abstracts(ELEMENT) if is_learned(name)]
 
 
-def _learned_view(view: Index, name: str) -> Learned:
+def _learned_view(view: Index, name: str) -> api.Learned:
     element = view.element(name)
     about = element.properties.get(APPLIES_TO)
-    return Learned.view_of(
+    return api.Learned.view_of(
         element,
         id=name,
         class_=element.type,
