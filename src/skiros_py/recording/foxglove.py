@@ -37,32 +37,40 @@ class Schema:
 # ---------------------------------------------------------------------- schemas
 
 
+NUMBER, WHOLE, TEXT, FLAG, OBJECT = ({"type": name} for name in ("number", "integer", "string", "boolean", "object"))
+
+
+def schema(name: str, /, **properties: Json) -> Schema:
+    """Returns the schema of an object that has all of these properties."""
+    return Schema(name, _object(name, **properties))
+
+
+def list_of(items: Json) -> Json:
+    """Returns the schema of a list."""
+    return {"type": "array", "items": items}
+
+
 def _object(title: str, /, **properties: Json) -> dict[str, Any]:
     return {"title": title, "type": "object", "properties": properties, "required": list(properties)}
-
-
-def _list(items: Json) -> Json:
-    return {"type": "array", "items": items}
 
 
 def _one_of(*names: str) -> Json:
     return {"oneOf": [{"title": name, "const": number} for number, name in enumerate(names)]}
 
 
-_NUMBER, _TEXT, _FLAG = {"type": "number"}, {"type": "string"}, {"type": "boolean"}
-_COUNT = {"type": "integer", "minimum": 0}
-_BYTES = {"type": "string", "contentEncoding": "base64"}
+_COUNT = {**WHOLE, "minimum": 0}
+_BYTES = {**TEXT, "contentEncoding": "base64"}
 _TIME = _object("time", sec=_COUNT, nsec={**_COUNT, "maximum": 999_999_999})
-_DURATION = _object("duration", sec={"type": "integer"}, nsec={**_COUNT, "maximum": 999_999_999})
-_VECTOR = _object("foxglove.Vector3", x=_NUMBER, y=_NUMBER, z=_NUMBER)
-_QUATERNION = _object("foxglove.Quaternion", x=_NUMBER, y=_NUMBER, z=_NUMBER, w=_NUMBER)
+_DURATION = _object("duration", sec=WHOLE, nsec={**_COUNT, "maximum": 999_999_999})
+_VECTOR = _object("foxglove.Vector3", x=NUMBER, y=NUMBER, z=NUMBER)
+_QUATERNION = _object("foxglove.Quaternion", x=NUMBER, y=NUMBER, z=NUMBER, w=NUMBER)
 _POSE = _object("foxglove.Pose", position=_VECTOR, orientation=_QUATERNION)
-_COLOR = _object("foxglove.Color", r=_NUMBER, g=_NUMBER, b=_NUMBER, a=_NUMBER)
+_COLOR = _object("foxglove.Color", r=NUMBER, g=NUMBER, b=NUMBER, a=NUMBER)
 _TRANSFORM = _object(
     "foxglove.FrameTransform",
     timestamp=_TIME,
-    parent_frame_id=_TEXT,
-    child_frame_id=_TEXT,
+    parent_frame_id=TEXT,
+    child_frame_id=TEXT,
     translation=_VECTOR,
     rotation=_QUATERNION,
 )
@@ -71,56 +79,52 @@ _CYLINDER = _object(
     "foxglove.CylinderPrimitive",
     pose=_POSE,
     size=_VECTOR,
-    bottom_scale=_NUMBER,
-    top_scale=_NUMBER,
+    bottom_scale=NUMBER,
+    top_scale=NUMBER,
     color=_COLOR,
 )
-_UNUSED = _list({"type": "object"})
+_UNUSED = list_of(OBJECT)
 _ENTITY = _object(
     "foxglove.SceneEntity",
     timestamp=_TIME,
-    frame_id=_TEXT,
-    id=_TEXT,
+    frame_id=TEXT,
+    id=TEXT,
     lifetime=_DURATION,
-    frame_locked=_FLAG,
-    metadata=_list(_object("foxglove.KeyValuePair", key=_TEXT, value=_TEXT)),
+    frame_locked=FLAG,
+    metadata=list_of(_object("foxglove.KeyValuePair", key=TEXT, value=TEXT)),
     arrows=_UNUSED,
-    cubes=_list(_CUBE),
+    cubes=list_of(_CUBE),
     spheres=_UNUSED,
-    cylinders=_list(_CYLINDER),
+    cylinders=list_of(_CYLINDER),
     lines=_UNUSED,
     triangles=_UNUSED,
     texts=_UNUSED,
     models=_UNUSED,
 )
-_DELETION = _object("foxglove.SceneEntityDeletion", timestamp=_TIME, type=_one_of("MATCHING_ID", "ALL"), id=_TEXT)
+_DELETION = _object("foxglove.SceneEntityDeletion", timestamp=_TIME, type=_one_of("MATCHING_ID", "ALL"), id=TEXT)
 _NUMERIC = _one_of("UNKNOWN", "UINT8", "INT8", "UINT16", "INT16", "UINT32", "INT32", "FLOAT32", "FLOAT64")
-_FIELD = _object("foxglove.PackedElementField", name=_TEXT, offset=_COUNT, type=_NUMERIC)
+_FIELD = _object("foxglove.PackedElementField", name=TEXT, offset=_COUNT, type=_NUMERIC)
 
 
-def _foxglove(name: str, /, **properties: Json) -> Schema:
-    return Schema(f"foxglove.{name}", _object(f"foxglove.{name}", **properties))
-
-
-FRAME_TRANSFORMS = _foxglove("FrameTransforms", transforms=_list(_TRANSFORM))
-SCENE_UPDATE = _foxglove("SceneUpdate", deletions=_list(_DELETION), entities=_list(_ENTITY))
-COMPRESSED_IMAGE = _foxglove("CompressedImage", timestamp=_TIME, frame_id=_TEXT, data=_BYTES, format=_TEXT)
-POINT_CLOUD = _foxglove(
-    "PointCloud",
+FRAME_TRANSFORMS = schema("foxglove.FrameTransforms", transforms=list_of(_TRANSFORM))
+SCENE_UPDATE = schema("foxglove.SceneUpdate", deletions=list_of(_DELETION), entities=list_of(_ENTITY))
+COMPRESSED_IMAGE = schema("foxglove.CompressedImage", timestamp=_TIME, frame_id=TEXT, data=_BYTES, format=TEXT)
+POINT_CLOUD = schema(
+    "foxglove.PointCloud",
     timestamp=_TIME,
-    frame_id=_TEXT,
+    frame_id=TEXT,
     pose=_POSE,
     point_stride=_COUNT,
-    fields=_list(_FIELD),
+    fields=list_of(_FIELD),
     data=_BYTES,
 )
-LOG = _foxglove(
-    "Log",
+LOG = schema(
+    "foxglove.Log",
     timestamp=_TIME,
     level=_one_of("UNKNOWN", "DEBUG", "INFO", "WARNING", "ERROR", "FATAL"),
-    message=_TEXT,
-    name=_TEXT,
-    file=_TEXT,
+    message=TEXT,
+    name=TEXT,
+    file=TEXT,
     line=_COUNT,
 )
 

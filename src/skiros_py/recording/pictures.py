@@ -41,29 +41,27 @@ _COLUMNS = 4
 OVERVIEW = "/camera/overview"
 
 
-class _KeyMoments:
-    """Notices when a picture is worth taking: a skill ends, or a primitive that took a while.
+def _on_key_moments(monitor: Monitor, take: Callable[[str, str], None]) -> Callable[[], None]:
+    """Calls a function when a picture is worth taking: a skill ends, or a primitive that took a while.
 
     Args:
         monitor: Events of modules.
-        tell: Called with a caption and the device that did it.
+        take: Called with a caption and the device that did it.
 
-    Attributes:
-        leave: Ends it.
+    Returns:
+        A function that ends it.
     """
+    started: dict[tuple[str, str], float] = {}
 
-    def __init__(self, monitor: Monitor, tell: Callable[[str, str], None]) -> None:
-        self._tell = tell
-        self._started: dict[tuple[str, str], float] = {}
-        self.leave = monitor.subscribe(self._on_event)
-
-    def _on_event(self, event: ModuleEvent) -> None:
+    def on_event(event: ModuleEvent) -> None:
         module = event.agent, event.module
         if event.status is Status.STARTED:
-            self._started[module] = event.time
-        telling = event.kind == "skill" or event.time - self._started.get(module, event.time) >= _WHILE
-        if telling and event.status in _WORDS:
-            self._tell(" ".join(filter(None, (event.module, event.target, _WORDS[event.status]))), event.agent)
+            started[module] = event.time
+        is_long = event.kind == "skill" or event.time - started.get(module, event.time) >= _WHILE
+        if is_long and event.status in _WORDS:
+            take(" ".join(filter(None, (event.module, event.target, _WORDS[event.status]))), event.agent)
+
+    return monitor.subscribe(on_event)
 
 
 def record_pictures(camera: Camera) -> Callable[[Recorder], None]:
@@ -86,7 +84,7 @@ def record_pictures(camera: Camera) -> Callable[[Recorder], None]:
         take = contained("recording source record_pictures", shoot)
         recorder.on_end(take)
         recorder.on_cycle(take)
-        recorder.on_end(_KeyMoments(recorder.runtime.monitor, want).leave)
+        recorder.on_end(_on_key_moments(recorder.runtime.monitor, want))
 
     return record
 
@@ -171,7 +169,7 @@ class RunPictures:
         self._next = 0.0
         name = f"--record {path}"
         if path.suffix == _SHEET:
-            self._leave = _KeyMoments(runtime.monitor, contained(name, self._shoot)).leave
+            self._leave = _on_key_moments(runtime.monitor, contained(name, self._shoot))
         else:
             self._leave = runtime.cycle.observe(contained(name, self._on_cycle))
 

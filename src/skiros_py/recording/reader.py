@@ -24,7 +24,6 @@ from mcap.summary import Summary
 from zstandard import ZstdError
 
 from skiros_py.errors import FileError, UsageError
-from skiros_py.recording.foxglove import Json
 from skiros_py.world.change import Change
 from skiros_py.world.index import Index
 from skiros_py.world.journal.records import decode_change
@@ -100,19 +99,17 @@ class Recording:
                 self.parts: list[dict[str, Any]] = []
                 self.left_out: dict[str, int] = {}
                 for record in self.metadata():
-                    self._take({"name": record.name}, {key: json.loads(text) for key, text in record.metadata.items()})
+                    data = {key: json.loads(text) for key, text in record.metadata.items()}
+                    match record.name:
+                        case "part":
+                            self.parts.append(data)
+                        case "left out":
+                            self.left_out |= data
+                        case "run":
+                            self.meta |= data
             except BaseException:
                 self._stream.close()
                 raise
-
-    def _take(self, record: Json, data: dict[str, Any]) -> None:
-        match record["name"]:
-            case "part":
-                self.parts.append(data)
-            case "left out":
-                self.left_out |= data
-            case "run":
-                self.meta |= data
 
     # ------------------------------------------------------------------ what it holds
 

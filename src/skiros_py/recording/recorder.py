@@ -25,7 +25,8 @@ from skiros_py.ports.frames import FrameTree
 from skiros_py.ports.guard import KindGuard
 from skiros_py.ports.signals import Value
 from skiros_py.ports.values import Snapshot
-from skiros_py.recording.foxglove import FRAME_TRANSFORMS, LOG, Json, Schema, frame_transforms, log
+from skiros_py.recording import foxglove
+from skiros_py.recording.foxglove import FLAG, NUMBER, OBJECT, TEXT, WHOLE, Json, list_of, schema
 from skiros_py.recording.reader import FRAMES, JOINTS
 from skiros_py.recording.topics import Topic, own_schema, plain, record_plugins
 from skiros_py.recording.writer import RecordingWriter, Write
@@ -51,26 +52,20 @@ _LARGEST_WORLD = 20_000
 _LEVELS = ((logging.CRITICAL, 5), (logging.ERROR, 4), (logging.WARNING, 3), (logging.INFO, 2))
 
 
-def _schema(name: str, /, **properties: object) -> Schema:
-    return Schema(f"skiros.{name}", {"type": "object", "properties": properties, "required": list(properties)})
-
-
-_OBJECT, _TEXT, _NUMBER, _WHOLE = ({"type": name} for name in ("object", "string", "number", "integer"))
-_OBJECTS, _TEXTS = ({"type": "array", "items": items} for items in (_OBJECT, _TEXT))
-_FRAMES = Topic(FRAMES, FRAME_TRANSFORMS, frame_transforms, _KEY)
-_JOINTS = Topic(JOINTS, _schema("Joints"), lambda _time, joints: plain(joints), _KEY)
-_LOG = Topic("/log", LOG, lambda time, line: log(time, *line))
+_FRAMES = Topic(FRAMES, foxglove.FRAME_TRANSFORMS, foxglove.frame_transforms, _KEY)
+_JOINTS = Topic(JOINTS, schema("skiros.Joints"), lambda _time, joints: plain(joints), _KEY)
+_LOG = Topic("/log", foxglove.LOG, lambda time, line: foxglove.log(time, *line))
 _RUNS = Topic("/runs", own_schema(ModuleEvent))
-_TASKS = Topic("/tasks", _schema("Task", number=_WHOLE, name=_TEXT, goal=_TEXTS))
+_TASKS = Topic("/tasks", schema("skiros.Task", number=WHOLE, name=TEXT, goal=list_of(TEXT)))
 _TRACE = Topic(
     "/trace",
-    _schema("TraceEntry", time=_NUMBER, task=_WHOLE, what=_TEXT, text=_TEXT, skill=_TEXT, arguments=_OBJECT),
+    schema("skiros.TraceEntry", time=NUMBER, task=WHOLE, what=TEXT, text=TEXT, skill=TEXT, arguments=OBJECT),
 )
-_SNAPSHOT = Topic("/world/snapshot", _schema("WorldSnapshot", edits=_OBJECTS, stamps=_OBJECT))
-_DOCUMENT = _schema("Document", revision=_WHOLE, title=_TEXT, behaviour=_OBJECT)
+_SNAPSHOT = Topic("/world/snapshot", schema("skiros.WorldSnapshot", edits=list_of(OBJECT), stamps=OBJECT))
+_DOCUMENT = schema("skiros.Document", revision=WHOLE, title=TEXT, behaviour=OBJECT)
 _CHANGES = Topic(
     "/world/changes",
-    _schema("WorldChange", number=_WHOLE, author=_TEXT, reason=_TEXT, time=_NUMBER, edits=_OBJECTS),
+    schema("skiros.WorldChange", number=WHOLE, author=TEXT, reason=TEXT, time=NUMBER, edits=list_of(OBJECT)),
     lambda _time, change: change.as_json(),
 )
 
@@ -244,15 +239,15 @@ def _record_signals(recorder: Recorder) -> None:
 
 
 def _signal_topic(name: str, value: Value) -> Topic:
-    kind, schema = next((kind, schema) for type_, kind, schema in _SIGNALS if isinstance(value, type_))
-    return Topic(f"/signals/{name}", _schema(kind, value=schema), lambda _time, value: {"value": plain(value)}, _KEY)
+    kind, data = next((kind, data) for type_, kind, data in _SIGNALS if isinstance(value, type_))
+    return Topic(f"/signals/{name}", schema(f"skiros.{kind}", value=data), lambda _time, value: {"value": plain(value)}, _KEY)
 
 
 _SIGNALS = (
     # (type of the value, name of the schema, schema of the value)
-    (bool, "Boolean", {"type": "boolean"}),
-    (int | float, "Number", _NUMBER),
-    (tuple, "Vector", {"type": "array", "items": _NUMBER}),
+    (bool, "Boolean", FLAG),
+    (int | float, "Number", NUMBER),
+    (tuple, "Vector", list_of(NUMBER)),
 )
 
 

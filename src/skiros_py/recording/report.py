@@ -52,8 +52,8 @@ def _page(recording: Recording) -> str:
             complete=recording.complete,
             fault=ended.get("fault", ""),
             lasted=end - begin,
-            wall=_wall(meta),
-            began=_clock(meta.get("wall")),
+            wall=ended["wall"] - meta["wall"] if "wall" in ended and "wall" in meta else None,
+            began=time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(meta["wall"])) if "wall" in meta else "",
             tasks=[_task(task) for task in recording.tasks],
             drawing=draw(rows, begin, end, [shot.time for shot in pictures]),
             failures=[(lane, bar) for lane in rows for bar in lane.bars if bar.how == "bad"],
@@ -61,7 +61,10 @@ def _page(recording: Recording) -> str:
             more_trace=more_sentences,
             changes=[_change(change) for change in changes],
             more_changes=more_changes,
-            pictures=[(number, shot, _inline(shot)) for number, shot in enumerate(pictures, 1)],
+            pictures=[
+                (number, shot, f"data:image/webp;base64,{base64.b64encode(shot.data).decode()}")
+                for number, shot in enumerate(pictures, 1)
+            ],
             forgotten=recording.left_out,
         )
     )
@@ -81,9 +84,7 @@ def _environment() -> Environment:
 def _task(task: Mapping[str, Any]) -> dict[str, Any]:
     report = task["report"]
     outcome = report["outcome"] if report else "not over"
-    return {"name": task["name"], "outcome": outcome, "kind": _KIND_OF_TASK.get(outcome, "bad"), "report": report} | {
-        "goal": task["goal"]
-    }
+    return {**task, "outcome": outcome, "kind": _KIND_OF_TASK.get(outcome, "bad")}
 
 
 def _change(change: Any) -> dict[str, Any]:
@@ -103,16 +104,3 @@ def _spread(pictures: Sequence[Picture], most: int) -> list[Picture]:
     if len(pictures) <= most:
         return list(pictures)
     return [pictures[number * len(pictures) // most] for number in range(most)]
-
-
-def _inline(picture: Picture) -> str:
-    return "data:image/webp;base64," + base64.b64encode(picture.data).decode()
-
-
-def _wall(meta: Mapping[str, Any]) -> float | None:
-    ended = meta.get("ended") or {}
-    return ended["wall"] - meta["wall"] if "wall" in ended and "wall" in meta else None
-
-
-def _clock(wall: float | None) -> str:
-    return "" if wall is None else time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(wall))

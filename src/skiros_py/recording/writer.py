@@ -13,8 +13,6 @@ from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import Any
 
-from mcap.records import Channel
-from mcap.records import Schema as SchemaRecord
 from mcap.well_known import MessageEncoding, SchemaEncoding
 from mcap.writer import CompressionType, Writer
 
@@ -320,7 +318,7 @@ class _McapFile:
         if topic.name not in self._channels:
             schema = json.dumps(topic.schema.data, separators=(",", ":")).encode()
             self._add_channel(topic.name, topic.schema.name, schema)
-        self._add(self._channels[topic.name], nanoseconds(time), data)
+        self._add(topic.name, nanoseconds(time), data)
 
     def metadata(self, name: str, data: Mapping[str, Any]) -> None:
         self.flush()  # it may say that the run ended: then all messages must be there
@@ -337,8 +335,9 @@ class _McapFile:
             self._writer.add_metadata(record.name, record.metadata)
         for schema, channel, message in other.raw_messages():
             if keep(channel.topic, message.log_time / 1e9):
-                self._take(schema, channel)
-                self._add(self._channels[channel.topic], message.log_time, message.data)
+                if channel.topic not in self._channels and schema is not None:
+                    self._add_channel(channel.topic, schema.name, schema.data)
+                self._add(channel.topic, message.log_time, message.data)
             if self.pending > 1 << 20:
                 self.flush()
                 time.sleep(0.001)  # other threads of the process go first
@@ -354,15 +353,11 @@ class _McapFile:
     def close(self) -> None:
         self._stream.close()
 
-    def _take(self, schema: SchemaRecord | None, channel: Channel) -> None:
-        if channel.topic not in self._channels and schema is not None:
-            self._add_channel(channel.topic, schema.name, schema.data)
-
     def _add_channel(self, topic: str, schema: str, data: bytes) -> None:
         if schema not in self._schemas:
             self._schemas[schema] = self._writer.register_schema(schema, SchemaEncoding.JSONSchema, data)
         self._channels[topic] = self._writer.register_channel(topic, MessageEncoding.JSON, self._schemas[schema])
 
-    def _add(self, channel: int, time: int, data: bytes) -> None:
-        self._writer.add_message(channel, time, data, time)
+    def _add(self, topic: str, time: int, data: bytes) -> None:
+        self._writer.add_message(self._channels[topic], time, data, time)
         self.pending += len(data)

@@ -23,7 +23,6 @@ from skiros_py.station.recordings.sources import camera_of, record_looks, record
 from skiros_py.station.session import Session
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.jobs import Job
-from skiros_py.tasks.task_manager import TaskManager
 from skiros_py.tasks.trace import TraceEntry, TraceEventKind
 from skiros_py.world.scene.writer import scene_turtle
 
@@ -47,7 +46,8 @@ def run_recorder(session: Session, data: Path) -> Recorder:
     except OSError as error:
         raise FileError(folder, f"cannot be made: {error.strerror or error}") from error
     camera = camera_of(session)
-    sources = [_tasks(session.tasks), *([record_pictures(camera)] if camera is not None else [])]
+    sources = [] if camera is None else [record_pictures(camera)]
+    sources.append(lambda recorder: recorder.on_end(session.tasks.on_begin(recorder.follow)))
     return recorder_of(session, RecordingWriter(_free(folder, Path(session.scene).stem)), sources)
 
 
@@ -78,10 +78,6 @@ def _urdf(model: str) -> bytes:
     with TemporaryDirectory(prefix="skiros-model-") as folder:
         text = write_robot_urdf(model, Path(folder)).read_text(encoding="utf-8")
     return re.sub(r'filename="[^"]*/site-packages/', 'filename="package://', text).encode()
-
-
-def _tasks(tasks: TaskManager) -> Callable[[Recorder], None]:
-    return lambda recorder: recorder.on_end(tasks.on_begin(recorder.follow))
 
 
 def _free(folder: Path, scene: str) -> Path:

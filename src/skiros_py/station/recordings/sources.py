@@ -15,7 +15,7 @@ from skiros_py.ports.frames import MAP
 from skiros_py.ports.perception import LookRequest, RegistrationRequest
 from skiros_py.ports.values import Pending, Snapshot
 from skiros_py.recording import foxglove
-from skiros_py.recording.foxglove import Json, Schema
+from skiros_py.recording.foxglove import Json
 from skiros_py.recording.pictures import HEIGHT, WIDTH, Camera, from_above, over_the_shoulder, webp
 from skiros_py.recording.recorder import Recorder
 from skiros_py.recording.topics import Topic
@@ -45,14 +45,7 @@ _GREY = (0.62, 0.66, 0.71, 1.0)
 _SCENE = Topic("/scene", foxglove.SCENE_UPDATE, lambda time, scene: foxglove.scene_update(time, *scene))
 VIEW = Topic(
     "/view",
-    Schema(
-        "skiros.View",
-        {
-            "type": "object",
-            "properties": {"author": {"type": "string"}, "whole": {"type": "boolean"}, "view": {"type": "object"}},
-            "required": ["author", "whole", "view"],
-        },
-    ),
+    foxglove.schema("skiros.View", author=foxglove.TEXT, whole=foxglove.FLAG, view=foxglove.OBJECT),
     lambda _time, change: change,
 )
 """The visible scene: complete at the beginning, then only visible differences."""
