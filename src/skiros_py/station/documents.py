@@ -5,20 +5,13 @@ from __future__ import annotations
 import json
 import logging
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import Any, NamedTuple, TypeVar
 
 from skiros_py.api.alarms import AlarmKind
 from skiros_py.api import documents as api
-from skiros_py.behaviours import Behaviour, DocumentKind, Interface, Review
-from skiros_py.errors import (
-    DocumentError,
-    DocumentFault,
-    Refused,
-    SkirosError,
-    UsageError,
-    WrongState,
-)
+from skiros_py.behaviours import Behaviour, DocumentKind, Review
+from skiros_py.errors import DocumentError, DocumentFault, Refused, SkirosError, UsageError, WrongState
 from skiros_py.execution.running import RunnableDocument
 from skiros_py.interruptions import limited
 from skiros_py.skills.behaviour import nodes_of
@@ -49,15 +42,6 @@ class DocumentText(NamedTuple):
     text: str
     media_type: str
     revision: int
-
-
-@dataclass(frozen=True, slots=True)
-class _Made:
-    """What a document is as a module; without a behaviour it is none."""
-
-    behaviour: Behaviour | None
-    title: str = ""
-    interface: Interface = field(default_factory=Interface)
 
 
 class DocumentService(Service):
@@ -247,29 +231,30 @@ class DocumentService(Service):
     def _kind(self, kind: str) -> DocumentKind:
         return _asked(f"documents of kind {kind}", self._known(kind))
 
-    def _make(self, maker: DocumentKind, data: Any, module: str) -> _Made:
-        """Returns what a document is as a module.
+    def _make(self, maker: DocumentKind, data: Any, module: str) -> RunnableDocument | None:
+        """Returns a document as a module, before it has a revision; None if it has no behaviour.
 
         Raises:
             DocumentError: Something is wrong with it, or its kind raises an exception.
         """
 
-        def make() -> _Made:
+        def make() -> RunnableDocument | None:
             if faults := maker.check(data, self._reader):
                 raise DocumentError(faults, module)
             behaviour = maker.behaviour(data, self._reader)
-            return _Made(None) if behaviour is None else _Made(behaviour, behaviour.title, maker.interface(data))
+            if behaviour is None:
+                return None
+            interface = maker.interface(data)
+            return RunnableDocument(behaviour, 0, behaviour.title, interface.params, interface.outputs)
 
         return _asked(module, make)
 
-    def _offer(self, session: Session, document: Document, made: _Made) -> None:
+    def _offer(self, session: Session, document: Document, made: RunnableDocument | None) -> None:
         module = _module(document.kind, document.name)
-        if made.behaviour is None:
+        if made is None:
             session.managers.documents.pop(module, None)
-            return
-        session.managers.documents[module] = RunnableDocument(
-            made.behaviour, document.version, made.title, made.interface.params, made.interface.outputs
-        )
+        else:
+            session.managers.documents[module] = replace(made, revision=document.version)
 
     def _reviewed(self, document: Document) -> Review:
         """Compares a stored document with the present world; all that is found are problems."""
@@ -283,7 +268,7 @@ class DocumentService(Service):
             return Review(problems=(DocumentFault("", str(error)),))
         return _as_problems(self._review(maker, document.data, made, module))
 
-    def _review(self, maker: DocumentKind, data: Any, made: _Made, module: str) -> Review:
+    def _review(self, maker: DocumentKind, data: Any, made: RunnableDocument | None, module: str) -> Review:
         """Compares a document with the present world and the modules of this station."""
         session = self._station.session
         skills = {one.skill.name: one.skill for one in session.tasks.capabilities}
@@ -292,7 +277,7 @@ class DocumentService(Service):
             found = limited(lambda: "its review", _PATIENCE, lambda: maker.review(data, world, skills))
         except Exception as error:  # noqa: BLE001 - a plug-in's check
             return Review(faults=(DocumentFault("", f"{maker.kind} cannot check it: {type(error).__name__}: {error}"),))
-        if made.behaviour is None or found.faults:
+        if made is None or found.faults:
             return found
         missing = tuple(self._missing_documents(made.behaviour, module))
         catalogue = session.catalogue
@@ -304,7 +289,7 @@ class DocumentService(Service):
             session.runtime.signals.names,
             {module, *session.managers.documents, *(name for _, name in missing)},
         )
-        faults = faults_of_document(made.behaviour, made.interface.params, known)
+        faults = faults_of_document(made.behaviour, made.params, known)
         problems = (DocumentFault(place, f"there is no document '{name}' that can run") for place, name in missing)
         return replace(
             found,

@@ -25,25 +25,6 @@ from skiros_py.world.ontology import Ontology
 from skiros_py.world.view import WorldView
 
 
-def checked_goal(
-    texts: Sequence[str], view: WorldView, version: int, conditions: Mapping[str, ConditionType]
-) -> api.CheckedGoal:
-    """Returns a goal as parsed, and whether it holds.
-
-    Args:
-        texts: Goal texts.
-        view: One state of the world.
-        version: Its number.
-        conditions: The available condition words.
-
-    Raises:
-        UsageError: It cannot be parsed.
-    """
-    goal = parse_goal(texts, view, conditions)
-    each = tuple(_checked(condition, view) for condition in goal)
-    return api.CheckedGoal(text=goal_as_text(goal), conditions=each, holds=all(one.holds for one in each), world=version)
-
-
 def _checked(condition: Condition, view: WorldView) -> api.CheckedCondition:
     verdict = believed(condition, view)
     (data,) = goal_as_data((condition,))
@@ -148,11 +129,18 @@ class GoalService(Service):
     """Checks goals, and stores those of the scene."""
 
     def check(self, order: api.GoalOrder) -> api.CheckedGoal:
-        """Returns the goal as parsed, and for each condition whether it holds now, or why not."""
+        """Returns the goal as parsed, and for each condition whether it holds now, or why not.
+
+        Raises:
+            UsageError: It cannot be parsed.
+        """
         session = self._station.session
         version, state = session.world.state()
         view = ReadingView(state, session.world.sensors)  # one state of the world, with the present readings of devices
-        return checked_goal(texts_of(order, self._station.document_store), view, version, session.catalogue.conditions)
+        goal = parse_goal(texts_of(order, self._station.document_store), view, session.catalogue.conditions)
+        each = tuple(_checked(condition, view) for condition in goal)
+        holds = all(one.holds for one in each)
+        return api.CheckedGoal(text=goal_as_text(goal), conditions=each, holds=holds, world=version)
 
     def get(self) -> api.SceneGoals:
         """Returns the goals of the scene."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import secrets
 import time
 from collections.abc import Sequence
 from datetime import datetime
@@ -11,18 +12,9 @@ from skiros_py.api import jobs as api
 from skiros_py.api.jobs import StateName
 from skiros_py.errors import Refused, StaleVersion, UsageError, WrongState
 from skiros_py.station.document_store import TEMPLATE
-from skiros_py.station.jobs.orders import digest_of, is_same, job_order, new_id, texts_of
+from skiros_py.station.jobs.orders import digest_of, is_same, job_order, texts_of
 from skiros_py.station.jobs.templates import content_of
-from skiros_py.station.jobs.views import (
-    STATES,
-    explanation_of,
-    job_view,
-    plan_of,
-    planned_steps,
-    report_of,
-    response_of,
-    transitions_view,
-)
+from skiros_py.station.jobs import views
 from skiros_py.station.requests import LIBRARY, Author, Service
 from skiros_py.tasks.jobs import Job, JobManager, JobState, Page, Receipt, Trigger
 from skiros_py.world.vocabulary import MANIPULATABLE
@@ -93,7 +85,7 @@ class JobService(Service):
         known = self._ordered_before(order, receipt, again=again)
         if known is not None:
             return OrderResult(_view(self._with_leave(known, start, author)), repeated=True)
-        wanted = job_order(order, order.id or new_id(), texts_of(order, self._station.document_store))
+        wanted = job_order(order, order.id or f"job-{secrets.token_hex(8)}", texts_of(order, self._station.document_store))
         comment = _said(author, "")
         return OrderResult(
             _view(jobs.submit(wanted, start=start, comment=comment, receipt=receipt, again=again)), repeated=False
@@ -235,17 +227,17 @@ class JobService(Service):
     def all(self, **wanted: Unpack[JobFilter]) -> api.JobPage:
         """Lists the jobs that were not removed, in order of acceptance."""
         page, now = self._page(**wanted), time.time()
-        return api.JobPage(items=tuple(job_view(job, now) for job in page.jobs), next=_next(page))
+        return api.JobPage(items=tuple(views.job_view(job, now) for job in page.jobs), next=_next(page))
 
     def responses(self, **wanted: Unpack[JobFilter]) -> api.JobResponses:
         """Lists the ISA-95 job responses of the jobs that were not removed."""
         page, now = self._page(**wanted), time.time()
-        return api.JobResponses(items=tuple(response_of(self._jobs, job, now) for job in page.jobs), next=_next(page))
+        return api.JobResponses(items=tuple(views.response_of(self._jobs, job, now) for job in page.jobs), next=_next(page))
 
     def _page(self, **wanted: Unpack[JobFilter]) -> Page:
         states, since = wanted.get("states"), wanted.get("since")
         return self._jobs.store.page(
-            states=[STATES[name] for name in states] if states else None,
+            states=[views.STATES[name] for name in states] if states else None,
             since=None if since is None else since.timestamp(),
             after=wanted.get("after"),
             limit=wanted.get("limit", 100),
@@ -262,7 +254,7 @@ class JobService(Service):
 
     def response(self, id_: str) -> api.JobResponse:
         """Returns what was done to each part, by which skills, and the reason if it was not done."""
-        return response_of(self._jobs, self._jobs.job(id_), time.time())
+        return views.response_of(self._jobs, self._jobs.job(id_), time.time())
 
     def plan(self, id_: str) -> api.JobPlan:
         """Returns the steps of a job's last plan, each with the steps for which it waits."""
@@ -270,8 +262,8 @@ class JobService(Service):
         job = session.jobs.job(id_)
         running = next((task for task in session.tasks.active if task.name == id_), None)
         if running is not None and running.plan is not None:  # newer than the stored plan
-            return api.JobPlan(steps=planned_steps(running.plan))
-        return plan_of(job, session.jobs.trace(id_))
+            return api.JobPlan(steps=views.planned_steps(running.plan))
+        return views.plan_of(job, session.jobs.trace(id_))
 
     def trace(self, id_: str, skip: int = 0, limit: int = 100) -> api.JobTrace:
         """Returns the trace of a job, in sentences and as data."""
@@ -283,15 +275,15 @@ class JobService(Service):
 
     def report(self, id_: str) -> api.JobReport:
         """Returns the outcome of each condition and of each step."""
-        return report_of(self._jobs.job(id_), self._jobs.trace(id_), time.time())
+        return views.report_of(self._jobs.job(id_), self._jobs.trace(id_), time.time())
 
     def transitions(self, id_: str) -> api.JobTransitions:
         """Returns the transitions of a job with time, author and reason."""
-        return api.JobTransitions(transitions=transitions_view(self._jobs.transitions(id_)))
+        return api.JobTransitions(transitions=views.transitions_view(self._jobs.transitions(id_)))
 
     def explanation(self, id_: str) -> api.JobExplanation:
         """Returns why there is no plan for a job, and the possible repairs."""
-        return explanation_of(self._jobs.job(id_), self._jobs.trace(id_))
+        return views.explanation_of(self._jobs.job(id_), self._jobs.trace(id_))
 
     def capabilities(self) -> api.JobCapabilities:
         """Returns the goal templates, material classes and robots for orders, and the limit of open jobs."""
@@ -309,7 +301,7 @@ class JobService(Service):
 
 
 def _view(job: Job) -> api.Job:
-    return job_view(job, time.time())
+    return views.job_view(job, time.time())
 
 
 def _said(author: Author, comment: str) -> str:
@@ -333,7 +325,7 @@ def _check_removed(last: Job | None, order: api.JobOrder) -> None:
     if not is_same(order, last.order):
         detail = f"{what}, with another order: take another id, or say again=true"
         raise Refused("UnableToAcceptJobOrder", detail, return_status=_UNABLE)
-    view = job_view(last, time.time()).model_dump(mode="json", by_alias=True)
+    view = views.job_view(last, time.time()).model_dump(mode="json", by_alias=True)
     detail = f"{what}: it is not done once more, unless you say again=true"
     raise Refused("JobOrderRemoved", detail, return_status=_UNABLE, last=view)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import secrets
 
 from pydantic import ValidationError
 
@@ -20,11 +19,6 @@ LONGEST = 64 << 10
 
 _NO_IDS = frozenset({".", ".."})
 """Path segments with a different meaning."""
-
-
-def new_id() -> str:
-    """Returns a new id for a job whose order has none."""
-    return f"job-{secrets.token_hex(8)}"
 
 
 def digest_of(ordered: Ordered, *, start: bool) -> str:

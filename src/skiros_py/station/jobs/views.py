@@ -29,7 +29,7 @@ def is_open(job: api.Job) -> bool:
     return JobState(job.state.number).is_open
 
 
-_COMMANDS: dict[JobState, tuple[str, ...]] = {
+_COMMANDS: Mapping[JobState, tuple[str, ...]] = {
     JobState.NOT_ALLOWED_TO_START: ("start", "abort", "cancel"),
     JobState.ALLOWED_TO_START: ("revoke-start", "abort", "cancel"),
     JobState.RUNNING: ("pause", "stop", "abort"),
@@ -37,11 +37,7 @@ _COMMANDS: dict[JobState, tuple[str, ...]] = {
     JobState.ENDED: ("clear",),
     JobState.ABORTED: ("clear",),
 }
-
-
-def commands_of(job: Job) -> tuple[str, ...]:
-    """Returns the commands that a job accepts in its state."""
-    return _COMMANDS[job.state]
+"""The commands that a job accepts in its state."""
 
 
 def job_view(job: Job, now: float) -> api.Job:
@@ -53,11 +49,11 @@ def job_view(job: Job, now: float) -> api.Job:
     """
     return api.Job.view_of(
         job,
-        state=_state(job, now),
+        state=state_view(job.state, _substates(job, now)),
         order=api.OrderedGoal.model_validate(job.order, from_attributes=True),
-        commands=commands_of(job),
+        commands=_COMMANDS[job.state],
         conditions=job.actuals,
-        late=_is_late(job, now),
+        late=job.order.deadline is not None and (job.ended or now) > job.order.deadline.timestamp(),
     )
 
 
@@ -75,10 +71,6 @@ def state_view(state: JobState, substates: tuple[str, ...] = ()) -> api.JobState
 def transitions_view(transitions: Iterable[Transition]) -> tuple[api.JobTransition, ...]:
     """Returns a job's changes of state as the API shows them."""
     return tuple(api.JobTransition.view_of(one, at=one.wall, state=state_view(one.state)) for one in transitions)
-
-
-def _state(job: Job, now: float) -> api.JobState:
-    return state_view(job.state, _substates(job, now))
 
 
 def _substates(job: Job, now: float) -> tuple[str, ...]:
@@ -100,10 +92,6 @@ def _substates(job: Job, now: float) -> tuple[str, ...]:
 
 _ENDS = (TraceEventKind.ENDED.value, TraceEventKind.FAILED.value, TraceEventKind.CANCELLED.value)
 _ACTIVITIES = {"planning": "Planning", "waiting": "WaitingForPerson"}
-
-
-def _is_late(job: Job, now: float) -> bool:
-    return job.order.deadline is not None and (job.ended or now) > job.order.deadline.timestamp()
 
 
 # ---------------------------------------------------------------------- results, from stored data

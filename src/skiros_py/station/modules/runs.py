@@ -166,12 +166,12 @@ class ModuleRun:
         self.running, self.since, self.cycles, self.begun = running, now, 0, False
         running.breakpoints.update(self.breakpoints)
 
-    def note(self, event: ModuleEvent, kind: str) -> None:
+    def note(self, event: ModuleEvent) -> None:
         """Records an event."""
         self.progress.append(event)
         if event.status is Status.STARTED and self.is_about(event):
             self.begun = True
-        if kind == "skill" and self.begun and self.running is not None:
+        if event.kind == "skill" and self.begun and self.running is not None:
             inferred = {k: v for k, v in self.running.arguments.items() if k not in self.wish.given}
             self.values = {**self.values, **inferred}
 
@@ -180,25 +180,14 @@ class ModuleRun:
         self.rounds.append(Round(outcome, self.since, now))
         self.done += 1
         self.succeeded += not isinstance(outcome, Failure)
-        stopped = self.stop_wanted or self._was_stopped
-        self.cut_off = stopped and isinstance(outcome, Failure) and not self._broke_by_itself
+        running = self.running
+        was_cancelled = running is not None and running.status == "stopped"  # perhaps together with everything else
+        stopped = self.stop_wanted or (was_cancelled and running is not None and running.task.fault is None)
+        had_ended = running is not None and running.done and not was_cancelled  # before it could be cancelled
+        self.cut_off = stopped and isinstance(outcome, Failure) and not had_ended
         if stopped or self.refusal or self.done >= self.wish.repeat:
             good = self.succeeded == self.wish.repeat
             self.ended_as = "succeeded" if good else "stopped" if stopped and not self.refusal else "failed"
-
-    def leave(self) -> None:
-        """Records that there is no further repetition, because everything was stopped after the last one."""
-        self.ended_as = "stopped"
-
-    @property
-    def _broke_by_itself(self) -> bool:
-        """True if it had ended before it could be cancelled."""
-        return self.running is not None and self.running.done and self.running.status != "stopped"
-
-    @property
-    def _was_stopped(self) -> bool:
-        """True if it was cancelled, for example together with everything else, and did not fail by itself."""
-        return self.running is not None and self.running.task.fault is None and self.running.status == "stopped"
 
 
 class ModuleRuns:
@@ -308,7 +297,7 @@ class ModuleRuns:
 
     def _again(self, run: ModuleRun, session: Session) -> None:
         if session.cycle.halted:
-            run.leave()
+            run.ended_as = "stopped"  # everything was stopped after the last repetition
             return
         try:
             running = session.start_module(run.wish.module, run.wish.given, run.wish.agent)
@@ -322,7 +311,7 @@ class ModuleRuns:
     def _on_event(self, event: ModuleEvent) -> None:
         for run in self._active:
             if self._is_at_work(run) or run.is_about(event):
-                run.note(event, event.kind)
+                run.note(event)
 
     def _on_change(self, change: Change) -> None:
         for run in self._active:

@@ -17,7 +17,6 @@ from skiros_py.ports.kinematics import JointRange
 from skiros_py.ports.signals import Value, dimension_of
 from skiros_py.ports.values import Snapshot
 from skiros_py.skills.surroundings import owner
-from skiros_py.station.control import ControlThread
 from skiros_py.station.modules.runs import ModuleRun, Wish
 from skiros_py.station.modules.views import run_info
 from skiros_py.station.requests import LIBRARY, Author, Service, addressed, find
@@ -52,19 +51,40 @@ class DeviceService(Service):
             NotFound: There is none with this id.
             Refused: Its driver cannot be connected.
         """
-        with addressed():
-            open_device(self._station.control, id_)
+        connection = self._call(lambda session: _connection_of(session, id_))
+        try:
+            if connection is not None:
+                connection.connect()  # the session continues meanwhile
+        except SkirosError as error:
+            raise Refused("NotConnected", f"{id_} cannot be opened: {error}") from error
+        self._call(lambda session: session.cycle.board.closed.discard(id_))
         return self.get(id_)
 
     def close(self, id_: str) -> api.DeviceInfo:
         """Closes a device: no module may use it; with its last device, the driver is disconnected.
 
+        A simulated device stays in the simulation, at a standstill.
+
         Raises:
             NotFound: There is none with this id.
             WrongState: It is in use, or it moves.
         """
-        with addressed():
-            close_device(self._station.control, id_)
+
+        def close(session: Session) -> Connection | None:
+            connection, board = _connection_of(session, id_), session.cycle.board
+            with session.managers.claims.request("closing it", {id_}) as claim:
+                users = claim.waits_for()
+            if users:
+                raise WrongState(f"{', '.join(users)} is in use: stop that first")
+            if not board.stand({id_}):
+                raise WrongState(f"{id_} moves: wait until it stands")
+            board.closed.add(id_)
+            return connection if connection is not None and connection.devices.keys() <= board.closed else None
+
+        left = self._call(close)
+        driver = None if left is None else self._call(lambda _session: left.disconnect())
+        if driver is not None:
+            driver.close()
         return self.get(id_)
 
     def reading(self, id_: str) -> api.DeviceReading:
@@ -241,60 +261,6 @@ def _busy(session: Session, agent: str) -> str:
         and (task.plan is None or any(agents.intersection(step.arguments.values()) for step in task.plan.steps))
     ]
     return ", ".join([*running, *tasks])
-
-
-# ---------------------------------------------------------------------- opening and closing
-
-
-def open_device(control: ControlThread, device: str) -> None:
-    """Opens a device: connects its driver if necessary, and lets the device accept commands again.
-
-    Args:
-        control: Runs the session, which continues while the driver connects.
-        device: Id of the device. An open device stays open.
-
-    Raises:
-        UnknownName: There is no device with this id.
-        Refused: Its driver cannot be connected.
-    """
-    connection = control.call(lambda session: _connection_of(session, device))
-    try:
-        if connection is not None:
-            connection.connect()
-    except SkirosError as error:
-        raise Refused("NotConnected", f"{device} cannot be opened: {error}") from error
-    control.call(lambda session: session.cycle.board.closed.discard(device))
-
-
-def close_device(control: ControlThread, device: str) -> None:
-    """Closes a device: it accepts no commands; with its last open device, the driver is disconnected.
-
-    A simulated device stays in the simulation, at a standstill.
-
-    Args:
-        control: Runs the session.
-        device: Id of the device. A closed device stays closed.
-
-    Raises:
-        UnknownName: There is no device with this id.
-        WrongState: It is in use, or it moves.
-    """
-
-    def close(session: Session) -> Connection | None:
-        connection, board = _connection_of(session, device), session.cycle.board
-        with session.managers.claims.request("closing it", {device}) as claim:
-            users = claim.waits_for()
-        if users:
-            raise WrongState(f"{', '.join(users)} is in use: stop that first")
-        if not board.stand({device}):
-            raise WrongState(f"{device} moves: wait until it stands")
-        board.closed.add(device)
-        return connection if connection is not None and connection.devices.keys() <= board.closed else None
-
-    left = control.call(close)
-    driver = None if left is None else control.call(lambda _session: left.disconnect())
-    if driver is not None:
-        driver.close()
 
 
 def _connection_of(session: Session, device: str) -> Connection | None:

@@ -65,7 +65,9 @@ class RobotModels:
         self._folder = folder
         self._making: dict[str, Future[DrawnModel]] = {}
         self._maker = ThreadPoolExecutor(1, "skiros-robot-models")
-        self._lightening = _Lightening()
+        self._changing = threading.Lock()
+        self._worker: Worker | None = None
+        self._closed = False
 
     def get(self, name: str) -> DrawnModel:
         """Returns a model; the first call may take some seconds, during which other callers wait as well.
@@ -90,7 +92,8 @@ class RobotModels:
 
     def close(self) -> None:
         """Cancels the models being made."""
-        self._lightening.close()
+        self._closed = True
+        self._end_worker()
         self._maker.shutdown(cancel_futures=True)
 
     def _begin(self, name: str) -> Future[DrawnModel]:
@@ -114,7 +117,7 @@ class RobotModels:
     def _make(self, robot: ET.Element, folder: Path) -> DrawnModel:
         with TemporaryDirectory(prefix="skiros-model-") as place:
             made = Path(place)
-            pieces = self._lightening.do(tuple(_sources(robot)), made)
+            pieces = self._lighten(tuple(_sources(robot)), made)
             _log.info("robot model %s: %d triangles", folder.name, _triangles(robot, pieces))
             _draw(robot, pieces)
             urdf = ET.tostring(robot, encoding="utf-8", xml_declaration=True)
@@ -122,17 +125,8 @@ class RobotModels:
         _keep(model, folder)
         return model
 
-
-class _Lightening:
-    """Simplifies meshes in a process of its own, which ends with the server at the latest."""
-
-    def __init__(self) -> None:
-        self._changing = threading.Lock()
-        self._worker: Worker | None = None
-        self._closed = False
-
-    def do(self, sources: tuple[Path, ...], folder: Path) -> Mapping[Path, tuple[MeshPiece, ...]]:
-        """Returns the simplified pieces of meshes.
+    def _lighten(self, sources: tuple[Path, ...], folder: Path) -> Mapping[Path, tuple[MeshPiece, ...]]:
+        """Returns the simplified pieces of meshes; a process of its own makes them, which ends with the server at last.
 
         Raises:
             DeviceError: The process died, or the server is shutting down.
@@ -148,15 +142,10 @@ class _Lightening:
                 "light", sources, folder, _MOST_TRIANGLES
             ).result()
         finally:
-            self._end()
+            self._end_worker()
         return pieces
 
-    def close(self) -> None:
-        """Ends work in progress, and accepts no more."""
-        self._closed = True
-        self._end()
-
-    def _end(self) -> None:
+    def _end_worker(self) -> None:
         with self._changing:
             worker, self._worker = self._worker, None
             if worker is not None:

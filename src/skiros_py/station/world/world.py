@@ -12,16 +12,7 @@ from skiros_py.api.view import WorldView
 from skiros_py.api import world as api
 from skiros_py.errors import Locked, Refused, StaleVersion, UnknownName, WorldError
 from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, Service, addressed, require_seen
-from skiros_py.station.world.editing import (
-    change_page,
-    change_view,
-    lock_view,
-    one_change,
-    operate,
-    undoable,
-    writing,
-    written,
-)
+from skiros_py.station.world import editing
 from skiros_py.station.world.values import plain
 from skiros_py.station.world.view import view_of
 from skiros_py.world.change import SourceEdit
@@ -128,7 +119,7 @@ class WorldService(Service):
             goals=len(view.goals),
             locks=len(world.locks.held()),
             remembered_from=world.log.first,
-            undoable=undoable(world),
+            undoable=editing.undoable(world),
         )
 
     def tree(self, root: str = "", depth: int = 3, limit: int = 100, after: str = "") -> api.TreeNode:
@@ -152,7 +143,7 @@ class WorldService(Service):
         Raises:
             Refused: They are no longer kept.
         """
-        return change_page(self._world, beyond, limit, newest_first=newest_first)
+        return editing.change_page(self._world, beyond, limit, newest_first=newest_first)
 
     def change(self, number: int, start: int = 0, limit: int = 1000) -> api.Change:
         """Returns a change with its edits.
@@ -160,7 +151,7 @@ class WorldService(Service):
         Raises:
             Refused: There is none with this number, or it is no longer kept.
         """
-        return one_change(self._world, number, start, limit)
+        return editing.one_change(self._world, number, start, limit)
 
     def view_tag(self) -> str:
         """Returns a tag of the present view, which changes with every visible difference."""
@@ -187,9 +178,9 @@ class WorldService(Service):
             Refused: It changes elements without naming the versions that the author has seen.
         """
         world = self._world
-        with writing(world, author, order.reason, _expected(order, seen)) as tx:
-            ids = operate(tx, order.operations)
-        return written(world, tx, ids)
+        with editing.writing(world, author, order.reason, _expected(order, seen)) as tx:
+            ids = editing.operate(tx, order.operations)
+        return editing.written(world, tx, ids)
 
     def undo(self, order: api.UndoOrder | None = None, author: Author = LIBRARY) -> api.Change:
         """Reverts the last edit of a person that was not reverted yet.
@@ -201,7 +192,7 @@ class WorldService(Service):
         """
         world = self._world
         try:
-            return change_view(undo(world, author.name, expects=order.change if order else None, holder=author.holder))
+            return editing.change_view(undo(world, author.name, expects=order.change if order else None, holder=author.holder))
         except (StaleVersion, Locked):
             raise
         except WorldError as error:
@@ -238,9 +229,9 @@ class WorldService(Service):
         require_seen(seen, view.stamp(element).change)
         version = seen.version if seen is not None else None
         expects = {} if version is None else {element: version}
-        with writing(world, author, reason or f"forgets {element}", expects) as tx:
+        with editing.writing(world, author, reason or f"forgets {element}", expects) as tx:
             tx.remove(element)
-        return written(world, tx)
+        return editing.written(world, tx)
 
     def learned_turtle(self) -> str:
         """Returns all learned concepts as Turtle."""
@@ -251,7 +242,7 @@ class WorldService(Service):
     def locks(self) -> api.LockList:
         """Lists the locks: elements, owners and times of expiry."""
         world = self._world
-        return api.LockList(items=[lock_view(world, lock) for lock in world.locks.held()])
+        return api.LockList(items=[editing.lock_view(world, lock) for lock in world.locks.held()])
 
     def lock(self, order: api.LockOrder, author: Author = LIBRARY) -> api.LockList:
         """Locks all given elements or none; locking again extends the lock.
@@ -262,7 +253,7 @@ class WorldService(Service):
         """
         world = self._world
         locks = world.locks.acquire(order.elements, author.holder, order.seconds, author.name)
-        return api.LockList(items=[lock_view(world, lock) for lock in locks])
+        return api.LockList(items=[editing.lock_view(world, lock) for lock in locks])
 
     def unlock(
         self, elements: Sequence[str] | None = None, author: Author = LIBRARY, owner: str | None = None
