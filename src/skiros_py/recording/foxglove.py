@@ -83,7 +83,8 @@ _CYLINDER = _object(
     top_scale=NUMBER,
     color=_COLOR,
 )
-_UNUSED = list_of(OBJECT)
+_UNUSED = ("arrows", "spheres", "lines", "triangles", "texts", "models")
+"""Parts that an entity must have, and that are always empty here."""
 _ENTITY = _object(
     "foxglove.SceneEntity",
     timestamp=_TIME,
@@ -92,14 +93,9 @@ _ENTITY = _object(
     lifetime=_DURATION,
     frame_locked=FLAG,
     metadata=list_of(_object("foxglove.KeyValuePair", key=TEXT, value=TEXT)),
-    arrows=_UNUSED,
     cubes=list_of(_CUBE),
-    spheres=_UNUSED,
     cylinders=list_of(_CYLINDER),
-    lines=_UNUSED,
-    triangles=_UNUSED,
-    texts=_UNUSED,
-    models=_UNUSED,
+    **dict.fromkeys(_UNUSED, list_of(OBJECT)),
 )
 _DELETION = _object("foxglove.SceneEntityDeletion", timestamp=_TIME, type=_one_of("MATCHING_ID", "ALL"), id=TEXT)
 _NUMERIC = _one_of("UNKNOWN", "UINT8", "INT8", "UINT16", "INT16", "UINT32", "INT32", "FLOAT32", "FLOAT64")
@@ -180,14 +176,13 @@ def entity(
     name: str, frame: str, metadata: Mapping[str, str], cubes: Sequence[Json], cylinders: Sequence[Json]
 ) -> Json:
     """Returns an entity built of boxes and cylinders, fixed to a frame until it is deleted."""
-    nothing: dict[str, Any] = dict.fromkeys(("arrows", "spheres", "lines", "triangles", "texts", "models"), ())
     return {
         "frame_id": frame,
         "id": name,
         "lifetime": {"sec": 0, "nsec": 0},
         "frame_locked": True,
         "metadata": [{"key": key, "value": value} for key, value in metadata.items()],
-        **nothing,
+        **dict.fromkeys(_UNUSED, ()),
         "cubes": cubes,
         "cylinders": cylinders,
     }

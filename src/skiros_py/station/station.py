@@ -34,7 +34,7 @@ from skiros_py.station.scenes.loading import SceneStage
 from skiros_py.station.scenes.scenes import SceneStore
 from skiros_py.station.scenes.service import SceneService
 from skiros_py.station.session import Session
-from skiros_py.station.simulation.simulation import Bodies, Simulation
+from skiros_py.station.simulation.simulation import Simulation
 from skiros_py.station.stops import HaltMark, Stops
 from skiros_py.station.tasks.previews import PreviewService
 from skiros_py.station.tasks.tasks import TaskService
@@ -84,7 +84,6 @@ class Station:
         stage: Reads scenes beside the live world.
         robot_models: Visual models of the robots.
         query_worker: Answers SPARQL queries in processes that may be killed.
-        bodies: Keeps simulated bodies in line with edits by people.
         waiter: Lets callers wait for jobs.
     """
 
@@ -105,8 +104,7 @@ class Station:
         self.robot_models = RobotModels(user_cache_path("skiros-py") / "models")
         self.scene_store = SceneStore(data / "scenes")
         self.stage = SceneStage()
-        self.bodies = Bodies(self.control, self.alarms)
-        self.simulation = Simulation(self.control, self.bodies)
+        self.simulation = Simulation(self.control, self.alarms)
         self.documents = DocumentService(self)
         self.devices = DeviceService(self)
         self.signals = SignalService(self)
@@ -134,7 +132,6 @@ class Station:
             AlarmSources(self.alarms, self.control),
             self.waiter,
             self.stage,
-            self.bodies,
             self.simulation,
             self.documents,
             self.previews,

@@ -44,7 +44,7 @@ class EventSources:
             lambda: self._events.append(Kind.SYSTEM, "closed"),
             session.world.subscribe(self._change),
             session.monitor.subscribe(self._module),
-            self._modules.on_turn(self._turn),
+            self._modules.turns.add(self._turn),
             session.questions.subscribe(self._question),
             session.tasks.on_begin(self._task),
             session.jobs.subscribe(self._job),

@@ -10,8 +10,8 @@ from skiros_py.api.goals import GoalOrder
 from skiros_py.api.jobs import JobOrder as Ordered
 from skiros_py.api.wire import fault_words
 from skiros_py.errors import UsageError
-from skiros_py.station.document_store import DocumentStore
-from skiros_py.station.jobs.templates import goal_texts, template_texts
+from skiros_py.station.document_store import TEMPLATE, DocumentStore
+from skiros_py.station.jobs.templates import content_of, filled, goal_texts
 from skiros_py.tasks.jobs import JobOrder
 
 LONGEST = 64 << 10
@@ -36,7 +36,8 @@ def texts_of(ordered: GoalOrder, documents: DocumentStore) -> tuple[str, ...]:
     _check_length("the order", len(ordered.model_dump_json(by_alias=True).encode()))
     if not ordered.work_master:
         return goal_texts(ordered.goal)
-    texts = template_texts(documents, ordered.work_master, ordered.parameters, ordered.materials)
+    content = content_of(documents.find(TEMPLATE, ordered.work_master).data)
+    texts = goal_texts(filled(ordered.work_master, content, ordered.parameters, ordered.materials))
     _check_length(f"what goal template '{ordered.work_master}' makes of it", sum(len(text.encode()) for text in texts))
     return texts
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
+
+from pydantic import ValidationError
 
 from skiros_py.api.goals import GoalTemplateContent, Material
 from skiros_py.api.wire import fault_words
@@ -13,14 +15,12 @@ from skiros_py.errors import DocumentError, DocumentFault, UnknownName, UsageErr
 from skiros_py.skills.conditions import ConditionType
 from skiros_py.skills.plain import Reader
 from skiros_py.skills.skill import SkillDescription
-from skiros_py.station.document_store import TEMPLATE, DocumentStore
+from skiros_py.station.document_store import TEMPLATE
+from skiros_py.tasks.goals.data import GOALS
 from skiros_py.tasks.goals.forms import Joined, Name, Negation, Quantification, Said, Word
 from skiros_py.world.names import local_name
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.view import WorldView
-
-if TYPE_CHECKING:
-    from pydantic import ValidationError
 
 _DEEPEST = 60
 """Maximum nesting: the goal language refuses deeper goals anyway, and recursion over them would fail."""
@@ -60,10 +60,6 @@ def check_structure(data: dict[str, Any], where: str) -> None:
 
 
 def _said(data: Sequence[object], where: str, *, alone: bool) -> list[Said]:
-    from pydantic import ValidationError
-
-    from skiros_py.tasks.goals.data import GOALS
-
     try:
         fields = GOALS.validate_python(list(data))
     except ValidationError as error:
@@ -274,25 +270,10 @@ def content_of(document: Any) -> GoalTemplateContent:
     Raises:
         DocumentError: It is no template; each fault has its place.
     """
-    from pydantic import ValidationError
-
     try:
         return GoalTemplateContent.model_validate(document)
     except ValidationError as error:
         raise DocumentError(_pydantic_faults("", error, skip=0)) from None
-
-
-def template_texts(
-    documents: DocumentStore, name: str, parameters: Mapping[str, str], materials: tuple[Material, ...]
-) -> tuple[str, ...]:
-    """Returns the goal texts of a template filled in with an order.
-
-    Raises:
-        UnknownName: There is no such template, or it has no such parameter.
-        UsageError: A parameter is missing, or the material does not fit.
-    """
-    content = content_of(documents.find(TEMPLATE, name).data)
-    return goal_texts(filled(name, content, parameters, materials))
 
 
 class TemplateDocument(DocumentKind):

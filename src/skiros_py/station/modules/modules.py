@@ -155,7 +155,7 @@ class ModuleService(Service):
         Raises:
             NotFound: There is none with this id.
         """
-        return views.run_info(self._find(id_))
+        return views.run_info(self._station.module_runs.find(id_))
 
     def command_run(self, id_: str, command: Literal["pause", "resume", "step", "stop"]) -> api.ModuleRunInfo:
         """Pauses, resumes or stops a run, or executes one cycle of a paused run.
@@ -164,7 +164,7 @@ class ModuleService(Service):
             NotFound: There is none with this id.
             WrongState: It does not accept that command now.
         """
-        run = self._find(id_)
+        run = self._station.module_runs.find(id_)
         self._call(lambda _session: run.command(command))
         return views.run_info(run)
 
@@ -178,13 +178,9 @@ class ModuleService(Service):
         Raises:
             NotFound: There is no such run.
         """
-        run = self._find(id_)
+        run = self._station.module_runs.find(id_)
         self._call(lambda _session: run.set_breakpoints(paths))
         return views.run_info(run)
-
-    def _find(self, id_: str) -> ModuleRun:
-        with addressed():
-            return self._station.module_runs.find(id_)
 
     # ------------------------------------------------------------------ skills
 

@@ -18,6 +18,7 @@ from skiros_py.execution.running import RunningModule
 from skiros_py.listeners import Listeners
 from skiros_py.skills.outcome import Failure, Outcome
 from skiros_py.skills.parameters import Param
+from skiros_py.station.requests import addressed
 from skiros_py.station.session import Session
 from skiros_py.world.change import Change
 
@@ -195,6 +196,9 @@ class ModuleRuns:
 
     Args:
         name: Prefix of the ids of runs, which makes them differ from those of other starts of the server.
+
+    Attributes:
+        turns: Called when a run was paused, and when it continues.
     """
 
     def __init__(self, name: str) -> None:
@@ -203,7 +207,7 @@ class ModuleRuns:
         self._runs: OrderedDict[str, ModuleRun] = OrderedDict()
         self._active: tuple[ModuleRun, ...] = ()
         self._session: Session | None = None
-        self._listeners = Listeners[[ModuleRun, Turn]]("turns of modules")
+        self.turns = Listeners[[ModuleRun, Turn]]("turns of modules")
         self._guard = threading.Lock()
 
     # ------------------------------------------------------------------ reading
@@ -217,13 +221,12 @@ class ModuleRuns:
         """Returns a run.
 
         Raises:
-            UnknownName: There is none, or it ended long ago.
+            NotFound: There is none, or it ended long ago.
         """
-        with self._guard:
-            found = self._runs.get(id_)
-        if found is None:
-            raise UnknownName("module run", id_, tuple(run.id for run in self.all()[:20]))
-        return found
+        with self._guard, addressed():
+            if id_ not in self._runs:
+                raise UnknownName("module run", id_, tuple(reversed(self._runs))[:20])
+            return self._runs[id_]
 
     def of(self, running: RunningModule) -> ModuleRun | None:
         """Returns the run to which a running module belongs; None if it was not started by a caller."""
@@ -252,10 +255,6 @@ class ModuleRuns:
         self._active = (*self._active, run)
         return run
 
-    def on_turn(self, listener: Callable[[ModuleRun, Turn], None]) -> Callable[[], None]:
-        """Calls the listener when a run was paused, and when it continues; returns a function that removes it."""
-        return self._listeners.add(listener)
-
     def open(self, session: Session) -> None:
         """Follows the modules of a session, from its first cycle on."""
         self._session = session
@@ -278,7 +277,7 @@ class ModuleRuns:
         for run in self._active:
             self._follow(run, self._session)
             if turn := run.turn():
-                self._listeners.notify(run, turn)
+                self.turns.notify(run, turn)
         self._active = tuple(run for run in self._active if not run.over)
 
     def _follow(self, run: ModuleRun, session: Session) -> None:

@@ -51,12 +51,10 @@ def modules(session: Session) -> list[api.ModuleSummary]:
     for _, manager in sorted(session.managers.items()):
         for name in (*manager.modules, *manager.documents):
             able.setdefault(name, []).append(manager)
-    return [_summary(session, name, able[name]) for name in sorted(able)]
-
-
-def _summary(session: Session, name: str, able: list[SkillManager]) -> api.ModuleSummary:
-    info = able[0].info(name)
-    return api.ModuleSummary.view_of(info, agents=[_place(session, manager.agent) for manager in able])
+    return [
+        api.ModuleSummary.view_of(ones[0].info(name), agents=[_place(session, one.agent) for one in ones])
+        for name, ones in sorted(able.items())
+    ]
 
 
 def module(manager: SkillManager, name: str) -> api.ModuleDetails:

@@ -13,8 +13,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from skiros_py.api.alarms import AlarmKind, Severity
-from skiros_py.api.scenes import Bodies as BodiesInfo
-from skiros_py.api.scenes import BodyPose, SimulatedBody, SimulationState
+from skiros_py.api.scenes import Bodies, BodyPose, SimulatedBody, SimulationState
 from skiros_py.errors import (
     Busy,
     DescriptionError,
@@ -49,8 +48,16 @@ _FIXED = (v.ROBOT, v.DEVICE, v.STOCK)
 _MOST_STALE = 100
 
 
-class Bodies:
-    """Makes the bodies of each session follow edits by people; see :attr:`stale` for edits that cannot be followed.
+Point = tuple[float, float, float]
+
+_ASIDE = 1e-3
+"""Offset of an eye that looks straight down [m]; without it, "up" would be undefined in the picture."""
+
+
+class Simulation:
+    """The simulation behind a server's sessions, whose bodies follow edits by people; thread-safe.
+
+    Edits that take effect only in a new session are listed in its state, and raise alarms.
 
     Args:
         control: Runs the sessions.
@@ -61,14 +68,169 @@ class Bodies:
         self._control = control
         self._alarms = alarms
         self._stale: dict[str, str] = {}
+        self._pace: float | None = None
+        self._drawing = threading.Lock()
 
-    @property
-    def stale(self) -> tuple[str, ...]:
-        """The edits that take effect only in a new session, as sentences."""
-        return tuple(self._stale.values())
+    def state(self) -> SimulationState:
+        """Returns the state of the simulation."""
+        stuck, stale = self._control.stuck_for(), list(self._stale.values())
+
+        def look(session: Session) -> SimulationState:
+            cycle = session.cycle
+            return SimulationState.view_of(
+                cycle.board.snapshot,
+                driver=session.options.driver or ("fake" if session.options.fake else session.options.engine),
+                simulates=session.simulates,
+                running=not cycle.halted,
+                halted=cycle.halted,
+                resting=session.resting,
+                pace=cycle.pace,
+                period=cycle.board.period,
+                stuck=stuck,
+                stale=stale,
+            )
+
+        return self._control.call(look)
+
+    # ------------------------------------------------------------------ bodies
+
+    def true_bodies(self) -> Bodies:
+        """Returns the true poses of all bodies. This is the only use case that reveals the ground truth."""
+        from skiros_py.station.judgement import (
+            true_whereabouts,  # imports the physics, which an installation with fakes only lacks
+        )
+
+        def look(session: Session) -> tuple[float, dict[str, str], Callable[[], Whereabouts]]:
+            scene = _cell(session).scene
+            specs = [*scene.bodies.values(), *(spec for spec, _ in scene.compartments.values())]
+            types = {spec.id: spec.type for spec in specs}
+            return session.cycle.board.snapshot.time, types, true_whereabouts(_cell(session))
+
+        time, types, work_out = self._control.call(look)
+        poses, places = work_out()  # not in the control thread, because it takes longer than a cycle
+        view = self._control.session.world.snapshot()
+        items = [
+            SimulatedBody.view_of(
+                poses[name],
+                id=name,
+                type=types[name],
+                place=places.get(name),
+                believed=view.has(name),
+            )
+            for name in sorted(poses)
+        ]
+        return Bodies(time=time, items=items)
+
+    def move(self, body: str, pose: BodyPose) -> None:
+        """Moves a body, at rest, without informing the robots.
+
+        Raises:
+            NotFound: There is no such body.
+            WrongState: It is bolted to a robot, or a region of another body.
+        """
+        self._change(body, lambda cell: cell.move_body(body, Pose(pose.position, pose.orientation)))
+
+    def remove(self, body: str) -> None:
+        """Removes a body without informing the robots.
+
+        Raises:
+            NotFound: There is no such body.
+            WrongState: It is bolted to a robot, or a region of another body.
+        """
+        self._change(body, lambda cell: cell.remove_body(body))
+
+    def _change(self, body: str, edit: Callable[[SimulatedCell], object]) -> None:
+        def do(session: Session) -> None:
+            cell = _cell(session)
+            with addressed("UnknownBody"):
+                _require_free(cell, body)
+            edit(cell)
+
+        self._control.call(do)
+
+    # ------------------------------------------------------------------ time
+
+    def set_pace(self, pace: float) -> float:
+        """Sets the pace, which also holds after the session was reopened; returns it.
+
+        Raises:
+            WrongState: The session is in lockstep.
+        """
+
+        def do(session: Session) -> None:
+            _require_simulated_time(session)
+            try:
+                session.cycle.set_pace(pace)
+            except UsageError as error:
+                raise WrongState(str(error)) from None
+            self._pace = pace
+
+        self._control.call(do)
+        return pace
+
+    def reset(self, *, force: bool = False) -> SimulationState:
+        """Reopens the session, with robots where the scene puts them, and bodies as believed.
+
+        Args:
+            force: True to stop all activity first; jobs then wait for a person.
+
+        Raises:
+            WrongState: The station is not idle, or the believed scene cannot be brought up.
+        """
+
+        def prepare(session: Session) -> None:
+            _require_simulated_time(session)
+            if not force:
+                require_rest(session)
+            try:
+                check_reopening(session)
+            except (DescriptionError, UsageError) as error:
+                raise WrongState(f"nothing was reset, for what is believed cannot be brought up: {error}") from None
+
+        self._control.reopen(prepare)
+        return self.state()
+
+    # ------------------------------------------------------------------ pictures
+
+    def picture(self, eye: Point, target: Point, width: int, height: int) -> bytes:
+        """Renders a picture of the whole scene as it is now.
+
+        Args:
+            eye: Position of the observer in the map [m].
+            target: Point at which the observer looks [m].
+            width: Width of the picture [px].
+            height: Height of the picture [px].
+
+        Returns:
+            The picture as PNG.
+
+        Raises:
+            UsageError: Both points are the same.
+            Busy: Another picture is being rendered.
+        """
+        from PIL import Image  # imported only for pictures
+
+        seen_from = _not_straight_down(eye, target)
+        if not self._drawing.acquire(blocking=False):
+            raise Busy("another picture is being made: one at a time, for robots' cameras need the same process")
+        try:
+            drawing = self._control.call(
+                lambda session: _cell(session).picture(seen_from, target, width=width, height=height)
+            )
+            file = io.BytesIO()
+            Image.fromarray(drawing.result()).save(file, "PNG")
+        except DeviceError as error:
+            raise Busy(f"no picture: {error}; perhaps the simulation is being brought up again") from None
+        finally:
+            self._drawing.release()
+        return file.getvalue()
+
+    # ------------------------------------------------------------------ edits, in the control thread
 
     def open(self, session: Session) -> None:
-        """Follows the edits in a session."""
+        """Gives a session the pace that was set, and makes its bodies follow edits."""
+        if self._pace is not None and session.cycle.pace is not None:
+            session.cycle.set_pace(self._pace)
         self._stale = {}
         for name, why in session.left_out.items():
             self._note(name, f"the station was brought up without {name}: {why}")
@@ -80,8 +242,6 @@ class Bodies:
         """Handles a change in the thread that wrote it; must not wait for the control thread, which may notify."""
         if change.writer is Writer.PERSON:
             self._control.soon(partial(self._follow, session, change))
-
-    # ------------------------------------------------------------------ in the control thread
 
     def _follow(self, session: Session, change: Change, now: Session) -> None:
         if now is not session or not session.resting:
@@ -161,12 +321,11 @@ def _moved(view: Index, edits: tuple[Edit, ...]) -> set[str]:
     """Returns the elements that were added or moved, with those that ride on them."""
     named: set[str] = set()
     for edit in edits:
-        if isinstance(edit, RelationEdit) and edit.relation == v.POSE_FRAME:
-            named.add(edit.subject)
-        elif isinstance(edit, ElementEdit | PlacementEdit) or (
-            isinstance(edit, PropertyEdit) and edit.property == v.POSE
-        ):
-            named.add(edit.element)
+        match edit:
+            case RelationEdit(subject=name, relation=v.POSE_FRAME):
+                named.add(name)
+            case ElementEdit(element=name) | PlacementEdit(element=name) | PropertyEdit(element=name, property=v.POSE):
+                named.add(name)
     return {n for name in named for n in (name, *_riders(view, name))}
 
 
@@ -184,186 +343,6 @@ def _bodies(session: Session, view: WorldView, changed: list[BodySpec]) -> tuple
     new = {body.id: body for body in changed}
     stays = [new.pop(b.id, b) for b in session.spec.bodies if view.has(b.id) or "#" in b.id]
     return tuple(sorted((*stays, *new.values()), key=lambda b: (b.mass > 0.0, b.compartment, b.id)))
-
-
-Point = tuple[float, float, float]
-
-_ASIDE = 1e-3
-"""Offset of an eye that looks straight down [m]; without it, "up" would be undefined in the picture."""
-
-
-class Simulation:
-    """The simulation behind a server's sessions; thread-safe.
-
-    Args:
-        control: Runs the sessions.
-        bodies: Makes bodies follow beliefs.
-    """
-
-    def __init__(self, control: ControlThread, bodies: Bodies) -> None:
-        self._control = control
-        self._bodies = bodies
-        self._pace: float | None = None
-        self._drawing = threading.Lock()
-
-    def state(self) -> SimulationState:
-        """Returns the state of the simulation."""
-        stuck, stale = self._control.stuck_for(), list(self._bodies.stale)
-
-        def look(session: Session) -> SimulationState:
-            cycle = session.cycle
-            return SimulationState.view_of(
-                cycle.board.snapshot,
-                driver=session.options.driver or ("fake" if session.options.fake else session.options.engine),
-                simulates=session.simulates,
-                running=not cycle.halted,
-                halted=cycle.halted,
-                resting=session.resting,
-                pace=cycle.pace,
-                period=cycle.board.period,
-                stuck=stuck,
-                stale=stale,
-            )
-
-        return self._control.call(look)
-
-    # ------------------------------------------------------------------ bodies
-
-    def true_bodies(self) -> BodiesInfo:
-        """Returns the true poses of all bodies. This is the only use case that reveals the ground truth."""
-        from skiros_py.station.judgement import (
-            true_whereabouts,  # imports the physics, which an installation with fakes only lacks
-        )
-
-        def look(session: Session) -> tuple[float, dict[str, str], Callable[[], Whereabouts]]:
-            scene = _cell(session).scene
-            specs = [*scene.bodies.values(), *(spec for spec, _ in scene.compartments.values())]
-            types = {spec.id: spec.type for spec in specs}
-            return session.cycle.board.snapshot.time, types, true_whereabouts(_cell(session))
-
-        time, types, work_out = self._control.call(look)
-        poses, places = work_out()  # not in the control thread, because it takes longer than a cycle
-        view = self._control.session.world.snapshot()
-        items = [
-            SimulatedBody.view_of(
-                poses[name],
-                id=name,
-                type=types[name],
-                place=places.get(name),
-                believed=view.has(name),
-            )
-            for name in sorted(poses)
-        ]
-        return BodiesInfo(time=time, items=items)
-
-    def move(self, body: str, pose: BodyPose) -> None:
-        """Moves a body, at rest, without informing the robots.
-
-        Raises:
-            NotFound: There is no such body.
-            WrongState: It is bolted to a robot, or a region of another body.
-        """
-        self._change(body, lambda cell: cell.move_body(body, Pose(pose.position, pose.orientation)))
-
-    def remove(self, body: str) -> None:
-        """Removes a body without informing the robots.
-
-        Raises:
-            NotFound: There is no such body.
-            WrongState: It is bolted to a robot, or a region of another body.
-        """
-        self._change(body, lambda cell: cell.remove_body(body))
-
-    def _change(self, body: str, edit: Callable[[SimulatedCell], object]) -> None:
-        def do(session: Session) -> None:
-            cell = _cell(session)
-            with addressed("UnknownBody"):
-                _require_free(cell, body)
-            edit(cell)
-
-        self._control.call(do)
-
-    # ------------------------------------------------------------------ time
-
-    def set_pace(self, pace: float) -> float:
-        """Sets the pace, which also holds after the session was reopened; returns it.
-
-        Raises:
-            WrongState: The session is in lockstep.
-        """
-
-        def do(session: Session) -> None:
-            _require_simulated_time(session)
-            try:
-                session.cycle.set_pace(pace)
-            except UsageError as error:
-                raise WrongState(str(error)) from None
-            self._pace = pace
-
-        self._control.call(do)
-        return pace
-
-    def open(self, session: Session) -> None:
-        """Gives a session the pace that was set."""
-        if self._pace is not None and session.cycle.pace is not None:
-            session.cycle.set_pace(self._pace)
-
-    def reset(self, *, force: bool = False) -> SimulationState:
-        """Reopens the session, with robots where the scene puts them, and bodies as believed.
-
-        Args:
-            force: True to stop all activity first; jobs then wait for a person.
-
-        Raises:
-            WrongState: The station is not idle, or the believed scene cannot be brought up.
-        """
-
-        def prepare(session: Session) -> None:
-            _require_simulated_time(session)
-            if not force:
-                require_rest(session)
-            try:
-                check_reopening(session)
-            except (DescriptionError, UsageError) as error:
-                raise WrongState(f"nothing was reset, for what is believed cannot be brought up: {error}") from None
-
-        self._control.reopen(prepare)
-        return self.state()
-
-    # ------------------------------------------------------------------ pictures
-
-    def picture(self, eye: Point, target: Point, width: int, height: int) -> bytes:
-        """Renders a picture of the whole scene as it is now.
-
-        Args:
-            eye: Position of the observer in the map [m].
-            target: Point at which the observer looks [m].
-            width: Width of the picture [px].
-            height: Height of the picture [px].
-
-        Returns:
-            The picture as PNG.
-
-        Raises:
-            UsageError: Both points are the same.
-            Busy: Another picture is being rendered.
-        """
-        from PIL import Image  # imported only for pictures
-
-        seen_from = _not_straight_down(eye, target)
-        if not self._drawing.acquire(blocking=False):
-            raise Busy("another picture is being made: one at a time, for robots' cameras need the same process")
-        try:
-            drawing = self._control.call(
-                lambda session: _cell(session).picture(seen_from, target, width=width, height=height)
-            )
-            file = io.BytesIO()
-            Image.fromarray(drawing.result()).save(file, "PNG")
-        except DeviceError as error:
-            raise Busy(f"no picture: {error}; perhaps the simulation is being brought up again") from None
-        finally:
-            self._drawing.release()
-        return file.getvalue()
 
 
 def _cell(session: Session) -> SimulatedCell:

@@ -174,16 +174,14 @@ def _made(tx: Transaction, new: Addition, ids: Mapping[str, str]) -> str:
     if new.class_ is not None:
         return tx.add(new.class_, new.label, new.id)
     assert new.like is not None
-    element = _copied(tx, _target(new.like, ids))
+    like = _target(new.like, ids)
+    if is_abstract(like):
+        element = instantiate(tx, like)
+    else:
+        element = next(iter(add_draft(tx, draft_of(tx.view, like, STRUCTURE)).values()))
     if new.label is not None:
         tx.set(element, LABEL, new.label)
     return element
-
-
-def _copied(tx: Transaction, like: str) -> str:
-    if is_abstract(like):
-        return instantiate(tx, like)
-    return next(iter(add_draft(tx, draft_of(tx.view, like, STRUCTURE)).values()))
 
 
 def _relate(tx: Transaction, element: str, relation: NewRelation, ids: Mapping[str, str]) -> None:

@@ -89,11 +89,15 @@ def computed_relations(view: Index, name: str, wanted: Sequence[str]) -> list[ap
         UnknownName: There is no such element or relation, or no reasoner computes it.
         UsageError: A relation is stated, not computed.
     """
-    found: set[tuple[str, str, str]] = set()
-    for relation in dict.fromkeys(each for word in wanted for each in _named(view, word)):
-        found |= {(name, relation, other) for other in view.objects(name, relation)[:_MOST_RELATIONS]}
-        found |= {(other, relation, name) for other in view.subjects(relation, name)[:_MOST_RELATIONS]}
+    named = dict.fromkeys(each for word in wanted for each in _named(view, word))
+    found = {one for relation in named for one in _statements(view, name, relation, _MOST_RELATIONS)}
     return list(_relations(view, sorted(found)))
+
+
+def _statements(view: Index, name: str, relation: str, most: int | None = None) -> set[tuple[str, str, str]]:
+    """Returns the statements of a relation about an element, at most so many in each direction."""
+    away = {(name, relation, other) for other in view.objects(name, relation)[:most]}
+    return away | {(other, relation, name) for other in view.subjects(relation, name)[:most]}
 
 
 def _named(view: Index, word: str) -> Sequence[str]:
@@ -189,7 +193,10 @@ class ElementService(Service):
         view = self._world.snapshot()
         with addressed():
             view.element(element)
-        found = relations(view, element) if relation is None else _of(view, element, relation)
+        if relation is None:
+            found = relations(view, element)
+        else:
+            found = list(_relations(view, sorted(_statements(view, element, relation))))
         more = str(start + limit) if start + limit < len(found) else None
         return api.RelationPage(items=found[start : start + limit], next=more)
 
@@ -295,10 +302,3 @@ def _is_wanted(view: Index, name: str, label: str | None, text: str | None) -> b
         return True
     wanted = text.casefold()
     return any(wanted in said.casefold() for said in (name, element.label, local_name(element.type)))
-
-
-def _of(view: Index, element: str, relation: str) -> list[api.Relation]:
-    family = view.ontology.family(relation).value
-    away = {(element, other) for other in view.objects(element, relation)}
-    back = {(other, element) for other in view.subjects(relation, element)}
-    return [api.Relation(subject=s, relation=relation, object=o, family=family) for s, o in sorted(away | back)]

@@ -74,11 +74,9 @@ def _blocks(solid: Value | None, size: Value | None) -> tuple[Block, ...] | None
             return tuple(map(Block.view_of, Solid.from_json(solid).primitives))
         except ValueError:
             return None  # a class may have a shape that cannot be parsed
-    return (Block.view_of(_box(size)),) if isinstance(size, tuple) and _is_size(size) else None
-
-
-def _is_size(size: tuple[float, ...]) -> bool:
-    return len(size) in _DIMENSIONS and all(length > 0.0 for length in size)
+    if isinstance(size, tuple) and len(size) in _DIMENSIONS and all(length > 0.0 for length in size):
+        return (Block.view_of(_box(size)),)
+    return None
 
 
 def _box(size: tuple[float, ...]) -> Primitive:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from skiros_py.api.view import WorldView
 from skiros_py.api import world as api
 from skiros_py.errors import Locked, Refused, StaleVersion, UnknownName, WorldError
-from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, Service, addressed, require_seen
+from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, Service, addressed
 from skiros_py.station.world import editing
 from skiros_py.station.world.values import plain
 from skiros_py.station.world.view import view_of
@@ -221,17 +221,11 @@ class WorldService(Service):
             NotFound: There is no such concept.
             StaleVersion: It was changed since it was seen.
         """
-        world = self._world
-        view = world.snapshot()
+        view = self._world.snapshot()
         with addressed():
             if not (is_learned(element) and view.has(element)):
                 raise UnknownName("learned concept", element, _learned(view))
-        require_seen(seen, view.stamp(element).change)
-        version = seen.version if seen is not None else None
-        expects = {} if version is None else {element: version}
-        with editing.writing(world, author, reason or f"forgets {element}", expects) as tx:
-            tx.remove(element)
-        return editing.written(world, tx)
+        return self._station.elements.remove(element, seen, author, reason or f"forgets {element}")
 
     def learned_turtle(self) -> str:
         """Returns all learned concepts as Turtle."""
