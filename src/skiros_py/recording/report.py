@@ -56,6 +56,7 @@ def _page(recording: Recording) -> str:
             began=time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(meta["wall"])) if "wall" in meta else "",
             tasks=[_task(task) for task in recording.tasks],
             drawing=draw(rows, begin, end, [shot.time for shot in pictures]),
+            lanes=rows,
             failures=[(lane, bar) for lane in rows for bar in lane.bars if bar.how == "bad"],
             trace=sentences,
             more_trace=more_sentences,

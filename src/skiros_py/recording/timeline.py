@@ -35,6 +35,8 @@ class Bar:
         how: "good", "bad", "cut" (cancelled), "open" (the record ends before it) or "wait".
         text: All that is known of it.
         row: Number of its row in its lane, from the top.
+        x, y, width: Where it is drawn [px].
+        shown: As much of the label as fits on it.
     """
 
     kind: str
@@ -44,6 +46,10 @@ class Bar:
     how: str
     text: str
     row: int = 0
+    x: float = 0.0
+    y: float = 0.0
+    width: float = 0.0
+    shown: str = ""
 
 
 @dataclass(slots=True)
@@ -55,12 +61,15 @@ class Lane:
         agent: Its id.
         bars: What it did, in the order of their beginnings.
         rows: Number of rows.
+        y, height: Where it is drawn [px].
     """
 
     robot: str
     agent: str
     bars: list[Bar] = field(default_factory=list)
     rows: int = 0
+    y: float = 0.0
+    height: float = 0.0
 
 
 def span(
@@ -184,35 +193,13 @@ _TICK = 90.0
 
 
 @dataclass(frozen=True, slots=True)
-class Box:
-    """A bar as it is drawn [px]; the label is cut to what fits on it."""
-
-    bar: Bar
-    x: float
-    y: float
-    width: float
-    label: str
-
-
-@dataclass(frozen=True, slots=True)
-class Band:
-    """A lane as it is drawn [px]."""
-
-    lane: Lane
-    y: float
-    height: float
-    boxes: tuple[Box, ...]
-
-
-@dataclass(frozen=True, slots=True)
 class Drawing:
-    """A timeline as it is drawn [px].
+    """What is drawn besides lanes and bars [px].
 
     Attributes:
         width, height: Of the whole.
         left: Where the axis begins.
         row: Height of a bar.
-        bands: The lanes.
         ticks: Place and run time [s] of each tick.
         marks: Place and number of each picture, from 1.
     """
@@ -221,16 +208,15 @@ class Drawing:
     height: float
     left: float
     row: float
-    bands: tuple[Band, ...]
     ticks: tuple[tuple[float, str], ...]
     marks: tuple[tuple[float, int], ...]
 
 
 def draw(lanes: Sequence[Lane], begin: float, end: float, pictures: Sequence[float]) -> Drawing:
-    """Draws a timeline.
+    """Places lanes and bars on a drawing of a timeline, and returns the rest of it.
 
     Args:
-        lanes: What is on it.
+        lanes: The lanes.
         begin: Run time at its left end [s].
         end: Run time at its right end [s].
         pictures: Run times of the pictures [s].
@@ -241,21 +227,22 @@ def draw(lanes: Sequence[Lane], begin: float, end: float, pictures: Sequence[flo
     def place(time: float) -> float:
         return round(_MARGIN + (time - begin) * scale, 2)
 
-    bands, y = [], _TOP
+    y = _TOP
     for lane in lanes:
-        boxes = tuple(_box(bar, place(bar.start), place(bar.end), y) for bar in lane.bars)
-        bands.append(Band(lane, y, lane.rows * _ROW, boxes))
-        y += lane.rows * _ROW + _GAP
+        lane.y, lane.height = y, lane.rows * _ROW
+        for bar in lane.bars:
+            bar.x, bar.y = place(bar.start), y + bar.row * _ROW + 2.0
+            bar.width = round(max(place(bar.end) - bar.x, 1.0), 2)
+            bar.shown = _cut(bar.label, bar.width)
+        y += lane.height + _GAP
     ticks = tuple((place(time), f"{time:g}") for time in _ticks(begin, end, _TICK / scale))
     marks = tuple((place(time), number) for number, time in enumerate(pictures, 1))
-    return Drawing(_MARGIN + axis + 10.0, y + _TOP, _MARGIN, _ROW - 4.0, tuple(bands), ticks, marks)
+    return Drawing(_MARGIN + axis + 10.0, y + _TOP, _MARGIN, _ROW - 4.0, ticks, marks)
 
 
-def _box(bar: Bar, start: float, end: float, top: float) -> Box:
-    width = max(end - start, 1.0)
+def _cut(label: str, width: float) -> str:
     letters = int((width - 6.0) / _LETTER)
-    label = bar.label if len(bar.label) <= letters else bar.label[: letters - 1] + "…" if letters > 2 else ""
-    return Box(bar, start, top + bar.row * _ROW + 2.0, round(width, 2), label)
+    return label if len(label) <= letters else label[: letters - 1] + "…" if letters > 2 else ""
 
 
 def _ticks(begin: float, end: float, least: float) -> list[float]:

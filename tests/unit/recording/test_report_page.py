@@ -199,9 +199,9 @@ def test_whatever_is_told_bars_never_cover_each_other_and_stay_on_the_page(event
             by_row.setdefault(bar.row, []).append((bar.start, bar.end))
         for taken in by_row.values():
             assert all(a[1] <= b[0] + 1e-6 for a, b in pairwise(taken))
-    boxes = [box for band in drawing.bands for box in band.boxes]
-    assert all(drawing.left - 1e-6 <= box.x and box.x + box.width <= drawing.width for box in boxes)
-    assert all(box.y + drawing.row <= drawing.height for box in boxes)
+    bars = [bar for lane in rows for bar in lane.bars]
+    assert all(drawing.left - 1e-6 <= bar.x and bar.x + bar.width <= drawing.width for bar in bars)
+    assert all(bar.y + drawing.row <= drawing.height for bar in bars)
 
 
 def test_a_recording_with_damage_anywhere_is_a_page_or_a_message(tmp_path: Path) -> None:
