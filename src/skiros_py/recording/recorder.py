@@ -216,10 +216,8 @@ def _surely(callback: Callable[[], object]) -> None:
 
 
 def _record_runs(recorder: Recorder) -> None:
-    def on_event(event: ModuleEvent) -> None:
-        recorder.put(_RUNS, event, event.time)
-
-    recorder.on_end(recorder.runtime.monitor.subscribe(on_event, nodes=True))
+    monitor = recorder.runtime.monitor
+    recorder.on_end(monitor.subscribe(lambda event: recorder.put(_RUNS, event, event.time), nodes=True))
 
 
 def _record_signals(recorder: Recorder) -> None:
@@ -261,13 +259,12 @@ def _record_documents(recorder: Recorder) -> None:
         document = recorder.runtime.managers.documents.get(event.module)
         if document is not None and (event.module, document.revision) not in written:
             written.add((event.module, document.revision))
-            topic = Topic(f"/documents/{event.module}", _DOCUMENT, lambda _time, one: _document(one))
-            recorder.put(topic, document, event.time)
+            recorder.put(Topic(f"/documents/{event.module}", _DOCUMENT, _document), document, event.time)
 
     recorder.on_end(recorder.runtime.monitor.subscribe(on_event))
 
 
-def _document(document: RunnableDocument) -> Json:
+def _document(_time: float, document: RunnableDocument) -> Json:
     return {"revision": document.revision, "title": document.help, "behaviour": document.behaviour.to_data()}
 
 
@@ -419,7 +416,4 @@ def _same(row: list[float], other: list[float]) -> bool:
 
 def _robots(runtime: Runtime) -> dict[str, list[str]]:
     """Returns the devices of each robot: its subsystems are among them."""
-    robots = {}
-    for robot in runtime.context.cell.robots:
-        robots[robot.id] = [robot.id, *(device.id for device in robot.devices)]
-    return robots
+    return {robot.id: [robot.id, *(device.id for device in robot.devices)] for robot in runtime.context.cell.robots}

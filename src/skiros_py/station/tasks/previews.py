@@ -43,6 +43,7 @@ class _Preview:
         conditions: The same as parsed conditions.
         world: Version of the world for which it is planned.
         asked: Time of the request [s since 1970].
+        planning: The request for the plan.
         planned: The answer; None while there is none.
         fault: Why planning failed; empty if it did not.
         ended: Set when planning has ended.
@@ -53,6 +54,7 @@ class _Preview:
     conditions: tuple[Condition, ...]
     world: int
     asked: float
+    planning: Asked[Planned]
     planned: Planned | None = None
     fault: str = ""
     ended: threading.Event = field(default_factory=threading.Event)
@@ -74,7 +76,6 @@ class PreviewService(Service):
     def __init__(self, station: Station) -> None:
         super().__init__(station)
         self._previews: OrderedDict[str, _Preview] = OrderedDict()
-        self._under_way: dict[str, Asked[Planned]] = {}
         self._guard = threading.Lock()
         self._last = 0
         self._closed = False
@@ -91,17 +92,17 @@ class PreviewService(Service):
         capabilities = tuple(self._call(lambda session: session.tasks.capabilities))
         options = PlanningOptions("preview", session.options.temporal, _EACH, _TOGETHER)
         with self._guard:
-            if self._closed or len(self._under_way) >= _AT_ONCE:
+            if self._closed or sum(not one.ended.is_set() for one in self._previews.values()) >= _AT_ONCE:
                 raise Busy(f"{_AT_ONCE} previews are being planned: ask again later", retry_after=_RETRY_AFTER)
             self._last += 1
-            preview = _Preview(str(self._last), goal, conditions, session.world.version, time.time())
-            asked = session.planning.ask(PlanRequest(conditions, capabilities, options=options))
+            request = PlanRequest(conditions, capabilities, options=options)
+            version, now = session.world.version, time.time()
+            preview = _Preview(str(self._last), goal, conditions, version, now, session.planning.ask(request))
             self._previews[preview.id] = preview
             over = [id_ for id_, one in self._previews.items() if one.ended.is_set()]
             for id_ in over[: max(0, len(self._previews) - _KEPT)]:
                 del self._previews[id_]
-            self._under_way[preview.id] = asked
-        asked.when_done(lambda asked: self._answered(preview, asked))
+        preview.planning.when_done(lambda asked: _answered(preview, asked))
         return _shown(preview)
 
     def all(self) -> PreviewPage:
@@ -162,19 +163,18 @@ class PreviewService(Service):
 
     def _cancel(self) -> None:
         with self._guard:
-            under_way = tuple(self._under_way.values())
-        for asked in under_way:
-            asked.cancel()
+            previews = tuple(self._previews.values())
+        for preview in previews:
+            preview.planning.cancel()
 
-    def _answered(self, preview: _Preview, asked: Asked[Planned]) -> None:
-        try:
-            answer = asked.result()
-            preview.world, preview.planned = answer.version, answer.value
-        except SkirosError as error:
-            preview.fault = str(error)
-        with self._guard:
-            self._under_way.pop(preview.id, None)
-        preview.ended.set()
+
+def _answered(preview: _Preview, asked: Asked[Planned]) -> None:
+    try:
+        answer = asked.result()
+        preview.world, preview.planned = answer.version, answer.value
+    except SkirosError as error:
+        preview.fault = str(error)
+    preview.ended.set()
 
 
 def _shown(preview: _Preview) -> api.Preview:
