@@ -16,9 +16,9 @@ from itertools import groupby
 from pathlib import Path
 from typing import IO, Any, Self, cast
 
+from mcap import records
 from mcap.exceptions import McapError
 from mcap.reader import SeekingReader
-from mcap import records
 from mcap.stream_reader import MAGIC_SIZE, StreamReader, breakup_chunk
 from mcap.summary import Summary
 from zstandard import ZstdError

@@ -238,7 +238,9 @@ def _record_signals(recorder: Recorder) -> None:
 
 def _signal_topic(name: str, value: Value) -> Topic:
     kind, data = next((kind, data) for type_, kind, data in _SIGNALS if isinstance(value, type_))
-    return Topic(f"/signals/{name}", schema(f"skiros.{kind}", value=data), lambda _time, value: {"value": plain(value)}, _KEY)
+    return Topic(
+        f"/signals/{name}", schema(f"skiros.{kind}", value=data), lambda _time, value: {"value": plain(value)}, _KEY
+    )
 
 
 _SIGNALS = (

@@ -126,9 +126,7 @@ def open_sender(station: Station, hosts: Sequence[str], stack: ExitStack) -> tup
 
     def on_dead(post: Post, why: str) -> None:
         text = f"{post.webhook} did not get {post.job or 'a ping'} ({why}): see the dead letters of the webhooks"
-        station.alarms.raise_(
-            AlarmKind.WEBHOOK, text, post.webhook, severity=Severity.LOW, lasts=False, job=post.job
-        )
+        station.alarms.raise_(AlarmKind.WEBHOOK, text, post.webhook, severity=Severity.LOW, lasts=False, job=post.job)
 
     sender = WebhookSender(
         store,

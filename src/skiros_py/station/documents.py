@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any, NamedTuple, TypeVar
 
-from skiros_py.api.alarms import AlarmKind
 from skiros_py.api import documents as api
+from skiros_py.api.alarms import AlarmKind
 from skiros_py.behaviours import Behaviour, DocumentKind, Review
 from skiros_py.errors import DocumentError, DocumentFault, Refused, SkirosError, UsageError, WrongState
 from skiros_py.execution.running import RunnableDocument

@@ -9,11 +9,11 @@ from skiros_py.ports.cell import CellSpec
 from skiros_py.simulation.cell import SimulatedCell
 from skiros_py.simulation.truth import Truth
 from skiros_py.skills.conditions import AllOf, AnyOf, Condition, Exists, Not, Nothing, Pattern, Related
+from skiros_py.world import vocabulary as v
 from skiros_py.world.element import Element
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.terms import Family
 from skiros_py.world.view import WorldView
-from skiros_py.world import vocabulary as v
 
 Whereabouts = tuple[Mapping[str, Pose], Mapping[str, str]]
 """Poses in the map, and placements of movable bodies; by the ids of bodies."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+
 from skiros_py.api.alarms import AlarmKind, Severity
 from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.interruptions import Overrun, Watched

@@ -12,9 +12,9 @@ from skiros_py.api import jobs as api
 from skiros_py.api.jobs import StateName
 from skiros_py.errors import Refused, StaleVersion, UsageError, WrongState
 from skiros_py.station.document_store import TEMPLATE
+from skiros_py.station.jobs import views
 from skiros_py.station.jobs.orders import digest_of, is_same, job_order, texts_of
 from skiros_py.station.jobs.templates import content_of
-from skiros_py.station.jobs import views
 from skiros_py.station.requests import LIBRARY, Author, Service
 from skiros_py.tasks.jobs import Job, JobManager, JobState, Page, Receipt, Trigger
 from skiros_py.world.vocabulary import MANIPULATABLE
@@ -85,7 +85,9 @@ class JobService(Service):
         known = self._ordered_before(order, receipt, again=again)
         if known is not None:
             return OrderResult(_view(self._with_leave(known, start, author)), repeated=True)
-        wanted = job_order(order, order.id or f"job-{secrets.token_hex(8)}", texts_of(order, self._station.document_store))
+        wanted = job_order(
+            order, order.id or f"job-{secrets.token_hex(8)}", texts_of(order, self._station.document_store)
+        )
         comment = _said(author, "")
         return OrderResult(
             _view(jobs.submit(wanted, start=start, comment=comment, receipt=receipt, again=again)), repeated=False
@@ -204,7 +206,9 @@ class JobService(Service):
             return _view(getattr(jobs, command)(id_, expects=expects))
         return _view(getattr(jobs, command)(id_, _said(author, comment), expects=expects))
 
-    def answer(self, id_: str, answer: api.JobAnswer, *, expects: int | None = None, author: Author = LIBRARY) -> api.Job:
+    def answer(
+        self, id_: str, answer: api.JobAnswer, *, expects: int | None = None, author: Author = LIBRARY
+    ) -> api.Job:
         """Answers the pending question of a job.
 
         Raises:
@@ -232,7 +236,9 @@ class JobService(Service):
     def responses(self, **wanted: Unpack[JobFilter]) -> api.JobResponses:
         """Lists the ISA-95 job responses of the jobs that were not removed."""
         page, now = self._page(**wanted), time.time()
-        return api.JobResponses(items=tuple(views.response_of(self._jobs, job, now) for job in page.jobs), next=_next(page))
+        return api.JobResponses(
+            items=tuple(views.response_of(self._jobs, job, now) for job in page.jobs), next=_next(page)
+        )
 
     def _page(self, **wanted: Unpack[JobFilter]) -> Page:
         states, since = wanted.get("states"), wanted.get("since")

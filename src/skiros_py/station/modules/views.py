@@ -100,7 +100,9 @@ def _output(output: Output) -> api.ModuleOutput:
 
 
 def _conditions(conditions: Iterable[Condition]) -> list[api.SkillCondition]:
-    return [api.SkillCondition.view_of(one, text=str(one), words=one.type.help, word=one.type.name) for one in conditions]
+    return [
+        api.SkillCondition.view_of(one, text=str(one), words=one.type.help, word=one.type.name) for one in conditions
+    ]
 
 
 def _implementation(way: Skill) -> api.Implementation:

@@ -158,9 +158,7 @@ class JobRecordings:
     def open(self, session: Session) -> None:
         """Follows the jobs of a session."""
         self._session, self._run = session, uuid4().hex
-        session.on_close(
-            self._end_all, session.tasks.on_begin(self._begin), session.jobs.on_remove(self._remove)
-        )
+        session.on_close(self._end_all, session.tasks.on_begin(self._begin), session.jobs.on_remove(self._remove))
 
     def _end_all(self) -> None:
         """Ends the recordings of jobs that were interrupted."""

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from typing import Any, Literal
 
-from skiros_py.api.modules import ModuleRunInfo
 from skiros_py.api import robots as api
+from skiros_py.api.modules import ModuleRunInfo
 from skiros_py.errors import DeviceError, Refused, SkirosError, UnknownName, UsageError, WrongState
 from skiros_py.execution.claims import pieces
 from skiros_py.execution.signals import SignalLost, Signals

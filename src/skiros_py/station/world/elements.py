@@ -178,7 +178,9 @@ class ElementService(Service):
             view.element(element)
         return details(view, element, list(computed))
 
-    def relations(self, element: str, relation: str | None = None, start: int = 0, limit: int = 100) -> api.RelationPage:
+    def relations(
+        self, element: str, relation: str | None = None, start: int = 0, limit: int = 100
+    ) -> api.RelationPage:
         """Lists the relations of an element, in both directions.
 
         Args:

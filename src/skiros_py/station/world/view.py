@@ -10,10 +10,10 @@ from typing import Literal
 
 from skiros_py.api.view import Block, ViewElement, WorldView
 from skiros_py.geometry import Pose, Primitive, Solid
+from skiros_py.world import vocabulary as v
 from skiros_py.world.element import Element, Value, is_abstract
 from skiros_py.world.index import Index
 from skiros_py.world.poses import pose_on
-from skiros_py.world import vocabulary as v
 
 _AT = Pose()
 

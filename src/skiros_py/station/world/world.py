@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from operator import itemgetter
 from typing import TYPE_CHECKING
 
-from skiros_py.api.view import WorldView
 from skiros_py.api import world as api
+from skiros_py.api.view import WorldView
 from skiros_py.errors import Locked, Refused, StaleVersion, UnknownName, WorldError
 from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, Service, addressed
 from skiros_py.station.world import editing
@@ -192,7 +192,9 @@ class WorldService(Service):
         """
         world = self._world
         try:
-            return editing.change_view(undo(world, author.name, expects=order.change if order else None, holder=author.holder))
+            return editing.change_view(
+                undo(world, author.name, expects=order.change if order else None, holder=author.holder)
+            )
         except (StaleVersion, Locked):
             raise
         except WorldError as error:
