@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import ExitStack, closing
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Literal, Self
 
@@ -120,24 +121,24 @@ class Station:
         self.world = WorldService(self)
         self.job_recordings = JobRecordings(data / "recordings")
         self.recordings = RecordingService(self)
-        for part in (
-            self.stops,  # first: a stop requested meanwhile takes effect before anything else
-            self.query_worker,
-            self.looks,
-            self.motions,
-            self.live,
-            self.module_runs,
-            self.tasks,  # before the events, which name the job of each task
-            EventSources(self.events, self.tasks, self.module_runs),
-            AlarmSources(self.alarms, self.control),
-            self.waiter,
-            self.stage,
-            self.simulation,
-            self.documents,
-            self.previews,
-            self.job_recordings,
+        for attach in (
+            self.stops.open,  # first: a stop requested meanwhile takes effect before anything else
+            self.query_worker.open,
+            self.looks.open,
+            self.motions.open,
+            self.live.open,
+            self.module_runs.open,
+            self.tasks.open,  # before the events, which name the job of each task
+            partial(EventSources, self.events, self.tasks, self.module_runs),
+            partial(AlarmSources, self.alarms, self.control),
+            self.waiter.open,
+            self.stage.open,
+            self.simulation.open,
+            self.documents.open,
+            self.previews.open,
+            self.job_recordings.open,
         ):
-            self.control.on_open(part.open)
+            self.control.on_open(attach)
         self._stack = ExitStack()
 
     @property

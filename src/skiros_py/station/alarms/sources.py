@@ -24,27 +24,23 @@ _SELDOM = 200
 
 
 class AlarmSources:
-    """Watches a session, and raises and ends its alarms.
+    """Watches a session until it is closed, and raises and ends its alarms.
 
     Args:
         alarms: The list.
         control: Runs the session.
+        session: The session.
     """
 
-    def __init__(self, alarms: Alarms, control: ControlThread) -> None:
+    def __init__(self, alarms: Alarms, control: ControlThread, session: Session) -> None:
         self._alarms = alarms
         self._control = control
-        self._session: Session
+        self._session = session
         self._halted = ""
         self._lost: set[str] = set()
         self._asked: dict[int, str] = {}
         self._waiting: dict[str, Job] = {}
-
-    def open(self, session: Session) -> None:
-        """Watches a session."""
-        self._alarms.clear_all(AlarmKind.STATION)
-        self._session = session
-        self._halted, self._lost, self._asked, self._waiting = "", set(), {}, {}
+        alarms.clear_all(AlarmKind.STATION)
         for job in session.jobs.open.values():
             self._job(job)
         # The jobs' own observer comes before this one: what a job asks is known when the questions are looked at.

@@ -29,22 +29,19 @@ class EventSources:
         events: The event log.
         tasks: Maps tasks to jobs; notified of a task before this object.
         modules: Reports when a run is paused and when it continues.
+        session: The session.
     """
 
-    def __init__(self, events: EventLog, tasks: TaskService, modules: ModuleRuns) -> None:
+    def __init__(self, events: EventLog, tasks: TaskService, modules: ModuleRuns, session: Session) -> None:
         self._events = events
         self._tasks = tasks
-        self._modules = modules
-
-    def open(self, session: Session) -> None:
-        """Listens to a session."""
         board = session.cycle.board
         self._events.clock = lambda: board.snapshot.time
         session.on_close(
             lambda: self._events.append(Kind.SYSTEM, "closed"),
             session.world.subscribe(self._change),
             session.monitor.subscribe(self._module),
-            self._modules.turns.add(self._turn),
+            modules.turns.add(self._turn),
             session.questions.subscribe(self._question),
             session.tasks.on_begin(self._task),
             session.jobs.subscribe(self._job),

@@ -14,10 +14,10 @@ from typing import Any, Literal
 from skiros_py.api.modules import ModuleRunStatus
 from skiros_py.errors import SkirosError, UnknownName, WrongState
 from skiros_py.execution.monitor import ModuleEvent, Status
+from skiros_py.execution.panel import Panel
 from skiros_py.execution.running import RunningModule
 from skiros_py.listeners import Listeners
 from skiros_py.skills.outcome import Failure, Outcome
-from skiros_py.skills.parameters import Param
 from skiros_py.station.requests import addressed
 from skiros_py.station.session import Session
 from skiros_py.world.change import Change
@@ -91,14 +91,13 @@ class ModuleRun:
         breakpoints: Paths of nodes before which it is paused.
     """
 
-    def __init__(self, id_: str, wish: Wish, kind: str, params: tuple[Param, ...], values: Mapping[str, Any]) -> None:
+    def __init__(self, id_: str, wish: Wish, kind: str, panel: Panel, running: RunningModule, now: float) -> None:
         self.id = id_
         self.wish = wish
         self.kind = kind
-        self.params = params
+        self.params = panel.params
         self.wall = time.time()
-        self.values = dict(values)
-        self.running: RunningModule | None = None
+        self.values = dict(panel.values)
         self.rounds: deque[Round] = deque(maxlen=_ROUNDS)
         self.done = 0
         self.succeeded = 0
@@ -107,12 +106,10 @@ class ModuleRun:
         self.ended_as: Literal["stopped", "succeeded", "failed"] | None = None
         self.cut_off = False
         self.stop_wanted = False
-        self.begun = False
-        self.since = 0.0
-        self.cycles = 0
         self.refusal = ""
         self.breakpoints: frozenset[str] = frozenset()
         self._stood = False
+        self.begin(running, now)
         self.set_breakpoints(wish.breakpoints)
 
     @property
@@ -125,7 +122,7 @@ class ModuleRun:
         """Its present or final status."""
         if self.ended_as is not None:
             return self.ended_as
-        status = self.running.status if self.running is not None else "running"
+        status = self.running.status
         return "paused" if status == "paused" else "stopping" if status in ("stopping", "stopped") else "running"
 
     def command(self, verb: str) -> None:
@@ -140,16 +137,14 @@ class ModuleRun:
         elif self.over or self.status == "stopping":
             raise WrongState(f"run {self.id} of {self.wish.module} is {self.status}: it takes no {verb}")
         self.stop_wanted = self.stop_wanted or verb == "stop"
-        assert self.running is not None
         getattr(self.running, verb)()
 
     def set_breakpoints(self, paths: Iterable[str]) -> None:
         """Replaces its breakpoints; to be called in the control thread."""
         module = self.wish.module
         self.breakpoints = frozenset(p if p.startswith(f"{module}/") else f"{module}/{p}" for p in paths)
-        if self.running is not None:
-            self.running.breakpoints.clear()
-            self.running.breakpoints.update(self.breakpoints)
+        self.running.breakpoints.clear()
+        self.running.breakpoints.update(self.breakpoints)
 
     def turn(self) -> Turn | None:
         """Returns its transition since the last call: it was paused, or it was resumed."""
@@ -160,7 +155,7 @@ class ModuleRun:
 
     def is_about(self, event: ModuleEvent) -> bool:
         """Returns whether an event concerns the module itself, not a part of it."""
-        return self.running is not None and event.id == self.running.id
+        return event.id == self.running.id
 
     def begin(self, running: RunningModule, now: float) -> None:
         """Records the start of a repetition."""
@@ -172,7 +167,7 @@ class ModuleRun:
         self.progress.append(event)
         if event.status is Status.STARTED and self.is_about(event):
             self.begun = True
-        if event.kind == "skill" and self.begun and self.running is not None:
+        if event.kind == "skill" and self.begun:
             inferred = {k: v for k, v in self.running.arguments.items() if k not in self.wish.given}
             self.values = {**self.values, **inferred}
 
@@ -181,10 +176,9 @@ class ModuleRun:
         self.rounds.append(Round(outcome, self.since, now))
         self.done += 1
         self.succeeded += not isinstance(outcome, Failure)
-        running = self.running
-        was_cancelled = running is not None and running.status == "stopped"  # perhaps together with everything else
-        stopped = self.stop_wanted or (was_cancelled and running is not None and running.task.fault is None)
-        had_ended = running is not None and running.done and not was_cancelled  # before it could be cancelled
+        was_cancelled = self.running.status == "stopped"  # perhaps together with everything else
+        stopped = self.stop_wanted or (was_cancelled and self.running.task.fault is None)
+        had_ended = self.running.done and not was_cancelled  # before it could be cancelled
         self.cut_off = stopped and isinstance(outcome, Failure) and not had_ended
         if stopped or self.refusal or self.done >= self.wish.repeat:
             good = self.succeeded == self.wish.repeat
@@ -245,8 +239,8 @@ class ModuleRuns:
         manager = session.managers[wish.agent]
         panel, kind = manager.panel(wish.module, wish.given), manager.info(wish.module).kind
         running = session.start_module(wish.module, wish.given, wish.agent)
-        run = ModuleRun(f"{self._name}-{next(self._numbers)}", wish, kind, panel.params, panel.values)
-        run.begin(running, session.cycle.board.now)
+        id_ = f"{self._name}-{next(self._numbers)}"
+        run = ModuleRun(id_, wish, kind, panel, running, session.cycle.board.now)
         with self._guard:
             self._runs[run.id] = run
             over = [id_ for id_, one in self._runs.items() if one.over]
@@ -282,7 +276,6 @@ class ModuleRuns:
 
     def _follow(self, run: ModuleRun, session: Session) -> None:
         running = run.running
-        assert running is not None
         run.cycles += 1
         if run.wish.at_once and not run.begun and run.cycles >= _AT_ONCE and not running.task.done:
             run.refusal = f"{run.wish.module} did not start: something else uses its devices"
@@ -320,9 +313,6 @@ class ModuleRuns:
     def _is_at_work(self, run: ModuleRun) -> bool:
         """Returns whether the control thread is executing code of this run, so that the call comes from it."""
         activity = self._session.cycle.activity if self._session is not None else None
-        return (
-            activity is not None
-            and activity.thread == threading.get_ident()
-            and run.running is not None
-            and activity.task is run.running.task
-        )
+        if activity is None or activity.thread != threading.get_ident():
+            return False
+        return activity.task is run.running.task

@@ -14,8 +14,15 @@ from skiros_py.execution.claims import Claims
 from skiros_py.ports.board import DeviceBoard, DeviceHandle
 from skiros_py.ports.driver import Connection
 from skiros_py.simulation.fake import FakeCell
-from skiros_py.station.robots.devices import close_device, open_device
+from skiros_py.station.robots.devices import DeviceService
 from skiros_py.testing.conformance import small_cell
+
+
+class Devices(DeviceService):
+    """Opens and closes devices that are not described."""
+
+    def get(self, _id: str) -> Any:
+        return None
 
 
 class Station:
@@ -31,6 +38,7 @@ class Station:
         managers, cycle = SimpleNamespace(claims=self.claims), SimpleNamespace(board=self.board)
         self.session: Any = SimpleNamespace(cell=self.connection, cycle=cycle, managers=managers)
         self.control: Any = self
+        self.devices = Devices(self)  # type: ignore[arg-type]
 
     def make(self) -> FakeCell:
         if self.fault:
@@ -50,25 +58,25 @@ def station() -> Station:
 
 
 def test_a_closed_device_takes_neither_commands_nor_modules_until_it_is_opened(station: Station) -> None:
-    close_device(station.control, "gripper")
+    station.devices.close("gripper")
 
     with pytest.raises(DeviceError, match="gripper is closed: open it first"):
         DeviceHandle(station.board, "gripper")
     station.board.send("base", BaseTwist(0.1, 0.0))  # the others go on
-    open_device(station.control, "gripper")
+    station.devices.open("gripper")
 
     assert DeviceHandle(station.board, "gripper").id == "gripper"
 
 
 def test_a_driver_is_disconnected_with_its_last_device_and_connected_with_the_first(station: Station) -> None:
     for device in ("arm", "base", "localiser"):
-        close_device(station.control, device)
+        station.devices.close(device)
     assert station.connection.connected
-    close_device(station.control, "gripper")
+    station.devices.close("gripper")
     assert not station.connection.connected
     assert station.closed == station.made
 
-    open_device(station.control, "base")
+    station.devices.open("base")
 
     assert station.connection.connected
     assert len(station.made) == 2
@@ -77,26 +85,26 @@ def test_a_driver_is_disconnected_with_its_last_device_and_connected_with_the_fi
 
 def test_what_is_in_use_or_moves_is_not_closed(station: Station) -> None:
     with station.claims.request("pick", {"gripper"}), pytest.raises(WrongState, match=r"gripper \(pick\) is in use"):
-        close_device(station.control, "gripper")
+        station.devices.close("gripper")
     station.board.send("base", BaseTwist(0.1, 0.0))
     station.board.exchange()
     with pytest.raises(WrongState, match="base moves"):
-        close_device(station.control, "base")
+        station.devices.close("base")
 
     assert station.board.closed == set()
 
 
 def test_a_device_whose_driver_does_not_answer_stays_closed(station: Station) -> None:
     for device in station.board.devices:
-        close_device(station.control, device)
+        station.devices.close(device)
     station.fault = "10.0.0.7 does not answer"
 
     with pytest.raises(Refused, match=r"base cannot be opened: 10\.0\.0\.7 does not answer"):
-        open_device(station.control, "base")
+        station.devices.open("base")
     assert "base" in station.board.closed
 
 
 def test_an_unknown_device_is_named(station: Station) -> None:
-    for do in (open_device, close_device):
+    for do in (station.devices.open, station.devices.close):
         with pytest.raises(UnknownName, match=r"unknown device 'bsae'.* Did you mean 'base'"):
-            do(station.control, "bsae")
+            do("bsae")
