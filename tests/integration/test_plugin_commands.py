@@ -212,15 +212,15 @@ def test_a_check_that_breaks_is_itself_reported() -> None:
     half, broken = examined(check)
 
     assert half == Finding("half-way")
-    assert broken.wrong
+    assert broken.state == "wrong"
     assert broken.text == "the check itself broke: ImportError: no numbers"
 
 
 def test_a_data_folder_may_be_missing_but_not_a_file(tmp_path: Any) -> None:
     (tmp_path / "file").touch()
 
-    assert not any(finding.wrong for finding in data_folder(tmp_path / "a" / "b"))
-    assert [finding.wrong for finding in data_folder(tmp_path / "file" / "b")] == [True]
+    assert [finding.state for finding in data_folder(tmp_path / "a" / "b")] == ["ok"]
+    assert [finding.state for finding in data_folder(tmp_path / "file" / "b")] == ["wrong"]
 
 
 def test_the_lines_of_the_doctor_are_for_people(zoo: Any) -> None:

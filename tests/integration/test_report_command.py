@@ -99,7 +99,7 @@ def test_a_page_that_cannot_be_written_is_said(folder: Path) -> None:
     result = skiros(folder, "report", "data", "--output", "no/such/folder.html")
 
     assert result.returncode == 2
-    assert "no/such/folder.html: cannot be written: No such file or directory" in result.stderr
+    assert "no/such/folder.html: cannot be written (No such file or directory)" in result.stderr
 
 
 def test_a_run_says_that_the_file_of_its_scene_was_changed_since(tmp_path: Path) -> None:

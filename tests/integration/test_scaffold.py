@@ -91,7 +91,7 @@ def skiros(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) 
 def pattern(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A package as it is when it is new."""
     draft = draft_package(tmp_path_factory.mktemp("pattern"), NewPackage("my_scanning"))
-    draft.write_folder()
+    draft.write()
     return draft.root
 
 
@@ -168,7 +168,7 @@ def test_a_second_package_beside_the_first_begins_with_names_of_its_own_and_work
 ) -> None:
     with Project.around(package).as_installed():
         draft = draft_package(tmp_path, NewPackage("my_sorting"))
-        draft.write_folder()
+        draft.write()
         again = draft_package(tmp_path, NewPackage("my_storing", skill="store")).new
 
     assert "src/my_sorting/skills/inspect_2.py" in draft.new
@@ -182,7 +182,7 @@ def test_a_package_may_be_called_src(tmp_path: Path, monkeypatch: pytest.MonkeyP
     # ``python -m pytest`` puts the checkout on the path, where ``src`` is a folder.
     monkeypatch.setattr(sys, "path", [place for place in sys.path if place and Path(place) != ROOT])
     draft = draft_package(tmp_path, NewPackage("src"))
-    draft.write_folder()
+    draft.write()
 
     assert "passed" in tool(draft.root, "pytest", "-q", "-p", "no:dash", "-p", "no:cacheprovider", "-W", "error")
 
@@ -296,7 +296,8 @@ BAD = {
     "skill scan --agent sk:Arm --param Part:sk:Manipulatable --post 'Inspected(Part)' --target X": "as --target of",
     "skill scan --agent sk:Arm --param A:sk:Manipulatable --param A:sk:Arm --post 'Inspected(A)'": "two parameters 'A'",
     "skill go --agent sk:Arm --param A:sk:Robot --param B:sk:Station --post 'not RobotAtLocation(A, B)'": "is not so",
-    "skill inspected --agent sk:Arm --param P:sk:Manipulatable --post 'Inspected(P)'": "two things called INSPECTED",
+    "skill inspected --agent sk:Arm --param P:sk:Manipulatable --post 'Inspected(P)'"
+    " --do look_at": "two things called INSPECTED",
     "skill scan --agent sk:Arm --param Part:kitting:Part --param Box:kitting:Box --param Kit:kitting:Kit"
     " --post 'InKit(Part, Kit)'": "cannot be brought about",
     "primitive read --param camera": "write KEY:TYPE",
@@ -316,7 +317,7 @@ BAD = {
     "condition Scanned --role part:sk:Station --property my_scanning:inspected": "part is a sk:Station",
     "condition Scanned --role a:sk:Robot --relation sk:at": "takes two roles",
     "condition Scanned --role a:number --property my_scanning:inspected": "must be of a class",
-    "condition Scanned --property my_scanning:inspected --value perhaps": "is no boolean",
+    "condition Scanned --property my_scanning:inspected --value perhaps": "needs true or false, got 'perhaps'",
     "condition Scanned --property sk:pose --value 1": "are not compared",
     "condition scanned --property my_scanning:inspected": "such as 'Scanned'",
     "condition Inspected --property my_scanning:inspected": "there is a condition 'Inspected' of my-scanning already",

@@ -8,12 +8,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, replace
-from types import MappingProxyType
 from typing import Any
 
 from skiros_py.errors import PlanningError, SkirosError, UsageError, WorldError
 from skiros_py.execution.runtime import Runtime, RuntimeOptions
-from skiros_py.geometry import Pose
 from skiros_py.interruptions import Chore
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.process import ThreadHost
@@ -36,15 +34,14 @@ from skiros_py.skills.inference import Inferred, Missing, infer
 from skiros_py.skills.lint.rule import leaves
 from skiros_py.skills.lint.rules.reach import brought_about
 from skiros_py.skills.outcome import Failure, Outcome
-from skiros_py.skills.parameters import Kind, Param
+from skiros_py.skills.parameters import SAMPLES, Kind, Param, sample_of_range
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.tasks.task_manager import TaskManager
-from skiros_py.world.element import Placement, Value
-from skiros_py.world.literals import DATATYPES
+from skiros_py.world.element import Placement
 from skiros_py.world.terms import Family
 from skiros_py.world.transaction import Transaction
-from skiros_py.world.vocabulary import ELEMENT, FLOOR, ON, ROBOT, SPATIAL_THING
+from skiros_py.world.vocabulary import FLOOR, ON, ROBOT, SPATIAL_THING
 from skiros_py.world.world import World
 
 _LONGEST = 600.0
@@ -179,37 +176,18 @@ def _give(tx: Transaction, pattern: Pattern, world: World) -> None:
 # ---------------------------------------------------------------- default values
 
 
-_OF_TYPE: Mapping[str, Any] = MappingProxyType(
-    {
-        "number": 1.0,
-        "integer": 1,
-        "text": "text",
-        "boolean": True,
-        "pose": Pose(),
-        "vector": (1.0,),
-        "class": ELEMENT,
-    }
-)
-
-
 def sample_values(description: SkillDescription) -> dict[str, Any]:
     """Returns a value for each parameter that must be given and cannot be inferred."""
     return {
         param.key: _sample(param)
         for param in description.params
-        if param.kind is Kind.ONLINE and not param.is_element and param.type in _OF_TYPE
+        if param.kind is Kind.ONLINE and not param.is_element and param.type in SAMPLES
     }
 
 
 def _sample(param: Param) -> Any:
-    one = _OF_TYPE[str(param.type)]
+    one = SAMPLES[str(param.type)]
     return one if param.length == 1 else (one,) * max(1, param.length)
-
-
-def sample_of_range(range_: str) -> Value | None:
-    """Returns an example value of a property range; None if there is none."""
-    datatype = DATATYPES[range_]
-    return next((datatype.check(value) for value in _OF_TYPE.values() if datatype.fits(value)), None)
 
 
 _MOST_TARGETS = 30

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import ast
 import inspect
+import re
 import sys
 import tomllib
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from functools import lru_cache, partial
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType, ModuleType
 from typing import Any
@@ -148,7 +148,13 @@ def _spot(entry: Entry, subject: Subject) -> Spot | None:
     if not name and isinstance(subject, Skill | ConditionType):
         name = entry.attribute.partition(".")[0]
     file = Path(module.__file__)
-    return Spot(file, _lines(file).get(name) or _lines(file).get(entry.attribute, 1))
+    try:
+        text = file.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError):
+        return Spot(file, 1)
+    places = (re.search(rf"^{re.escape(one)}\b[^=\n]*=", text, re.MULTILINE) for one in (name, entry.attribute) if one)
+    found = next(filter(None, places), None)
+    return Spot(file, 1 if found is None else text.count("\n", 0, found.start()) + 1)
 
 
 def _class_spot(class_: type) -> Spot | None:
@@ -157,20 +163,6 @@ def _class_spot(class_: type) -> Spot | None:
     except (OSError, TypeError):
         return None
     return Spot(Path(file), line) if file else None
-
-
-@lru_cache(maxsize=64)
-def _lines(file: Path) -> dict[str, int]:
-    """Returns the line of each name that a module assigns."""
-    try:
-        tree = ast.parse(file.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, SyntaxError):
-        return {}
-    found: dict[str, int] = {}
-    for node in tree.body:
-        targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)]
-        found |= {target.id: node.lineno for target in targets if isinstance(target, ast.Name)}
-    return found
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from skiros_py.cli.commands import server_options
+from skiros_py.cli.commands import SERVER
 from skiros_py.cli.options import key_values
 from skiros_py.cli.output import REACHED, tell
 from skiros_py.cli.reaching import reach
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 @click.command("call", epilog="Example: skiros call scenes.load name=kitting --data cell")
 @click.argument("operation", required=False)
 @click.argument("arguments", nargs=-1, metavar="[NAME=VALUE]...")
-@server_options
+@SERVER
 def command(
     operation: str | None, arguments: tuple[str, ...], data: Path | None, url: str | None, key_file: Path | None
 ) -> int:

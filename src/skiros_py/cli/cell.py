@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import click
 
 from skiros_py.cli.commands import Found, served
-from skiros_py.cli.options import key_values
+from skiros_py.cli.options import combined, key_values
 from skiros_py.cli.output import NOT_REACHED, REACHED
 from skiros_py.errors import DeviceError
 
@@ -98,17 +98,11 @@ def close_device(client: Client, device: str) -> Found:
     return client.devices.close(device), [f"{device} is closed"]
 
 
-_BY_HAND = (
+_by_hand = combined(
     click.argument("device"),
     click.option("--module", metavar="NAME", help="One of the modules for this.  [default: the first of the kind]"),
     click.option("--param", "params", multiple=True, metavar="KEY=VALUE", help="A parameter of the module. Repeat it."),
 )
-
-
-def _by_hand(command: Callable[..., Found]) -> Callable[..., Found]:
-    for option in reversed(_BY_HAND):
-        command = option(command)
-    return command
 
 
 @served("device jog gripper_1 --param gap=0.03 --data cell", device)

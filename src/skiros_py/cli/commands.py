@@ -6,28 +6,30 @@ import functools
 from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import click
 
-from skiros_py.cli.options import JSON, data_option
+from skiros_py.cli.options import JSON, combined, data_option
 from skiros_py.cli.output import REACHED, tell
 from skiros_py.cli.reaching import reach
 
 Found = tuple[Any, Iterable[str]] | tuple[Any, Iterable[str], int]
 """The result of a command: data, lines for people, and the exit status unless it succeeded."""
 
-_Command = TypeVar("_Command", bound=Callable[..., Any])
-
-_URL = click.option(
-    "--url", metavar="URL", envvar="SKIROS_URL", help="Address of the server.  [default: http://127.0.0.1:8000]"
+SERVER = combined(
+    data_option(required=False),
+    click.option(
+        "--url", metavar="URL", envvar="SKIROS_URL", help="Address of the server.  [default: http://127.0.0.1:8000]"
+    ),
+    click.option(
+        "--key-file",
+        metavar="FILE",
+        type=click.Path(path_type=Path, dir_okay=False),
+        help="File with the key; or set SKIROS_KEY in the environment.",
+    ),
 )
-_KEY_FILE = click.option(
-    "--key-file",
-    metavar="FILE",
-    type=click.Path(path_type=Path, dir_okay=False),
-    help="File with the key; or set SKIROS_KEY in the environment.",
-)
+"""The options that select a server: ``data``, ``url`` and ``key_file``."""
 
 
 def reports(
@@ -57,11 +59,6 @@ def reports(
     return decorate
 
 
-def server_options(command: _Command) -> _Command:
-    """Adds the options that select a server: ``data``, ``url`` and ``key_file``."""
-    return data_option(required=False)(_URL(_KEY_FILE(command)))
-
-
 def served(
     example: str,
     group: click.Group | None = None,
@@ -86,6 +83,6 @@ def served(
             with opened(data, url, key_file, **(client or {})) as subject:
                 return function(subject, **arguments)
 
-        return reports(example, group, **settings)(server_options(run))
+        return reports(example, group, **settings)(SERVER(run))
 
     return decorate

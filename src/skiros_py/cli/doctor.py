@@ -9,6 +9,7 @@ import tempfile
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
+from importlib.metadata import PackageNotFoundError, metadata, requires, version
 from pathlib import Path
 from typing import Any
 
@@ -16,21 +17,28 @@ import click
 
 from skiros_py.cli.options import JSON, data_option
 from skiros_py.cli.output import NOT_REACHED, REACHED, answer, escaped
+from skiros_py.errors import FileError, SkirosError, UnknownName
+from skiros_py.system import EXTRAS, check_display, has_extra, memory, missing_system_libraries, processors
 
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """What a check found.
+    """The result of a check.
 
     Attributes:
-        text: What is so.
-        todo: What to do about it; empty where all is well.
-        wrong: True where something does not work; False for what is well, or only optional.
+        text: What was found.
+        todo: What to do about it; empty if all is well.
+        optional: Whether everything works without it.
     """
 
     text: str
     todo: str = ""
-    wrong: bool = False
+    optional: bool = False
+
+    @property
+    def state(self) -> str:
+        """State in one word: "ok", "note" or "wrong"."""
+        return "ok" if not self.todo else "note" if self.optional else "wrong"
 
 
 Check = Callable[[], Iterator[Finding]]
@@ -47,37 +55,26 @@ _PROBLEM = "(define (problem try) (:domain try) (:init (ready)) (:goal (done)))"
 
 
 def _check(name: str) -> Callable[[Check], Check]:
-    def register(check: Check) -> Check:
-        CHECKS[name] = check
-        return check
-
-    return register
+    return lambda check: CHECKS.setdefault(name, check)
 
 
 @_check("python")
 def _python() -> Iterator[Finding]:
-    from importlib.metadata import metadata
-
     from packaging.specifiers import SpecifierSet
 
-    wanted = metadata("skiros-py")["Requires-Python"] or ""
-    text = f"Python {platform.python_version()} ({sys.executable})"
-    fits = SpecifierSet(wanted).contains(platform.python_version(), prereleases=True)
-    yield Finding(text) if fits else Finding(text, f"use a Python {wanted}", wrong=True)
+    wanted, own = metadata("skiros-py")["Requires-Python"] or "", platform.python_version()
+    fits = SpecifierSet(wanted).contains(own, prereleases=True)
+    yield Finding(f"Python {own} ({sys.executable})", "" if fits else f"use a Python {wanted}")
 
 
 @_check("skiros-py")
 def _skiros() -> Iterator[Finding]:
-    from importlib.metadata import version
-
     yield Finding(f"skiros-py {version('skiros-py')} in {Path(__file__).parents[1]}")
 
 
 @_check("libraries")
 def _libraries() -> Iterator[Finding]:
     """Checks that the required libraries are installed in compatible versions."""
-    from importlib.metadata import PackageNotFoundError, requires, version
-
     from packaging.requirements import Requirement
 
     wanted = [Requirement(text) for text in requires("skiros-py") or ()]
@@ -86,61 +83,55 @@ def _libraries() -> Iterator[Finding]:
         try:
             found = version(requirement.name)
         except PackageNotFoundError:
-            yield Finding(f"{requirement.name} is not installed", todo, wrong=True)
+            yield Finding(f"{requirement.name} is not installed", todo)
         else:
             if not requirement.specifier.contains(found, prereleases=True):
-                yield Finding(f"{requirement.name} {found} does not fit {requirement.specifier}", todo, wrong=True)
+                yield Finding(f"{requirement.name} {found} does not fit {requirement.specifier}", todo)
 
 
 @_check("extras")
 def _extras() -> Iterator[Finding]:
-    """Lists the installed extras of the distribution; each is optional."""
-    from skiros_py.system import EXTRAS, has_extra
-
     for extra in EXTRAS:
-        installed = has_extra(extra)
-        text = f"extra {extra}: {'installed' if installed else 'not installed'}"
-        yield Finding(text, "" if installed else f"python3 -m pip install 'skiros-py[{extra}]'")
+        if has_extra(extra):
+            yield Finding(f"extra {extra}: installed")
+        else:
+            todo = f"python3 -m pip install 'skiros-py[{extra}]'"
+            yield Finding(f"extra {extra}: not installed", todo, optional=True)
 
 
 @_check("system")
 def _system() -> Iterator[Finding]:
-    from skiros_py.system import missing_system_libraries
-
     for missing in dict.fromkeys(missing_system_libraries()):
-        yield Finding(str(missing), f"apt-get install {missing.package}", wrong=True)
+        yield Finding(str(missing), f"apt-get install {missing.package}")
 
 
 @_check("machine")
 def _machine() -> Iterator[Finding]:
-    from skiros_py.system import memory, processors
-
     text = f"{processors()} processors, {memory() / 2**30:.1f} GiB of memory"
     little = processors() < 2 or memory() < _LEAST_MEMORY
-    yield Finding(text, "runs with physics want 2 processors and 4 GiB" if little else "")
+    yield Finding(text, "runs with physics want 2 processors and 4 GiB" if little else "", optional=True)
 
 
 @_check("folders")
 def _folders() -> Iterator[Finding]:
-    folder = tempfile.gettempdir()
     try:
         with tempfile.TemporaryFile() as file:
             file.write(b"-")
     except OSError as error:
-        yield Finding(f"{folder}: {error.strerror}", "set TMPDIR to a folder that can be written", wrong=True)
+        yield Finding(f"{tempfile.gettempdir()}: {error.strerror}", "set TMPDIR to a folder that can be written")
     for variable in ("SKIROS_ONTOLOGIES", "SKIROS_SCENES"):
         for path in filter(None, os.environ.get(variable, "").split(":")):
             if not Path(path).exists():
-                yield Finding(f"{variable} names {path}, which does not exist", f"mend {variable}", wrong=True)
+                yield Finding(f"{variable} names {path}, which does not exist", f"correct {variable}")
 
 
 def data_folder(folder: Path) -> Iterator[Finding]:
     """Checks that a folder, which may not exist yet, can be a data directory."""
     there = next(path for path in (folder, *folder.absolute().parents) if path.exists())
     if not there.is_dir():
-        yield Finding(f"{there} is no folder", "choose another with --data", wrong=True)
+        yield Finding(f"{there} is no folder", "choose another with --data")
     elif not os.access(there, os.W_OK | os.X_OK):
-        yield Finding(f"{there} cannot be written", "choose another with --data, or change its owner", wrong=True)
+        yield Finding(f"{there} cannot be written", "choose another with --data, or change its owner")
     else:
         yield Finding(f"{folder} can be written")
 
@@ -151,18 +142,15 @@ def _java() -> Iterator[Finding]:
 
     path = java()
     todo = "optional: skiros ontology check asks HermiT where there is a Java; apt-get install default-jre-headless"
-    yield Finding(f"{path}") if path else Finding("there is no Java", todo)
+    yield Finding(f"{path}") if path else Finding("there is no Java", todo, optional=True)
 
 
 @_check("display")
 def _display() -> Iterator[Finding]:
-    from skiros_py.errors import SkirosError
-    from skiros_py.system import check_display
-
     try:
         check_display(os.environ.get("DISPLAY"))
     except (SkirosError, OSError) as error:
-        yield Finding(str(error), "optional: only skiros run --gui wants one")
+        yield Finding(str(error), "optional: only skiros run --gui wants one", optional=True)
 
 
 @_check("planner")
@@ -170,18 +158,18 @@ def _planner() -> Iterator[Finding]:
     """Solves a small task, to check that the planner's programs start."""
     from contextlib import closing
 
-    from skiros_py.errors import SkirosError
     from skiros_py.planning.planners.fast_downward import FastDownward
     from skiros_py.planning.planners.planner import Solved
 
+    todo = "pip install --force-reinstall up-fast-downward"
     try:
         with closing(FastDownward(time_limit=30.0)) as planner:
-            answer = planner.solve(_DOMAIN, _PROBLEM).result()
+            found = planner.solve(_DOMAIN, _PROBLEM).result()
     except (SkirosError, OSError) as error:
-        yield Finding(f"{error}", "pip install --force-reinstall up-fast-downward", wrong=True)
+        yield Finding(f"{error}", todo)
     else:
-        solved = isinstance(answer, Solved)
-        yield Finding("Fast Downward plans" if solved else f"Fast Downward answers {answer}", wrong=not solved)
+        solved = isinstance(found, Solved)
+        yield Finding("Fast Downward plans") if solved else Finding(f"Fast Downward answers {found}", todo)
 
 
 @_check("plug-ins")
@@ -193,9 +181,7 @@ def _distributions() -> Iterator[Finding]:
         number = sum(entry.distribution == distribution for entry in found.entries)
         yield Finding(f"{distribution}: {number} entry points ({distribution.folder})")
     for fault in found.faults:
-        yield Finding(
-            f"{fault.distribution}: {fault.reason}", f"install it again, or remove {fault.origin}", wrong=True
-        )
+        yield Finding(f"{fault.distribution}: {fault.reason}", f"install it again, or remove {fault.origin}")
 
 
 @_check("versions")
@@ -204,7 +190,7 @@ def _versions() -> Iterator[Finding]:
 
     for distribution in installation().distributions:
         if found := misfit(distribution):
-            yield Finding(f"{distribution}: {found.problem}", found.todo, wrong=True)
+            yield Finding(f"{distribution}: {found.problem}", found.todo)
 
 
 @_check("stale entry points")
@@ -213,23 +199,22 @@ def _stale() -> Iterator[Finding]:
     from skiros_py.plugins.plugin import locate
 
     for entry in installation().entries:
+        name = entry.distribution.name
         if not entry.is_well_formed:
-            yield Finding(f"{entry.group} {entry.name} of {entry} names nothing", "write module:object", wrong=True)
+            yield Finding(f"{entry.group} {entry.name} of {entry} names nothing", "write module:object")
         elif locate(entry.module) is None:
-            name = entry.distribution.name
             todo = f"pip install --force-reinstall {name}, or pip uninstall {name}"
-            yield Finding(f"{entry.group} {entry.name} of {entry}: the module is gone", todo, wrong=True)
+            yield Finding(f"{entry.group} {entry.name} of {entry}: the module is gone", todo)
 
 
 @_check("unknown groups")
 def _groups() -> Iterator[Finding]:
-    from skiros_py.errors import UnknownName
     from skiros_py.plugins.installation import GROUPS, installation
 
-    for entry in installation().entries:
-        if entry.group not in GROUPS:
-            text = f"{entry.name} of {entry}: {UnknownName('group of entry points', entry.group, GROUPS)}"
-            yield Finding(text, "nothing reads it; correct the group in the metadata of its distribution")
+    for entry in (one for one in installation().entries if one.group not in GROUPS):
+        text = f"{entry.name} of {entry}: {UnknownName('group of entry points', entry.group, GROUPS)}"
+        todo = "nothing reads it; correct the group in the metadata of its distribution"
+        yield Finding(text, todo, optional=True)
 
 
 @_check("loading")
@@ -241,30 +226,26 @@ def _loading() -> Iterator[Finding]:
     for one in survey()[0]:
         for fault in one.faults if one.entry.group in GROUPS else ():
             text = f"{one.entry.group} {one.entry.name} of {one.entry.distribution}: {fault.reason}"
-            yield Finding(text, f"skiros plugins {one.entry.name} shows it in full", wrong=True)
+            yield Finding(text, f"skiros plugins {one.entry.name} shows it in full")
 
 
 @_check("ontologies")
 def _ontologies() -> Iterator[Finding]:
     from skiros_py.config import ontology_paths
-    from skiros_py.errors import FileError
     from skiros_py.world.ontology import load_installed
 
     try:
-        ontology, _ = load_installed(ontology_paths())
+        found, _ = load_installed(ontology_paths())
     except FileError as error:
-        yield Finding(str(error), "mend the file; skiros ontology check says more", wrong=True)
+        yield Finding(str(error), "correct the file; skiros ontology check says more")
     else:
-        number = len(ontology.sources)
-        yield Finding(
-            f"{number} files go together: {len(ontology.classes)} classes, {len(ontology.relations)} relations"
-        )
+        numbers = f"{len(found.classes)} classes, {len(found.relations)} relations"
+        yield Finding(f"{len(found.sources)} files go together: {numbers}")
 
 
 @_check("scenes")
 def _scenes() -> Iterator[Finding]:
     from skiros_py.config import named_scene, ontology_paths, scene_names
-    from skiros_py.errors import SkirosError
     from skiros_py.world.ontology import load_installed
     from skiros_py.world.reasoners.registry import load_reasoners
     from skiros_py.world.scene import load_scene
@@ -275,7 +256,7 @@ def _scenes() -> Iterator[Finding]:
         try:
             load_scene(ontology, named_scene(name), ontology_paths(), reasoners=reasoners)
         except SkirosError as error:
-            yield Finding(f"{name}: {error}", f"mend it; skiros scene check {name} tries again", wrong=True)
+            yield Finding(f"{name}: {error}", f"correct it; skiros scene check {name} tries again")
     yield Finding(f"{len(scene_names())} scenes: {', '.join(scene_names())}")
 
 
@@ -288,48 +269,35 @@ def command(data: Path | None, as_json: bool) -> int:
     Exit status: 0 nothing is wrong (what is optional and absent is noted), 1 something is.
     """
     found: list[dict[str, Any]] = []
-    wrong = False
-    checks = dict(CHECKS)
-    if data is not None:
-        checks["data"] = partial(data_folder, data)
-    for name, check in checks.items():
-        for finding in examined(check):
-            wrong = wrong or finding.wrong
-            found.append({"check": name, "state": _state(finding), "text": finding.text, "todo": finding.todo})
-            if not as_json:
-                _print(name, finding)
+    checks = CHECKS | ({} if data is None else {"data": partial(data_folder, data)})
+    for name, finding in ((name, finding) for name, check in checks.items() for finding in examined(check)):
+        found.append({"check": name, "state": finding.state, "text": finding.text, "todo": finding.todo})
+        if not as_json:
+            click.echo(escaped(f"{finding.state:5}  {name:18}  {finding.text}"))
+            if finding.todo:
+                click.echo(escaped(f"{'':27}do: {finding.todo}"))
+    status = NOT_REACHED if any(one["state"] == "wrong" for one in found) else REACHED
     if as_json:
-        answer({"checks": found, "status": NOT_REACHED if wrong else REACHED})
-    elif not wrong:
+        answer({"checks": found, "status": status})
+    elif status == REACHED:
         click.echo("nothing is wrong")
-    return NOT_REACHED if wrong else REACHED
+    return status
 
 
 def examined(check: Check) -> Iterator[Finding]:
     """Runs one check; an exception is reported, and the other checks still run.
 
     Yields:
-        What it found; where it has nothing to say, that nothing is wrong.
+        Its findings; if there are none, that nothing is wrong.
     """
-    said = False
+    finding = None
     try:
         for finding in check():
-            said = True
             yield finding
     except (GeneratorExit, KeyboardInterrupt):
         raise
     except BaseException as error:  # noqa: BLE001 - an environment can be broken in any way
-        yield Finding(f"the check itself broke: {type(error).__name__}: {error}", "see the other lines", wrong=True)
+        yield Finding(f"the check itself broke: {type(error).__name__}: {error}", "see the other lines")
     else:
-        if not said:
+        if finding is None:
             yield Finding("nothing wrong")
-
-
-def _state(finding: Finding) -> str:
-    return "wrong" if finding.wrong else "note" if finding.todo else "ok"
-
-
-def _print(name: str, finding: Finding) -> None:
-    click.echo(escaped(f"{_state(finding):5}  {name:18}  {finding.text}"))
-    if finding.todo:
-        click.echo(escaped(f"{'':27}do: {finding.todo}"))

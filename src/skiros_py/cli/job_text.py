@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from skiros_py.cli.commands import Found
-from skiros_py.cli.output import NO_PLAN, NOT_REACHED, REACHED, STOPPED, escaped, table_lines
+from skiros_py.cli.output import NO_PLAN, NOT_REACHED, REACHED, STOPPED, console, escaped, table_lines
 
 if TYPE_CHECKING:
     from skiros_py.api.jobs import Job, JobPlan, JobStep, JobTransition
@@ -135,14 +135,12 @@ def follow_job(client: Client, name: str) -> Found:
         client: Reaches its server.
         name: Its id.
     """
-    from rich.console import Console
-
     from skiros_py.api.events import EventInfo
     from skiros_py.client.streams import stream_job_events
 
-    console = Console(file=sys.stdout, highlight=False)
+    shown = console(file=sys.stdout)
     said = ""
-    with console.status("") if console.is_terminal else nullcontext() as live:
+    with shown.status("") if shown.is_terminal else nullcontext() as live:
         job = client.jobs.get(name)
         for event in client.follow(stream_job_events(name)):
             if isinstance(event, EventInfo) and event.kind != "job":

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import traceback
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import nullcontext
 from pathlib import Path
 
 import click
@@ -63,20 +63,16 @@ def main() -> None:
     """Runs the command line; faults become one message and an exit status, never a traceback."""
     unwind_on_stops()
     arguments = sys.argv[1:]
-    with _stdout_for(arguments), warnings_on_stderr():
-        status = _run(arguments)
+    as_json = "--json" in arguments
+    # stdout is for the answer where a program reads it, or where PyBullet's window prints from C
+    stdout = answers_alone(prints=as_json) if as_json or "--gui" in arguments else nullcontext()
+    with stdout, warnings_on_stderr():
+        status = _run(arguments, as_json=as_json)
     ignore_stops()
     leave(status)
 
 
-def _stdout_for(arguments: list[str]) -> AbstractContextManager[None]:
-    """Keeps stdout for the answer where a program reads it, or where PyBullet's window prints from C."""
-    as_json = "--json" in arguments
-    return answers_alone(prints=as_json) if as_json or "--gui" in arguments else nullcontext()
-
-
-def _run(arguments: list[str]) -> int:
-    as_json = "--json" in arguments
+def _run(arguments: list[str], *, as_json: bool) -> int:
     try:
         status = cli.main(args=arguments, prog_name="skiros", standalone_mode=False)
     except click.ClickException as error:

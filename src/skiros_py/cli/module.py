@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from typing import TYPE_CHECKING, Any, TypeVar
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from skiros_py.cli.commands import Found, reports
-from skiros_py.cli.options import GUI, JSON, cell_options, key_values
+from skiros_py.cli.options import ASK, GUI, JSON, cell_options, combined, key_values
 from skiros_py.cli.output import NOT_REACHED, REACHED, STOPPED, tell
-from skiros_py.cli.run import answering, ask_option
+from skiros_py.cli.run import answering, stopping
 from skiros_py.errors import UnknownName
 
 if TYPE_CHECKING:
@@ -19,34 +19,30 @@ if TYPE_CHECKING:
     from skiros_py.execution.skill_manager import SkillManager
     from skiros_py.station.session import Session
 
-_Command = TypeVar("_Command", bound=Callable[..., Any])
-
 
 @click.group("module")
 def command() -> None:
     """Lists, shows and runs single skills and primitives, in simulation or on the fake."""
 
 
-def _scene(function: _Command) -> _Command:
-    return click.option(
-        "--scene", default="kitting", show_default=True, metavar="SCENE", help="Scene: a name, or a .ttl file."
-    )(function)
-
-
-def _choice(function: _Command) -> _Command:
-    param = click.option(
+_SCENE = click.option(
+    "--scene", default="kitting", show_default=True, metavar="SCENE", help="Scene: a name, or a .ttl file."
+)
+_CHOICE = combined(
+    click.option(
         "--param",
         "params",
         multiple=True,
         metavar="KEY=VALUE",
         help="A parameter; may be repeated; others are inferred.",
-    )
-    agent = click.option("--agent", metavar="ID", help="Subsystem that runs it.  [default: the first that can]")
-    return param(agent(_scene(function)))
+    ),
+    click.option("--agent", metavar="ID", help="Subsystem that runs it.  [default: the first that can]"),
+    _SCENE,
+)
 
 
 @reports("module list --scene kitting", command)
-@_scene
+@_SCENE
 def list_(scene: str) -> Found:
     """Lists what each skill manager of a scene can run."""
     with _fake(scene) as session:
@@ -58,7 +54,7 @@ def list_(scene: str) -> Found:
 
 @reports("module show pick --param Object=starter_1", command)
 @click.argument("name")
-@_choice
+@_CHOICE
 def show(name: str, params: tuple[str, ...], agent: str | None, scene: str) -> Found:
     """Shows a module: its parameters with their present values, its conditions and whether they hold, and its body."""
     with _fake(scene) as session:
@@ -75,11 +71,11 @@ def show(name: str, params: tuple[str, ...], agent: str | None, scene: str) -> F
 
 @command.command("run", epilog="Example: skiros module run drive --param Location=pallet_a --fake")
 @click.argument("name")
-@_choice
+@_CHOICE
 @cell_options("max")
 @GUI
 @click.option("--repeat", type=click.IntRange(1), default=1, help="Number of runs.  [default: 1]")
-@ask_option
+@ASK
 @JSON
 def run(
     name: str,
@@ -92,7 +88,6 @@ def run(
     **options: Any,
 ) -> int:
     """Runs a single module, and shows its conditions before and after."""
-    from skiros_py.cli.run import stopping
     from skiros_py.skills.outcome import Success
     from skiros_py.station.session import Options, Session
 

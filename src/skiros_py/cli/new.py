@@ -44,7 +44,7 @@ def package(folder: Path, dry_run: bool, as_json: bool, **given: Any) -> int:
 
     draft = draft_package(folder.absolute(), NewPackage(**given))
     if not dry_run:
-        draft.write_folder()
+        draft.write()
     steps = (f"cd {draft.root}", "pip install -e '.[test]'", "pytest", f"skiros run {given['name']} --fake")
     return _tell(draft, steps, dry_run=dry_run, as_json=as_json)
 

@@ -78,6 +78,7 @@ def constants(paths: tuple[Path, ...], namespaces: tuple[str, ...], output: Path
     """
     from skiros_py.world.ontology import Ontology
     from skiros_py.world.ontology.constants import constants_module
+    from skiros_py.world.scene.files import write_atomically
 
     if output is not None and current is not None:
         raise UsageError("-o writes a file and --check writes none: give one of them")
@@ -87,7 +88,8 @@ def constants(paths: tuple[Path, ...], namespaces: tuple[str, ...], output: Path
     if output is None:
         click.echo(text, nl=False)
     else:
-        _write(output, text)
+        write_atomically(output, text)
+        click.echo(f"wrote {output}", err=True)
     return REACHED
 
 
@@ -155,15 +157,3 @@ def _compare(file: Path, text: str) -> int:
     if diff:
         click.echo(f"{file} is not current", err=True)
     return NOT_REACHED if diff else REACHED
-
-
-def _write(file: Path, text: str) -> None:
-    """Writes the file atomically."""
-    draft = file.with_name(f".{file.name}.new")
-    try:
-        draft.write_text(text, encoding="utf-8")
-        draft.replace(file)
-    except OSError as error:
-        draft.unlink(missing_ok=True)
-        raise UsageError(f"-o {file}: {error.strerror}") from error
-    click.echo(f"wrote {file}", err=True)

@@ -114,15 +114,6 @@ def key_values(
     return found
 
 
-def _configuration(
-    ctx: click.Context,  # noqa: ARG001 - click's signature
-    param: click.Parameter,  # noqa: ARG001 - the same
-    texts: tuple[str, ...],
-) -> dict[str, str]:
-    """Reads values of configuration parameters by "module.key"."""
-    return key_values("--config", texts, "move_arm.speed=0.5", "MODULE.KEY=VALUE", lambda name: "." in name)
-
-
 def _login() -> str:
     try:
         return getpass.getuser()
@@ -136,39 +127,53 @@ JSON = click.option("--json", "as_json", is_flag=True, help="One JSON object on 
 """For programs that read the answer."""
 
 
-def pace_option(default: str) -> Callable[[_Command], _Command]:
-    """Returns the option for the pace."""
-    return click.option(
-        "--pace", type=_Pace(), default=default, help=f"Simulated seconds per second.  [default: {default}]"
-    )
+def combined(*options: Callable[[Any], Any]) -> Callable[[_Command], _Command]:
+    """Returns a decorator that adds several options and arguments, in this order."""
+
+    def decorate(command: _Command) -> _Command:
+        for option in reversed(options):
+            command = option(command)
+        return command
+
+    return decorate
 
 
 CONFIG = click.option(
-    "--config", multiple=True, metavar="MODULE.KEY=VALUE", callback=_configuration, help="A configuration parameter."
+    "--config",
+    multiple=True,
+    metavar="MODULE.KEY=VALUE",
+    callback=lambda _context, _option, texts: key_values(
+        "--config", texts, "move_arm.speed=0.5", "MODULE.KEY=VALUE", lambda name: "." in name
+    ),
+    help="A configuration parameter.",
 )
-"""What holds for every run of a module."""
-
-
-def _names(
-    ctx: click.Context,  # noqa: ARG001 - click's signature
-    param: click.Parameter,  # noqa: ARG001 - the same
-    texts: tuple[str, ...],
-) -> tuple[str, ...]:
-    """Reads names, separated by commas or given one by one."""
-    return tuple(name.strip() for text in texts for name in text.split(",") if name.strip())
-
-
+"""The option for configuration parameters by "module.key"."""
 SKILLS = click.option(
-    "--skills", multiple=True, metavar="NAME,…", callback=_names, help="Load only these skills.  [default: all]"
+    "--skills",
+    multiple=True,
+    metavar="NAME,…",
+    callback=lambda _context, _option, texts: tuple(n.strip() for t in texts for n in t.split(",") if n.strip()),
+    help="Load only these skills.  [default: all]",
 )
-"""Which skills are on offer."""
-_PLANNER = click.option("--planner", metavar="NAME", help="Planner to use.  [default: the first that fits the task]")
-_TEMPORAL = click.option("--temporal", is_flag=True, help="Temporal planning with durations; needs a temporal planner.")
-_PLANNER_COMMAND = click.option(
-    "--planner-command",
-    metavar="TEMPLATE",
-    help="Command of any PDDL planner, such as 'pyperplan -s gbf {domain} {problem}'; {plan} is the plan's file.",
+"""The option for the offered skills."""
+PLANNER = combined(
+    click.option("--planner", metavar="NAME", help="Planner to use.  [default: the first that fits the task]"),
+    click.option(
+        "--planner-command",
+        metavar="TEMPLATE",
+        help="Command of any PDDL planner, such as 'pyperplan -s gbf {domain} {problem}'; {plan} is the plan's file.",
+    ),
+    click.option("--temporal", is_flag=True, help="Temporal planning with durations; needs a temporal planner."),
 )
+"""The options that choose a planner: ``planner``, ``planner_command`` and ``temporal``."""
+ASK = click.option(
+    "--ask/--no-ask",
+    default=None,
+    help="Whether robots may ask questions, answered by lines of input.  [default: if input is a terminal]",
+)
+"""The option for questions to the person at the terminal."""
+AUTHOR = click.option("--author", default=_login, metavar="NAME", help="Author of the edit.  [default: your login]")
+"""The option for the author of an edit."""
 
 
 def cell_options(pace: str) -> Callable[[_Command], _Command]:
@@ -177,17 +182,5 @@ def cell_options(pace: str) -> Callable[[_Command], _Command]:
     Args:
         pace: Default of the pace.
     """
-
-    def decorate(command: _Command) -> _Command:
-        return SEED(pace_option(pace)(FAKE(DRIVER(ENGINE(CONFIG(command))))))
-
-    return decorate
-
-
-def planner_options(command: _Command) -> _Command:
-    """Adds the options that choose a planner: ``planner``, ``planner_command`` and ``temporal``."""
-    return _PLANNER(_PLANNER_COMMAND(_TEMPORAL(command)))
-
-
-AUTHOR = click.option("--author", default=_login, metavar="NAME", help="Author of the edit.  [default: your login]")
-"""Who an edit is by."""
+    speed = click.option("--pace", type=_Pace(), default=pace, help=f"Simulated seconds per second.  [default: {pace}]")
+    return combined(SEED, speed, FAKE, DRIVER, ENGINE, CONFIG)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TextIO
 import click
 
 if TYPE_CHECKING:
-    from rich.console import ConsoleRenderable
+    from rich.console import Console, ConsoleRenderable
 
 REACHED = 0
 """The goal holds: by the simulator's truth, or by belief where a fake ran."""
@@ -126,23 +126,26 @@ def table_lines(columns: Sequence[str], rows: Iterable[Sequence[str]], *, right:
 
 def rendered(what: ConsoleRenderable) -> list[str]:
     """Returns the lines of something that rich draws, such as a table or a tree, as wide as the terminal."""
+    plain = console(color_system=None)
+    with plain.capture() as captured:
+        plain.print(what)
+    return [line.rstrip() for line in captured.get().splitlines()]
+
+
+def console(**options: Any) -> Console:
+    """Returns a console of rich that is as wide as the terminal; a file or a pipe has no width to fit."""
     from rich.console import Console
 
-    console = Console(highlight=False, color_system=None)
-    if not console.is_terminal:  # a file or a pipe has no width to fit
-        console.width = _FILE_WIDTH
-    with console.capture() as captured:
-        console.print(what)
-    return [line.rstrip() for line in captured.get().splitlines()]
+    found = Console(highlight=False, **options)
+    if not found.is_terminal:
+        found.width = _FILE_WIDTH
+    return found
 
 
 @contextmanager
 def progress(first: str) -> Iterator[Callable[[str], None]]:
     """Shows progress on a terminal; elsewhere nothing."""
-    from rich.console import Console
-
-    console = Console(stderr=True, highlight=False)
-    with console.status(first) as status:
+    with console(stderr=True).status(first) as status:
         yield lambda text: status.update(f"{text} …")
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from skiros_py.cli.commands import Found, reports
-from skiros_py.cli.options import GOAL, SKILLS, planner_options
+from skiros_py.cli.options import GOAL, PLANNER, SKILLS
 from skiros_py.cli.output import NO_PLAN, REACHED, rendered
 from skiros_py.errors import UsageError
 
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 )
 @click.option("--explain-domain", "explain", is_flag=True, help="Show what was added to the skills, and why.")
 @SKILLS
-@planner_options
+@PLANNER
 def command(scene: str, folder: Path | None, explain: bool, **options: Any) -> Found:
     """Shows domain, problem and plan for the goal of SCENE; nothing moves."""
     from skiros_py.planning.domain.model import account_of

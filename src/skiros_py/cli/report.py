@@ -8,7 +8,6 @@ import click
 
 from skiros_py.cli.options import JSON
 from skiros_py.cli.output import REACHED, answer
-from skiros_py.errors import FileError
 
 
 @click.command("report", epilog="Example: skiros run kitting --data work && skiros report work --output run.html")
@@ -33,11 +32,12 @@ def command(run: Path, output: Path | None, mcap: Path | None, as_json: bool) ->
     """
     from skiros_py.recording import Recording, find_recording, report_page
     from skiros_py.recording.writer import export
+    from skiros_py.world.scene.files import write_atomically
 
     with Recording(find_recording(run)) as recording:
         page = output or (None if as_json or mcap else Path(f"{recording.path.stem}.html"))
         if page is not None:
-            _write(page, report_page(recording))
+            write_atomically(page, report_page(recording))
         if mcap is not None:
             export(recording, mcap)
         if as_json:
@@ -45,10 +45,3 @@ def command(run: Path, output: Path | None, mcap: Path | None, as_json: bool) ->
         else:
             click.echo("\n".join(str(path) for path in (page, mcap) if path is not None))
     return REACHED
-
-
-def _write(path: Path, text: str) -> None:
-    try:
-        path.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise FileError(path, f"cannot be written: {error.strerror or error}") from error

@@ -7,20 +7,18 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self, TypeVar
+from typing import TYPE_CHECKING, Any, Self
 
 import click
-from rich.console import Console
 from rich.live import Live
-from rich.table import Table
 from rich.text import Text
 
 from skiros_py.cli.ending import STOPS, end_unless, heard_at_once, ignore_stops, raise_interrupt
-from skiros_py.cli.options import GUI, SKILLS, cell_options, data_option, planner_options
-from skiros_py.cli.output import NO_PLAN, NOT_REACHED, REACHED, STOPPED, answer, escaped
+from skiros_py.cli.options import ASK, GUI, PLANNER, SKILLS, cell_options, data_option
+from skiros_py.cli.output import NO_PLAN, NOT_REACHED, REACHED, STOPPED, answer, console, escaped, table_lines
 from skiros_py.errors import UsageError
 from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.planning.plan import NoPlan
@@ -31,19 +29,6 @@ from skiros_py.tasks.trace import short_step
 if TYPE_CHECKING:
     from skiros_py.skills.context import Question, Questions
     from skiros_py.station.session import Session
-    from skiros_py.tasks.report import GoalReport
-
-
-_Command = TypeVar("_Command", bound=Callable[..., Any])
-
-
-def ask_option(function: _Command) -> _Command:
-    """Adds the option for questions to the person at the terminal."""
-    return click.option(
-        "--ask/--no-ask",
-        default=None,
-        help="Whether robots may ask questions, answered by lines of input.  [default: if input is a terminal]",
-    )(function)
 
 
 @contextmanager
@@ -87,18 +72,12 @@ def _read(questions: Questions, came: threading.Event) -> None:
             click.echo(f"? {error}", err=True)
 
 
-_FILE_WIDTH = 200
-"""Width of the table if it is not shown on a terminal."""
-
-
 class RunDisplay:
     """Follows one session: a line for each finished step, and a live line on a terminal."""
 
     def __init__(self, session: Session, *, to_stderr: bool) -> None:
         self._session = session
-        self._console = Console(stderr=to_stderr, highlight=False, soft_wrap=True)
-        if not self._console.is_terminal:  # a file or a pipe has no width to fit
-            self._console.width = _FILE_WIDTH
+        self._console = console(stderr=to_stderr, soft_wrap=True)
         self._live = Live(console=self._console, refresh_per_second=8, transient=True)
         self._skill = self._primitive = ""
         self._plans = 0
@@ -106,7 +85,14 @@ class RunDisplay:
         session.on_plan(self._on_plan)
 
     def __enter__(self) -> Self:
-        self._show_start()
+        session = self._session
+        robots = ", ".join(robot.id for robot in session.spec.robots)
+        self.say(f"scene   {session.scene}: {robots}, seed {session.options.seed}")
+        for agent, manager in sorted(session.managers.items()):
+            for name, skill in sorted(manager.descriptions.items()):
+                self.say(f"skill   {name:8} by {agent}: {skill.help}")
+        for condition in session.goal:
+            self.say(f"goal    {condition}")
         if self._console.is_terminal:
             self._live.start()
             self._session.cycle.observe(self._refresh)
@@ -118,16 +104,6 @@ class RunDisplay:
     def say(self, text: str) -> None:
         """Prints one line."""
         self._console.print(text, markup=False)
-
-    def _show_start(self) -> None:
-        session = self._session
-        robots = ", ".join(robot.id for robot in session.spec.robots)
-        self.say(f"scene   {session.scene}: {robots}, seed {session.options.seed}")
-        for agent, manager in sorted(session.managers.items()):
-            for name, skill in sorted(manager.descriptions.items()):
-                self.say(f"skill   {name:8} by {agent}: {skill.help}")
-        for condition in session.goal:
-            self.say(f"goal    {condition}")
 
     def _on_plan(self, planned: Planned) -> None:
         self._plans += 1
@@ -170,24 +146,30 @@ class RunDisplay:
         """Prints the table: each goal condition, belief, truth, tries; then times."""
         if not report.steps and not report.no_plan and report.reached:
             self.say("the goal already holds: nothing to do")
-        table = Table(box=None, pad_edge=False)
-        for column in ("goal condition", "believed", "truth", "tries", "simulated", "wall", "why not"):
-            table.add_column(column, justify="right" if column in ("tries", "simulated", "wall") else "left")
-        for c in report.conditions:
-            truth = "-" if c.true is None else _yes(c.true)
-            times = _seconds(c.simulated), _seconds(c.wall)
-            table.add_row(Text(c.condition), _yes(c.believed), truth, str(c.tries), *times, Text(c.reason))
-        self._console.print(table)
+        columns = ("goal condition", "believed", "truth", "tries", "simulated", "wall", "why not")
+        rows = (
+            (
+                c.condition,
+                _YES[c.believed],
+                _YES[c.true],
+                str(c.tries),
+                _seconds(c.simulated),
+                _seconds(c.wall),
+                c.reason,
+            )
+            for c in report.conditions
+        )
+        for line in table_lines(columns, rows, right=("tries", "simulated", "wall")):
+            self.say(line)
         verdict = "stopped" if report.stopped else "goal reached" if report.reached else "goal not reached"
         self.say(f"{verdict}: {report.simulated:.1f} s simulated, {report.wall:.1f} s wall, digest {report.digest}")
 
 
+_YES = {True: "yes", False: "no", None: "-"}
+
+
 def _seconds(value: float | None) -> str:
     return "-" if value is None else f"{value:.1f} s"
-
-
-def _yes(value: bool) -> str:
-    return "yes" if value else "no"
 
 
 @click.command("run", epilog="Example: skiros run kitting --seed 3 --goal 'InKit(Starter, kit_1)' --record run.png")
@@ -210,8 +192,8 @@ def _yes(value: bool) -> str:
 )
 @data_option(required=False)
 @SKILLS
-@planner_options
-@ask_option
+@PLANNER
+@ASK
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout, all else on stderr.")
 def command(scene: str, record: Path | None, ask: bool | None, as_json: bool, **options: Any) -> int:
     """Plans and executes the goal of SCENE (a name, or a path to a .ttl file)."""
@@ -234,15 +216,15 @@ def command(scene: str, record: Path | None, ask: bool | None, as_json: bool, **
 
 
 def _run(session: Session, record: Path | None, *, ask: bool | None, as_json: bool) -> int:
-
     from skiros_py.recording.pictures import RunPictures
     from skiros_py.station.recordings.runs import run_recorder
     from skiros_py.station.recordings.sources import camera_of
 
-    camera = camera_of(session)
-    if record is not None and camera is None:
-        raise UsageError("--record needs the simulation: nothing else can be seen from outside")
-    pictures = RunPictures(session.runtime, camera, record) if record is not None and camera is not None else None
+    camera, pictures = camera_of(session), None
+    if record is not None:
+        if camera is None:
+            raise UsageError("--record needs the simulation: nothing else can be seen from outside")
+        pictures = RunPictures(session.runtime, camera, record)
     data = session.options.data
     kept = run_recorder(session, data) if data is not None else None
     with (
@@ -264,9 +246,12 @@ def _run(session: Session, record: Path | None, *, ask: bool | None, as_json: bo
             display.say(f"recorded to {record}")
         except UsageError as error:  # the run is what counts: its report must not be lost for a picture
             display.say(f"warning {error}")
+    status = NO_PLAN if report.no_plan else REACHED if report.reached else NOT_REACHED
+    status = STOPPED if report.stopped else status
     if as_json:
-        answer(_as_json(session, report))
-    return _status(report)
+        head = {"scene": session.scene, "seed": session.options.seed, "status": status, "reached": report.reached}
+        answer({**head, **dataclasses.asdict(report)})
+    return status
 
 
 @contextmanager
@@ -300,21 +285,3 @@ def stopping(session: Session, *, as_json: bool) -> Iterator[None]:
         left.set()
         for number, handler in before.items():
             signal.signal(number, handler)
-
-
-def _status(report: GoalReport) -> int:
-    if report.stopped:
-        return STOPPED
-    if report.no_plan:
-        return NO_PLAN
-    return REACHED if report.reached else NOT_REACHED
-
-
-def _as_json(session: Session, report: GoalReport) -> dict[str, Any]:
-    return {
-        "scene": session.scene,
-        "seed": session.options.seed,
-        "status": _status(report),
-        "reached": report.reached,
-        **dataclasses.asdict(report),
-    }

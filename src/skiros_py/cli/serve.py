@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import click
 
 from skiros_py.cli.ending import STOPS, end_now, end_unless, no_warnings_on_stderr
-from skiros_py.cli.options import JSON, SKILLS, cell_options, data_option, planner_options
+from skiros_py.cli.options import JSON, PLANNER, SKILLS, cell_options, data_option
 from skiros_py.cli.output import NOT_REACHED, REACHED, STOPPED, answer, escaped
 from skiros_py.errors import FileError, SkirosError, UsageError
 from skiros_py.interruptions import UserStop
@@ -50,29 +50,24 @@ def rollback_first_start(data: Path) -> Iterator[None]:
 
 def _remove(made: list[Path]) -> None:
     """Removes folders, the innermost first; failures are ignored."""
+    from skiros_py.server.access.keys import KeyStore
     from skiros_py.world.journal.data_directory import DirectoryLock
 
     data = made[0]
     with suppress(OSError, FileError):  # FileError: somebody else uses it by now
         lock = DirectoryLock(data)
         try:
-            if not _holds_more(data):
+            more: object = {file.name for file in data.iterdir()} - {*_OF_ACCESS, "lock"}
+            if not more:
+                with closing(KeyStore(data)) as keys:
+                    more = keys.all()
+            if not more:  # than a server makes before it opens its world
                 for name in (*_OF_ACCESS, "lock"):
                     (data / name).unlink(missing_ok=True)
         finally:
             lock.release()
         for folder in made:
             folder.rmdir()
-
-
-def _holds_more(data: Path) -> bool:
-    """Returns whether there is more than a server makes before it opens its world."""
-    from skiros_py.server.access.keys import KeyStore
-
-    if {file.name for file in data.iterdir()} - {*_OF_ACCESS, "lock"}:
-        return True
-    with closing(KeyStore(data)) as keys:
-        return bool(keys.all())
 
 
 _OVERRUN = 0.5
@@ -102,7 +97,7 @@ Examples:
 @cell_options("real")
 @click.option("--robot", metavar="NAME", help="The robot to use.  [default: all robots of the scene]")
 @SKILLS
-@planner_options
+@PLANNER
 @click.option(
     "--auth",
     "authentication",
@@ -137,6 +132,7 @@ def command(scene: str, data: Path | None, log: Literal["console", "json"], as_j
     was under way waits for a person at the next start.
     """
     require_extra("server", "skiros serve")
+    from skiros_py.server.monitoring import log_to
     from skiros_py.server.serving import bind, switching_quickly
     from skiros_py.server.settings import ServerSettings
     from skiros_py.station.session import Options
@@ -144,50 +140,28 @@ def command(scene: str, data: Path | None, log: Literal["console", "json"], as_j
     settings = ServerSettings(**{name: given.pop(name) for name in _SETTINGS})
     overrun = _OVERRUN if given["driver"] else _OVERRUN_SIMULATED
     options = Options(data=data, overrun=None if given["pace"] is None else overrun, **given)
-    _check_first_content(scene, data)
-    with (
-        switching_quickly(),
-        closing(bind(settings)) as listening,
-        _Stops(as_json=as_json).heard() as stops,
-        _folder(data) as folder,
-    ):
-        _log_to_stderr(log)
-        try:
-            _serve(scene, replace(options, data=folder), settings, listening, stops, as_json=as_json)
-        except UserStop:
-            return REACHED  # ended before it was up
-    return REACHED
-
-
-@contextmanager
-def _folder(data: Path | None) -> Iterator[Path]:
-    """Yields the data directory: without a name, a temporary one."""
-    if data is not None:
-        yield data
-        return
-    with tempfile.TemporaryDirectory(prefix="skiros-") as folder:
-        click.echo("data    for this time only: --data DIR keeps world, jobs and keys", err=True)
-        yield Path(folder)
-
-
-def _check_first_content(scene: str, data: Path | None) -> None:
     if data is None and not scene:
         raise UsageError(
             "say what is served: skiros serve SCENE, or skiros serve --data DIR where a world lives already"
         )
     if data is not None and not (scene or _lives(data)):
         raise UsageError(f"{data}: no world lives here yet; say with which scene it begins: skiros serve SCENE …")
+    with ExitStack() as stack:
+        stack.enter_context(switching_quickly())
+        listening = stack.enter_context(closing(bind(settings)))
+        stops = stack.enter_context(_Stops(as_json=as_json).heard())
+        if data is None:
+            options = replace(options, data=Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="skiros-"))))
+            click.echo("data    for this time only: --data DIR keeps world, jobs and keys", err=True)
+        no_warnings_on_stderr()
+        log_to(sys.stderr, form=log)
+        with suppress(UserStop):  # ended before it was up
+            _serve(scene, options, settings, listening, stops, as_json=as_json)
+    return REACHED
 
 
 def _lives(data: Path) -> bool:
     return (data / "journal.db").exists()
-
-
-def _log_to_stderr(form: Literal["console", "json"]) -> None:
-    from skiros_py.server.monitoring import log_to
-
-    no_warnings_on_stderr()
-    log_to(sys.stderr, form=form)
 
 
 def _serve(
@@ -196,6 +170,7 @@ def _serve(
     from skiros_py.server.services import Services
     from skiros_py.server.serving import Serving, announced, url_of
     from skiros_py.station.session import Session
+    from skiros_py.station.worlds import why_not_loaded
 
     data = options.data
     assert data is not None
@@ -204,8 +179,9 @@ def _serve(
     with ExitStack() as stack:
         with rollback_first_start(data):
             services = stack.enter_context(Services(lambda: Session(scene, options), data, settings))
-        if scene and lives:
-            _say_what_lives(services, scene, data)
+        why = why_not_loaded(data, services.station.session.world, scene) if scene and lives else ""
+        if why:
+            click.echo(f"world   {escaped(why)}; choose another --data to begin it", err=True)
         url = url_of(listening)
 
         def on_listening() -> None:
@@ -218,14 +194,6 @@ def _serve(
         stops.end_with(serving)
         serving.run()
         click.echo("ending  the robots come to a standstill; what was under way waits for a person", err=True)
-
-
-def _say_what_lives(services: Services, scene: str, data: Path) -> None:
-    """Warns if the scene, or the present version of its file, is not the one in the data directory."""
-    from skiros_py.station.worlds import why_not_loaded
-
-    if why := why_not_loaded(data, services.station.session.world, scene):
-        click.echo(f"world   {escaped(why)}; choose another --data to begin it", err=True)
 
 
 def _expect_people(services: Services, url: str) -> None:

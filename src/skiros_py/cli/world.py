@@ -15,17 +15,17 @@ from skiros_py.cli.options import AUTHOR, DATA, data_option, open_existing
 from skiros_py.cli.output import REACHED
 from skiros_py.cli.reaching import present_world
 from skiros_py.errors import FileError
-from skiros_py.world.vocabulary import ELEMENT
+from skiros_py.world.vocabulary import APPLIES_TO, ELEMENT
 
 if TYPE_CHECKING:
     from skiros_py.cli.world_open import History, Shown
+    from skiros_py.world.element import Element
     from skiros_py.world.journal import Entry
 
 _MOST_LINES = 20
 """Maximum number of edits shown for one change; a scene has thousands."""
 
 _ELSEWHERE = {
-    "learned": ("world_learned", "Lists, deletes or exports the concepts taught to robots."),
     "query": ("world_query", "Runs a SPARQL query."),
 }
 """Commands in other modules, imported when used."""
@@ -159,3 +159,57 @@ def compact(data: Path, keep: int) -> Found:
         first, version = directory.journal.first, directory.journal.version
     remembered = f"{version - first + 1} of {version} changes are remembered"
     return {"remembered_from": first, "version": version}, [remembered]
+
+
+# ---------------------------------------------------------------- learned concepts
+
+
+@command.group("learned")
+def learned() -> None:
+    """Lists, deletes or exports the concepts taught to robots."""
+
+
+@reports("world learned list --data run/data", learned)
+@DATA
+def list_learned(data: Path) -> Found:
+    """Lists the learned concepts."""
+    from skiros_py.world.change import ElementEdit
+
+    with present_world(data) as world:
+        elements = world.learned()
+    return {"learned": [ElementEdit(e.id, None, e).as_json()["new"] for e in elements]}, map(_learned_line, elements)
+
+
+def _learned_line(element: Element) -> str:
+    about = f", about {element.properties[APPLIES_TO]}" if APPLIES_TO in element.properties else ""
+    return f"{element.id} ({element.type}) '{element.label}'{about}"
+
+
+@reports("world learned forget learned:mug_1 --data run/data", learned)
+@click.argument("concept")
+@DATA
+@AUTHOR
+def forget(concept: str, data: Path, author: str) -> Found:
+    """Deletes CONCEPT with its parts; skiros world undo restores it."""
+    with present_world(data) as world:
+        change = world.forget(concept, author)
+    return change.as_json(), [f"change {change.number}: {change.reason}"]
+
+
+@learned.command("export", epilog="Example: skiros world learned export mugs.ttl --data run/data")
+@click.argument("file", required=False, type=click.Path(dir_okay=False, path_type=Path))
+@DATA
+def export(file: Path | None, data: Path) -> int:
+    """Writes the learned concepts as Turtle, to FILE or to stdout.
+
+    A new data directory that contains this file as learned.ttl starts with them.
+    """
+    from skiros_py.world.scene.files import write_atomically
+
+    with present_world(data) as world:
+        text = world.learned_turtle()
+    if file is None:
+        click.echo(text, nl=False)
+    else:
+        write_atomically(file, text)
+    return REACHED

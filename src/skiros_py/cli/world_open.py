@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from skiros_py.world.change import Change
     from skiros_py.world.element import Element, Stamp
     from skiros_py.world.journal import Entry, Journal
-    from skiros_py.world.ontology import Ontology
     from skiros_py.world.queries import Binding, Result
     from skiros_py.world.world import World
 
@@ -74,10 +73,6 @@ class OpenWorld:
         if element is not None and not entries and not self._journal.was_given(element):
             raise UnknownName("element", element, self._world.snapshot().ids())
         return History(self._journal.first, entries)
-
-    def ontology(self) -> Ontology:
-        """Returns the ontology."""
-        return self._world.ontology
 
     def undo(self, author: str) -> Change:
         """Undoes the last edit of a person."""

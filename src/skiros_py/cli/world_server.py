@@ -5,8 +5,9 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from decimal import Decimal
+from functools import partial
 from itertools import islice
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any
 
 from skiros_py.cli.world_open import History, Shown
 from skiros_py.errors import UsageError
@@ -14,19 +15,17 @@ from skiros_py.errors import UsageError
 if TYPE_CHECKING:
     from skiros_py.api.queries import Query
     from skiros_py.api.world import Change as ChangeInfo
-    from skiros_py.api.world import ChangePage, ElementDetails, Learned, Relation
+    from skiros_py.api.world import ElementDetails, Learned
     from skiros_py.client import Client
     from skiros_py.world.change import Change
     from skiros_py.world.element import Element, Value
     from skiros_py.world.journal import Entry
-    from skiros_py.world.ontology import Ontology
     from skiros_py.world.queries import Binding, Result
 
 _PAGE = 1000
 _CHANGES = 200
 """Changes of one page."""
 _LONGEST_AUTHOR = 100
-_Item = TypeVar("_Item", covariant=True)
 
 
 class ServedWorld:
@@ -44,39 +43,24 @@ class ServedWorld:
         from skiros_py.world.element import Stamp
 
         found = self._client.elements.get(element)
-        statements = [(r.subject, r.relation, r.object) for r in self._relations(found)]
-        return Shown(_element(found), statements, Stamp(found.version, found.changed_at))
-
-    def _relations(self, found: ElementDetails) -> Iterator[Relation]:
-        if found.relations_total == len(found.relations):
-            return iter(found.relations)
-        return _all(lambda cursor: self._client.elements.relations(found.id, limit=_PAGE, cursor=cursor))
+        own = {name: known.value for name, known in found.properties.items() if known.origin == "own"}
+        is_whole = found.relations_total == len(found.relations)
+        relations = found.relations if is_whole else _all(partial(self._client.elements.relations, element))
+        statements = [(r.subject, r.relation, r.object) for r in relations]
+        return Shown(_element(found, own), statements, Stamp(found.version, found.changed_at))
 
     def history(self, element: str | None, last: int | None) -> History:
         """Returns the changes of an element, or all."""
         from skiros_py.world.journal import Entry
 
+        topics = self._client
+        read = topics.world.changes if element is None else partial(topics.elements.history, element)
         limit = _CHANGES if last is None else min(last, _CHANGES)
-        page = self._changes(element, limit, None)
-        found = [*islice(_all(lambda cursor: self._changes(element, limit, cursor), page), last)]
         entries: list[Entry] = []
-        for one in reversed(found):
-            assert one.written is not None
+        for one in islice(_all(partial(read, newest_first=True), limit), last):
             change = self._whole(one)
             entries.append(Entry(change, one.written.timestamp(), len(change.edits)))
-        return History(page.remembered_from, entries)
-
-    def _changes(self, element: str | None, limit: int, cursor: str | None) -> ChangePage:
-        if element is None:
-            return self._client.world.changes(newest_first=True, limit=limit, cursor=cursor)
-        return self._client.elements.history(element, newest_first=True, limit=limit, cursor=cursor)
-
-    def ontology(self) -> Ontology:
-        """Returns the ontology of this installation, which is also the server's."""
-        from skiros_py.config import ontology_paths
-        from skiros_py.world.ontology import load_installed
-
-        return load_installed(ontology_paths())[0]
+        return History(topics.world.get().remembered_from, entries[::-1])
 
     def undo(self, author: str) -> Change:
         """Undoes the last edit of a person."""
@@ -85,8 +69,7 @@ class ServedWorld:
 
     def learned(self) -> Sequence[Element]:
         """Returns the learned concepts."""
-        found = _all(lambda cursor: self._client.learned.list(limit=_PAGE, cursor=cursor))
-        return [_learned(one) for one in found]
+        return [_element(one, one.properties) for one in _all(self._client.learned.list)]
 
     def forget(self, concept: str, author: str) -> Change:
         """Deletes a learned concept with its parts."""
@@ -125,43 +108,21 @@ class ServedWorld:
         return decode_change(json.dumps(data))
 
 
-class _Page(Protocol[_Item]):
-    """Some of a list."""
-
-    @property
-    def items(self) -> Sequence[_Item]:
-        """What is on it."""
-        ...
-
-    @property
-    def next(self) -> str | None:
-        """Cursor of the next one."""
-        ...
-
-
-def _all(read: Callable[[str | None], _Page[_Item]], first: _Page[_Item] | None = None) -> Iterator[_Item]:
+def _all(read: Callable[..., Any], limit: int = _PAGE) -> Iterator[Any]:
     """Yields the items of all pages; further pages are requested when needed."""
-    page = read(None) if first is None else first
+    cursor = None
     while True:
+        page = read(limit=limit, cursor=cursor)
         yield from page.items
         if page.next is None:
             return
-        page = read(page.next)
+        cursor = page.next
 
 
-def _element(found: ElementDetails) -> Element:
+def _element(found: ElementDetails | Learned, values: Mapping[str, Any]) -> Element:
     from skiros_py.world.element import Element
 
-    own = {name: _value(said.value) for name, said in found.properties.items() if said.origin == "own"}
-    return Element(found.id, found.class_, found.label, own)
-
-
-def _learned(found: Learned) -> Element:
-    from skiros_py.world.element import Element
-
-    return Element(
-        found.id, found.class_, found.label, {name: _value(value) for name, value in found.properties.items()}
-    )
+    return Element(found.id, found.class_, found.label, {name: _value(value) for name, value in values.items()})
 
 
 def _value(found: Any) -> Value:

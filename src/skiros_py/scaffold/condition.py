@@ -8,7 +8,6 @@ from typing import Any, cast
 
 from skiros_py.errors import DescriptionError, UnknownName, UsageError
 from skiros_py.scaffold.declared import (
-    check_distinct,
     class_name,
     constant_name,
     read_constant,
@@ -36,18 +35,16 @@ def draft_condition(known: Knowledge, said: NewCondition) -> Draft:
     """
     name = class_name(said.name, "condition")
     known.check_free("condition", name)
-    check_distinct([constant_name(name)], f"condition '{name}'")
     if bool(said.property) == bool(said.relation):
         raise UsageError(f"condition '{name}': give either --property or --relation, of which it is made")
     roles, pattern = (_of_relation if said.relation else _of_property)(known.ontology, said)
-    stem, package = snake_case(name), known.project.package
-    module = f"{package}.conditions.{stem}"
+    stem, constant = snake_case(name), constant_name(name)
     values = {
         "name": name,
         "help": sentence(said.help or _told(pattern, roles), "--help-text"),
         "stem": stem,
-        "module": module,
-        "constant": constant_name(name),
+        "module": f"{known.project.package}.conditions.{stem}",
+        "constant": constant,
     }
     stage = Stage(known, stem)
     yes, no = _cast(stage, known.ontology, roles, pattern)
@@ -58,14 +55,12 @@ def draft_condition(known: Knowledge, said: NewCondition) -> Draft:
         "abstract": said.abstract,
     }
     answers = {"fact": not isinstance(pattern, Computed), "yes": _quoted(yes), "no": _quoted(no)}
-    new = {
-        **known.project.init_file("conditions"),
-        f"src/{package}/conditions/{stem}.py": render("condition.py", **values, **code),
-        f"tests/conditions/test_{stem}.py": render("condition_test.py", **values, **answers),
-        f"tests/conditions/scenes/{stem}.ttl": stage.turtle(f"Something of which {name} holds."),
-    }
-    project = known.project.with_entries("skiros.conditions", {name: f"{module}:{constant_name(name)}"})
-    return project.draft(new, known.project)
+    texts = (
+        render("condition.py", **values, **code),
+        render("condition_test.py", **values, **answers),
+        stage.turtle(f"Something of which {name} holds."),
+    )
+    return known.project.module_draft("conditions", stem, {name: constant}, texts)
 
 
 # ---------------------------------------------------------------- meaning

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import keyword
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from skiros_py.errors import UnknownName, UsageError
 from skiros_py.skills.parameters import Kind, Param
+from skiros_py.skills.parameters.values import VALUE_TYPES
+from skiros_py.world.literals import CLASS_NAME, parse_value
 from skiros_py.world.ontology import Ontology
 
 _LONGEST = 40
@@ -52,46 +54,6 @@ def _usable(name: str, what: str) -> str:
     return name
 
 
-def check_distinct(names: Iterable[str], what: str) -> None:
-    """Checks that the names in the generated code are all different.
-
-    Raises:
-        UsageError: Two are the same, or one is defined in every such file.
-    """
-    seen = set(_IN_TEMPLATES)
-    for name in names:
-        if name in seen:
-            raise UsageError(f"{what}: the code would have two things called {name}; choose another name")
-        seen.add(name)
-
-
-_IN_TEMPLATES = frozenset(
-    {
-        "Any",
-        "AssertEffects",
-        "ClassVar",
-        "DESCRIPTION",
-        "Do",
-        "Execution",
-        "Failure",
-        "Kind",
-        "Options",
-        "Outcome",
-        "P",
-        "Param",
-        "Path",
-        "Primitive",
-        "SCENE",
-        "Sequence",
-        "Session",
-        "Skill",
-        "SkillDescription",
-        "Success",
-    }
-)
-"""Names that all generated files define."""
-
-
 def sentence(text: str, what: str) -> str:
     """Turns a text into one sentence: a capital at the start, a full stop at the end.
 
@@ -126,7 +88,7 @@ def constant_name(name: str) -> str:
     return snake_case(name).upper()
 
 
-VALUE_TYPES: Mapping[str, str] = {
+PYTHON_TYPES: Mapping[str, str] = {
     "number": "float",
     "integer": "int",
     "text": "str",
@@ -152,7 +114,7 @@ def read_parameter(text: str, ontology: Ontology) -> Param:
     key, type_ = match["key"].strip(), match["type"].strip()
     if not key.isidentifier() or not key.isascii() or len(key) > 40:
         raise UsageError(f"parameter '{text}': '{key}' is no name for a parameter: letters, digits and '_'")
-    if type_ in VALUE_TYPES:
+    if type_ in PYTHON_TYPES:
         return _value(key, type_, match["default"], match["unit"], help_)
     if match["default"] is not None or match["unit"] is not None:
         raise UsageError(f"parameter '{text}': an element has neither default nor unit")
@@ -172,7 +134,7 @@ def _class(type_: str, key: str, ontology: Ontology) -> str:
     try:
         return ontology.resolve_class(type_)
     except UnknownName as error:
-        known = [*ontology.classes, *VALUE_TYPES]
+        known = [*ontology.classes, *PYTHON_TYPES]
         raise UnknownName("class or type", type_, known, where=f"of parameter '{key}'") from error
 
 
@@ -187,33 +149,30 @@ def _value(key: str, type_: str, default: str | None, unit: str | None, help_: s
 
 
 def _read(what: str, type_: str, text: str) -> Any:
-    if type_ == "text":
-        return text
-    if type_ == "boolean" and text.lower() in ("true", "false"):
-        return text.lower() == "true"
-    if type_ != "boolean":
-        try:
-            number = float(text) if type_ == "number" else int(text)
-        except ValueError:
-            number = float("inf")
-        if abs(number) < float("inf"):
-            return number
-    raise UsageError(f"{what}: '{text}' is no {type_}")
+    known = VALUE_TYPES[type_]
+    try:
+        value = known.check(known.parse(text.lower() if type_ == "boolean" else text))
+    except ValueError:
+        raise UsageError(f"{what}: '{text}' is no {type_}") from None
+    return float(value) if type_ == "number" else value
 
 
 def _help(text: str, default: str, key: str) -> str:
     return sentence(text or default, f"help of parameter '{key}'")
 
 
-def read_constant(text: str, range_: str, what: str) -> bool | int | float | str:
+def read_constant(text: str, range_: str, what: str) -> Any:
     """Parses a value of the data type of a property.
 
     Raises:
         UsageError: It is not such a value, or values of that type cannot be compared.
     """
-    types = {"xsd:boolean": "boolean", "xsd:integer": "integer", "xsd:string": "text", "sk:className": "text"}
-    type_ = types.get(range_, "number" if range_ in ("xsd:decimal", "xsd:double", "xsd:float") else "")
-    if not type_:
+    if range_ not in _COMPARED:
         raise UsageError(f"{what}: values of type {range_} are not compared; leave it out to ask whether there is one")
-    value: bool | int | float | str = _read(what, type_, text)
-    return value
+    try:
+        return parse_value(text.lower() if range_ == "xsd:boolean" else text, range_, range_)
+    except ValueError as error:
+        raise UsageError(f"{what}: {error}") from None
+
+
+_COMPARED = ("xsd:boolean", "xsd:integer", "xsd:string", "xsd:decimal", "xsd:double", "xsd:float", CLASS_NAME)

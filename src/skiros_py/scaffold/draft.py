@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import ast
 import json
+import os
 import shutil
-import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
@@ -98,6 +99,29 @@ def _order(name: str) -> tuple[int, str]:
     return (0 if name.isupper() and len(name) > 1 else 1 if name[:1].isupper() else 2), name
 
 
+def check_names(path: str, code: str) -> None:
+    """Checks that a generated module does not define a name twice.
+
+    Raises:
+        UsageError: It does.
+    """
+    names = [name for node in ast.parse(code).body for name in _defined(node)]
+    if twice := next((name for name in names if names.count(name) > 1), None):
+        raise UsageError(f"{path} would have two things called {twice}; choose another name")
+
+
+def _defined(node: ast.stmt) -> list[str]:
+    match node:
+        case ast.ImportFrom():
+            return [alias.name for alias in node.names]
+        case ast.Assign():
+            return [ast.unparse(target) for target in node.targets]
+        case ast.ClassDef() | ast.FunctionDef():
+            return [node.name]
+        case _:
+            return []
+
+
 @dataclass(frozen=True, slots=True)
 class Draft:
     """The files to be written below one folder.
@@ -120,12 +144,14 @@ class Draft:
         Raises:
             UsageError: A file already exists, or there is no folder to write to.
         """
-        there = [path for path in self.new if _is_there(self.root / path)]
+        there = [path for path in self.new if os.path.lexists(self.root / path)]
         if there:
             raise UsageError(f"{', '.join(there)}: there already below {self.root}, and nothing is overwritten")
 
     def write(self) -> None:
         """Writes the new files first, so that changed files never refer to missing ones.
+
+        Missing folders are created.
 
         Raises:
             UsageError: A file already exists, or cannot be written; nothing was changed.
@@ -143,28 +169,6 @@ class Draft:
             if isinstance(error, OSError):
                 raise UsageError(f"{error.filename}: cannot be written ({error.strerror}); nothing was") from error
             raise
-
-    def write_folder(self) -> None:
-        """Writes a new folder: into a temporary one beside it, which is then renamed.
-
-        Raises:
-            UsageError: It already exists, or cannot be written.
-        """
-        if _is_there(self.root):
-            raise UsageError(f"{self.root} is there already, and nothing is overwritten")
-        try:
-            self.root.parent.mkdir(parents=True, exist_ok=True)
-            with tempfile.TemporaryDirectory(prefix=".skiros-new-", dir=self.root.parent) as folder:
-                inner = Path(folder) / self.root.name
-                for path, text in self.new.items():
-                    _write_new(inner / path, text, [])
-                inner.rename(self.root)
-        except OSError as error:
-            raise UsageError(f"{error.filename}: cannot be written ({error.strerror}); nothing was") from error
-
-
-def _is_there(path: Path) -> bool:
-    return path.exists() or path.is_symlink()
 
 
 def _write_new(path: Path, text: str, written: list[Path]) -> None:

@@ -9,23 +9,22 @@ from dataclasses import replace
 from importlib.util import find_spec
 from itertools import chain, count
 from pathlib import Path
+from typing import Any
 
 from skiros_py.errors import UsageError
 from skiros_py.scaffold.condition import draft_condition
 from skiros_py.scaffold.declared import class_name, module_name, sentence, snake_case, words_of
 from skiros_py.scaffold.draft import Draft, render
 from skiros_py.scaffold.ontology import draft_ontology
-from skiros_py.scaffold.orders import NewCondition, NewOntology, NewPackage, NewPrimitive, NewScene, NewSkill
+from skiros_py.scaffold.orders import NewCondition, NewOntology, NewPackage, NewPrimitive, NewScene, NewSkill, Order
 from skiros_py.scaffold.primitive import draft_primitive
 from skiros_py.scaffold.project import Knowledge, Project, knowledge_of, taken_by
 from skiros_py.scaffold.scene import draft_scene
 from skiros_py.scaffold.skill import draft_skill
 
-_Step = Callable[[Knowledge], Draft]
-
 
 def draft_package(folder: Path, said: NewPackage) -> Draft:
-    """Makes the files of a package; write them by :meth:`Draft.write_folder`.
+    """Makes the files of a package; write them by :meth:`Draft.write`.
 
     Args:
         folder: The folder in which the package's own folder is created.
@@ -79,9 +78,9 @@ def _built(root: Path, said: NewPackage) -> Iterator[Draft]:
     skeleton = Draft(root, dict(_skeleton(said)))
     skeleton.write()
     yield skeleton
-    for step in _steps(said):
+    for generator, order in _orders(said):
         with knowledge_of(Project.around(root)) as known:
-            draft = step(known)
+            draft = generator(known, order)
         draft.write()
         yield draft
 
@@ -97,12 +96,12 @@ def _skeleton(said: NewPackage) -> Iterator[tuple[str, str]]:
     yield "tests/conftest.py", render("conftest.py", **values)
 
 
-def _steps(said: NewPackage) -> Iterator[_Step]:
+def _orders(said: NewPackage) -> Iterator[tuple[Callable[[Knowledge, Any], Draft], Order]]:
+    """Yields what is written into the package, one after the other, each with its generator."""
     name, word = said.name, class_name(said.condition, "condition")
     property_ = _property(word)
-    part, station = "Part:sk:Manipulatable -- The part.", "Station:sk:Station -- Where the part can be worked at."
-    yield lambda known: draft_ontology(
-        known,
+    yield (
+        draft_ontology,
         NewOntology(
             name,
             classes=("Marker:sk:Manipulatable -- A part that bears a mark which a camera can read",),
@@ -110,29 +109,17 @@ def _steps(said: NewPackage) -> Iterator[_Step]:
             properties=(f"{property_}:sk:Manipulatable:boolean -- True once it was done to the part",),
         ),
     )
-    yield lambda known: draft_condition(
-        known, NewCondition(word, roles=("part:sk:Manipulatable",), property=f"{name}:{property_}")
-    )
-    yield lambda known: draft_primitive(known, _primitive(said))
-    yield lambda known: draft_skill(known, _skill(known, said, (part, station)))
-    yield lambda known: draft_scene(
-        known, NewScene(name, things=(f"part:{name}:Marker", "station:sk:Station"), goals=(f"{word}(part)",))
-    )
-
-
-def _primitive(said: NewPackage) -> NewPrimitive:
-    params = ("camera:sk:Camera -- The camera to look with", "seconds:number=1.0 [s] -- How long it looks")
-    return NewPrimitive(said.primitive, help="Looks for a while with a camera", params=params)
-
-
-def _skill(known: Knowledge, said: NewPackage, params: tuple[str, str]) -> NewSkill:
-    """The first skill: done where the robot stands, where the skills are installed that take it there."""
-    post = f"{said.condition}(Part)"
-    help_ = "Looks at a part, from where it can be worked at"
-    skill = NewSkill(said.skill, help_, agent="sk:Arm", params=params[:1], post=(post,), do=(said.primitive,))
-    if "RobotAtLocation" in known.catalogue.conditions:
-        return replace(skill, params=params, pre=("RobotAtLocation(Robot, Station)",))
-    return skill
+    yield draft_condition, NewCondition(word, roles=("part:sk:Manipulatable",), property=f"{name}:{property_}")
+    looks = ("camera:sk:Camera -- The camera to look with", "seconds:number=1.0 [s] -- How long it looks")
+    yield draft_primitive, NewPrimitive(said.primitive, help="Looks for a while with a camera", params=looks)
+    help_, part = "Looks at a part, from where it can be worked at", "Part:sk:Manipulatable -- The part."
+    skill = NewSkill(said.skill, help_, agent="sk:Arm", params=(part,), post=(f"{word}(Part)",), do=(said.primitive,))
+    if taken_by("condition", "RobotAtLocation") is not None:  # skills are installed that take the robot there
+        station = "Station:sk:Station -- Where the part can be worked at."
+        skill = replace(skill, params=(part, station), pre=("RobotAtLocation(Robot, Station)",))
+    yield draft_skill, skill
+    things = (f"part:{name}:Marker", "station:sk:Station")
+    yield draft_scene, NewScene(name, things=things, goals=(f"{word}(part)",))
 
 
 def _property(word: str) -> str:

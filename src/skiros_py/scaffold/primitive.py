@@ -2,27 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterable, Iterator, Sequence
 
 from skiros_py.errors import UsageError
-from skiros_py.scaffold.declared import (
-    VALUE_TYPES,
-    check_distinct,
-    joined,
-    module_name,
-    read_parameter,
-    sentence,
-    words_of,
-)
+from skiros_py.scaffold.declared import PYTHON_TYPES, joined, module_name, read_parameter, sentence, words_of
 from skiros_py.scaffold.draft import Draft, literal, render
 from skiros_py.scaffold.orders import NewPrimitive
 from skiros_py.scaffold.project import Knowledge
 from skiros_py.scaffold.stage import Stage
-from skiros_py.skills.parameters import Kind, Param
-
-SAMPLES: Mapping[str, Any] = {"number": 1.0, "integer": 1, "text": "text", "boolean": True}
-"""An example value of each type."""
+from skiros_py.skills.parameters import SAMPLES, Kind, Param
 
 _OF_TEST_KIT = frozenset(
     {
@@ -51,25 +39,27 @@ def draft_primitive(known: Knowledge, said: NewPrimitive) -> Draft:
     """
     name = module_name(said.name, "primitive")
     known.check_free("primitive", name)
-    check_distinct([joined(name)], f"primitive '{name}'")
     help_ = sentence(said.help or words_of(name), "--help-text")
     params = tuple(read_parameter(text, known.ontology) for text in said.params)
     check_keys(params, f"primitive '{name}'")
     for param in params:
         module_name(param.key, f"parameter of primitive '{name}':")
-    package = known.project.package
-    module, class_ = f"{package}.primitives.{name}", joined(name)
-    project = known.project.with_entries("skiros.primitives", {name: f"{module}:{class_}"})
+    class_ = joined(name)
     stage = Stage(known, name, said.robot)
-    values = {"name": name, "help": help_, "stem": name, "module": module, "class_name": class_}
-    arguments = list(_trial_arguments(params, stage))
-    new = {
-        **known.project.init_file("primitives"),
-        f"src/{package}/primitives/{name}.py": _module(values, params),
-        f"tests/primitives/test_{name}.py": render("primitive_test.py", **values, arguments=arguments),
-        f"tests/primitives/scenes/{name}.ttl": stage.turtle(f"A robot that can {words_of(name)}."),
+    values = {
+        "name": name,
+        "help": help_,
+        "stem": name,
+        "module": f"{known.project.package}.primitives.{name}",
+        "class_name": class_,
     }
-    return project.draft(new, known.project)
+    arguments = list(_trial_arguments(params, stage))
+    texts = (
+        _module(values, params),
+        render("primitive_test.py", **values, arguments=arguments),
+        stage.turtle(f"A robot that can {words_of(name)}."),
+    )
+    return known.project.module_draft("primitives", name, {name: class_}, texts)
 
 
 def check_keys(params: Sequence[Param], owner: str) -> None:
@@ -88,7 +78,7 @@ def check_keys(params: Sequence[Param], owner: str) -> None:
 
 def _module(values: dict[str, str], params: Sequence[Param]) -> str:
     in_order = sorted(params, key=lambda param: param.default is not None)  # those with a default come last
-    heads = [f"{param.key}: {VALUE_TYPES.get(param.type_name, 'str')} = param" for param in in_order]
+    heads = [f"{param.key}: {PYTHON_TYPES.get(param.type_name, 'str')} = param" for param in in_order]
     return render(
         "primitive.py",
         **values,

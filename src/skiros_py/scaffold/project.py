@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,7 +17,8 @@ from skiros_py.catalogue import Catalogue, load_catalogue
 from skiros_py.config import ontology_paths
 from skiros_py.errors import DescriptionError, FileError, UnknownName, UsageError
 from skiros_py.plugins.installation import as_if_installed, canonical, installation
-from skiros_py.scaffold.draft import Draft
+from skiros_py.plugins.plugin import Entry
+from skiros_py.scaffold.draft import Draft, check_names
 from skiros_py.skills.conditions import Condition, ConditionType
 from skiros_py.skills.parameters import Param, params_of
 from skiros_py.world.ontology import Ontology, load_installed
@@ -124,17 +125,47 @@ class Project:
         document["project"]["dependencies"].append(requirement)
         return Project(self.root, self.package, tomlkit.dumps(document))
 
-    def init_file(self, folder: str) -> dict[str, str]:
-        """Returns the file that makes a folder a Python package, by path; nothing if it is one already."""
-        path = f"src/{self.package}/{folder}/__init__.py"
-        return {} if (self.root / path).exists() else {path: f'"""{_FOLDERS[folder]}"""\n'}
+    def module_draft(
+        self,
+        folder: str,
+        stem: str,
+        entries: Mapping[str, str],
+        texts: tuple[str, str, str],
+        needs: Iterable[str] = (),
+        notes: Iterable[str] = (),
+    ) -> Draft:
+        """Returns a new module with its test and scene.
+
+        Args:
+            folder: Its folder ("skills"), which is also the last part of the group of its entry points.
+            stem: Its name.
+            entries: Names of its objects, by entry point.
+            texts: The module, its test and the scene of the test.
+            needs: Requirements of the module.
+            notes: Notes for the author.
+
+        Raises:
+            UsageError: An entry point of that name exists, or a module would define a name twice.
+        """
+        places = f"src/{self.package}/{folder}/{stem}.py", f"tests/{folder}/test_{stem}.py"
+        for path, text in zip(places, texts[:2], strict=True):
+            check_names(path, text)
+        new = dict(zip((*places, f"tests/{folder}/scenes/{stem}.ttl"), texts, strict=True))
+        init = f"src/{self.package}/{folder}/__init__.py"
+        if not (self.root / init).exists():
+            new[init] = f'"""{_FOLDERS[folder]}"""\n'
+        module = f"{self.package}.{folder}.{stem}"
+        project = self.with_entries(f"skiros.{folder}", {name: f"{module}:{own}" for name, own in entries.items()})
+        for need in needs:
+            project = project.with_dependency(need)
+        return project.draft(new, self, notes)
 
     def with_folder(self, folder: str) -> Project:
         """Returns the project with an entry point for all files in a folder of its package ("robots")."""
         group = f"skiros.{folder}"
         return self if self.entry_points.get(group) else self.with_entries(group, {self.package: self.package})
 
-    def draft(self, new: Mapping[str, str], before: Project, notes: Sequence[str] = ()) -> Draft:
+    def draft(self, new: Mapping[str, str], before: Project, notes: Iterable[str] = ()) -> Draft:
         """Returns new files, and its own file if it has changed."""
         changed = {_FILE: self.text} if self.text != before.text else {}
         return Draft(self.root, new, changed, tuple(notes))
@@ -168,20 +199,6 @@ def _is_named(requirement: str, name: str) -> bool:
 
 
 @dataclass(frozen=True, slots=True)
-class Origin:
-    """Where an object of a plug-in is imported from.
-
-    Attributes:
-        module: Its module.
-        name: Its name there.
-        distribution: Name of the distribution that provides it.
-    """
-
-    module: str
-    name: str
-    distribution: str
-
-
 class Knowledge:
     """The words and modules available to a package.
 
@@ -191,10 +208,9 @@ class Knowledge:
         catalogue: The available plug-ins.
     """
 
-    def __init__(self, project: Project, ontology: Ontology, catalogue: Catalogue) -> None:
-        self.project = project
-        self.ontology = ontology
-        self.catalogue = catalogue
+    project: Project
+    ontology: Ontology
+    catalogue: Catalogue
 
     def condition(self, word: str) -> ConditionType:
         """Returns the condition of that word.
@@ -231,10 +247,9 @@ class Knowledge:
         return ~condition if match["not"] else condition
 
     @staticmethod
-    def origin(group: str, name: str) -> Origin:
-        """Returns where the plug-in of a group ("skiros.conditions") and name is imported from."""
-        entry = next(entry for entry in installation().of(group) if entry.name == name)
-        return Origin(entry.module, entry.attribute, entry.distribution.name)
+    def origin(group: str, name: str) -> Entry:
+        """Returns the entry point of a plug-in by its group ("skiros.conditions") and name."""
+        return next(entry for entry in installation().of(group) if entry.name == name)
 
     def primitive(self, name: str) -> tuple[Param, ...]:
         """Returns the parameters of a primitive.

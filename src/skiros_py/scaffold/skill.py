@@ -10,7 +10,6 @@ from typing import Any
 from skiros_py.errors import DescriptionError, PlanningError, UnknownName, UsageError
 from skiros_py.planning.domain.literals import expand
 from skiros_py.scaffold.declared import (
-    check_distinct,
     constant_name,
     kind_of,
     module_name,
@@ -20,11 +19,11 @@ from skiros_py.scaffold.declared import (
 )
 from skiros_py.scaffold.draft import Draft, literal, render
 from skiros_py.scaffold.orders import NewSkill
-from skiros_py.scaffold.primitive import SAMPLES, arguments_of, check_keys
+from skiros_py.scaffold.primitive import arguments_of, check_keys
 from skiros_py.scaffold.project import Knowledge
 from skiros_py.scaffold.stage import Stage, open_questions
 from skiros_py.skills.conditions import Condition, Not, Related, effects_of
-from skiros_py.skills.parameters import Kind, Param
+from skiros_py.skills.parameters import SAMPLES, Kind, Param
 from skiros_py.world.names import local_name
 
 _HAS_PART = "HasPart"
@@ -155,33 +154,26 @@ def draft_skill(known: Knowledge, said: NewSkill) -> Draft:
     skill = described(known, said)
     package, constant = known.project.package, constant_name(name)
     origins = {word: known.origin("skiros.conditions", word) for word in skill.words}
-    check_distinct([constant, f"{constant}_FAKE", *(origin.name for origin in origins.values())], f"skill '{name}'")
-    module = f"{package}.skills.{name}"
     values = {
         "name": name,
         "help": help_,
         "stem": name,
-        "module": module,
+        "module": f"{package}.skills.{name}",
         "constant": constant,
         "calls": calls_of(known, said.do, skill.params),
     }
     stage = Stage(known, name, said.robot)
     cast = _staged(known, said, skill, stage)
-    entries = {name: f"{module}:{constant}"} if said.do else {}
-    project = known.project.with_entries("skiros.skills", {**entries, f"{name}_fake": f"{module}:{constant}_FAKE"})
-    for origin in origins.values():
-        project = project.with_dependency(origin.distribution)
 
     def written(conditions: Sequence[Condition]) -> list[str]:
         return [
-            f"{'~' * one.negated}{origins[one.type.name].name}({', '.join(map(literal, one.arguments))})"
+            f"{'~' * one.negated}{origins[one.type.name].attribute}({', '.join(map(literal, one.arguments))})"
             for one in conditions
         ]
 
-    is_own = {(o.module, o.name): o.module.partition(".")[0] == package for o in origins.values()}
-    new = {
-        **known.project.init_file("skills"),
-        f"src/{package}/skills/{name}.py": render(
+    is_own = {(o.module, o.attribute): o.module.partition(".")[0] == package for o in origins.values()}
+    texts = (
+        render(
             "skill.py",
             **values,
             foreign=[pair for pair, own in is_own.items() if not own],
@@ -192,16 +184,18 @@ def draft_skill(known: Knowledge, said: NewSkill) -> Draft:
             params=[[literal(param.key), *arguments_of(param)] for param in skill.params],
             conditions=[(key, written(some)) for key, some in (("pre", skill.pre), ("post", skill.post)) if some],
         ),
-        f"tests/skills/test_{name}.py": render("skill_test.py", **values, **_trial(known, said, skill, stage, cast)),
-        f"tests/skills/scenes/{name}.ttl": stage.turtle(f"What is needed to {words_of(name)}."),
-    }
+        render("skill_test.py", **values, **_trial(known, said, skill, stage, cast)),
+        stage.turtle(f"What is needed to {words_of(name)}."),
+    )
     notes = [
         f"tests/skills/scenes/{name}.ttl does not make it true: {why}; see to it by hand"
         for why in open_questions(stage, skill.pre, cast)
     ]
     if not said.do:
         notes.append(f"{name} is only pretended: give --do PRIMITIVE, or add an implementation later")
-    return project.draft(new, known.project, notes)
+    entries = {**({name: constant} if said.do else {}), f"{name}_fake": f"{constant}_FAKE"}
+    needs = [origin.distribution.name for origin in origins.values()]
+    return known.project.module_draft("skills", name, entries, texts, needs, notes)
 
 
 def _staged(known: Knowledge, said: NewSkill, skill: Described, stage: Stage) -> Mapping[str, str]:
@@ -238,10 +232,10 @@ def _trial(known: Knowledge, said: NewSkill, skill: Described, stage: Stage, cas
     if not origins or any(o.module.partition(".")[0] != package for o in origins):
         return {"own": [], "primitives": []}
     given = [(p.key, cast.get(p.key, SAMPLES.get(p.type_name))) for p in skill.params if p.kind is Kind.ONLINE]
-    own = [(f"{package}.skills.{said.name}", constant_name(said.name)), *((o.module, o.name) for o in origins)]
+    own = [(f"{package}.skills.{said.name}", constant_name(said.name)), *((o.module, o.attribute) for o in origins)]
     return {
         "own": own,
-        "primitives": [origin.name for origin in origins],
+        "primitives": [origin.attribute for origin in origins],
         "places": [list(map(literal, place)) for place in stage.left_to_robot],
         "arguments": [f"{key}={literal(value)}" for key, value in given],
     }

@@ -18,6 +18,7 @@ from skiros_py.scaffold.ontology import declaring, prefix_of, prefix_table
 from skiros_py.scaffold.project import Knowledge
 from skiros_py.scaffold.robot import robot_iris
 from skiros_py.skills.conditions import AllOf, AnyOf, Compare, Computed, Condition, Exists, Has, Pattern, Related
+from skiros_py.skills.parameters import sample_of_range
 from skiros_py.world.change import PropertyEdit, RelationEdit
 from skiros_py.world.element import Placement, Value
 from skiros_py.world.reasoners.registry import load_reasoners
@@ -27,19 +28,6 @@ from skiros_py.world.terms import Family
 from skiros_py.world.transaction import Transaction
 from skiros_py.world.vocabulary import DRIVING_POSE, ELEMENT, GRASP_WIDTH, GRASPABLE_BY, HAS_A, POSE
 from skiros_py.world.world import World
-
-_SAMPLES: Mapping[str, Value] = {
-    "xsd:boolean": True,
-    "xsd:integer": 1,
-    "xsd:decimal": 1.0,
-    "xsd:double": 1.0,
-    "xsd:string": "text",
-    "sk:poseLiteral": Pose(),
-    "sk:vectorLiteral": (1.0, 1.0),
-    "sk:className": "sk:Object",
-    "rdf:JSON": "[]",
-}
-"""An example value of each data type."""
 
 
 class Stage:
@@ -140,7 +128,10 @@ class Stage:
                 self._set(binding[subject], property_, value)
             case Has(property_, subject):
                 if self.world.value(binding[subject], property_) is None:
-                    self._set(binding[subject], property_, _SAMPLES[self._ontology.properties[property_].range])
+                    sample = sample_of_range(self._ontology.properties[property_].range)
+                    if sample is None:
+                        return (f"there is no example of {property_}",)
+                    self._set(binding[subject], property_, sample)
             case Exists(variable, class_, inner):
                 return self.suppose(inner, {**binding, variable: self.cast(class_, class_.partition(":")[2])})
             case AllOf(patterns):

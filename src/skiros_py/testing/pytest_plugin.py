@@ -11,8 +11,6 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
-    from skiros_py.skills.primitive import Primitive
-    from skiros_py.skills.skill import Skill
     from skiros_py.station.session import Session
     from skiros_py.testing import Bench, SkillTrial
     from skiros_py.world.world import World
@@ -85,10 +83,7 @@ def run_skill(request: pytest.FixtureRequest) -> Callable[..., SkillTrial]:
     """
     from skiros_py.testing import run_skill
 
-    def run(skill: Skill, world: World | None = None, **arguments: Any) -> SkillTrial:
-        return _noted(request, run_skill(skill, world or request.getfixturevalue("skiros_world"), **arguments))
-
-    return run
+    return _reporting(request, run_skill)
 
 
 @pytest.fixture
@@ -96,10 +91,7 @@ def run_primitive(request: pytest.FixtureRequest) -> Callable[..., SkillTrial]:
     """:func:`skiros_py.testing.run_primitive`, as :func:`run_skill`."""
     from skiros_py.testing import run_primitive
 
-    def run(primitive: type[Primitive[Any]], world: World | None = None, **params: Any) -> SkillTrial:
-        return _noted(request, run_primitive(primitive, world or request.getfixturevalue("skiros_world"), **params))
-
-    return run
+    return _reporting(request, run_primitive)
 
 
 def _scene(request: pytest.FixtureRequest) -> str:
@@ -110,6 +102,10 @@ def _scene(request: pytest.FixtureRequest) -> str:
     return scene
 
 
-def _noted(request: pytest.FixtureRequest, trial: SkillTrial) -> SkillTrial:
-    request.node.stash.setdefault(_trials, []).append(trial)
-    return trial
+def _reporting(request: pytest.FixtureRequest, run: Callable[..., SkillTrial]) -> Callable[..., SkillTrial]:
+    def runner(module: Any, world: World | None = None, **arguments: Any) -> SkillTrial:
+        trial = run(module, world or request.getfixturevalue("skiros_world"), **arguments)
+        request.node.stash.setdefault(_trials, []).append(trial)
+        return trial
+
+    return runner

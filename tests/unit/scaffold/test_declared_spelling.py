@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 
 from skiros_py.errors import UsageError
 from skiros_py.scaffold.declared import (
-    check_distinct,
     class_name,
     constant_name,
     joined,
@@ -64,9 +63,3 @@ def test_one_name_follows_from_another(name: str, words: str, module: str, class
 def test_a_name_that_is_refused_is_answered_with_what_would_be_right(name: str, hint: str) -> None:
     with pytest.raises(UsageError, match=hint):
         module_name(name, "skill")
-
-
-@pytest.mark.parametrize("names", [["SCAN", "SCAN"], ["SCENE"], ["P"]])
-def test_two_things_of_one_name_in_one_file_are_refused(names: list[str]) -> None:
-    with pytest.raises(UsageError, match="choose another name"):
-        check_distinct(names, "skill 'scan'")

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from skiros_py.errors import FileError, UsageError
-from skiros_py.scaffold.draft import Draft
+from skiros_py.scaffold.draft import Draft, check_names
 
 
 def files(folder: Path) -> dict[str, str]:
@@ -47,15 +47,32 @@ def test_where_the_last_cannot_be_written_the_first_are_taken_back(tmp_path: Pat
 def test_a_folder_appears_whole_and_never_over_another(tmp_path: Path) -> None:
     draft = Draft(tmp_path / "deep" / "pack", {"src/a": "a", "b": "b"})
 
-    draft.write_folder()
+    draft.write()
 
     assert files(tmp_path) == {"deep/pack/src/a": "a", "deep/pack/b": "b"}
     with pytest.raises(UsageError, match="there already"):
-        draft.write_folder()
+        draft.write()
 
 
 def test_a_folder_that_cannot_be_written_leaves_nothing_behind(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="cannot be written"):
-        Draft(tmp_path / "pack", {"a": "", "a/b": ""}).write_folder()
+        Draft(tmp_path / "pack", {"a": "", "a/b": ""}).write()
 
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        "from a import SCAN\n\nSCAN = 1\n",
+        "from a import P\nfrom b import P\n",
+        "from a import Success\n\n\nclass Success:\n    pass\n",
+    ],
+)
+def test_two_things_of_one_name_in_one_file_are_refused(code: str) -> None:
+    with pytest.raises(UsageError, match=r"skills/scan\.py would have two things called \w+; choose another name"):
+        check_names("skills/scan.py", code)
+
+
+def test_a_name_that_is_used_twice_is_defined_once() -> None:
+    check_names("scan.py", "from a import P, Do\n\nSCAN = Do(P)\nOTHER = Do(P)\n")

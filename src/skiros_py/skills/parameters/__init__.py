@@ -3,6 +3,7 @@
 from skiros_py.skills.parameters.fields import check_params, param, params_of
 from skiros_py.skills.parameters.param import IT, Access, Cost, Kind, Output, Param
 from skiros_py.skills.parameters.values import (
+    SAMPLES,
     Arguments,
     as_json,
     as_shown,
@@ -10,11 +11,13 @@ from skiros_py.skills.parameters.values import (
     missing,
     read_arguments,
     read_value,
+    sample_of_range,
     schema,
 )
 
 __all__ = [
     "IT",
+    "SAMPLES",
     "Access",
     "Arguments",
     "Cost",
@@ -30,5 +33,6 @@ __all__ = [
     "params_of",
     "read_arguments",
     "read_value",
+    "sample_of_range",
     "schema",
 ]

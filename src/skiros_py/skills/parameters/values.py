@@ -12,8 +12,10 @@ from typing import TYPE_CHECKING, Any
 from skiros_py.errors import DescriptionError, UnknownName, UsageError
 from skiros_py.geometry import Pose
 from skiros_py.skills.parameters.param import Kind, Param, ValueClass
-from skiros_py.world.literals import DATATYPES, format_value, shown
+from skiros_py.world.element import Value
+from skiros_py.world.literals import CLASS_NAME, DATATYPES, format_value, shown
 from skiros_py.world.view import WorldView
+from skiros_py.world.vocabulary import ELEMENT
 
 if TYPE_CHECKING:
     from pydantic import TypeAdapter, ValidationError
@@ -87,6 +89,25 @@ VALUE_TYPES: Mapping[str, ValueType] = MappingProxyType(
     }
 )
 """By the name that a parameter gives."""
+
+SAMPLES: Mapping[str, Any] = MappingProxyType(
+    {
+        "number": 1.0,
+        "integer": 1,
+        "text": "text",
+        "boolean": True,
+        "pose": Pose(),
+        "vector": (1.0, 1.0),
+        "class": ELEMENT,
+    }
+)
+"""An example of each."""
+
+
+def sample_of_range(range_: str) -> Value | None:
+    """Returns an example value of a property range; None if there is none."""
+    datatype, own = DATATYPES[range_], SAMPLES["class"] if range_ == CLASS_NAME else None
+    return own or next((datatype.check(one) for one in (*SAMPLES.values(), "[]") if datatype.fits(one)), None)
 
 
 @cache

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import ClassVar
 
@@ -38,8 +38,6 @@ _ROBOT = """
 </robot>
 """  # noqa: E501 - a file
 
-Crane = Callable[[], SimulatedRobot]
-
 
 def _depth(rendering: Rendering) -> Array:
     return rendering.depth
@@ -70,11 +68,16 @@ class EngineContract(ABC):
         engine.close()
 
     @pytest.fixture
-    def crane(self, engine: Engine, tmp_path: Path) -> SimulatedRobot:
+    def urdf(self, tmp_path: Path) -> Path:
         """A robot of four joints: a jib that slews at 1 m, a trolley on it with a hook below, a counterweight."""
         file = tmp_path / "crane.urdf"
         file.write_text(_ROBOT, encoding="utf-8")
-        return engine.add_robot("crane", file)
+        return file
+
+    @pytest.fixture
+    def crane(self, engine: Engine, urdf: Path) -> SimulatedRobot:
+        """The robot at the origin."""
+        return engine.add_robot("crane", urdf)
 
     @staticmethod
     def hold(robot: SimulatedRobot, **positions: float) -> None:
@@ -129,10 +132,8 @@ class EngineContract(ABC):
         assert crane.link("hook").pose().yaw == pytest.approx(math.pi / 2)
         assert crane.link("post").pose().position == pytest.approx((0.0, 0.0, 0.0), abs=1e-6)
 
-    def test_a_robot_stands_where_it_is_put(self, engine: Engine, tmp_path: Path) -> None:
-        file = tmp_path / "crane.urdf"
-        file.write_text(_ROBOT, encoding="utf-8")
-        crane = engine.add_robot("crane", file, Pose.of(1.0, 2.0, 0.0, yaw=math.pi / 2))
+    def test_a_robot_stands_where_it_is_put(self, engine: Engine, urdf: Path) -> None:
+        crane = engine.add_robot("crane", urdf, Pose.of(1.0, 2.0, 0.0, yaw=math.pi / 2))
 
         assert crane.link("hook").pose().position == pytest.approx((1.0, 2.5, 0.7), abs=1e-6)
 
@@ -376,13 +377,11 @@ class EngineContract(ABC):
         assert later != then
         assert np.frombuffer(engine.state_bytes()) == pytest.approx(np.frombuffer(then), abs=1e-9)
 
-    def test_the_same_steps_give_the_same_bytes(self, tmp_path: Path) -> None:
-        file = tmp_path / "crane.urdf"
-        file.write_text(_ROBOT, encoding="utf-8")
+    def test_the_same_steps_give_the_same_bytes(self, urdf: Path) -> None:
         results = []
         for _ in range(2):
             engine = self.make(_PERIOD)
-            crane = engine.add_robot("crane", file)
+            crane = engine.add_robot("crane", urdf)
             engine.add_body("box", _BOX, Pose((2.0, 0.0, 0.5)), mass=1.0, colour=_GREY)
             self.hold(crane, slew=1.0, trolley=0.5, counter=0.3)
             self.run(engine, 50)

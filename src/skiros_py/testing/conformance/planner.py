@@ -58,7 +58,8 @@ class PlannerContract(ABC):
         assert answer == Solved((("enter", "dove_1", "hole_1"),))
 
     def test_a_plan_reaches_its_goal_step_by_step(self, planner: Planner) -> None:
-        problem = _problem("(and (in dove_1 hole_2) (in dove_2 hole_1))", start="(in dove_1 hole_1) (in dove_2 hole_2)")
+        start = "(in dove_1 hole_1) (in dove_2 hole_2) (free hole_3)"
+        problem = _problem("(and (in dove_1 hole_2) (in dove_2 hole_1))", start)
 
         answer = check_pending(planner.solve(_DOMAIN, problem))
 
@@ -96,7 +97,7 @@ class PlannerContract(ABC):
     def test_closing_ends_what_still_searches(self, planner: Planner) -> None:
         count = _ENOUGH_TO_SEARCH
         goal = " ".join(f"(home dove_{n})" for n in range(1, count + 1))
-        pending = planner.solve(_DOMAIN, _endless(goal, count))
+        pending = planner.solve(_DOMAIN, _problem(f"(and {goal})", doves=count, holes=count - 1))
         time.sleep(1.0)
         assert not pending.done(), "it answered at once: this claim needs a task that takes long"
         began = time.monotonic()
@@ -118,23 +119,15 @@ class PlannerContract(ABC):
         return check_pending(planner.solve(_DOMAIN, _problem(goal)))
 
 
-def _problem(goal: str, *, start: str = "(out dove_1) (out dove_2) (free hole_1) (free hole_2)") -> str:
+def _problem(goal: str, start: str = "", *, doves: int = 2, holes: int = 3) -> str:
+    """Returns a problem; unless it is given, all doves are out at the start."""
+    birds, places = [f"dove_{n + 1}" for n in range(doves)], [f"hole_{n + 1}" for n in range(holes)]
+    outside = " ".join([*(f"(out {bird})" for bird in birds), *(f"(free {place})" for place in places)])
     return f"""
 (define (problem test) (:domain doves)
-  (:objects dove_1 dove_2 - dove hole_1 hole_2 hole_3 - hole)
-  (:init {start} (free hole_3))
+  (:objects {" ".join(birds)} - dove {" ".join(places)} - hole)
+  (:init {start or outside})
   (:goal {goal}))
-"""
-
-
-def _endless(goal: str, count: int) -> str:
-    doves, holes = ([f"{kind}_{n}" for n in range(1, top)] for kind, top in (("dove", count + 1), ("hole", count)))
-    start = " ".join([*(f"(out {dove})" for dove in doves), *(f"(free {hole})" for hole in holes)])
-    return f"""
-(define (problem endless) (:domain doves)
-  (:objects {" ".join(doves)} - dove {" ".join(holes)} - hole)
-  (:init {start})
-  (:goal (and {goal})))
 """
 
 
