@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from skiros_py.cli.commands import Found, served
-from skiros_py.cli.options import combined, key_values
+from skiros_py.cli.options import combined, given_params
 from skiros_py.cli.output import NOT_REACHED, REACHED
 from skiros_py.errors import DeviceError
 
@@ -109,18 +109,14 @@ _by_hand = combined(
 @_by_hand
 def jog_device(client: Client, device: str, module: str | None, params: tuple[str, ...]) -> Found:
     """Moves DEVICE by a small step, or home, and waits until it stands; Ctrl-C stops it."""
-    return _followed(client, client.devices.jog(device, _parameters(params), module=module))
+    return _followed(client, client.devices.jog(device, given_params(params), module=module))
 
 
 @served("device teach base_1 --param location=pallet_a --data cell", device)
 @_by_hand
 def teach_device(client: Client, device: str, module: str | None, params: tuple[str, ...]) -> Found:
     """Learns something from the present state of DEVICE, such as a grasp or a driving pose."""
-    return _followed(client, client.devices.teach(device, _parameters(params), module=module))
-
-
-def _parameters(params: tuple[str, ...]) -> dict[str, str]:
-    return key_values("--param", params, "gap=0.03", "KEY=VALUE")
+    return _followed(client, client.devices.teach(device, given_params(params), module=module))
 
 
 def _followed(client: Client, run: ModuleRunInfo) -> Found:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 import click
 
 from skiros_py.cli.commands import Found, served
-from skiros_py.cli.module import given_params
+from skiros_py.cli.options import given_params
 from skiros_py.errors import UnknownName
 
 if TYPE_CHECKING:

@@ -119,11 +119,14 @@ def end_unless(comes_back: Callable[[], bool], text: str, status: int, *, as_jso
     """
 
     def wait() -> None:
-        if not _soon(comes_back, within):
-            click.echo(escaped(f"skiros: {text}"), err=True)
-            if as_json:
-                answer({"error": text, "status": status})
-            end_now(status)
+        end = time.monotonic() + within
+        while not comes_back():
+            if time.monotonic() > end:
+                click.echo(escaped(f"skiros: {text}"), err=True)
+                if as_json:
+                    answer({"error": text, "status": status})
+                end_now(status)
+            time.sleep(_LOOK)
 
     threading.Thread(target=wait, name="skiros-ending", daemon=True).start()
 
@@ -145,15 +148,6 @@ def _end_late(status: int) -> None:
     what = f"threads that are no daemons still run: {', '.join(left)}" if left else "an exit handler does not end"
     click.echo(escaped(f"skiros: warning: {what}; the command ends nevertheless"), err=True)
     end_now(status)
-
-
-def _soon(came: Callable[[], bool], seconds: float) -> bool:
-    end = time.monotonic() + seconds
-    while not came():
-        if time.monotonic() > end:
-            return False
-        time.sleep(_LOOK)
-    return True
 
 
 def end_now(status: int) -> None:

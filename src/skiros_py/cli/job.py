@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 import click
 
 from skiros_py.cli.commands import Found, served
-from skiros_py.cli.job_files import JobFiles, kept_jobs
 from skiros_py.cli.job_text import (
     follow_job,
     job_lines,
@@ -24,6 +23,7 @@ from skiros_py.cli.lazy import LazyGroup
 from skiros_py.cli.reaching import reach
 
 if TYPE_CHECKING:
+    from skiros_py.cli.job_files import JobFiles
     from skiros_py.client import Client
     from skiros_py.client.operation import Sender
     from skiros_py.client.topics.work import Jobs as Topic
@@ -55,6 +55,7 @@ def command() -> None:
 @contextmanager
 def _jobs(data: Path | None, url: str | None, key_file: Path | None) -> Iterator[Jobs]:
     """Opens the jobs of a server; if none runs on a data directory, the jobs stored there."""
+    from skiros_py.cli.job_files import kept_jobs
     from skiros_py.client.client import find_server
 
     if data is not None and find_server(data) is None:

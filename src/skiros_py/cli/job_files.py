@@ -6,14 +6,13 @@ import time
 from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from skiros_py.api.jobs import Job, JobPage, JobPlan, JobTrace, StateName
 from skiros_py.errors import FileError, UnknownName
-
-if TYPE_CHECKING:
-    from skiros_py.api.jobs import Job, JobPage, JobPlan, JobTrace
-    from skiros_py.tasks.jobs import Job as Known
-    from skiros_py.tasks.jobs import JobStore
+from skiros_py.station.jobs.views import STATES, job_view, plan_of
+from skiros_py.tasks.jobs import Job as Known
+from skiros_py.tasks.jobs import JobStore
+from skiros_py.world.journal.data_directory import DirectoryLock
 
 
 @contextmanager
@@ -23,9 +22,6 @@ def kept_jobs(data: Path) -> Iterator[JobFiles]:
     Raises:
         FileError: There are no jobs in it, somebody uses it, or it cannot be read.
     """
-    from skiros_py.tasks.jobs import JobStore
-    from skiros_py.world.journal.data_directory import DirectoryLock
-
     path = data / "jobs.db"
     if not path.exists():
         raise FileError(data, f"no jobs are kept here; 'skiros serve --data {data}' takes some")
@@ -49,29 +45,20 @@ class JobFiles:
         Raises:
             UnknownName: There is no such job.
         """
-        from skiros_py.station.jobs.views import job_view
-
         return job_view(self._job(job), time.time())
 
     def list(self, *, states: Sequence[str], limit: int) -> JobPage:
         """Returns the first jobs that are in some states; in any where none is given."""
-        from skiros_py.api.jobs import JobPage, StateName
-        from skiros_py.station.jobs.views import STATES, job_view
-
         wanted = [STATES[StateName(state)] for state in states] if states else None
         page = self._store.page(states=wanted, limit=limit)
         return JobPage(items=tuple(job_view(job, time.time()) for job in page.jobs), next=None)
 
     def plan(self, job: str) -> JobPlan:
         """Returns the last plan of a job."""
-        from skiros_py.station.jobs.views import plan_of
-
         return plan_of(self._job(job), self._store.trace(job))
 
     def trace(self, job: str, *, limit: int, cursor: str | None = None) -> JobTrace:  # noqa: ARG002 - as of a server
         """Returns the trace of a job, on one page."""
-        from skiros_py.api.jobs import JobTrace
-
         return JobTrace(entries=self._store.trace(self._job(job).id), next=None)
 
     def _job(self, job: str) -> Known:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from skiros_py.cli.commands import Found, reports
-from skiros_py.cli.options import ASK, GUI, JSON, cell_options, combined, key_values
+from skiros_py.cli.options import ASK, GUI, JSON, cell_options, combined, given_params
 from skiros_py.cli.output import NOT_REACHED, REACHED, STOPPED, tell
 from skiros_py.cli.run import answering, stopping
 from skiros_py.errors import UnknownName
@@ -125,15 +125,6 @@ def _manager(session: Session, name: str, agent: str | None) -> SkillManager:
     if agent not in session.managers:
         raise UnknownName("skill manager", agent, session.managers)
     return session.managers[agent]
-
-
-def given_params(params: Sequence[str]) -> dict[str, str]:
-    """Reads parameters written as KEY=VALUE.
-
-    Raises:
-        UsageError: One is written otherwise, or given twice.
-    """
-    return key_values("--param", params, "Location=pallet_a", "KEY=VALUE")
 
 
 def _body(name: str) -> list[str]:

@@ -114,6 +114,15 @@ def key_values(
     return found
 
 
+def given_params(params: Iterable[str]) -> dict[str, str]:
+    """Reads parameters of a module, written as KEY=VALUE.
+
+    Raises:
+        UsageError: One is written otherwise, or given twice.
+    """
+    return key_values("--param", params, "Location=pallet_a", "KEY=VALUE")
+
+
 def _login() -> str:
     try:
         return getpass.getuser()

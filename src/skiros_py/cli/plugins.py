@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
+from skiros_py.catalogue import KINDS, Surveyed, survey
 from skiros_py.cli.commands import Found, reports
 from skiros_py.cli.output import NOT_REACHED, REACHED, table_lines
 from skiros_py.errors import UnknownName
-
-if TYPE_CHECKING:
-    from skiros_py.catalogue import Surveyed
-    from skiros_py.plugins.plugin import PluginFault
+from skiros_py.plugins.installation import GROUPS
+from skiros_py.plugins.plugin import PluginFault, origin_of
 
 
 @reports("plugins --group skills", epilog="Examples: skiros plugins --group skills; skiros plugins drive")
@@ -26,8 +25,6 @@ def command(name: str | None, group: str | None, tracebacks: bool, strict: bool)
 
     With NAME, shows what is called so in full. What is hidden behind a name that stands twice is listed, too.
     """
-    from skiros_py.catalogue import survey
-
     wanted = _group(group)
     everything, strays = survey()
     listed = [one for one in everything if wanted in (None, one.entry.group) and name in (None, one.entry.name)]
@@ -45,8 +42,6 @@ def command(name: str | None, group: str | None, tracebacks: bool, strict: bool)
 
 def _group(given: str | None) -> str | None:
     """Returns the group in full ("skiros.skills"); its first part may be left out."""
-    from skiros_py.plugins.installation import GROUPS
-
     if given is None:
         return None
     short = given.removeprefix("skiros.")
@@ -70,9 +65,6 @@ def _row(one: Surveyed) -> tuple[str, str, str, str]:
 
 
 def _in_full(listed: Sequence[Surveyed]) -> Iterator[str]:
-    from skiros_py.catalogue import KINDS
-    from skiros_py.plugins.plugin import origin_of
-
     for one in listed:
         entry = one.entry
         kind = KINDS.get(entry.group)

@@ -5,17 +5,25 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
+from skiros_py.catalogue import load_catalogue
 from skiros_py.cli.commands import Found, reports
 from skiros_py.cli.options import JSON
 from skiros_py.cli.output import DIFFERENT, REACHED, answer_text, escaped
+from skiros_py.cli.reaching import present_world
+from skiros_py.config import find_scene, named_scene, scene_names
 from skiros_py.errors import DescriptionError, FileError, UsageError
-
-if TYPE_CHECKING:
-    from skiros_py.world.branches import Branch
+from skiros_py.skills.cell_reader import read_cell
+from skiros_py.station.worlds import open_world
+from skiros_py.tasks.goals import parse_goal
+from skiros_py.world.branches import Branch, tree
+from skiros_py.world.scene import describe
+from skiros_py.world.scene import diff as compare
+from skiros_py.world.scene.files import write_atomically
+from skiros_py.world.scene.writer import scene_turtle
+from skiros_py.world.vocabulary import DEVICE, ELEMENT, ROBOT
 
 
 @click.group("scene")
@@ -29,8 +37,6 @@ def command() -> None:
 @reports("scene list --json", command)
 def list_scenes() -> Found:
     """Lists the scenes by name."""
-    from skiros_py.config import named_scene, scene_names
-
     names = scene_names()
     return {"scenes": {name: str(named_scene(name)) for name in names}}, names
 
@@ -40,9 +46,6 @@ def list_scenes() -> Found:
 @JSON
 def show(scene: str, as_json: bool) -> int:
     """Shows SCENE as a tree of placements and parts, and its goal."""
-    from skiros_py.station.worlds import open_world
-    from skiros_py.world.branches import tree
-
     world = open_world(scene)
     roots = tree(world)
     if as_json:
@@ -64,13 +67,7 @@ def check(scene: str) -> Found:
 
     Exit status: 0 nothing is wrong, 2 something is; the message says where and what would be right.
     """
-    from skiros_py.catalogue import load_catalogue
-    from skiros_py.config import find_scene
     from skiros_py.simulation.cell import SimulatedCell
-    from skiros_py.skills.cell_reader import read_cell
-    from skiros_py.station.worlds import open_world
-    from skiros_py.tasks.goals import parse_goal
-    from skiros_py.world.vocabulary import DEVICE, ELEMENT, ROBOT
 
     world = open_world(scene)
     try:
@@ -95,10 +92,6 @@ def diff(old: str, new: str) -> Found:
 
     Exit status: 0 they are equal, 1 they are different, 2 one of them is broken.
     """
-    from skiros_py.station.worlds import open_world
-    from skiros_py.world.scene import describe
-    from skiros_py.world.scene import diff as compare
-
     before, after = open_world(old).snapshot(), open_world(new).snapshot()
     edits = compare(before, after)
     found = {"old": old, "new": new, "edits": [edit.as_json() for edit in edits]}
@@ -115,11 +108,6 @@ def diff(old: str, new: str) -> Found:
 )
 def save(scene_and_file: tuple[str, ...], data: Path | None) -> int:
     """Writes SCENE with all that it imports as one Turtle file FILE, in an order that depends on the content alone."""
-    from skiros_py.cli.reaching import present_world
-    from skiros_py.station.worlds import open_world
-    from skiros_py.world.scene.files import write_atomically
-    from skiros_py.world.scene.writer import scene_turtle
-
     *scenes, file = scene_and_file
     if len(scenes) != (0 if data else 1):
         raise UsageError("with --data give the FILE only" if data else "give SCENE and FILE, or --data DIR and FILE")

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import click
 
+from skiros_py.catalogue import Catalogue, load_catalogue
 from skiros_py.cli.commands import Found, reports
 from skiros_py.cli.output import escaped
-
-if TYPE_CHECKING:
-    from skiros_py.catalogue import Catalogue
-    from skiros_py.skills.skill import SkillDescription
+from skiros_py.skills.behaviour import lines
+from skiros_py.skills.skill import SkillDescription
 
 _CONDITIONS = ("pre", "hold", "post")
 
@@ -20,8 +18,6 @@ _CONDITIONS = ("pre", "hold", "post")
 @reports("skills --json")
 def command() -> Found:
     """Lists skills with their conditions, primitives, conditions, reasoners, and plug-ins that did not load."""
-    from skiros_py.catalogue import load_catalogue
-
     catalogue = load_catalogue()
     catalogue.load_all()
     skills = {
@@ -52,8 +48,6 @@ def _conditions(description: SkillDescription) -> dict[str, list[str]]:
 
 
 def _lines(catalogue: Catalogue) -> Iterator[str]:
-    from skiros_py.skills.behaviour import lines
-
     for name, skill in catalogue.skills.items():
         kind = "fake" if skill.driver == "fake" else "real"
         yield f"{name} {skill.version} ({kind}, from {catalogue.sources[f'skills/{name}']}): {skill.description.help}"

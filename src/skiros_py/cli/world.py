@@ -15,13 +15,16 @@ from skiros_py.cli.options import AUTHOR, DATA, data_option, open_existing
 from skiros_py.cli.output import REACHED
 from skiros_py.cli.reaching import present_world
 from skiros_py.errors import FileError
+from skiros_py.station.worlds import open_data, open_world
+from skiros_py.world.change import ElementEdit
+from skiros_py.world.element import Element
+from skiros_py.world.journal import Entry
+from skiros_py.world.literals import format_value
+from skiros_py.world.scene.files import describe, write_atomically
 from skiros_py.world.vocabulary import APPLIES_TO, ELEMENT
 
 if TYPE_CHECKING:
     from skiros_py.cli.world_open import History, Shown
-    from skiros_py.world.element import Element
-    from skiros_py.world.journal import Entry
-
 _MOST_LINES = 20
 """Maximum number of edits shown for one change; a scene has thousands."""
 
@@ -51,7 +54,6 @@ def create(scene: str, data: Path) -> int:
     An existing learned.ttl in it is read, too.
     """
     from skiros_py.client.client import find_server
-    from skiros_py.station.worlds import open_data
 
     if (data / "journal.db").exists():
         server = find_server(data)
@@ -73,8 +75,6 @@ def create(scene: str, data: Path) -> int:
 def show(element: str, data: Path | None, scene: str | None) -> Found:
     """Shows ELEMENT: class, properties, relations, and the last change."""
     from skiros_py.cli.world_open import OpenWorld
-    from skiros_py.station.worlds import open_world
-    from skiros_py.world.change import ElementEdit
 
     if (data is None) == (scene is None):
         raise click.UsageError("say where to look: either --data DIR or --scene SCENE")
@@ -91,8 +91,6 @@ def show(element: str, data: Path | None, scene: str | None) -> Found:
 
 
 def _element_lines(shown: Shown) -> Iterator[str]:
-    from skiros_py.world.literals import format_value
-
     element, stamp = shown.element, shown.stamp
     yield f"{element.id} ({element.type}) '{element.label}'"
     if stamp.change:
@@ -119,8 +117,6 @@ def history(element: str | None, everything: bool, last: int | None, data: Path)
 
 def _history_lines(found: History, element: str | None) -> Iterator[str]:
     """Yields one line for each change, and one for each of its edits that is about the element."""
-    from skiros_py.world.scene.files import describe
-
     if found.first > 1:
         yield f"changes are remembered from number {found.first} on"
     for entry in found.entries:
@@ -173,8 +169,6 @@ def learned() -> None:
 @DATA
 def list_learned(data: Path) -> Found:
     """Lists the learned concepts."""
-    from skiros_py.world.change import ElementEdit
-
     with present_world(data) as world:
         elements = world.learned()
     return {"learned": [ElementEdit(e.id, None, e).as_json()["new"] for e in elements]}, map(_learned_line, elements)
@@ -204,8 +198,6 @@ def export(file: Path | None, data: Path) -> int:
 
     A new data directory that contains this file as learned.ttl starts with them.
     """
-    from skiros_py.world.scene.files import write_atomically
-
     with present_world(data) as world:
         text = world.learned_turtle()
     if file is None:

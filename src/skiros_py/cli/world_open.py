@@ -6,16 +6,21 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from skiros_py.errors import UnknownName
+from skiros_py.station.scenes.scenes import scene_only
+from skiros_py.world.change import Change, Writer
+from skiros_py.world.element import Element, Stamp, is_learned
+from skiros_py.world.journal import Entry, Journal
+from skiros_py.world.queries import Binding, Result
+from skiros_py.world.queries.outside import OutsideQueries
+from skiros_py.world.queries.replica import Limits
+from skiros_py.world.scene.learned import learned_turtle
+from skiros_py.world.scene.writer import scene_turtle
+from skiros_py.world.undo import undo
 from skiros_py.world.vocabulary import ELEMENT
+from skiros_py.world.world import World
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
-
-    from skiros_py.world.change import Change
-    from skiros_py.world.element import Element, Stamp
-    from skiros_py.world.journal import Entry, Journal
-    from skiros_py.world.queries import Binding, Result
-    from skiros_py.world.world import World
 
 MOST_ROWS = 100_000
 """Maximum number of rows of a query in this process."""
@@ -76,8 +81,6 @@ class OpenWorld:
 
     def undo(self, author: str) -> Change:
         """Undoes the last edit of a person."""
-        from skiros_py.world.undo import undo
-
         return undo(self._world, author)
 
     def learned(self) -> Sequence[Element]:
@@ -86,8 +89,6 @@ class OpenWorld:
 
     def forget(self, concept: str, author: str) -> Change:
         """Deletes a learned concept with its parts."""
-        from skiros_py.world.change import Writer
-
         known = self._learned()
         if concept not in known:
             raise UnknownName("learned concept", concept, known)
@@ -98,26 +99,16 @@ class OpenWorld:
 
     def learned_turtle(self) -> str:
         """Returns the learned concepts as the text of a Turtle file."""
-        from skiros_py.world.scene.learned import learned_turtle
-
         return learned_turtle(self._world.snapshot())
 
     def scene_turtle(self) -> str:
         """Returns the scene as the text of a Turtle file."""
-        from skiros_py.station.scenes.scenes import scene_only
-        from skiros_py.world.scene.writer import scene_turtle
-
         return scene_turtle(scene_only(self._world.snapshot()))
 
     def query(self, sparql: str, bindings: Mapping[str, Binding], *, entailed: bool, time_limit: float) -> Result:
         """Runs a SPARQL query."""
-        from skiros_py.world.queries.outside import OutsideQueries
-        from skiros_py.world.queries.replica import Limits
-
         with OutsideQueries(self._world, Limits(rows=MOST_ROWS)) as queries:
             return queries.query(sparql, bindings, entailed=entailed, time_limit=time_limit)
 
     def _learned(self) -> list[str]:
-        from skiros_py.world.element import is_learned
-
         return [name for name in self._world.abstracts(ELEMENT) if is_learned(name)]

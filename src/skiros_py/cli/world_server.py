@@ -7,20 +7,23 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from decimal import Decimal
 from functools import partial
 from itertools import islice
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from pydantic import ValidationError
+
+from skiros_py.api.queries import Query
+from skiros_py.api.wire import fault_words
+from skiros_py.api.world import Change as ChangeInfo
+from skiros_py.api.world import ElementDetails, Learned
 from skiros_py.cli.world_open import History, Shown
+from skiros_py.client import Client
 from skiros_py.errors import UsageError
-
-if TYPE_CHECKING:
-    from skiros_py.api.queries import Query
-    from skiros_py.api.world import Change as ChangeInfo
-    from skiros_py.api.world import ElementDetails, Learned
-    from skiros_py.client import Client
-    from skiros_py.world.change import Change
-    from skiros_py.world.element import Element, Value
-    from skiros_py.world.journal import Entry
-    from skiros_py.world.queries import Binding, Result
+from skiros_py.geometry import Pose
+from skiros_py.world.change import Change
+from skiros_py.world.element import Element, Stamp, Value
+from skiros_py.world.journal import Entry
+from skiros_py.world.journal.records import decode_change
+from skiros_py.world.queries import Binding, Constructed, Result, Table, Text
 
 _PAGE = 1000
 _CHANGES = 200
@@ -40,8 +43,6 @@ class ServedWorld:
 
     def show(self, element: str) -> Shown:
         """Returns an element with its relations."""
-        from skiros_py.world.element import Stamp
-
         found = self._client.elements.get(element)
         own = {name: known.value for name, known in found.properties.items() if known.origin == "own"}
         is_whole = found.relations_total == len(found.relations)
@@ -51,8 +52,6 @@ class ServedWorld:
 
     def history(self, element: str | None, last: int | None) -> History:
         """Returns the changes of an element, or all."""
-        from skiros_py.world.journal import Entry
-
         topics = self._client
         read = topics.world.changes if element is None else partial(topics.elements.history, element)
         limit = _CHANGES if last is None else min(last, _CHANGES)
@@ -97,8 +96,6 @@ class ServedWorld:
 
     def _whole(self, found: ChangeInfo) -> Change:
         """Returns a change with all its edits."""
-        from skiros_py.world.journal.records import decode_change
-
         data, following = found.model_dump(), found.next
         while following is not None:
             more = self._client.world.change(found.number, limit=_PAGE, cursor=following)
@@ -120,15 +117,11 @@ def _all(read: Callable[..., Any], limit: int = _PAGE) -> Iterator[Any]:
 
 
 def _element(found: ElementDetails | Learned, values: Mapping[str, Any]) -> Element:
-    from skiros_py.world.element import Element
-
     return Element(found.id, found.class_, found.label, {name: _value(value) for name, value in values.items()})
 
 
 def _value(found: Any) -> Value:
     """Returns a value that came as plain data."""
-    from skiros_py.geometry import Pose
-
     if isinstance(found, dict):
         return Pose(tuple(found["position"]), tuple(found["orientation"]))
     value: Value = tuple(found) if isinstance(found, list) else found
@@ -139,11 +132,6 @@ def _value(found: Any) -> Value:
 
 
 def _question(sparql: str, bindings: Mapping[str, Binding], *, entailed: bool, time_limit: float) -> Query:
-    from pydantic import ValidationError
-
-    from skiros_py.api.queries import Query
-    from skiros_py.api.wire import fault_words
-
     bound = {name: _bound(value) for name, value in bindings.items()}
     try:
         return Query.model_validate(
@@ -158,16 +146,12 @@ def _question(sparql: str, bindings: Mapping[str, Binding], *, entailed: bool, t
 
 
 def _bound(value: Binding) -> object:
-    from skiros_py.world.queries import Text
-
     if isinstance(value, Text):
         return {"text": str(value)}
     return {"decimal": f"{value:f}"} if isinstance(value, Decimal) else value
 
 
 def _result(answer: Mapping[str, Any]) -> Result:
-    from skiros_py.world.queries import Constructed, Table
-
     if answer["form"] == "ASK":
         return bool(answer["answer"])
     if answer["form"] == "SELECT":

@@ -26,11 +26,7 @@ def module_name(name: str, what: str) -> str:
     Raises:
         UsageError: It is not valid; the text suggests a similar one.
     """
-    if not _MODULE.fullmatch(name):
-        near = snake_case(name)
-        hint = f", such as '{near}'" if _MODULE.fullmatch(near) and not keyword.iskeyword(near) else ""
-        raise UsageError(f"{what} '{name[:80]}': a name of small letters, digits and '_'{hint}")
-    return _usable(name, what)
+    return _checked(name, what, _MODULE, snake_case(name), "a name of small letters, digits and '_'")
 
 
 def class_name(name: str, what: str) -> str:
@@ -39,14 +35,13 @@ def class_name(name: str, what: str) -> str:
     Raises:
         UsageError: It is not valid; the text suggests a similar one.
     """
-    if not _CLASS.fullmatch(name):
-        near = joined(name)
-        hint = f", such as '{near}'" if _CLASS.fullmatch(near) else ""
-        raise UsageError(f"{what} '{name[:80]}': a name of letters and digits that begins with a capital{hint}")
-    return _usable(name, what)
+    return _checked(name, what, _CLASS, joined(name), "a name of letters and digits that begins with a capital")
 
 
-def _usable(name: str, what: str) -> str:
+def _checked(name: str, what: str, shape: re.Pattern[str], near: str, form: str) -> str:
+    if not shape.fullmatch(name):
+        hint = f", such as '{near}'" if shape.fullmatch(near) and not keyword.iskeyword(near) else ""
+        raise UsageError(f"{what} '{name[:80]}': {form}{hint}")
     if keyword.iskeyword(name):
         raise UsageError(f"{what} '{name}': that is a word of Python itself; choose another")
     if len(name) > _LONGEST:

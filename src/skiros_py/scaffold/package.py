@@ -99,7 +99,8 @@ def _skeleton(said: NewPackage) -> Iterator[tuple[str, str]]:
 def _orders(said: NewPackage) -> Iterator[tuple[Callable[[Knowledge, Any], Draft], Order]]:
     """Yields what is written into the package, one after the other, each with its generator."""
     name, word = said.name, class_name(said.condition, "condition")
-    property_ = _property(word)
+    first, *rest = snake_case(word).split("_")
+    property_ = first + "".join(part.capitalize() for part in rest)
     yield (
         draft_ontology,
         NewOntology(
@@ -120,8 +121,3 @@ def _orders(said: NewPackage) -> Iterator[tuple[Callable[[Knowledge, Any], Draft
     yield draft_skill, skill
     things = (f"part:{name}:Marker", "station:sk:Station")
     yield draft_scene, NewScene(name, things=things, goals=(f"{word}(part)",))
-
-
-def _property(word: str) -> str:
-    first, *rest = snake_case(word).split("_")
-    return first + "".join(part.capitalize() for part in rest)

@@ -36,7 +36,9 @@ from skiros_py.world.vocabulary import AT, DRIVING_POSE, HAS_A, HELD_BY, IN
 from skiros_py.world.world import World
 
 _CORE = "https://w3id.org/skiros-py/core"
-_IRI = "https://w3id.org/skiros-py/scenes/in_memory"
+_TINY = "https://w3id.org/skiros-py/testing/tiny"
+_SCENES = "https://w3id.org/skiros-py/scenes"
+_IRI = f"{_SCENES}/in_memory"
 _ROOTS = {
     "sk:Scene": 'scene:this a sk:Scene ; rdfs:label "test" .',
     "sk:Floor": 'scene:floor a sk:Floor ; rdfs:label "floor" .',
@@ -100,13 +102,13 @@ def _is_turtle(scene: str) -> bool:
     return any(character.isspace() for character in scene.strip()) or not scene.strip()
 
 
-def _completed(text: str, ontology: Ontology, imports: Sequence[str], robots: int) -> str:
+def _completed(text: str, ontology: Ontology, imports: Sequence[str], robots: int, iri: str = _IRI) -> str:
     """Returns a whole scene file; its first lines all are one, so that the lines of the text keep their numbers."""
     own = set(re.findall(r"@prefix\s+([\w-]*):", text))
-    prefixes = [f"@prefix {p}: <{iri}> ." for p, iri in ontology.names.prefixes.items() if p not in own]
-    imported = " , ".join(f"<{iri}>" for iri in (_CORE, *imports))
+    prefixes = [f"@prefix {p}: <{space}> ." for p, space in ontology.names.prefixes.items() if p not in own]
+    imported = " , ".join(f"<{file}>" for file in (_CORE, *imports))
     roots = [statement for class_, statement in _ROOTS.items() if not re.search(rf"\ba\s+{class_}\b", text)]
-    head = [*prefixes, f"<{_IRI}> a owl:Ontology ; owl:imports {imported} ."]
+    head = [*prefixes, f"<{iri}> a owl:Ontology ; owl:imports {imported} ."]
     tail = [*roots, *(robot_turtle(n) for n in range(1, robots + 1))]
     return " ".join(head) + " " + "\n".join([text, *tail]) + "\n"
 
@@ -207,18 +209,7 @@ TINY_ONTOLOGY = Path(__file__).parent / "tiny.ttl"
 """The file of the tiny domain; add it to ``SKIROS_ONTOLOGIES`` to run tiny scenes from the command line."""
 
 _SCENE = """\
-@prefix scene: <https://w3id.org/skiros-py/scene#> .
-@prefix tiny: <https://w3id.org/skiros-py/testing/tiny#> .
-@prefix sk: <https://w3id.org/skiros-py/core#> .
-@prefix owl: <http://www.w3.org/2002/07/owl#> .
-@prefix rdfs: <http://www.w3.org/2000/01/rdf-schema#> .
-
-<https://w3id.org/skiros-py/scenes/tiny> a owl:Ontology ;
-    owl:imports <https://w3id.org/skiros-py/core> , <https://w3id.org/skiros-py/testing/tiny> .
-
 scene:this a sk:Scene ; rdfs:label "tiny" .
-scene:floor a sk:Floor ; rdfs:label "floor" .
-scene:unknown_location a sk:UnknownLocation ; rdfs:label "unknown location" .
 scene:box_a a tiny:Box ; rdfs:label "box A" ; sk:on scene:floor .
 scene:box_b a tiny:Box ; rdfs:label "box B" ; sk:on scene:floor .
 scene:slot_1 a tiny:Slot ; rdfs:label "slot 1" ; sk:on scene:floor .
@@ -244,9 +235,9 @@ def tiny_scene(folder: Path, *facts: str, robots: int = 1, goals: tuple[str, ...
         goals: Goals that go with the scene.
     """
     aims = [f'scene:this sk:goal "{goal}" .' for goal in goals]
-    parts = [_SCENE, *(robot_turtle(n) for n in range(1, robots + 1)), *facts, *aims]
+    text = _completed("\n".join([_SCENE, *facts, *aims]), tiny_ontology(), [_TINY], robots, f"{_SCENES}/tiny")
     file = folder / "tiny.ttl"
-    file.write_text("\n".join(parts) + "\n", encoding="utf-8")
+    file.write_text(text, encoding="utf-8")
     return file
 
 
