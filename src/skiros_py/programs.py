@@ -270,7 +270,7 @@ def kill_marked(name: str, value: str) -> None:
     """
     word = f"\0{name}={value}".encode()
     deadline = time.monotonic() + _DYING
-    while found := [pid for pid in _all_processes() if word in _environment(pid)]:
+    while found := list(_marked(word)):
         for pid in found:
             with contextlib.suppress(ProcessLookupError, PermissionError):
                 os.kill(pid, signal.SIGKILL)
@@ -279,17 +279,12 @@ def kill_marked(name: str, value: str) -> None:
         time.sleep(0.001)
 
 
-def _all_processes() -> list[int]:
-    with contextlib.suppress(OSError):  # only Linux has it
-        return [int(path.name) for path in Path("/proc").iterdir() if path.name.isdigit()]
-    return []
-
-
-def _environment(pid: int) -> bytes:
-    """Returns the environment that a process was started with, each variable after a zero; empty if it is over."""
-    with contextlib.suppress(OSError):
-        return b"\0" + Path(f"/proc/{pid}/environ").read_bytes()
-    return b""
+def _marked(word: bytes) -> Iterator[int]:
+    """Yields the processes that were started with a word in their environment, each variable after a zero."""
+    for file in Path("/proc").glob("[0-9]*/environ"):  # only Linux has it
+        with contextlib.suppress(OSError):  # it is over
+            if word in b"\0" + file.read_bytes():
+                yield int(file.parent.name)
 
 
 def _without_stacks(output: str) -> list[str]:

@@ -34,7 +34,7 @@ from skiros_py.skills.inference import Inferred, Missing, infer
 from skiros_py.skills.lint.rule import leaves
 from skiros_py.skills.lint.rules.reach import brought_about
 from skiros_py.skills.outcome import Failure, Outcome
-from skiros_py.skills.parameters import SAMPLES, Kind, Param, sample_of_range
+from skiros_py.skills.parameters import SAMPLES, Kind, sample_of_range
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.tasks.task_manager import TaskManager
@@ -179,15 +179,10 @@ def _give(tx: Transaction, pattern: Pattern, world: World) -> None:
 def sample_values(description: SkillDescription) -> dict[str, Any]:
     """Returns a value for each parameter that must be given and cannot be inferred."""
     return {
-        param.key: _sample(param)
+        param.key: SAMPLES[param.type_name] if param.length == 1 else (SAMPLES[param.type_name],) * max(1, param.length)
         for param in description.params
         if param.kind is Kind.ONLINE and not param.is_element and param.type in SAMPLES
     }
-
-
-def _sample(param: Param) -> Any:
-    one = SAMPLES[str(param.type)]
-    return one if param.length == 1 else (one,) * max(1, param.length)
 
 
 _MOST_TARGETS = 30

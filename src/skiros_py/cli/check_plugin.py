@@ -44,6 +44,7 @@ def command(
 
     Exit status: 0 no errors (there may be warnings), 1 errors, 2 wrong usage.
     """
+    from skiros_py.checking import as_installed, check_plugins
     from skiros_py.skills.lint.checking import RULES, rule
 
     if explain is not None:
@@ -54,21 +55,12 @@ def command(
         return {"rules": found}, [f"{r['name']:24} {r['severity']:8} {r['summary']}" for r in found]
     if no_run and simulate is not None:
         raise UsageError("--no-run and --simulate contradict each other: leave out one of them")
-    report = _checked(what, rules, run=not no_run, simulate=simulate)
-    return _as_json(report), _lines(report), NOT_REACHED if report.errors or (strict and report.findings) else REACHED
-
-
-def _checked(what: str | None, rules: tuple[str, ...], *, run: bool, simulate: str | None) -> PluginReport:
-    from skiros_py.checking import as_installed, check_plugins
-
     with ExitStack() as stack:
         shown = stack.enter_context(progress("loading"))
-        name = stack.enter_context(as_installed(Path(what))) if what is not None and _is_path(what) else what
-        return check_plugins(name, rules, run=run, simulate=simulate, progress=shown)
-
-
-def _is_path(what: str) -> bool:
-    return "/" in what or what in (".", "..") or Path(what, "pyproject.toml").is_file()
+        if what is not None and ("/" in what or what in (".", "..") or Path(what, "pyproject.toml").is_file()):
+            what = stack.enter_context(as_installed(Path(what)))
+        report = check_plugins(what, rules, run=not no_run, simulate=simulate, progress=shown)
+    return _as_json(report), _lines(report), NOT_REACHED if report.errors or (strict and report.findings) else REACHED
 
 
 def _lines(report: PluginReport) -> Iterator[str]:

@@ -167,6 +167,7 @@ def _lives(data: Path) -> bool:
 def _serve(
     scene: str, options: Options, settings: ServerSettings, listening: socket, stops: _Stops, *, as_json: bool
 ) -> None:
+    from skiros_py.server.pages import pages_of
     from skiros_py.server.services import Services
     from skiros_py.server.serving import Serving, announced, url_of
     from skiros_py.station.session import Session
@@ -187,24 +188,15 @@ def _serve(
         def on_listening() -> None:
             stack.enter_context(announced(data, url, services.keys.local_token))
             _say_where(services, url, data, as_json=as_json)
-            if not as_json:  # a program that starts the server opens no pages
-                _expect_people(services, url)
+            if pages_of(settings) is not None and not as_json:  # a program that starts the server opens no pages
+                click.echo(f"pages   {url}/ for people", err=True)
+                models = (group.model for group in services.station.session.spec.groups if group.model)
+                services.station.robot_models.prepare(models)  # takes some seconds once
 
         serving = Serving(services, listening, on_listening)
         stops.end_with(serving)
         serving.run()
         click.echo("ending  the robots come to a standstill; what was under way waits for a person", err=True)
-
-
-def _expect_people(services: Services, url: str) -> None:
-    """Prints where the pages are, if they are installed, and prepares what takes some seconds once."""
-    from skiros_py.server.pages import pages_of
-
-    if pages_of(services.settings) is not None:
-        click.echo(f"pages   {url}/ for people", err=True)
-        services.station.robot_models.prepare(
-            group.model for group in services.station.session.spec.groups if group.model
-        )
 
 
 def _say_where(services: Services, url: str, data: Path, *, as_json: bool) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from decimal import Decimal
 from pathlib import Path
@@ -70,13 +70,21 @@ def command(
     "-" is read from stdin. In --bind a value is a number, true or false, a text in double quotes, or else a name
     (pallet_a, kitting:Starter).
     """
+    from skiros_py.cli.world_open import OpenWorld
+    from skiros_py.station.worlds import open_world
     from skiros_py.world.queries.replica import Limits
 
     if as_json and as_csv:
         raise click.UsageError("--json and --csv are two ways to show one answer: give one of them")
     scene, sparql = _scene_and_query(words, data, file, Limits().text)
-    bound = _bound(bindings)
-    with _world(scene, data, time_limit) as world:
+    texts = key_values("--bind", bindings, "place=pallet_a", is_name=str.isidentifier)
+    bound = {name: _value(value) for name, value in texts.items()}
+    opened: AbstractContextManager[OpenWorld | ServedWorld]
+    if data is not None:
+        opened = present_world(data, timeout=time_limit + _ON_THE_WAY)
+    else:
+        opened = nullcontext(OpenWorld(open_world(str(scene))))
+    with opened as world:
         result = world.query(sparql, bound, entailed=entailed, time_limit=time_limit)
     if as_json:
         from skiros_py.station.world.service import Answer
@@ -118,21 +126,6 @@ def _read(source: str, longest: int) -> str:
     if len(text) > longest:
         raise FileError(path, f"is no query: it has more than {longest} characters, and those are the most")
     return text
-
-
-def _world(scene: str | None, data: Path | None, time_limit: float) -> AbstractContextManager[OpenWorld | ServedWorld]:
-    from skiros_py.cli.world_open import OpenWorld
-    from skiros_py.station.worlds import open_world
-
-    if data is not None:
-        return present_world(data, timeout=time_limit + _ON_THE_WAY)
-    assert scene is not None
-    return nullcontext(OpenWorld(open_world(scene)))
-
-
-def _bound(bindings: Sequence[str]) -> dict[str, Binding]:
-    given = key_values("--bind", bindings, "place=pallet_a", is_name=str.isidentifier)
-    return {name: _value(value) for name, value in given.items()}
 
 
 def _value(text: str) -> Binding:
