@@ -44,7 +44,6 @@ def command(
 
     Exit status: 0 no errors (there may be warnings), 1 errors, 2 wrong usage.
     """
-    from skiros_py.checking import as_installed, check_plugins
     from skiros_py.skills.lint.checking import RULES, rule
 
     if explain is not None:
@@ -53,6 +52,8 @@ def command(
     if listed:
         found = [{"name": r.name, "severity": r.severity.value, "summary": r.summary} for r in RULES.values()]
         return {"rules": found}, [f"{r['name']:24} {r['severity']:8} {r['summary']}" for r in found]
+    from skiros_py.checking import as_installed, check_plugins
+
     if no_run and simulate is not None:
         raise UsageError("--no-run and --simulate contradict each other: leave out one of them")
     with ExitStack() as stack:

@@ -191,5 +191,7 @@ def cell_options(pace: str) -> Callable[[_Command], _Command]:
     Args:
         pace: Default of the pace.
     """
-    speed = click.option("--pace", type=_Pace(), default=pace, help=f"Simulated seconds per second.  [default: {pace}]")
-    return combined(SEED, speed, FAKE, DRIVER, ENGINE, CONFIG)
+    pace_option = click.option(
+        "--pace", type=_Pace(), default=pace, help=f"Simulated seconds per second.  [default: {pace}]"
+    )
+    return combined(SEED, pace_option, FAKE, DRIVER, ENGINE, CONFIG)
