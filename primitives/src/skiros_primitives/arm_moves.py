@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from skiros_primitives.floor_obstacles import bodies, others
+from skiros_primitives.floor_obstacles import bodies, driving
 from skiros_primitives.gripper import firm_force, move_fingers
-from skiros_py.devices.arm import Arm, ArmSpec, ArmTarget
+from skiros_py.devices.arm import Arm, ArmSpec, ArmState, ArmTarget
 from skiros_py.devices.gripper import Gripper, GripperSpec, GripperState
 from skiros_py.geometry import Pose
 from skiros_py.ports.cell import RobotSpec
@@ -27,6 +27,7 @@ from skiros_py.ports.motion import (
     Trajectory,
 )
 from skiros_py.ports.paths import Outline
+from skiros_py.skills.context import RunContext
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.surroundings import held_by, obstacles
 from skiros_py.world.vocabulary import GRIPPER, HAS_A
@@ -105,6 +106,16 @@ def even(start: Sequence[float], goal: Sequence[float], period: float) -> Trajec
     return Trajectory(np.asarray(start) + smooth * way, rate * way)
 
 
+_HOME = 0.05
+"""Maximum joint error of an arm in its home posture [rad]."""
+
+
+def is_home(context: RunContext, arm: ArmSpec) -> bool:
+    """Returns True when an arm is in its home posture, in which its base may drive."""
+    now = context.board.snapshot.state(arm.id, ArmState).positions
+    return max(abs(is_ - home) for is_, home in zip(now, arm.home, strict=True)) <= _HOME
+
+
 class ArmPrimitive(Primitive[Any]):
     """Base of the primitives that move an arm; their parameters have a field ``arm``."""
 
@@ -117,11 +128,6 @@ class ArmPrimitive(Primitive[Any]):
     def robot(self) -> RobotSpec:
         """The robot that the arm belongs to."""
         return self.context.cell.group_of(self.params.arm)
-
-    @property
-    def arm_spec(self) -> ArmSpec:
-        """The arm's description."""
-        return self.arm.spec
 
     @property
     def base_pose(self) -> Pose:
@@ -167,18 +173,15 @@ class ArmPrimitive(Primitive[Any]):
         """
         deadline = self.context.now + _COURTESY
         while True:
-            driving = self._driving()
+            before = driving(self.context, self.robot.id)
             planned = yield from self._planned(routes, around=around, speed=speed)
             if isinstance(planned, NoMotion):
                 return planned
             refusal = yield from self._reach_out(planned.covers, deadline)
             if refusal is not None:
                 return refusal
-            if driving <= self._driving():  # no robot has stopped at a new place meanwhile
+            if {*before} <= {*driving(self.context, self.robot.id)}:  # no robot has stopped at a new place meanwhile
                 return planned
-
-    def _driving(self) -> set[str]:
-        return {o.id for o in others(self.context, self.robot.id) if self.context.floor.is_driving(o.id)}
 
     def _reach_out(self, outline: Outline, deadline: float) -> Execution[NoMotion | None]:
         """Waits until no robot drives where the arm will move, and reserves the floor there."""
@@ -227,6 +230,14 @@ class ArmPrimitive(Primitive[Any]):
         if off > _ARRIVED:
             return NoMotion(f"{self.params.arm} stopped {math.degrees(off):.1f} deg short: something is in its way")
         return None
+
+    def go_straight(self, goal: Sequence[float]) -> Execution[NoMotion | None]:
+        """Moves to joint angles from rest to rest, for arms without a planner.
+
+        Args:
+            goal: Where to [rad].
+        """
+        return (yield from self.follow(even(self.arm.state.positions, goal, self.context.board.period)))
 
     def follow_plan(self, planned: MotionPlan) -> Execution[NoMotion | None]:
         """Follows all moves of a plan; where it arrives, only the floor below the arm's end position stays reserved."""

@@ -18,8 +18,7 @@ from skiros_py.world.transaction import Transaction
 
 
 def _patience() -> Any:
-    help_ = "Longest wait for the answer; left out: for ever."
-    return param("number", help_, kind=Kind.OPTIONAL, default=None, unit="s")
+    return param("number", "Longest wait for the answer; left out: for ever.", kind=Kind.OPTIONAL, unit="s")
 
 
 class AskingPrimitive(Primitive[Any]):
@@ -60,9 +59,9 @@ class Choose(AskingPrimitive):
 
         question: str = param("text", "What is asked, such as 'Which colour?'.")
         options: tuple[str, ...] = param("text", "What there is to choose from.", length=0)
-        element: str | None = param(v.ELEMENT, "Where the choice is written to.", kind=Kind.OPTIONAL, default=None)
+        element: str | None = param(v.ELEMENT, "Where the choice is written to.", kind=Kind.OPTIONAL)
         property: str | None = param(
-            "text", "Its property that gets the choice, such as 'sk:model'.", kind=Kind.OPTIONAL, default=None
+            "text", "Its property that gets the choice, such as 'sk:model'.", kind=Kind.OPTIONAL
         )
         patience: float | None = _patience()
 

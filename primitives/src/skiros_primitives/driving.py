@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from skiros_primitives import floor_obstacles
-from skiros_primitives.floor_obstacles import reach
+from skiros_primitives.floor_obstacles import driving, reach
 from skiros_py.geometry import Pose, wrap_angle
 from skiros_py.ports.board import Mobile
 from skiros_py.ports.device import MobileSpec
@@ -204,13 +204,9 @@ class DriveBase(DrivingPrimitive):
     def _pause(self, deadline: float) -> Execution[None]:
         """Waits until another robot drives off or has arrived; some robots only moved an arm."""
         end = min(deadline, self.context.now + _LOOK_AGAIN)
-        before = self._driving()
-        while self.context.now < end and self._driving() == before:
+        before = driving(self.context, self.params.robot)
+        while self.context.now < end and driving(self.context, self.params.robot) == before:
             yield
-
-    def _driving(self) -> list[str]:
-        others = floor_obstacles.others(self.context, self.params.robot)
-        return [other.id for other in others if self.context.floor.is_driving(other.id)]
 
     def _spec(self) -> MobileSpec[Any, Any]:
         return Mobile(self.context.board, self.params.base).spec

@@ -25,6 +25,11 @@ def others(context: RunContext, robot: str) -> tuple[RobotSpec, ...]:
     return tuple(other for other in context.cell.robots if other.id != robot)
 
 
+def driving(context: RunContext, robot: str) -> list[str]:
+    """Returns the ids of the other robots that are on their way."""
+    return [other.id for other in others(context, robot) if context.floor.is_driving(other.id)]
+
+
 def bodies(context: RunContext, robot: str, *, margin: float = 0.0) -> tuple[Obstacle, ...]:
     """Returns the other robots as obstacles: a block around each at its current pose.
 
@@ -33,11 +38,7 @@ def bodies(context: RunContext, robot: str, *, margin: float = 0.0) -> tuple[Obs
         robot: Id of the robot that is not to touch them.
         margin: By how much each block is wider than the robot, on each side [m].
     """
-    return tuple(_body(context, other, margin) for other in others(context, robot))
-
-
-def _body(context: RunContext, robot: RobotSpec, margin: float) -> Obstacle:
-    return _block(context, robot, robot.outline, margin)
+    return tuple(_block(context, other, other.outline, margin) for other in others(context, robot))
 
 
 def _block(context: RunContext, robot: RobotSpec, outline: Outline, margin: float) -> Obstacle:
@@ -58,7 +59,7 @@ def standing(context: RunContext, robot: str, *, margin: float) -> tuple[Obstacl
         margin: By how much each is enlarged on each side [m].
     """
     there = [other for other in others(context, robot) if not context.floor.is_driving(other.id)]
-    found = [_body(context, other, margin) for other in there]
+    found = [_block(context, other, other.outline, margin) for other in there]
     for other in there:
         taken = {arm.id: context.floor.stretched(arm.id) for arm in other.of(ArmSpec)}
         found += [_block(context, other, outline, margin) for outline in taken.values() if outline]

@@ -58,16 +58,11 @@ class GripperControl(Primitive["GripperControl.Params"]):
             "number",
             "Wanted gap between the pads; left out: wide open.",
             kind=Kind.OPTIONAL,
-            default=None,
             unit="m",
             limits=(0.0, 1.0),
         )
         force: float | None = param(
-            "number",
-            "Greatest force per finger; left out: as parts are held.",
-            kind=Kind.OPTIONAL,
-            default=None,
-            unit="N",
+            "number", "Greatest force per finger; left out: as parts are held.", kind=Kind.OPTIONAL, unit="N"
         )
 
     def execute(self) -> Execution[Outcome]:

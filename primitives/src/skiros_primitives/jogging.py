@@ -12,9 +12,9 @@ import shapely
 from scipy.spatial.transform import Rotation
 
 from skiros_primitives import floor_obstacles
-from skiros_primitives.arm_moves import UNPLANNED_SPEED, ArmPrimitive, even
+from skiros_primitives.arm_moves import UNPLANNED_SPEED, ArmPrimitive, is_home
 from skiros_primitives.driving import DrivingPrimitive
-from skiros_py.devices.arm import ArmSpec, ArmState
+from skiros_py.devices.arm import ArmSpec
 from skiros_py.geometry import Pose
 from skiros_py.ports.board import Mobile
 from skiros_py.ports.cell import RobotSpec
@@ -50,7 +50,7 @@ class JogJoints(ArmPrimitive):
 
     def start(self) -> Failure | None:
         """Checks that there is a number for each joint."""
-        joints, deltas = self.arm_spec.joints, self.params.deltas
+        joints, deltas = self.arm.spec.joints, self.params.deltas
         if len(deltas) != len(joints):
             return Failure(
                 f"deltas: {self.params.arm} has {len(joints)} joints ({', '.join(joints)}), not {len(deltas)}"
@@ -59,15 +59,11 @@ class JogJoints(ArmPrimitive):
 
     def execute(self) -> Execution[Outcome]:
         """Moves if the straight path is free."""
-        before = self.arm.state.positions
-        goal = tuple(position + delta for position, delta in zip(before, self.params.deltas, strict=True))
-        if not self.is_planned:
-            refusal = yield from self.follow(even(before, goal, self.context.board.period))
-        else:
-            refusal = yield from self._go(goal)
+        goal = tuple(at + delta for at, delta in zip(self.arm.state.positions, self.params.deltas, strict=True))
+        refusal = yield from self._go(goal) if self.is_planned else self.go_straight(goal)
         if refusal is not None:
             return Failure(f"{self.params.arm} cannot turn so: {refusal.reason}")
-        ways = zip(self.arm_spec.joints, self.params.deltas, strict=True)
+        ways = zip(self.arm.spec.joints, self.params.deltas, strict=True)
         turned = [f"{joint} by {delta:.3f} rad" for joint, delta in ways if abs(delta) >= _SHOWN]
         return Success(f"turned {', '.join(turned)}" if turned else "nothing to turn")
 
@@ -124,10 +120,7 @@ class JogTool(ArmPrimitive):
             limits=(-_TURN, _TURN),
         )
         near: str | None = param(
-            SPATIAL_THING,
-            "A thing that gripper and held part may touch, and what it lies on.",
-            kind=Kind.OPTIONAL,
-            default=None,
+            SPATIAL_THING, "A thing that gripper and held part may touch, and what it lies on.", kind=Kind.OPTIONAL
         )
 
     def start(self) -> Failure | None:
@@ -167,15 +160,8 @@ class JogTool(ArmPrimitive):
         return Pose((x, y, z), (turn @ Pose((0.0, 0.0, 0.0), tool.orientation)).orientation)
 
     def _frame(self, tool: Pose) -> Pose:
-        match self.params.frame:
-            case "tool":
-                return tool
-            case "base":
-                return self.base_pose
-            case "map":
-                return Pose()
-            case element:
-                return map_pose(self.context, element) or Pose()
+        own = {"tool": tool, "base": self.base_pose, "map": Pose()}
+        return own.get(self.params.frame) or map_pose(self.context, self.params.frame) or Pose()
 
     def _touching(self) -> frozenset[str]:
         near = self.params.near
@@ -193,8 +179,6 @@ _CLOSE = 0.02
 """Distance kept from everything [m]; things already nearer must not get nearer."""
 _NEARER = 0.001
 """Approaching by less than this does not count [m]."""
-_STOWED = 0.05
-"""Maximum joint error of an arm in its travelling posture [rad]."""
 
 
 class JogBase(DrivingPrimitive):
@@ -223,7 +207,7 @@ class JogBase(DrivingPrimitive):
         way = math.hypot(self.params.dx, self.params.dy)
         if way > _FARTHEST:
             return Failure(f"one step is at most {_FARTHEST:g} m long, not {way:.3g} m")
-        stretched = [arm.id for arm in self._robot.of(ArmSpec) if not self._is_stowed(arm.id, arm.home)]
+        stretched = [arm.id for arm in self._robot.of(ArmSpec) if not is_home(self.context, arm)]
         if stretched:
             return Failure(f"{', '.join(stretched)} is stretched out: bring it home before the base moves")
         return None
@@ -233,8 +217,7 @@ class JogBase(DrivingPrimitive):
         base, before = Mobile(self.context.board, self.params.base), self.pose
         goal = before @ Pose.of(self.params.dx, self.params.dy, 0.0, yaw=self.params.dyaw)
         path = base.direct_path(before, goal)
-        touched = self._touched(before, path)
-        if touched:
+        if touched := self._touched(before, path):
             return Failure(f"{self.params.base} would touch {touched}")
         with self.context.floor.ask(self.params.robot, self._robot.outline, before, path) as way:
             if not way.free:
@@ -249,10 +232,6 @@ class JogBase(DrivingPrimitive):
     @property
     def _robot(self) -> RobotSpec:
         return self.context.cell.group_of(self.params.base)
-
-    def _is_stowed(self, arm: str, home: tuple[float, ...]) -> bool:
-        now = self.context.board.snapshot.state(arm, ArmState).positions
-        return max(abs(is_ - wanted) for is_, wanted in zip(now, home, strict=True)) <= _STOWED
 
     # ------------------------------------------------------------------ obstacles
 

@@ -104,8 +104,8 @@ class LookingPrimitive(ArmPrimitive):
 
     def _camera_in_tool(self, camera: CameraSpec) -> Pose:
         kinematics = self.context.port(Kinematics, self.params.arm)
-        positions = dict(zip(self.arm_spec.joints, self.arm.state.positions, strict=True))
-        tool, optical = (kinematics.pose(link, positions) for link in (self.arm_spec.tip, camera.frame))
+        positions = dict(zip(self.arm.spec.joints, self.arm.state.positions, strict=True))
+        tool, optical = (kinematics.pose(link, positions) for link in (self.arm.spec.tip, camera.frame))
         return tool.inverse() @ optical
 
 
@@ -240,15 +240,12 @@ class VerifyPlace(LookingPrimitive):
             look = yield from self.look_for_parts(region, x + 0.03 * attempt, y)
             if isinstance(look, NoMotion):
                 return Failure(look.reason)
-            seen = self._find(look)
+            wanted = self.world.element(self.params.part).type
+            seen = next((d for d in look.detections if d.type == wanted), None)
             if seen is not None:
                 return self._confirm(seen)
             strange = any(d.type is None for d in look.detections)
         return self._deny(strange=strange)
-
-    def _find(self, look: LookResult) -> Detection | None:
-        wanted = self.world.element(self.params.part).type
-        return next((d for d in look.detections if d.type == wanted), None)
 
     def _confirm(self, seen: Detection) -> Outcome:
         part, compartment = self.params.part, self.params.compartment

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from skiros_primitives.arm_moves import ArmPrimitive, even
-from skiros_py.devices.arm import ArmSpec, ArmState
+from skiros_primitives.arm_moves import ArmPrimitive, is_home
+from skiros_py.devices.arm import ArmSpec
 from skiros_py.devices.gripper import GripperSpec, GripperState
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.motion import JointMove
@@ -30,7 +30,7 @@ class Home(Primitive["Home.Params"]):
         """Parameters."""
 
         robot: str = param(ROBOT, "The robot.", kind=Kind.PLANNING)
-        arm: str | None = param(ARM, "The arm; left out: all arms.", kind=Kind.OPTIONAL, default=None)
+        arm: str | None = param(ARM, "The arm; left out: all arms.", kind=Kind.OPTIONAL)
 
     def start(self) -> Failure | None:
         """Checks that the arm belongs to the robot."""
@@ -76,18 +76,11 @@ class MoveArm(ArmPrimitive):
 
     def execute(self) -> Execution[Outcome]:
         """Plans and moves."""
-        home = self.arm_spec.home
-        if not self.is_planned:
-            refusal = yield from self.follow(even(self.arm.state.positions, home, self.context.board.period))
-        else:
-            refusal = yield from self.go([(JointMove(home),)])
+        home = self.arm.spec.home
+        refusal = yield from self.go([(JointMove(home),)]) if self.is_planned else self.go_straight(home)
         if refusal is not None:
             return Failure(f"the arm cannot go home: {refusal.reason}")
         return Success("home")
-
-
-_STOWED = 0.05
-"""Maximum joint error of an arm in its posture [rad]."""
 
 
 class StowArms(Primitive["StowArms.Params"]):
@@ -109,13 +102,8 @@ class StowArms(Primitive["StowArms.Params"]):
         """Moves the arms one after the other."""
         robot = next(r for r in self.context.cell.robots if r.id == self.params.robot)
         for arm in robot.of(ArmSpec):
-            if self._is_stowed(arm):
-                continue
-            outcome = yield from self.call("move_arm", arm=arm.id)
-            if isinstance(outcome, Failure):
-                return outcome
+            if not is_home(self.context, arm):
+                outcome = yield from self.call("move_arm", arm=arm.id)
+                if isinstance(outcome, Failure):
+                    return outcome
         return Success("stowed")
-
-    def _is_stowed(self, arm: ArmSpec) -> bool:
-        now = self.context.board.snapshot.state(arm.id, ArmState).positions
-        return max(abs(is_ - home) for is_, home in zip(now, arm.home, strict=True)) <= _STOWED

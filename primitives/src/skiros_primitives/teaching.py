@@ -63,10 +63,7 @@ class TeachDrivingPose(TeachingPrimitive):
         base: str = param(v.BASE, "The base; it stands as it should.", kind=Kind.HARDWARE)
         location: str = param(v.LOCATION, "The place at which it stands.")
         type: str | None = param(
-            "class",
-            "For which class of places it counts; left out: that of the place.",
-            kind=Kind.OPTIONAL,
-            default=None,
+            "class", "For which class of places it counts; left out: that of the place.", kind=Kind.OPTIONAL
         )
 
     def execute(self) -> Execution[Outcome]:
@@ -100,7 +97,7 @@ class TeachGrasp(TeachingPrimitive, ArmPrimitive):
         gripper: str = param(v.GRIPPER, "The gripper on it; it is closed on the part.", kind=Kind.HARDWARE)
         part: str = param(v.MANIPULATABLE, "The part between the fingers.")
         type: str | None = param(
-            "class", "For which class of parts it counts; left out: that of the part.", kind=Kind.OPTIONAL, default=None
+            "class", "For which class of parts it counts; left out: that of the part.", kind=Kind.OPTIONAL
         )
 
     def execute(self) -> Execution[Outcome]:
@@ -140,7 +137,7 @@ class TeachPlacingPose(TeachingPrimitive):
         part: str = param(v.MANIPULATABLE, "The part; it is as it should be in the container.")
         container: str = param(v.CONTAINER, "The container or compartment.")
         type: str | None = param(
-            "class", "For which class of containers it counts; left out: its own.", kind=Kind.OPTIONAL, default=None
+            "class", "For which class of containers it counts; left out: its own.", kind=Kind.OPTIONAL
         )
 
     def execute(self) -> Execution[Outcome]:

@@ -40,15 +40,12 @@ def _faults(param: Param) -> Iterator[str]:
         yield f"its key must be a name, without '=' and blanks, and not '{IT}'"
     if param.access is not Access.EXCLUSIVE and param.kind is not Kind.HARDWARE:
         yield f"access is about devices, and it is {param.kind.name}"
-    yield from _element_faults(param) if param.is_element else _value_faults(param)
-    yield from _default_faults(param)
-
-
-def _element_faults(param: Param) -> Iterator[str]:
-    if param.length != 1:
+    if param.is_element and param.length != 1:
         yield f"it is one element, so its length cannot be {param.length}"
-    if param.unit:
+    if param.is_element and param.unit:
         yield f"an element has no unit, so not '{param.unit}'"
+    yield from () if param.is_element else _value_faults(param)
+    yield from _default_faults(param)
 
 
 def _value_faults(param: Param) -> Iterator[str]:
@@ -119,10 +116,12 @@ def param(
 ) -> Any:
     """Declares one field of a primitive's ``Params`` dataclass; see :class:`Param`.
 
-    Where no kind is said, a field with a default is OFFLINE and one without is ONLINE.
+    Where no kind is given, a field with a default is OFFLINE and one without is ONLINE; an OPTIONAL one defaults to None.
     """
     if kind is None:
         kind = Kind.ONLINE if default is dataclasses.MISSING else Kind.OFFLINE
+    if kind is Kind.OPTIONAL and default is dataclasses.MISSING:
+        default = None
     said = {"type": type_, "help": help_, "kind": kind, "unit": unit, "length": length}
     return dataclasses.field(default=default, metadata=said | {"limits": limits, "access": access})
 

@@ -151,3 +151,12 @@ def test_only_required_parameters_can_be_missing() -> None:
 
     assert missing(params, {}) == ("ONLINE", "HARDWARE", "PLANNING")
     assert missing(params, {"ONLINE": "arm_1", "HARDWARE": None, "PLANNING": "arm_1"}) == ("HARDWARE",)
+
+
+def test_an_optional_field_is_left_open_by_default() -> None:
+    @dataclass(frozen=True)
+    class Params:
+        note: str | None = param("text", "For people.", kind=Kind.OPTIONAL)
+
+    assert Params().note is None
+    assert params_of(Params)[0].kind is Kind.OPTIONAL
