@@ -7,7 +7,8 @@ from typing import Any
 
 from skiros_py.errors import DescriptionError, UnknownName
 from skiros_py.skills.behaviour import Behaviour, Uses
-from skiros_py.skills.conditions import AllOf, AnyOf, Exists, Not, Pattern
+from skiros_py.skills.conditions import Exists, Pattern
+from skiros_py.skills.conditions.pattern import leaves
 
 
 def check_references(root: Behaviour, keys: Collection[str], where: str) -> None:
@@ -42,21 +43,13 @@ def _asked(uses: Uses) -> Iterator[tuple[str, str]]:
 
 def variables(pattern: Pattern) -> tuple[str, ...]:
     """Returns the names of a pattern's free variables, each once, as they come."""
-    return tuple(dict.fromkeys(_all(pattern)))
-
-
-def _all(pattern: Pattern) -> list[str]:
-    match pattern:
-        case Not(inner):
-            return _all(inner)
-        case AllOf(patterns) | AnyOf(patterns):
-            return [name for part in patterns for name in _all(part)]
-        case Exists(variable, _, inner):
-            return [name for name in _all(inner) if name != variable]
-        case _:
+    free: dict[str, None] = {}
+    for leaf, bound in leaves(pattern):
+        if not isinstance(leaf, Exists):
             noted = _Noted()
-            pattern.rename(noted)
-            return noted.names
+            leaf.rename(noted)
+            free |= dict.fromkeys(name for name in noted.names if name not in bound)
+    return tuple(free)
 
 
 class _Noted(dict[str, str]):

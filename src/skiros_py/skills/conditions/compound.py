@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import chain
 from typing import Literal
 
 from skiros_py.errors import DescriptionError
@@ -15,6 +16,7 @@ from skiros_py.world.ontology import Ontology
 from skiros_py.world.view import WorldView
 
 _VARIABLE = re.compile(r"[^\W\d]\w*")
+_JOINED = {"and": AllOf, "or": AnyOf}
 _TRIED_SHOWN = 5
 """How many of the elements for which a condition did not hold are listed."""
 
@@ -45,16 +47,9 @@ class Junction(Condition):
         """Everything its parts speak of."""
         return tuple(dict.fromkeys(name for part in self.parts for name in part.names))
 
-    @property
-    def _positive(self) -> Pattern:
-        return self._join(part.pattern for part in self.parts)
-
-    def _closed(self, ontology: Ontology) -> Pattern:
+    def _positive(self, ontology: Ontology | None) -> Pattern:
         """Joins the closed patterns of the parts: "any starter" in two of them may be two starters."""
-        return self._join(part.closed_pattern(ontology) for part in self.parts)
-
-    def _join(self, patterns: Iterator[Pattern]) -> Pattern:
-        return AllOf(tuple(patterns)) if self.word == "and" else AnyOf(tuple(patterns))
+        return _JOINED[self.word](tuple(part.closed_pattern(ontology) for part in self.parts))
 
     def bind(self, binding: Mapping[str, str]) -> Condition:
         """Replaces parameter keys in all parts by the ids they are bound to."""
@@ -100,14 +95,8 @@ class Quantified(Condition):
         """The class it ranges over, and everything its part speaks of but the variable."""
         return tuple(dict.fromkeys((self.class_, *(name for name in self.part.names if name != self.variable))))
 
-    @property
-    def _positive(self) -> Pattern:
-        return self._quantify(self.part.pattern)
-
-    def _closed(self, ontology: Ontology) -> Pattern:
-        return self._quantify(self.part.closed_pattern(ontology))
-
-    def _quantify(self, inner: Pattern) -> Pattern:
+    def _positive(self, ontology: Ontology | None) -> Pattern:
+        inner = self.part.closed_pattern(ontology)
         if self.quantifier == "exists":
             return Exists(self.variable, self.class_, inner)
         return Not(Exists(self.variable, self.class_, Not(inner)))
@@ -125,30 +114,23 @@ class Quantified(Condition):
     def evaluate(self, view: WorldView, binding: Binding | None = None) -> Verdict:
         """Tells whether it holds: tries the elements of the class in the order of their ids until one decides."""
         tried: list[Verdict] = []
+        exists, class_ = self.quantifier == "exists", local_name(self.class_)
         candidates = view.instances(self.class_)
         for candidate in candidates:
             verdict = self.part.evaluate(view, {**(binding or {}), self.variable: candidate})
-            if verdict.holds is (self.quantifier == "exists"):
-                inner = self._decided(candidate, verdict)
+            if verdict.holds is exists:
+                text = f"{candidate} is the {class_}" if exists else f"it does not hold for the {class_} {candidate}"
+                inner = Verdict(exists, text, (verdict,))
                 break
             tried = [*tried, verdict][:_TRIED_SHOWN]
         else:
-            inner = self._undecided(len(candidates), tuple(tried))
+            text = f"no {class_} makes it true ({len(candidates)} tried)"
+            if not candidates:
+                text = f"there is no {class_}" + ("" if exists else ", so it holds for all")
+            elif not exists:
+                text = f"it holds for each {class_} ({len(candidates)})"
+            inner = Verdict(not exists, text, tuple(tried))
         return Verdict(inner.holds is not self.negated, self.written(_naming(binding or {})), (inner,))
-
-    def _decided(self, candidate: str, verdict: Verdict) -> Verdict:
-        class_ = local_name(self.class_)
-        if self.quantifier == "exists":
-            return Verdict(True, f"{candidate} is the {class_}", (verdict,))
-        return Verdict(False, f"it does not hold for the {class_} {candidate}", (verdict,))
-
-    def _undecided(self, number: int, tried: tuple[Verdict, ...]) -> Verdict:
-        holds, class_ = self.quantifier == "for all", local_name(self.class_)
-        if not number:
-            return Verdict(holds, f"there is no {class_}" + (", so it holds for all" if holds else ""))
-        if holds:
-            return Verdict(True, f"it holds for each {class_} ({number})", tried)
-        return Verdict(False, f"no {class_} makes it true ({number} tried)", tried)
 
 
 def any_of(*conditions: Condition) -> Condition:
@@ -198,22 +180,16 @@ def exists(variable: str, class_: str, condition: Condition) -> Condition:
 
 
 def _joined(conditions: Sequence[Condition], word: Literal["and", "or"]) -> Condition:
-    parts = tuple(part for condition in conditions for part in _parts(condition, word))
+    several = (c.parts if isinstance(c, Junction) and c.word == word and not c.negated else (c,) for c in conditions)
+    parts = tuple(chain.from_iterable(several))
     if not parts:
         raise DescriptionError(f"nothing is joined by '{word}': give at least one condition")
     if len(parts) == 1:
         return parts[0]
     name, help_ = f" {word} ".join(p.type.name for p in parts), f" {word} ".join(p.type.help for p in parts)
     roles = {argument: role for part in parts for argument, role in _roles(part)}
-    pattern = (AllOf if word == "and" else AnyOf)(tuple(part.pattern for part in parts))
+    pattern = _JOINED[word](tuple(part.pattern for part in parts))
     return Junction(ConditionType(name, tuple(roles.values()), pattern, help_), tuple(roles), word=word, parts=parts)
-
-
-def _parts(condition: Condition, word: str) -> tuple[Condition, ...]:
-    """Takes conditions that are joined by the same word apart."""
-    if isinstance(condition, Junction) and condition.word == word and not condition.negated:
-        return condition.parts
-    return (condition,)
 
 
 def _quantified(quantifier: Literal["for all", "exists"], variable: str, class_: str, part: Condition) -> Condition:

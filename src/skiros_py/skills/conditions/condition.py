@@ -12,7 +12,7 @@ from typing import Literal
 
 from skiros_py.errors import DescriptionError
 from skiros_py.interruptions import Interruption
-from skiros_py.skills.conditions.pattern import AllOf, Binding, Exists, Not, Pattern, Verdict
+from skiros_py.skills.conditions.pattern import AllOf, Atom, Binding, Exists, Not, Pattern, Verdict
 from skiros_py.world.abstract import abstract_individuals
 from skiros_py.world.element import Element, Value, is_abstract
 from skiros_py.world.literals import shown
@@ -23,7 +23,7 @@ from skiros_py.world.view import WorldView
 
 
 @dataclass(frozen=True, slots=True)
-class Compare:
+class Compare(Atom):
     """A property of an element (or of its class) compares as wanted with a constant.
 
     Of an element without a value none of the comparisons holds, "!=" neither; ask that by ``Not(Has(...))``.
@@ -56,10 +56,6 @@ class Compare:
         name = local_name(self.property)
         value = view.value(subject, self.property)
         return Comparison(self.op, self.value).judge(f"the {name} of {subject}", value, f"{subject} has no {name}")
-
-    def rename(self, names: Mapping[str, str]) -> Compare:
-        """Returns the same pattern with other variable names."""
-        return Compare(self.property, self.op, names.get(self.subject, self.subject), self.value)
 
 
 Operator = Literal["=", "!=", "<", "<=", ">", ">="]
@@ -232,22 +228,19 @@ class Condition:
     @property
     def pattern(self) -> Pattern:
         """Its pattern, over its arguments."""
-        return Not(self._positive) if self.negated else self._positive
+        return self.closed_pattern(None)
 
-    @property
-    def _positive(self) -> Pattern:
-        names = {role.name: argument for role, argument in zip(self.type.roles, self.arguments, strict=True)}
-        return self.type.pattern.rename(names)
-
-    def closed_pattern(self, ontology: Ontology) -> Pattern:
+    def closed_pattern(self, ontology: Ontology | None) -> Pattern:
         """Its pattern with a quantifier for each abstract argument: "there is a starter such that ..."."""
-        pattern = self._closed(ontology)
+        pattern = self._positive(ontology)
         return Not(pattern) if self.negated else pattern
 
-    def _closed(self, ontology: Ontology) -> Pattern:
-        pattern = self._positive
-        for argument in dict.fromkeys(self.arguments):
-            pattern = some_such(argument, pattern, ontology, described=self.type.abstract)
+    def _positive(self, ontology: Ontology | None) -> Pattern:
+        names = {role.name: argument for role, argument in zip(self.type.roles, self.arguments, strict=True)}
+        pattern = self.type.pattern.rename(names)
+        if ontology is not None:
+            for argument in dict.fromkeys(self.arguments):
+                pattern = some_such(argument, pattern, ontology, described=self.type.abstract)
         return pattern
 
     def bind(self, binding: Mapping[str, str]) -> Condition:

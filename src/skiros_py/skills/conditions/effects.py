@@ -108,14 +108,8 @@ def write_effects(tx: Transaction, ontology: Ontology, effects: Iterable[Effect]
             case Relate(relation, subject, object_):
                 tx.relate(subject, relation, object_)
             case Unrelate(relation, subject, object_):
-                _unrelate(tx, ontology, effect)
+                known = relation in ontology.relations and tx.view.has(subject) and tx.view.has(object_)
+                if not known or (not ontology.is_placement(relation) and tx.view.related(subject, relation, object_)):
+                    tx.unrelate(subject, relation, object_)  # which says what is wrong, if anything
             case Assign(property_, subject, value):
                 tx.set(subject, property_, value)
-
-
-def _unrelate(tx: Transaction, ontology: Ontology, effect: Unrelate) -> None:
-    known = effect.relation in ontology.relations and tx.view.has(effect.subject) and tx.view.has(effect.object)
-    if known and ontology.is_placement(effect.relation):
-        return
-    if not known or tx.view.related(effect.subject, effect.relation, effect.object):
-        tx.unrelate(effect.subject, effect.relation, effect.object)  # which says what is wrong, if anything

@@ -20,7 +20,7 @@ from lark.exceptions import UnexpectedCharacters, UnexpectedInput, UnexpectedTok
 
 from skiros_py.errors import DescriptionError, UnknownName
 from skiros_py.skills.conditions.condition import Condition, ConditionType
-from skiros_py.skills.conditions.pattern import AllOf, AnyOf, Binding, Exists, Not, Pattern, Verdict
+from skiros_py.skills.conditions.pattern import Binding, Pattern, Verdict, leaves
 from skiros_py.world.literals import shown
 from skiros_py.world.view import NO_SENSORS, WorldView
 
@@ -149,15 +149,7 @@ def holds(text: str) -> Condition:
 
 def is_sensed(pattern: Pattern) -> bool:
     """Tells whether a pattern reads signals anywhere: such a one means something in the live world only."""
-    match pattern:
-        case Expression():
-            return True
-        case AllOf(patterns) | AnyOf(patterns):
-            return any(is_sensed(part) for part in patterns)
-        case Exists(_, _, inner) | Not(inner):
-            return is_sensed(inner)
-        case _:
-            return False
+    return any(isinstance(leaf, Expression) for leaf, _ in leaves(pattern))
 
 
 # ---------------------------------------------------------------------- values
@@ -271,9 +263,6 @@ class _Terms(Transformer[Token, Term]):
     def __init__(self) -> None:
         super().__init__()
         self.found: list[Token] = []
-
-    def start(self, term: Term) -> Term:
-        return term
 
     def disjunction(self, *parts: Term) -> Term:
         return lambda look_up: any(_truth("or", part(look_up)) for part in parts)

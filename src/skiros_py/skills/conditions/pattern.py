@@ -8,9 +8,10 @@ Variables are names; a binding gives each the id of an element.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
-from typing import Protocol
+from types import MappingProxyType
+from typing import Protocol, Self
 
 from skiros_py.world.names import local_name
 from skiros_py.world.terms import Filler
@@ -91,7 +92,17 @@ class Pattern(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class Related:
+class Atom:
+    """Base of patterns without parts; its variables are the fields ``subject`` and ``object``."""
+
+    def rename(self, names: Mapping[str, str]) -> Self:
+        """Returns the same pattern with other variable names."""
+        variables = {field: getattr(self, field) for field in ("subject", "object") if hasattr(self, field)}
+        return replace(self, **{field: names.get(name, name) for field, name in variables.items()})
+
+
+@dataclass(frozen=True, slots=True)
+class Related(Atom):
     """A stored relation holds between two elements (sub-relations count)."""
 
     relation: str
@@ -104,10 +115,6 @@ class Related:
         holds = view.related(subject, self.relation, object_)
         return Verdict(holds, _says(view, self.relation, subject, object_, holds))
 
-    def rename(self, names: Mapping[str, str]) -> Related:
-        """Returns the same pattern with other variable names."""
-        return Related(self.relation, names.get(self.subject, self.subject), names.get(self.object, self.object))
-
 
 def _says(view: WorldView, relation: str, subject: str, object_: str, holds: bool) -> str:
     verb = relation.partition(":")[2]
@@ -119,7 +126,7 @@ def _says(view: WorldView, relation: str, subject: str, object_: str, holds: boo
 
 
 @dataclass(frozen=True, slots=True)
-class Nothing:
+class Nothing(Atom):
     """No element at all has the relation to this one (an empty gripper, an empty compartment)."""
 
     relation: str
@@ -132,13 +139,9 @@ class Nothing:
         verb = self.relation.partition(":")[2]
         return Verdict(not there, f"{', '.join(there) or 'nothing'} {verb} {object_}")
 
-    def rename(self, names: Mapping[str, str]) -> Nothing:
-        """Returns the same pattern with other variable names."""
-        return Nothing(self.relation, names.get(self.object, self.object))
-
 
 @dataclass(frozen=True, slots=True)
-class Has:
+class Has(Atom):
     """An element (or its class) has a value for a property."""
 
     property: str
@@ -150,13 +153,9 @@ class Has:
         holds = view.value(subject, self.property) is not None
         return Verdict(holds, f"{subject} has {'a' if holds else 'no'} {self.property.partition(':')[2]}")
 
-    def rename(self, names: Mapping[str, str]) -> Has:
-        """Returns the same pattern with other variable names."""
-        return Has(self.property, names.get(self.subject, self.subject))
-
 
 @dataclass(frozen=True, slots=True)
-class Computed:
+class Computed(Atom):
     """A relation that is worked out from what the two elements are (sizes, poses); no skill can change it.
 
     Attributes:
@@ -195,11 +194,6 @@ class Computed:
         for below in view.reasoners.narrowest(view.ontology, self.relation):
             yield from view.reasoners.pairs(view, below, subjects, objects)
 
-    def rename(self, names: Mapping[str, str]) -> Computed:
-        """Returns the same pattern with other variable names."""
-        renamed = names.get(self.subject, self.subject), names.get(self.object, self.object)
-        return Computed(self.relation, *renamed, self.function)
-
 
 @dataclass(frozen=True, slots=True)
 class Not:
@@ -220,35 +214,28 @@ class Not:
 
 
 @dataclass(frozen=True, slots=True)
-class AllOf:
-    """All patterns hold."""
-
+class _Joined:
     patterns: tuple[Pattern, ...]
 
     def evaluate(self, view: WorldView, binding: Binding) -> Verdict:
         """Evaluates each."""
         parts = tuple(pattern.evaluate(view, binding) for pattern in self.patterns)
-        return Verdict(all(parts), "all of these", parts)
+        holds, which = (all(parts), "all") if isinstance(self, AllOf) else (any(parts), "any")
+        return Verdict(holds, f"{which} of these", parts)
 
-    def rename(self, names: Mapping[str, str]) -> AllOf:
+    def rename(self, names: Mapping[str, str]) -> Self:
         """Returns the same pattern with other variable names."""
-        return AllOf(tuple(pattern.rename(names) for pattern in self.patterns))
+        return replace(self, patterns=tuple(pattern.rename(names) for pattern in self.patterns))
 
 
 @dataclass(frozen=True, slots=True)
-class AnyOf:
+class AllOf(_Joined):
+    """All patterns hold."""
+
+
+@dataclass(frozen=True, slots=True)
+class AnyOf(_Joined):
     """At least one of the patterns holds."""
-
-    patterns: tuple[Pattern, ...]
-
-    def evaluate(self, view: WorldView, binding: Binding) -> Verdict:
-        """Evaluates each."""
-        parts = tuple(pattern.evaluate(view, binding) for pattern in self.patterns)
-        return Verdict(any(parts), "any of these", parts)
-
-    def rename(self, names: Mapping[str, str]) -> AnyOf:
-        """Returns the same pattern with other variable names."""
-        return AnyOf(tuple(pattern.rename(names) for pattern in self.patterns))
 
 
 @dataclass(frozen=True, slots=True)
@@ -293,7 +280,7 @@ class Exists:
 
 
 @dataclass(frozen=True, slots=True)
-class IsA:
+class IsA(Atom):
     """An element is of a class, or of one below it."""
 
     subject: str
@@ -307,13 +294,9 @@ class IsA:
         wanted = "" if holds else f", not a {local_name(self.class_)}"
         return Verdict(holds, f"{subject} is a {local_name(type_)}{wanted}")
 
-    def rename(self, names: Mapping[str, str]) -> IsA:
-        """Returns the same pattern with other variable names."""
-        return IsA(names.get(self.subject, self.subject), self.class_)
-
 
 @dataclass(frozen=True, slots=True)
-class ClassRelated:
+class ClassRelated(Atom):
     """The ontology says of the first one's class that its things are related to things like the second one.
 
     It says so by a restriction on the class or one above it: ``someValuesFrom`` or ``allValuesFrom`` a class of which
@@ -338,10 +321,6 @@ class ClassRelated:
         kind = local_name(view.element(object_).type)
         return Verdict(False, f"a {local_name(type_)} {verb} {known}, and {object_} is a {kind}")
 
-    def rename(self, names: Mapping[str, str]) -> ClassRelated:
-        """Returns the same pattern with other variable names."""
-        return ClassRelated(self.relation, names.get(self.subject, self.subject), names.get(self.object, self.object))
-
 
 def _meets(view: WorldView, element: str, filler: Filler) -> bool:
     if not filler.is_class:
@@ -349,3 +328,22 @@ def _meets(view: WorldView, element: str, filler: Filler) -> bool:
     if filler.of not in view.ontology.classes:  # owl:Thing: anything will do; what OWL alone knows, nothing
         return filler.of == "owl:Thing"
     return view.ontology.is_a(view.element(element).type, filler.of)
+
+
+Classes = Mapping[str, str]
+"""Class of the element that a variable stands for, by variable."""
+
+
+def leaves(pattern: Pattern, classes: Classes = MappingProxyType({})) -> Iterator[tuple[Pattern, Classes]]:
+    """Yields what a pattern is made of, also the quantifiers, each with the classes of its variables."""
+    match pattern:
+        case Not(inner):
+            yield from leaves(inner, classes)
+        case AllOf(patterns) | AnyOf(patterns):
+            for part in patterns:
+                yield from leaves(part, classes)
+        case Exists(variable, class_, inner):
+            yield pattern, classes
+            yield from leaves(inner, {**classes, variable: class_})
+        case _:
+            yield pattern, classes

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 
 from skiros_py.skills.conditions.condition import Condition
 from skiros_py.skills.conditions.pattern import Binding, Verdict
@@ -135,6 +136,10 @@ def _statement(subject: str, relation: str, object_: str) -> Iterator[Key]:
     yield from (("from", subject, relation), ("to", relation, object_), ("between", subject, relation, object_))
 
 
+_UNSEEN = Verdict(True, "")
+
+
+@dataclass(slots=True, eq=False)
 class _Watched:
     """One condition under watch.
 
@@ -145,14 +150,13 @@ class _Watched:
         keys: What was read for that.
     """
 
-    def __init__(self, watch: Watch, condition: Condition, binding: Binding) -> None:
-        self.watch = watch
-        self.condition = condition
-        self.binding = binding
-        self.stale = True
-        self.senses = False
-        self.verdict = Verdict(True, "")
-        self.keys: frozenset[Key] = frozenset()
+    watch: Watch
+    condition: Condition
+    binding: Binding
+    stale: bool = True
+    senses: bool = False
+    verdict: Verdict = _UNSEEN
+    keys: frozenset[Key] = frozenset()
 
 
 class Watch:

@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any
 
 from skiros_py.errors import SkirosError
 from skiros_py.skills.behaviour import Behaviour
-from skiros_py.skills.conditions import AllOf, AnyOf, Condition, ConditionType, Exists, Not, Pattern
+from skiros_py.skills.conditions import Condition, ConditionType, Pattern
+from skiros_py.skills.conditions.pattern import Classes
 from skiros_py.skills.parameters import IT, Param, params_of
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill, SkillDescription
@@ -21,8 +21,6 @@ from skiros_py.world.ontology import Ontology
 from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners
 
 PrimitiveClass = type[Primitive[Any]]
-Classes = Mapping[str, str]
-"""Class of the element that a variable stands for, by variable."""
 
 
 class Source:
@@ -321,18 +319,3 @@ def uses_of(subject: Subject) -> Iterator[Use]:
 
 def _of_conditions(conditions: tuple[Condition, ...], classes: Classes) -> Iterator[Use]:
     yield from (Use(f"condition {c}", c.pattern, classes, c) for c in conditions)
-
-
-def leaves(pattern: Pattern, classes: Classes = MappingProxyType({})) -> Iterator[tuple[Pattern, Classes]]:
-    """Yields what a pattern is made of, also the quantifiers, each with the classes of its variables."""
-    match pattern:
-        case Not(inner):
-            yield from leaves(inner, classes)
-        case AllOf(patterns) | AnyOf(patterns):
-            for part in patterns:
-                yield from leaves(part, classes)
-        case Exists(variable, class_, inner):
-            yield pattern, classes
-            yield from leaves(inner, {**classes, variable: class_})
-        case _:
-            yield pattern, classes

@@ -19,7 +19,8 @@ from skiros_py.skills.conditions import (
     Pattern,
     Related,
 )
-from skiros_py.skills.lint.rule import Classes, Known, Place, Subject, Use, leaves, rule, uses_of
+from skiros_py.skills.conditions.pattern import Classes, leaves
+from skiros_py.skills.lint.rule import Known, Place, Subject, Use, rule, uses_of
 from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.world.literals import CLASS_NAME, DATATYPES
 from skiros_py.world.ontology import Ontology

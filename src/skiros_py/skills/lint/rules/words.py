@@ -22,7 +22,8 @@ from skiros_py.skills.conditions import (
     Pattern,
     Related,
 )
-from skiros_py.skills.lint.rule import Classes, Known, Place, Source, Subject, leaves, rule, uses_of
+from skiros_py.skills.conditions.pattern import Classes, leaves
+from skiros_py.skills.lint.rule import Known, Place, Source, Subject, rule, uses_of
 from skiros_py.skills.parameters import Param, params_of
 from skiros_py.skills.skill import Skill, SkillDescription
 
