@@ -165,63 +165,33 @@ def _connected(keys: Sequence[str], links: Iterable[set[str]]) -> list[set[str]]
 
 
 def _solve(group: _Group, view: WorldView) -> _Found:
+    """Chooses by those needs that can hold together; of what the others speak, only one element may be left."""
     solutions = group.solutions(group.needs, view)
-    if solutions:
-        return _chosen(group, solutions, view)
-    without_any = [param for param in group.params if not view.instances(param.element_class)]
-    if without_any:
-        rest = _solve(group.without(without_any), view) if len(without_any) < len(group.params) else _Found({}, {}, {})
-        there_is_none = {p.key: Verdict(False, f"{p.key}: there is no {p.element_class}") for p in without_any}
-        return _Found(rest.values, rest.reasons, {**rest.missing, **there_is_none})
-    return _as_far_as_possible(group, view)
-
-
-def _chosen(group: _Group, solutions: Sequence[Solution], view: WorldView) -> _Found:
-    best, reasons = choose(group.params, solutions, group.known, view)
-    unclear = {}
-    for param in group.params:
-        fitting = sorted({solution[param.key] for solution in solutions})
-        if param.unique and len(fitting) > 1:
-            unclear[param.key] = Verdict(False, f"{param.key}: {_listed(fitting)} all fit: say which")
-    return _without(unclear, best, reasons)
-
-
-def _as_far_as_possible(group: _Group, view: WorldView) -> _Found:
-    """Chooses by those needs that go together; of what the others speak, only one element may be left."""
-    kept: list[Condition] = []
     failed: list[Condition] = []
-    for need in group.needs:
-        (kept if group.solutions([*kept, need], view, most=1) else failed).append(need)
-    solutions = group.solutions(kept, view)
+    if not solutions:
+        without_any = [param for param in group.params if not view.instances(param.element_class)]
+        if without_any:
+            there_is_none = {p.key: Verdict(False, f"{p.key}: there is no {p.element_class}") for p in without_any}
+            others = len(without_any) < len(group.params)
+            rest = _solve(group.without(without_any), view) if others else _Found({}, {}, {})
+            return _Found(rest.values, rest.reasons, {**rest.missing, **there_is_none})
+        kept: list[Condition] = []
+        for need in group.needs:
+            (kept if group.solutions([*kept, need], view, most=1) else failed).append(need)
+        solutions = group.solutions(kept, view)
     best, reasons = choose(group.params, solutions, group.known, view)
-    open_ = {}
+    open_: dict[str, Verdict] = {}
     for param in group.params:
         fitting = sorted({solution[param.key] for solution in solutions})
         lacking = [need for need in failed if param.key in need.arguments]
-        if len(fitting) > 1 and (lacking or param.unique):
-            open_[param.key] = _nothing_fits(param, fitting, lacking, {**group.known, **best}, view)
+        if len(fitting) > 1 and lacking:
+            text = f"{param.key}: {best[param.key]}, the best of {len(fitting)} candidates"
+            verdicts = tuple(need.evaluate(view, {**group.known, **best}) for need in lacking)
+            open_[param.key] = Verdict(False, text, verdicts)
+        elif len(fitting) > 1 and param.unique:
+            listed = f"{', '.join(fitting[:10])}{', …' if len(fitting) > 10 else ''}"
+            open_[param.key] = Verdict(False, f"{param.key}: {listed} {'are left' if failed else 'all fit'}: say which")
         elif lacking:
             reasons[param.key] = f"the only candidate, although {lacking[0]} does not hold"
-    return _without(open_, best, reasons)
-
-
-def _without(open_: Mapping[str, Verdict], best: Solution, reasons: Mapping[str, str]) -> _Found:
-    return _Found(
-        {key: value for key, value in best.items() if key not in open_},
-        {key: reason for key, reason in reasons.items() if key not in open_},
-        open_,
-    )
-
-
-def _nothing_fits(
-    param: Param, fitting: Sequence[str], lacking: Sequence[Condition], best: Mapping[str, str], view: WorldView
-) -> Verdict:
-    """Says what is wrong with the candidates, and of the best one exactly why."""
-    if not lacking:
-        return Verdict(False, f"{param.key}: {_listed(fitting)} are left: say which")
-    text = f"{param.key}: {best[param.key]}, the best of {len(fitting)} candidates"
-    return Verdict(False, text, tuple(need.evaluate(view, best) for need in lacking))
-
-
-def _listed(names: Sequence[str]) -> str:
-    return f"{', '.join(names[:10])}{', …' if len(names) > 10 else ''}"
+    values = {key: value for key, value in best.items() if key not in open_}
+    return _Found(values, {key: reason for key, reason in reasons.items() if key not in open_}, open_)

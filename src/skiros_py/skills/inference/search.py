@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 from skiros_py.errors import DescriptionError, SkirosError
 from skiros_py.skills.conditions import AllOf, AnyOf, Binding, Computed, Exists, Not, Nothing, Pattern, Related
@@ -48,8 +49,10 @@ def candidates(pattern: Pattern, name: str, binding: Binding, view: WorldView) -
         view: The world.
     """
     match pattern:
-        case Related():
-            return _at_other_end(pattern, name, binding, view) if is_indexed(pattern, view.ontology) else None
+        case Related(relation, subject, object_) if is_indexed(pattern, view.ontology):
+            if subject == name and object_ in binding:
+                return view.subjects(relation, binding[object_])
+            return view.objects(binding[subject], relation) if object_ == name and subject in binding else None
         case AllOf(patterns):
             found = [c for p in patterns if (c := candidates(p, name, binding, view)) is not None]
             return tuple(sorted(set(found[0]).intersection(*found[1:]))) if found else None
@@ -74,14 +77,6 @@ def that_fit(pattern: Pattern, name: str, values: Sequence[str], binding: Bindin
             return tuple(value for value in values if value not in held)
         case _:
             return tuple(value for value in values if pattern.evaluate(view, {**binding, name: value}))
-
-
-def _at_other_end(pattern: Related, name: str, binding: Binding, view: WorldView) -> tuple[str, ...] | None:
-    if pattern.subject == name and pattern.object in binding:
-        return view.subjects(pattern.relation, binding[pattern.object])
-    if pattern.object == name and pattern.subject in binding:
-        return view.objects(binding[pattern.subject], pattern.relation)
-    return None
 
 
 def _united(parts: Iterable[tuple[str, ...] | None]) -> tuple[str, ...] | None:
@@ -150,9 +145,7 @@ class Search:
 
     def solutions(self) -> Iterator[dict[str, str]]:
         """Yields every way to bind the variables, each once, in an order that is the same in every run."""
-        domains: dict[str, _Domain] | None = dict.fromkeys(self._classes)
-        for constraint in self._constraints:
-            domains = self._narrowed(constraint, self._known, domains) if domains is not None else None
+        domains = self._narrowed(self._constraints, self._known, dict.fromkeys(self._classes))
         if domains is not None:
             for binding in self._extensions(self._known, domains):
                 yield {name: binding[name] for name in self._classes}
@@ -165,7 +158,7 @@ class Search:
         rest = {other: domain for other, domain in domains.items() if other != name}
         for value in self._values(name, domains[name], binding):
             bound = {**binding, name: value}
-            left = self._after(name, bound, rest)
+            left = self._narrowed([c for c in self._constraints if name in c.names], bound, rest)
             if left is not None:
                 yield from self._extensions(bound, left)
 
@@ -189,26 +182,20 @@ class Search:
                 values = that_fit(constraint.pattern, name, values, binding, self._view)
         return values
 
-    def _after(self, name: str, binding: Binding, domains: Mapping[str, _Domain]) -> Mapping[str, _Domain] | None:
-        """The candidates of the other variables once one is bound; None where one has none left."""
-        left: Mapping[str, _Domain] | None = domains
-        for constraint in self._constraints if domains else ():
-            if name in constraint.names and left is not None:
-                left = self._narrowed(constraint, binding, left)
-        return left
-
     def _narrowed(
-        self, constraint: _Constraint, binding: Binding, domains: Mapping[str, _Domain]
+        self, constraints: Iterable[_Constraint], binding: Binding, domains: Mapping[str, _Domain]
     ) -> dict[str, _Domain] | None:
-        """Lets one pattern narrow down the one variable that it still leaves open."""
+        """Lets patterns narrow down the one variable that each still leaves open; None where one has none left."""
         narrowed = dict(domains)
-        free = constraint.names - binding.keys()
-        if len(free) == 1:
-            (name,) = free
-            found = candidates(constraint.pattern, name, binding, self._view)
-            if found is not None:
-                narrowed[name] = dict.fromkeys(self._of_class(name, found, domains[name]))
-                return narrowed if narrowed[name] else None
+        for constraint in constraints:
+            free = constraint.names - binding.keys()
+            if len(free) == 1:
+                (name,) = free
+                found = candidates(constraint.pattern, name, binding, self._view)
+                if found is not None:
+                    narrowed[name] = dict.fromkeys(self._of_class(name, found, narrowed[name]))
+                    if not narrowed[name]:
+                        return None
         return narrowed
 
     def _of_class(self, name: str, found: Sequence[str], domain: _Domain) -> Iterator[str]:
@@ -241,9 +228,9 @@ def choose(
     """
     why: dict[str, list[str]] = {param.key: [] for param in params}
     best = solutions
-    for narrow in (_most_preferred, _cheapest):
+    for narrow in (partial(_most_preferred, known), _cheapest):
         for param in params:
-            kept, reason = narrow(param, best, known, view)
+            kept, reason = narrow(param, best, view)
             if len(kept) < len(best):
                 why[param.key].append(reason)
             best = kept
@@ -261,7 +248,7 @@ def _reason(param: Param, solutions: Sequence[Solution], best: Sequence[Solution
 
 
 def _most_preferred(
-    param: Param, solutions: Sequence[Solution], known: Binding, view: WorldView
+    known: Binding, param: Param, solutions: Sequence[Solution], view: WorldView
 ) -> tuple[Sequence[Solution], str]:
     for pattern in param.preferred:
         own = pattern.rename({IT: param.key})
@@ -289,12 +276,7 @@ def _fulfilling(
     return [solution for solution in solutions if id(solution) in held]
 
 
-def _cheapest(
-    param: Param,
-    solutions: Sequence[Solution],
-    known: Binding,  # noqa: ARG001 - as of preferences
-    view: WorldView,
-) -> tuple[Sequence[Solution], str]:
+def _cheapest(param: Param, solutions: Sequence[Solution], view: WorldView) -> tuple[Sequence[Solution], str]:
     cost = param.cost
     if cost is None:
         return solutions, ""
