@@ -32,35 +32,11 @@ EFFECT_MISSING = Rule("effect-missing", Severity.ERROR, "A skill ran, and an eff
 UNDECLARED_CHANGE = Rule("undeclared-change", Severity.ERROR, "A skill ran, and changed what it does not declare.")
 NEVER_TRIED = Rule("never-tried", Severity.WARNING, "A skill for which no world to try it in was found.")
 
-_ALL = (
-    DOES_NOT_LOAD,
-    words.unknown_word,
-    words.not_computed,
-    reach.unplaced,
-    calls.unknown_module,
-    calls.missing_argument,
-    calls.missing_parameter,
-    ranges.wrong_range,
-    reach.impossible_effect,
-    reach.unreachable_precondition,
-    calls.recursive_skill,
-    devices.same_device,
-    devices.no_mix_rule,
-    code.pretends,
-    reach.moves_by_structure,
-    words.missing_help,
-    words.missing_unit,
-    code.yield_never,
-    code.motion_in_finally,
-    code.blocking_call,
-    code.private_import,
-    EFFECT_MISSING,
-    UNDECLARED_CHANGE,
-    NEVER_TRIED,
-)
+_OF_CODE = (one for module in (words, reach, calls, ranges, devices, code) for one in vars(module).values())
+_ALL = (DOES_NOT_LOAD, *_OF_CODE, EFFECT_MISSING, UNDECLARED_CHANGE, NEVER_TRIED)
 _OF_DOCUMENTS = (calls.unknown_module, words.unknown_word, ranges.wrong_range, devices.same_device)
 
-RULES: Mapping[str, Rule] = MappingProxyType({one.name: one for one in _ALL})
+RULES: Mapping[str, Rule] = MappingProxyType({one.name: one for one in _ALL if isinstance(one, Rule)})
 """Every rule, by name."""
 
 

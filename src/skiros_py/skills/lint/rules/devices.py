@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from itertools import combinations
 
 from skiros_py.ports.kinds import load_device_kinds
-from skiros_py.skills.behaviour import Call, P
+from skiros_py.skills.behaviour import P
 from skiros_py.skills.lint.rule import Known, Place, Subject, rule
 from skiros_py.skills.lint.rules.ranges import overlap
 from skiros_py.skills.lint.rules.words import own_params
@@ -39,7 +39,9 @@ def same_device(place: Place, known: Known) -> Iterator[str]:
     if not place.node.uses().concurrent:
         return
     children = place.node.named_children().values()
-    branches = [_devices(replace(place, node=child), known) for child in children]
+    branches = [
+        {one for inner in replace(place, node=child).below() for one in _taken(inner, known)} for child in children
+    ]
     for (i, one), (j, other) in combinations(enumerate(branches, start=1), 2):
         both = ((a, b) for a in one for b in other if not (a.shared and b.shared) and _may_be_one(a, b, known))
         for device in sorted({str(a if a.name else b) for a, b in both}):
@@ -56,30 +58,25 @@ def _may_be_one(one: _Device, other: _Device, known: Known) -> bool:
     return overlap(known.ontology, one.class_, other.class_)
 
 
-def _devices(branch: Place, known: Known) -> set[_Device]:
-    """Returns what the modules of a branch take."""
-    calls = ((call, place) for place in branch.below() for call in place.node.uses().calls)
-    return {device for call, place in calls for device in _taken(call, place, known)}
-
-
-def _taken(call: Call, place: Place, known: Known) -> Iterator[_Device]:
-    if call.module in known.primitives and known.primitives[call.module].watches:
-        return  # a watching primitive takes nothing
-    taken = known.takes(call.module)
-    for param in known.params(call.module) or ():
-        if not param.is_element or not (param.key in taken or param.kind is Kind.HARDWARE):
-            continue
-        shared = param.access is Access.SHARED
-        if param.access is Access.READ:
-            continue
-        if param.key in call.arguments:
-            value = call.arguments[param.key]
-            key = value.key if isinstance(value, P) else ""
-            yield _Device(place.classes.get(key, param.element_class), key or str(value), shared)
-        elif param.kind.is_required:  # a run fills in the subsystem itself where it is of that class: it is nearest
-            own = place.description
-            is_agent = own is not None and overlap(known.ontology, own.agent_class, param.element_class)
-            yield _Device(param.element_class, own.agent if own is not None and is_agent else "", shared)
+def _taken(place: Place, known: Known) -> Iterator[_Device]:
+    """Yields what the modules take that a node calls; primitives that watch take nothing."""
+    calls = place.node.uses().calls
+    for call in (c for c in calls if c.module not in known.primitives or not known.primitives[c.module].watches):
+        taken = known.takes(call.module)
+        for param in known.params(call.module) or ():
+            if not param.is_element or not (param.key in taken or param.kind is Kind.HARDWARE):
+                continue
+            shared = param.access is Access.SHARED
+            if param.access is Access.READ:
+                continue
+            if param.key in call.arguments:
+                value = call.arguments[param.key]
+                key = value.key if isinstance(value, P) else ""
+                yield _Device(place.classes.get(key, param.element_class), key or str(value), shared)
+            elif param.kind.is_required:  # a run fills in the subsystem itself where it is of that class: it is nearest
+                own = place.description
+                is_agent = own is not None and overlap(known.ontology, own.agent_class, param.element_class)
+                yield _Device(param.element_class, own.agent if own is not None and is_agent else "", shared)
 
 
 @rule("no-mix-rule", "A device is shared whose kind cannot merge commands.", SkillDescription, type, disables=True)
