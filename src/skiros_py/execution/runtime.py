@@ -321,7 +321,6 @@ class Runtime:
             frames=Frames(spec, options.ports, board.guard),
             rng=np.random.default_rng(options.seed),
             lockstep=options.pace is None,
-            report=lambda _module, _code, _text: None,
             clock=board,
             questions=self.questions,
             floor=FloorAreas(board, spec.robots),

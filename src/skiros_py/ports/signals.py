@@ -10,7 +10,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from skiros_py.errors import UnknownName
 from skiros_py.ports.values import Pending
 
 Value = float | bool | tuple[float, ...]
@@ -150,18 +149,6 @@ class SignalReader(Protocol):
 
     def value(self, name: str) -> Value | None:
         """Returns the value of a signal in this cycle; None where there is no such signal, or it has no value."""
-
-
-class _NoSignals:
-    def read(self, name: str) -> Sample:
-        raise UnknownName("signal", name, ())
-
-    def value(self, name: str) -> Value | None:  # noqa: ARG002 - the protocol's signature
-        return None
-
-
-NO_SIGNALS: SignalReader = _NoSignals()
-"""Where there are none."""
 
 
 class Input:

@@ -16,7 +16,7 @@ from skiros_py.ports.cell import BodySpec, CellSpec, RobotSpec
 from skiros_py.ports.device import DeviceSpec, MobileSpec, read_footprint
 from skiros_py.ports.guard import require_description
 from skiros_py.ports.kinds import DeviceKinds, load_device_kinds
-from skiros_py.skills.surroundings import owner, solid_of
+from skiros_py.skills.surroundings import is_held, owner, solid_of
 from skiros_py.world import vocabulary as v
 from skiros_py.world.poses import pose_on
 from skiros_py.world.stock import Stocked, stocks
@@ -93,16 +93,8 @@ def read_body(view: WorldView, element: str) -> BodySpec | None:
     carrier, pose = _pose(view, element) or (None, None)
     place = _place(view, element)
     _check_start(view, element, pose, place)
-    body = BodySpec(
-        id=element,
-        type=type_,
-        solid=solid,
-        mass=_mass(view, element),
-        pose=pose,
-        place=place,
-        carrier=carrier,
-        compartment=_is_compartment(view, element),
-    )
+    compartment, mass = _is_compartment(view, element), _mass(view, element)
+    body = BodySpec(element, type_, solid, mass, pose, place, carrier, compartment=compartment)
     if None in (view.value(element, v.SUPPORT_HALF_EXTENTS), view.value(element, v.SUPPORT_OFFSET)):
         return body
     individual = _Individual(view, element)
@@ -121,7 +113,7 @@ def _bodies(view: WorldView, element: str, *, simulated: bool) -> list[BodySpec]
     """Returns the bodies of one element: several where it is a stock, none where it has no shape or is not there."""
     if view.ontology.is_a(view.element(element).type, v.STOCK):
         return _stocked(view, element, simulated=simulated)
-    body = read_body(view, element) if simulated or not _is_held(view, element) else None
+    body = read_body(view, element) if simulated or not is_held(view, element) else None
     return [] if body is None else [body]
 
 
@@ -132,11 +124,6 @@ def _without(bodies: list[BodySpec], left_out: dict[str, str]) -> list[BodySpec]
             left_out[body.id.partition("#")[0]] = f"it lies in {body.place}, which is not there"
         bodies = [body for body in bodies if body not in homeless]
     return bodies
-
-
-def _is_held(view: WorldView, element: str) -> bool:
-    placement = view.placement(element)
-    return placement is not None and placement.relation == v.HELD_BY
 
 
 def _stocked(view: WorldView, element: str, *, simulated: bool) -> list[BodySpec]:
@@ -165,7 +152,7 @@ def _stocked(view: WorldView, element: str, *, simulated: bool) -> list[BodySpec
 
 def _check_start(view: WorldView, element: str, pose: Pose | None, place: str | None) -> None:
     placement = view.placement(element)
-    if placement is not None and _is_held(view, element):
+    if placement is not None and placement.relation == v.HELD_BY:
         raise DescriptionError(f"{element} starts in {placement.place}: no part can, put it in a storage place")
     if pose is None and place is None:
         raise DescriptionError(f"{element} has neither a pose nor a place to lie in: say where it is")
@@ -307,21 +294,21 @@ class _Individual:
 
     def number(self, property_: str, default: float | None = None) -> float:
         """Returns a number."""
-        value = self._view.value(self.id, property_)
-        if value is None and default is not None:
-            return default
+        value = self._value(property_, default)
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise DescriptionError(f"{self.id} has no number for {property_}")
         return float(value)
 
     def text(self, property_: str, default: str | None = None) -> str:
         """Returns a text."""
-        value = self._view.value(self.id, property_)
-        if value is None and default is not None:
-            return default
+        value = self._value(property_, default)
         if not isinstance(value, str):
             raise DescriptionError(f"{self.id} has no text for {property_}")
         return value
+
+    def _value(self, property_: str, default: object) -> object:
+        value = self._view.value(self.id, property_)
+        return default if value is None else value
 
     def vector(self, property_: str, length: int | None = None) -> tuple[float, ...]:
         """Returns numbers."""

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Callable, Iterable, Mapping
-from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass, field
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
 from itertools import count
 from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar
 
@@ -22,7 +22,7 @@ from skiros_py.ports.board import DeviceBoard
 from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.frames import Frames
 from skiros_py.ports.paths import Outline, Path
-from skiros_py.ports.signals import NO_SIGNALS, SignalReader
+from skiros_py.ports.signals import SignalReader
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.conditions.effects import effects_of, write_effects
 from skiros_py.world.world import World
@@ -86,45 +86,6 @@ class Floor(Protocol):
 
     def stretched(self, arm: str) -> Outline:
         """Returns above what an arm is or moves; nothing where it has not moved yet."""
-
-
-class OpenFloor:
-    """A floor with no other robot on it, and any way over it: a :class:`Floor` and a :class:`Way`."""
-
-    free = True
-    blocked = False
-
-    def is_driving(self, robot: str) -> bool:  # noqa: ARG002 - the port's signature
-        """Returns False: there is no other robot."""
-        return False
-
-    def ask(self, robot: str, outline: Outline, start: Pose, path: Path) -> Way:  # noqa: ARG002
-        """Returns a way that is free."""
-        return self
-
-    def stretch(self, arm: str, outline: Outline) -> tuple[str, ...]:  # noqa: ARG002
-        """Returns no robots: there is no other one."""
-        return ()
-
-    def stretched(self, arm: str) -> Outline:  # noqa: ARG002
-        """Returns nothing: there is no other robot that could be obstructed."""
-        return ()
-
-    def waits_for(self) -> tuple[str, ...]:
-        """Returns no robots."""
-        return ()
-
-    def passed(self, legs: float) -> None:
-        """Does nothing."""
-
-    def release(self) -> None:
-        """Does nothing."""
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        """Does nothing."""
 
 
 class QuestionKind(enum.Enum):
@@ -241,11 +202,8 @@ class Clock(Protocol):
         """Time [s]; only differences mean anything."""
 
 
-class Caller(Protocol):
-    """How a module calls another one, whose parameters may be left to inference."""
-
-    def __call__(self, module: str, arguments: Mapping[str, Any]) -> Execution[Outcome]:
-        """Returns the run of another module; tick it to its end, or close it."""
+Caller = Callable[[str, Mapping[str, Any]], "Execution[Outcome]"]
+"""How a module calls another one, whose parameters may be left to inference; tick the run to its end, or close it."""
 
 
 def _no_manager(module: str, arguments: Mapping[str, Any]) -> Execution[Outcome]:  # noqa: ARG001 - the port's signature
@@ -282,15 +240,15 @@ class RunContext:
     frames: Frames
     rng: np.random.Generator
     lockstep: bool
-    report: Callable[[str, int, str], None]
     clock: Clock
-    questions: Questions = field(default_factory=Questions)
-    call: Caller = _no_manager
+    questions: Questions
+    floor: Floor
+    signals: SignalReader
+    waiting: Callable[[], AbstractContextManager[None]]
+    report: Callable[[str, int, str], None] = lambda _module, _code, _text: None
     emit: Callable[[str, Any], None] = lambda _event, _value: None
+    call: Caller = _no_manager
     effects: Effects | None = None
-    floor: Floor = field(default_factory=OpenFloor)
-    signals: SignalReader = NO_SIGNALS
-    waiting: Callable[[], AbstractContextManager[None]] = nullcontext
 
     @property
     def now(self) -> float:

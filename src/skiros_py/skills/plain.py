@@ -5,7 +5,7 @@ from __future__ import annotations
 import enum
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import MISSING, dataclass, field, fields, is_dataclass
+from dataclasses import MISSING, Field, dataclass, field, fields, is_dataclass
 from functools import cache
 from inspect import formatannotation
 from types import MappingProxyType, NoneType, UnionType
@@ -44,15 +44,19 @@ def fields_as_data(thing: Any) -> dict[str, Any]:
     Raises:
         DescriptionError: It is no dataclass, or a value cannot be written down.
     """
-    if not is_dataclass(thing):
-        raise DescriptionError(f"{type(thing).__name__}: define to_data() and from_data(), or make it a dataclass")
     found = {}
-    for one in (one for one in fields(thing) if one.init):
+    for one in _fields(type(thing)).values():
         default = one.default_factory() if one.default_factory is not MISSING else one.default
         value = getattr(thing, one.name)
         if default is MISSING or type(value) is not type(default) or value != default:
             found[one.name] = as_data(value)
     return found
+
+
+def _fields(cls: type) -> dict[str, Field[Any]]:
+    if not is_dataclass(cls):
+        raise DescriptionError(f"{cls.__name__}: define to_data() and from_data(), or make it a dataclass")
+    return {one.name: one for one in fields(cls) if one.init}
 
 
 def as_data(value: Any) -> Any:
@@ -62,10 +66,10 @@ def as_data(value: Any) -> Any:
         DescriptionError: It cannot be written down.
     """
     match value:
-        case None | bool() | int() | float() | str():
-            return value.value if isinstance(value, enum.Enum) else value
         case enum.Enum():
             return value.value
+        case None | bool() | int() | float() | str():
+            return value
         case Behaviour():
             return value.to_data()
         case P():
@@ -148,9 +152,7 @@ class Reader:
         Raises:
             DescriptionError: A field is missing, not known, or wrong.
         """
-        if not is_dataclass(cls):
-            raise DescriptionError(f"{cls.__name__}: define to_data() and from_data(), or make it a dataclass")
-        known = {one.name: one for one in fields(cls) if one.init}
+        known = _fields(cls)
         given = {key: value for key, value in data.items() if key not in ("type", "$pattern")}
         for key in given:
             if key not in known:
@@ -159,7 +161,7 @@ class Reader:
         if open_:
             raise DescriptionError(f"it has no {' and no '.join(open_)}")
         values = {key: self.field(key, value) for key, value in given.items()}
-        made, hints = cls(**values), _hints(cls)
+        made, hints = cls(**values), _hints(cls)  # type: ignore[arg-type]  # a class is hashable
         for key, value in values.items():
             with self.at(key):
                 if not _fits(value, hints.get(key)):

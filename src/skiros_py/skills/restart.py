@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from skiros_py.skills.cell_reader import has_base
+from skiros_py.skills.surroundings import is_held
 from skiros_py.world import vocabulary as v
 from skiros_py.world.change import PlacementEdit, Writer
 from skiros_py.world.element import Placement
@@ -30,7 +31,7 @@ def respawn(world: World, journal: Journal, check: Callable[[WorldView], None] =
         journal: Its changes.
         check: Gets the world as it will be believed; what it raises is raised, and nothing was changed.
     """
-    before = {part: _before(journal, part) for part in _held(world)}
+    before = {part: _before(journal, part) for part in world.instances(v.MANIPULATABLE) if is_held(world, part)}
     held = {part: place for part, place in before.items() if place is not None}
     robots = _moved(world)
     # In a scene that has just been read a part without a place is its author's mistake.
@@ -51,22 +52,15 @@ def respawn(world: World, journal: Journal, check: Callable[[WorldView], None] =
         check(tx.view)
 
 
-def _held(world: World) -> list[str]:
-    placed = ((part, world.placement(part)) for part in world.instances(v.MANIPULATABLE))
-    return [part for part, placement in placed if placement is not None and placement.relation == v.HELD_BY]
-
-
 def _lost(world: World) -> list[str]:
     """Returns the parts of which neither a pose nor a thing that they lie in is known, and that do not count so yet."""
     parts = [part for part in world.instances(v.MANIPULATABLE) if world.value(part, v.POSE) is None]
     placed = [(part, world.placement(part)) for part in parts if world.value(part, v.MISSING) is not True]
-    return [part for part, placement in placed if placement is None or not _holds_bodies(world, placement)]
+    return [part for part, at in placed if at is None or not (at.relation == v.HELD_BY or _holds_bodies(world, at))]
 
 
 def _holds_bodies(world: World, placement: Placement) -> bool:
-    return placement.relation == v.HELD_BY or (
-        placement.relation == v.IN and world.value(placement.place, v.SOLID) is not None
-    )
+    return placement.relation == v.IN and world.value(placement.place, v.SOLID) is not None
 
 
 def _before(journal: Journal, part: str) -> Placement | None:

@@ -26,20 +26,6 @@ from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import HAS_A, ROBOT
 
 
-def of_one_robot(agent: Param, params: Iterable[Param], said: Sequence[Condition]) -> tuple[Condition, ...]:
-    """Returns that devices are of the robot of the agent, each one of which the conditions do not say so already.
-
-    Args:
-        agent: The subsystem that does it.
-        params: All parameters.
-        said: What must hold anyway; that one is part of the other says that both are of one robot.
-    """
-    together = _together(agent.key, said)
-    return tuple(
-        _condition(agent, param) for param in params if param.kind is Kind.HARDWARE and param.key not in together
-    )
-
-
 def nearest_first(param: Param, agent: str) -> Param:
     """Returns a device's parameter that prefers what the agent itself is built of, where its author prefers nothing."""
     if param.kind is not Kind.HARDWARE or param.preferred or param.cost is not None or param.key == agent:
@@ -57,14 +43,14 @@ def _together(key: str, said: Iterable[Condition]) -> set[str]:
     return together
 
 
-def _condition(agent: Param, device: Param) -> Condition:
+def _of_one_robot(agent: Param, device: Param) -> Condition:
     roles = (Role("agent", agent.element_class), Role("device", device.element_class))
-    pattern = Computed("sk:ofOneRobot", "agent", "device", _of_one_robot)
+    pattern = Computed("sk:ofOneRobot", "agent", "device", _is_on_robot)
     word = ConditionType("OfOneRobot", roles, pattern, "The device is of the subsystem's own robot.")
     return word(agent.key, device.key)
 
 
-def _of_one_robot(view: WorldView, agent: str, device: str) -> Verdict:
+def _is_on_robot(view: WorldView, agent: str, device: str) -> Verdict:
     robots = (whole for whole in _wholes(view, agent) if view.ontology.is_a(view.element(whole).type, ROBOT))
     return _is_piece(view, next(robots, agent), device)
 
@@ -151,7 +137,9 @@ class SkillDescription:
     def needs(self) -> tuple[Condition, ...]:
         """What must hold before it starts: its devices are of one robot, its parameters as described; preconditions."""
         said = (*self.described, *self.pre)
-        return (*of_one_robot(self.param(self.agent), self.params, said), *said)
+        together, agent = _together(self.agent, said), self.param(self.agent)
+        apart = (p for p in self.params if p.kind is Kind.HARDWARE and p.key not in together)
+        return (*(_of_one_robot(agent, param) for param in apart), *said)
 
     @property
     def described(self) -> tuple[Condition, ...]:
@@ -246,10 +234,5 @@ class Skill:
     @property
     def parts(self) -> Mapping[str, Behaviour]:
         """The behaviours it is made of by the name of the part, in the order in which they run."""
-        named = {
-            "pre_sense": self.pre_sense,
-            "body": self.body,
-            "finish": self.finish,
-            "post_sense": self.post_sense,
-        }
-        return {name: part for name, part in named.items() if part is not None}
+        names = ("pre_sense", "body", "finish", "post_sense")
+        return {name: part for name in names if (part := getattr(self, name)) is not None}

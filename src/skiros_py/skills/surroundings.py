@@ -77,11 +77,12 @@ def obstacles(context: RunContext, *, parts: bool, without: frozenset[str] = fro
         if view.value(element, v.HOLLOW) is True or any(view.ontology.is_a(type_, c) for c in (v.DEVICE, v.ROBOT)):
             continue
         solid, pose = solid_of(view, element), map_pose(context, element)
-        if solid is not None and pose is not None and not _in_hand(view, element):
+        if solid is not None and pose is not None and not is_held(view, element):
             found.append(Obstacle(element, solid, pose))
     return tuple(found)
 
 
-def _in_hand(view: WorldView, element: str) -> bool:
+def is_held(view: WorldView, element: str) -> bool:
+    """Returns True when an element is believed to be in a gripper."""
     placement = view.placement(element)
     return placement is not None and placement.relation == v.HELD_BY
