@@ -25,14 +25,20 @@ _LOADING = RLock()
 """Two threads that redirect stdout at once would leave it redirected."""
 
 
-def load_plugins(group: str) -> tuple[tuple[Plugin, ...], tuple[PluginFault, ...]]:
+def load_plugins(
+    group: str, problem: Callable[[Plugin], str | None] = lambda _plugin: None
+) -> tuple[tuple[Plugin, ...], tuple[PluginFault, ...]]:
     """Loads every entry point of a group, in the order of their names.
 
+    Args:
+        group: The group ("skiros.engines").
+        problem: Returns the problem of a loaded plug-in, or None.
+
     Returns:
-        The loaded plug-ins, and the faults of the others.
+        The plug-ins that can be used, and the faults of the others.
     """
     entries, twins = unambiguous(installation().of(group))
-    loaded = [load(entry) for entry in entries]
+    loaded = [examined(one, problem) if isinstance(one, Plugin) else one for one in map(load, entries)]
     plugins = tuple(one for one in loaded if isinstance(one, Plugin))
     return plugins, (*twins, *(one for one in loaded if isinstance(one, PluginFault)))
 

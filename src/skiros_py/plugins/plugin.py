@@ -139,6 +139,11 @@ class Plugin:
     value: Any
     module: str = ""
 
+    @property
+    def is_builtin(self) -> bool:
+        """True if it belongs to the platform itself."""
+        return self.distribution.startswith("skiros-py ")
+
     def fault(self, reason: str, traceback: str = "") -> PluginFault:
         """Makes a fault with the reason why it cannot be used."""
         origin = origin_of(self.module)

@@ -15,9 +15,8 @@ from typing import Any, Literal, TypeVar
 
 from skiros_py.errors import DeviceError, UnknownName, UsageError
 from skiros_py.interruptions import limited
-from skiros_py.plugins.installation import OWN_NAME
 from skiros_py.plugins.loading import load_plugins
-from skiros_py.plugins.plugin import Plugin, PluginFault
+from skiros_py.plugins.plugin import Plugin
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.device import DeviceSpec
 
@@ -122,7 +121,7 @@ class InstalledPorts(Ports):
     def __init__(self, groups: Sequence[RobotSpec], *, physics: bool = True) -> None:
         self._groups = {device.id: group for group in groups for device in group.devices}
         self._all = tuple(groups)
-        plugins, faults = load_adapters()
+        plugins, faults = load_plugins(GROUP, adapter_problem)
         for fault in faults:
             _log.warning("%s", fault)
         self._named = {
@@ -179,7 +178,7 @@ class InstalledPorts(Ports):
         ]
         names = {name for by, all_ in self._named.items() if device in (None, by) for name in all_}
         named = [plugin for plugin in fitting if plugin.name in names]
-        foreign = named or [plugin for plugin in fitting if not _is_own(plugin)]
+        foreign = named or [plugin for plugin in fitting if not plugin.is_builtin]
         if len(foreign) > 1 and device is None and named:
             foreign, fitting = [], []  # it depends on the device
         if len(foreign) > 1:
@@ -217,18 +216,6 @@ class InstalledPorts(Ports):
         return self._made[key]
 
 
-def load_adapters() -> tuple[tuple[Plugin, ...], tuple[PluginFault, ...]]:
-    """Loads all adapters.
-
-    Returns:
-        Those that can be used, and the faults of the others.
-    """
-    plugins, broken = load_plugins(GROUP)
-    problems = {plugin.name: problem for plugin in plugins if (problem := adapter_problem(plugin))}
-    good = tuple(plugin for plugin in plugins if plugin.name not in problems)
-    return good, (*broken, *(plugin.fault(problems[plugin.name]) for plugin in plugins if plugin.name in problems))
-
-
 def adapter_problem(plugin: Plugin) -> str | None:
     """Returns why a plug-in is no adapter, or None."""
     if not isinstance(plugin.value, Adapter):
@@ -238,10 +225,6 @@ def adapter_problem(plugin: Plugin) -> str | None:
 
 def _name(protocol: Any, device: str | None) -> str:
     return protocol.__name__ if device is None else f"{protocol.__name__} of {device}"
-
-
-def _is_own(plugin: Plugin) -> bool:
-    return plugin.distribution.startswith(f"{OWN_NAME} ")
 
 
 NO_PORTS = GivenPorts()

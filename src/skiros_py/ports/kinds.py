@@ -8,14 +8,12 @@ from functools import lru_cache
 from typing import Any
 
 from skiros_py.plugins.installation import Installation, installation
-from skiros_py.plugins.loading import examined, load_plugins
+from skiros_py.plugins.loading import load_plugins
 from skiros_py.plugins.plugin import Plugin, PluginFault
 from skiros_py.ports.device import DeviceSpec
 
 GROUP = "skiros.devices"
 """Entry points of this group name subclasses of :class:`~skiros_py.ports.device.DeviceSpec`."""
-
-_OWN = "skiros-py "
 
 Kind = type[DeviceSpec[Any, Any]]
 
@@ -67,14 +65,12 @@ def load_device_kinds() -> tuple[DeviceKinds, tuple[PluginFault, ...]]:
 
 @lru_cache(maxsize=1)
 def _loaded(_installation: Installation) -> tuple[DeviceKinds, tuple[PluginFault, ...]]:
-    plugins, broken = load_plugins(GROUP)
-    looked_at = [examined(plugin, device_problem) for plugin in plugins]
-    usable = sorted((one for one in looked_at if isinstance(one, Plugin)), key=lambda plugin: not _is_own(plugin))
-    faults = [*broken, *(one for one in looked_at if isinstance(one, PluginFault))]
+    plugins, broken = load_plugins(GROUP, device_problem)
+    usable, faults = sorted(plugins, key=lambda plugin: not plugin.is_builtin), list(broken)
     good: list[Plugin] = []
     for plugin in usable:
         twins = [other for other in usable if _clash(plugin.value, other.value)]
-        if len(twins) == 1 or _is_own(plugin):
+        if len(twins) == 1 or plugin.is_builtin:
             good.append(plugin)
         else:
             faults.append(plugin.fault(_not_alone(twins)))
@@ -105,9 +101,5 @@ def _not_alone(twins: Sequence[Plugin]) -> str:
     origins = " and ".join(
         f"'{twin.value.kind}' for {twin.value.device_class} ({twin.name} of {twin.distribution})" for twin in twins
     )
-    count = "the built-in one counts" if any(map(_is_own, twins)) else "none of them counts"
+    count = "the built-in one counts" if any(twin.is_builtin for twin in twins) else "none of them counts"
     return f"kinds of device with one name or class: {origins}; {count}, rename the other"
-
-
-def _is_own(plugin: Plugin) -> bool:
-    return plugin.distribution.startswith(_OWN)

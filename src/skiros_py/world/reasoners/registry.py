@@ -331,8 +331,6 @@ NO_REASONERS = Reasoners()
 GROUP = "skiros.reasoners"
 """Entry points of this group name subclasses of :class:`~skiros_py.world.reasoners.registry.Reasoner`."""
 
-_OWN = "skiros-py "
-
 
 def load_reasoners(ontology: Ontology | None = None) -> tuple[Reasoners, tuple[PluginFault, ...]]:
     """Loads all reasoners, in the order of their entry points' names, the built-in ones first.
@@ -348,7 +346,7 @@ def load_reasoners(ontology: Ontology | None = None) -> tuple[Reasoners, tuple[P
     plugins, broken = load_plugins(GROUP)
     good: list[Reasoner] = []
     faults = list(broken)
-    for plugin in sorted(plugins, key=lambda plugin: not plugin.distribution.startswith(_OWN)):
+    for plugin in sorted(plugins, key=lambda plugin: not plugin.is_builtin):
         made = attempt(plugin, partial(_usable, plugin, good, ontology))
         if isinstance(made, PluginFault):
             faults.append(made)
