@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, ClassVar, Protocol, runtime_checkable
 
 from skiros_py.errors import DeviceError, UsageError
 from skiros_py.ports.device import DeviceSpec
-from skiros_py.ports.guard import KindGuard
+from skiros_py.ports.guard import DeviceModels, KindGuard
 from skiros_py.ports.values import Commands, DepthImage, Pending, Snapshot
+
+_PERIOD = 1.0 / 200.0
 
 
 class CellDriver(Protocol):
@@ -80,12 +81,16 @@ def require_known(commands: Commands, known: Collection[str]) -> None:
             raise DeviceError(f"no device '{device}'; there is {', '.join(sorted(known)) or 'none'}")
 
 
-class ModelCell(ABC):
+class ModelCell:
     """Base of drivers whose devices are models: knows the last snapshot, and ignores commands while it is halted.
 
     Args:
         devices: The devices, by id.
     """
+
+    coming_to_rest: ClassVar[float] = _PERIOD
+    """Time from the last braking command until the snapshots say that all stands [s]."""
+    _models: DeviceModels
 
     def __init__(self, devices: Mapping[str, DeviceSpec[Any, Any]]) -> None:
         self.devices = devices
@@ -96,6 +101,11 @@ class ModelCell(ABC):
     def period(self) -> float:
         """Length of one control cycle [s]."""
         return _PERIOD
+
+    @property
+    def braking_time(self) -> float:
+        """Longest time from full speed to standstill, as its snapshots say it [s]."""
+        return self._models.braking_time + self.coming_to_rest
 
     def read(self) -> Snapshot:
         """Returns the present state without advancing time."""
@@ -110,7 +120,7 @@ class ModelCell(ABC):
         require_known(commands, self._snapshot.devices)
         self._step({} if self._halted else commands)
         cycle = self._snapshot.cycle + 1
-        self._snapshot = Snapshot(cycle, cycle * self.period, self._states())
+        self._snapshot = Snapshot(cycle, cycle * self.period, self._models.states())
         return self._snapshot
 
     def halt(self) -> None:
@@ -121,16 +131,13 @@ class ModelCell(ABC):
         """Obeys commands again."""
         self._halted = False
 
-    @abstractmethod
+    def contain(self, guard: KindGuard) -> None:
+        """Runs the code of kinds under a guard."""
+        self._models.contain(guard)
+
     def _step(self, commands: Commands) -> None:
         """Applies the commands and advances time by one period."""
-
-    @abstractmethod
-    def _states(self) -> dict[str, Any]:
-        """Returns the state of each device."""
-
-
-_PERIOD = 1.0 / 200.0
+        self._models.command(commands)
 
 
 @runtime_checkable

@@ -161,14 +161,21 @@ class DeviceModels:
     Args:
         devices: All devices of the driver.
         models: Their models, in the order in which they are called.
+        seen: Gets the id of a device and its state whenever it has a new one.
 
     Attributes:
         guard: Contains their code.
         models: The models.
     """
 
-    def __init__(self, devices: Mapping[str, DeviceSpec[Any, Any]], models: Mapping[str, DeviceModel]) -> None:
+    def __init__(
+        self,
+        devices: Mapping[str, DeviceSpec[Any, Any]],
+        models: Mapping[str, DeviceModel],
+        seen: Callable[[str, Any], None] = lambda _device, _state: None,
+    ) -> None:
         self.models = models
+        self._seen = seen
         self._devices = devices
         self._states: dict[str, Any] = {}
         self.contain(KindGuard())
@@ -281,6 +288,7 @@ class DeviceModels:
             guard.switch_off(device, f"its state has NaN: {state!r:.200}")
         else:
             self._states[id_] = state
+            self._seen(id_, state)
 
     def _braking_time(self, id_: str) -> float:
         guard, device = self.guard, self._devices[id_]

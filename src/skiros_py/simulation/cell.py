@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 import tempfile
 from collections import Counter
-from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ from skiros_py.geometry import Pose
 from skiros_py.plugins.loading import find_plugin
 from skiros_py.ports.cell import BodySpec, CellSpec, RobotSpec
 from skiros_py.ports.driver import ModelCell
-from skiros_py.ports.guard import DeviceModels, KindGuard
+from skiros_py.ports.guard import DeviceModels
 from skiros_py.ports.kinematics import write_robot_urdf
 from skiros_py.ports.simulation import Engine, EngineFactory, Rendering, Vector, View
 from skiros_py.ports.values import CameraIntrinsics, Commands, DepthImage, Pending, Snapshot
@@ -28,28 +28,21 @@ _OUTSIDE_FOV = 0.8726646259971648  # vertical, 50 degrees [rad]
 _OUTSIDE_RANGE = (0.1, 30.0)  # [m]
 
 
-@dataclass(frozen=True, slots=True)
-class DepthShot:
+def depth_image(
+    snapshot: Snapshot, noise: float, seed: tuple[int, ...], intrinsics: CameraIntrinsics, rendering: Rendering
+) -> DepthImage:
     """Makes the image of a depth camera from a rendering: adds noise, and keeps what is in range.
 
-    Attributes:
-        snapshot: What the devices said in the cycle of the shot.
-        noise: Standard deviation of depth noise [m].
-        seed: Seed of this shot's noise.
-        intrinsics: The camera's model.
+    Args:
+        snapshot: What the devices said in the cycle of the picture.
+        noise: Standard deviation of a depth [m].
+        seed: Seed of the noise.
+        intrinsics: The camera model.
+        rendering: The view without noise.
     """
-
-    snapshot: Snapshot
-    noise: float
-    seed: tuple[int, ...]
-    intrinsics: CameraIntrinsics
-
-    def __call__(self, rendering: Rendering) -> DepthImage:
-        """Returns the image."""
-        rng = np.random.default_rng(self.seed)
-        depth = rendering.depth + rng.normal(scale=self.noise, size=rendering.depth.shape)
-        depth[(depth > self.intrinsics.far) | (depth < self.intrinsics.near)] = 0.0
-        return DepthImage(self.snapshot, depth.astype(np.float32), rendering.colour, self.intrinsics)
+    depth = rendering.depth + np.random.default_rng(seed).normal(scale=noise, size=rendering.depth.shape)
+    depth[(depth > intrinsics.far) | (depth < intrinsics.near)] = 0.0
+    return DepthImage(snapshot, depth.astype(np.float32), rendering.colour, intrinsics)
 
 
 def colour_of(rendering: Rendering) -> NDArray[np.uint8]:
@@ -85,8 +78,6 @@ _GROUP_RADIUS = 0.8
 """Radius within which a robot or a device is about its place [m]."""
 _SETTLING = 100  # cycles before cycle 0
 _NOISE_STREAM = 2
-_COMING_TO_REST = 0.25
-"""After the last braking command [s]: drives lag behind, and who stands must have been slow for 10 cycles."""
 
 
 class SimulatedCell(ModelCell):
@@ -111,6 +102,8 @@ class SimulatedCell(ModelCell):
         DescriptionError: A body has no pose and no room on its place.
         DeviceError: The engine does not work here.
     """
+
+    coming_to_rest: ClassVar[float] = 0.25  # drives lag behind, and what stands must have been slow for 10 cycles
 
     def __init__(self, spec: CellSpec, *, seed: int, engine: str | EngineFactory = ENGINE, gui: bool = False) -> None:
         super().__init__(spec.devices)
@@ -139,11 +132,6 @@ class SimulatedCell(ModelCell):
         """Name of the engine."""
         return self._engine.name
 
-    @property
-    def braking_time(self) -> float:
-        """Longest time from full speed to standstill, as its snapshots say it [s]."""
-        return self._models.braking_time + _COMING_TO_REST
-
     def capture(self, camera: str) -> Pending[DepthImage]:
         """Takes a picture now; the image arrives after the camera's latency.
 
@@ -159,12 +147,8 @@ class SimulatedCell(ModelCell):
         view = view_of(spec, robot)
         number = self._shots[camera]
         self._shots[camera] += 1
-        shot = DepthShot(
-            self._snapshot,
-            spec.noise,
-            (self._seed, _NOISE_STREAM, list(self._cameras).index(camera), number),
-            self._engine.intrinsics(view),
-        )
+        seed = (self._seed, _NOISE_STREAM, list(self._cameras).index(camera), number)
+        shot = partial(depth_image, self._snapshot, spec.noise, seed, self._engine.intrinsics(view))
         return self._engine.render(view, shot, latency=spec.latency)
 
     def picture(
@@ -237,21 +221,14 @@ class SimulatedCell(ModelCell):
         self._engine.close()
         self._directory.cleanup()
 
-    def contain(self, guard: KindGuard) -> None:
-        """Runs the code of kinds under a guard."""
-        self._models.contain(guard)
-
     def _settle(self) -> Snapshot:
         for _ in range(_SETTLING):
             self._step({})
-        return Snapshot(0, 0.0, self._states())
+        return Snapshot(0, 0.0, self._models.states())
 
     def _step(self, commands: Commands) -> None:
-        self._models.command(commands)
+        super()._step(commands)
         self._engine.step()
-
-    def _states(self) -> dict[str, Any]:
-        return self._models.states()
 
 
 def _start_engine(wanted: str | EngineFactory, *, period: float, gui: bool) -> Engine:

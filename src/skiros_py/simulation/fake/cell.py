@@ -9,8 +9,8 @@ from skiros_py.errors import DeviceError
 from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.device import FakeRobot
 from skiros_py.ports.driver import ModelCell
-from skiros_py.ports.guard import DeviceModels, KindGuard, model_of
-from skiros_py.ports.values import Commands, DepthImage, Pending, Snapshot
+from skiros_py.ports.guard import DeviceModels, model_of
+from skiros_py.ports.values import DepthImage, Pending, Snapshot
 
 
 class FakeCell(ModelCell):
@@ -32,45 +32,23 @@ class FakeCell(ModelCell):
     def __init__(self, spec: CellSpec, *, seed: int = 0) -> None:
         self.seed = seed
         super().__init__(spec.devices)
-        self._robots = [(group.carrier, FakeRobot(self.period, group.start)) for group in spec.groups]
-        fakes = {
-            device.id: model_of(device, "fake", robot)
-            for group, (_, robot) in zip(spec.groups, self._robots, strict=True)
-            for device in group.devices
-        }
-        models = {id_: model for id_, model in fakes.items() if model is not None}
-        carriers = {carrier.id: models.pop(carrier.id) for carrier, _ in self._robots if carrier is not None}
-        self._carriers, self._models = DeviceModels(self.devices, carriers), DeviceModels(self.devices, models)
-        self._models.contain(self._carriers.guard)
-        self._snapshot = Snapshot(0, 0.0, self._carriers.start(self._states))
+        robots = [(group, FakeRobot(self.period, group.start)) for group in spec.groups]
+        self._carried = {group.carrier.id: robot for group, robot in robots if group.carrier is not None}
+        fakes = {device.id: model_of(device, "fake", robot) for group, robot in robots for device in group.devices}
+        order = sorted(fakes, key=lambda id_: id_ not in self._carried)  # what moves a robot says where its others are
+        models = {id_: model for id_ in order if (model := fakes[id_]) is not None}
+        self._models = DeviceModels(self.devices, models, self._move_robot)
+        self._snapshot = Snapshot(0, 0.0, self._models.start(self._models.states))
 
     @property
     def kind(self) -> str:
         """Name of the adapter."""
         return "fake"
 
-    @property
-    def braking_time(self) -> float:
-        """Longest time from full speed to standstill [s]: most stand in the next cycle."""
-        return max(self._carriers.braking_time, self._models.braking_time) + self.period
-
-    def _step(self, commands: Commands) -> None:
-        for models in (self._carriers, self._models):
-            models.command(commands)
-
-    def _states(self) -> dict[str, Any]:
-        """Returns the state of each device: first of those that move robots, which say where the others are."""
-        states, guard = self._carriers.states(), self._carriers.guard
-        for carrier, robot in self._robots:
-            if carrier is not None and carrier.id not in guard.off:
-                with suppress(DeviceError):  # it is switched off now, and named
-                    robot.pose = guard.call(carrier, "pose", states[carrier.id])
-        return states | self._models.states()
-
-    def contain(self, guard: KindGuard) -> None:
-        """Runs the code of kinds under a guard."""
-        for models in (self._carriers, self._models):
-            models.contain(guard)
+    def _move_robot(self, device: str, state: Any) -> None:
+        if device in self._carried:
+            with suppress(DeviceError):  # it is switched off now, and named
+                self._carried[device].pose = self._models.guard.call(self.devices[device], "pose", state)
 
     def capture(self, camera: str) -> Pending[DepthImage]:
         """Refuses: there is nothing to see.

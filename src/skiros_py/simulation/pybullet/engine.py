@@ -16,7 +16,7 @@ from skiros_py.geometry import Array, Pose, Solid
 from skiros_py.ports.simulation import FLOOR, Colour, Contact, RayHit, Rendering, Surface, Twist, Vector, View, Wrench
 from skiros_py.ports.values import CameraIntrinsics
 from skiros_py.simulation.pybullet.client import Body, Client, Poses, build_solid, centre_of_mass
-from skiros_py.simulation.pybullet.renderer import BodyLook, Moment, Renderer, RobotLook, intrinsics_of
+from skiros_py.simulation.pybullet.renderer import BodyLook, Renderer, RobotLook, intrinsics_of
 from skiros_py.simulation.pybullet.robot import PyBulletRobot, surface_options
 from skiros_py.workers import Call, Worker
 
@@ -127,7 +127,7 @@ class PyBulletEngine:
         if attached.mass <= 0.0 or attached.constraint is not None:
             raise UsageError(f"'{body}' has no mass, or is attached already: it cannot be attached to '{link}'")
         # The constraint's frames are relative to the centres of mass of both.
-        mounted = self._link_centre(model.body, number).inverse() @ self._centre_pose(attached)
+        mounted = self._link_centre(model.body, number).inverse() @ self._link_centre(attached.index, -1)
         frames = (mounted.position, (0.0, 0.0, 0.0), mounted.orientation, (0.0, 0.0, 0.0, 1.0))
         attached.constraint = client.createConstraint(
             model.body, number, attached.index, -1, client.JOINT_FIXED, (0.0, 0.0, 0.0), *frames
@@ -152,7 +152,7 @@ class PyBulletEngine:
         """Returns the pose of a body's solid frame."""
         found = self._body(body)
         x, y, z = found.centre
-        return self._centre_pose(found) @ Pose((-x, -y, -z))
+        return self._link_centre(found.index, -1) @ Pose((-x, -y, -z))
 
     def poses(self) -> Poses:
         """Returns the present poses of all bodies."""
@@ -204,11 +204,10 @@ class PyBulletEngine:
         """Applies a wrench during the next step."""
         if name in self._bodies and not link:
             index, number = self._bodies[name].index, -1
-            centre = self._centre_pose(self._bodies[name])
         else:
             model = self._robot(name).model
             index, number = model.body, model.link(link)
-            centre = self._link_centre(index, number)
+        centre = self._link_centre(index, number)
         world = self.client.WORLD_FRAME
         self.client.applyExternalForce(index, number, wrench.force, at or centre.position, world)
         self.client.applyExternalTorque(index, number, wrench.torque, world)
@@ -226,11 +225,9 @@ class PyBulletEngine:
     def render(self, view: View, finish: Callable[[Rendering], T], *, latency: float = 0.0) -> Call[T]:
         """Renders the present moment in the renderer's process, which also calls ``finish``."""
         poses = self.poses()
-        moment = Moment(
-            {name: BodyLook(body.solid, body.colour, poses[name]) for name, body in self._bodies.items()},
-            {name: RobotLook(robot.urdf, robot.root, robot.positions()) for name, robot in self._robots.items()},
-        )
-        return self._worker().call("render", moment, view, finish, latency=latency)
+        bodies = {name: BodyLook(body.solid, body.colour, poses[name]) for name, body in self._bodies.items()}
+        robots = {name: RobotLook(one.urdf, one.root, one.positions()) for name, one in self._robots.items()}
+        return self._worker().call("render", bodies, robots, view, finish, latency=latency)
 
     def look_at(self, target: Vector, distance: float) -> None:
         """Turns the window to a point."""
@@ -283,10 +280,6 @@ class PyBulletEngine:
         if name not in self._robots:
             raise UnknownName("body or robot", name, [*self._bodies, *self._robots])
         return self._robots[name]
-
-    def _centre_pose(self, body: Body) -> Pose:
-        position, orientation = self.client.getBasePositionAndOrientation(body.index)
-        return Pose(tuple(position), tuple(orientation))
 
     def _link_centre(self, index: int, number: int) -> Pose:
         if number < 0:

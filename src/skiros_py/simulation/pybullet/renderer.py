@@ -45,14 +45,6 @@ class RobotLook:
     positions: tuple[float, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Moment:
-    """All bodies and robots by name at one moment."""
-
-    bodies: Mapping[str, BodyLook]
-    robots: Mapping[str, RobotLook]
-
-
 def intrinsics_of(view: View) -> CameraIntrinsics:
     """Returns the pinhole model of this renderer's images.
 
@@ -76,9 +68,15 @@ class Renderer:
         self._bodies: dict[str, tuple[BodyLook, int]] = {}
         build_solid(self._client, _FLOOR, Pose((0.0, 0.0, -0.1)), colour=_FLOOR_COLOUR, collides=False)
 
-    def render(self, moment: Moment, view: View, finish: Callable[[Rendering], T]) -> T:
-        """Renders a view of a moment, and returns what ``finish`` makes of it."""
-        self._show(moment)
+    def render(
+        self,
+        bodies: Mapping[str, BodyLook],
+        robots: Mapping[str, RobotLook],
+        view: View,
+        finish: Callable[[Rendering], T],
+    ) -> T:
+        """Renders a view of bodies and robots, by name, and returns what ``finish`` makes of it."""
+        self._show(bodies, robots)
         client = self._client
         projection = client.computeProjectionMatrixFOV(
             math.degrees(view.vertical_fov), view.width / view.height, view.near, view.far
@@ -108,29 +106,23 @@ class Renderer:
         matrix: Sequence[float] = self._client.computeViewMatrix(eye, eye + forward, -down)
         return matrix
 
-    def _show(self, moment: Moment) -> None:
-        for name, robot in moment.robots.items():
+    def _show(self, bodies: Mapping[str, BodyLook], robots: Mapping[str, RobotLook]) -> None:
+        for name, robot in robots.items():
             if name not in self._robots:
                 self._robots[name] = RobotModel(self._client, robot.urdf, robot.root)
             self._robots[name].place(robot.positions)
-        for gone in [name for name in self._bodies if name not in moment.bodies]:
-            self._forget(gone)
-        for name, look in moment.bodies.items():
-            self._show_body(name, look)
-
-    def _show_body(self, name: str, look: BodyLook) -> None:
-        known = self._bodies.get(name)
-        if known is not None and (known[0].solid, known[0].colour) != (look.solid, look.colour):
-            self._forget(name)
-            known = None
-        if known is None:
-            index = build_solid(self._client, look.solid, look.pose, colour=look.colour, collides=False)
-            self._bodies[name] = (look, index)
-        else:
-            self._client.resetBasePositionAndOrientation(known[1], look.pose.position, look.pose.orientation)
-
-    def _forget(self, name: str) -> None:
-        self._client.removeBody(self._bodies.pop(name)[1])
+        for name, (old, index) in list(self._bodies.items()):
+            new = bodies.get(name)
+            if new is None or (old.solid, old.colour) != (new.solid, new.colour):
+                self._client.removeBody(index)
+                del self._bodies[name]
+        for name, look in bodies.items():
+            if name in self._bodies:
+                at = look.pose.position, look.pose.orientation
+                self._client.resetBasePositionAndOrientation(self._bodies[name][1], *at)
+            else:
+                index = build_solid(self._client, look.solid, look.pose, colour=look.colour, collides=False)
+                self._bodies[name] = (look, index)
 
 
 def _metres(buffer: Array, view: View) -> Array:
