@@ -155,11 +155,8 @@ class _Floor:
 
     def way_out(self, start: Pose) -> Pose | None:
         """Returns where turning is free, straight behind the start (or ahead if not behind)."""
-        for sign in (-1.0, 1.0):
-            pose = self._first_free(start, sign, 0.0, self._clearance_at(start))
-            if pose is not None:
-                return pose
-        return None
+        clearance = self._clearance_at(start)
+        return self._first_free(start, -1.0, 0.0, clearance) or self._first_free(start, 1.0, 0.0, clearance)
 
     def run_up(self, goal: Pose) -> Pose | None:
         """Returns where turning is free straight behind the goal; or the goal, if it is free and nothing behind is."""
@@ -188,10 +185,7 @@ class _Floor:
 
     def touched(self, area: BaseGeometry, clearance: float) -> str:
         """Returns the first obstacle nearer to an area than the clearance, or an empty text."""
-        for name, outline in self._outlines.items():
-            if shapely.dwithin(outline, area, clearance):
-                return name
-        return ""
+        return next((name for name, one in self._outlines.items() if shapely.dwithin(one, area, clearance)), "")
 
 
 def _xy(pose: Pose) -> tuple[float, float]:

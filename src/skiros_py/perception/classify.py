@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -103,29 +103,28 @@ def least_heights(template: HeightMap, elevation: ElevationMap, pose: Floats) ->
 @lru_cache(maxsize=256)
 def _bounds(template: HeightMap) -> tuple[HeightMap, HeightMap]:
     """The least and the greatest height within half a cell."""
-    heights, origin = np.pad(template.heights, _DOUBT), _outwards(template, _DOUBT)
     size = 2 * _DOUBT + 1
-    low, high = ndimage.minimum_filter(heights, size=size), ndimage.maximum_filter(heights, size=size)
-    return HeightMap(low, origin, template.resolution), HeightMap(high, origin, template.resolution)
+    low, high = (partial(one, size=size) for one in (ndimage.minimum_filter, ndimage.maximum_filter))
+    return _filtered(template, _DOUBT, low), _filtered(template, _DOUBT, high)
 
 
 @lru_cache(maxsize=256)
 def _softened(template: HeightMap) -> HeightMap:
     """Edges as slopes as wide as a point's place is in doubt, so that a shift of less than a pixel changes the fit."""
-    heights = ndimage.uniform_filter(np.pad(template.heights, _SMOOTH), size=_SMOOTH)
-    return HeightMap(heights, _outwards(template, _SMOOTH), template.resolution)
+    return _filtered(template, _SMOOTH, partial(ndimage.uniform_filter, size=_SMOOTH))
 
 
 @lru_cache(maxsize=256)
 def _widened(template: HeightMap) -> HeightMap:
     reach = round(_BESIDE / template.resolution)
-    heights = ndimage.maximum_filter(np.pad(template.heights, reach + 1), size=2 * reach + 1)
-    return HeightMap(heights, _outwards(template, reach + 1), template.resolution)
+    return _filtered(template, reach + 1, partial(ndimage.maximum_filter, size=2 * reach + 1))
 
 
-def _outwards(template: HeightMap, entries: int) -> tuple[float, float]:
+def _filtered(template: HeightMap, border: int, apply: Callable[[Floats], Floats]) -> HeightMap:
+    """Applies a filter to a template, widened by a border of some entries."""
     x, y = template.origin
-    return x - entries * template.resolution, y - entries * template.resolution
+    origin = x - border * template.resolution, y - border * template.resolution
+    return HeightMap(apply(np.pad(template.heights, border)), origin, template.resolution)
 
 
 _CLIP = np.float32(0.030)
@@ -223,37 +222,23 @@ def best_fits(elevation: ElevationMap, cluster: NDArray[np.int64], models: Seque
     """Fits every type to a cluster; best first."""
     coarse = Surroundings.of(elevation, cluster, stride=_COARSE_STRIDE)
     fine = Surroundings.of(elevation, cluster)
-    rough = [_roughly(height_map(model.solid), coarse) for model in models]
+    templates = [height_map(model.solid) for model in models]
+    rough = []
+    for template in templates:
+        cost = partial(coarse.costs, template)
+        starts = _starts(template, coarse)
+        rough.append(compass_search(cost, starts, step=(0.006, np.deg2rad(8.0)), halvings=1, rounds=8))
     least = min((float(costs.min()) for _, costs in rough), default=0.0)
     fits = []
-    for model, (poses, costs) in zip(models, rough, strict=True):
-        template = height_map(model.solid)
-        poses = poses[costs <= costs.min() + _RIVAL]
+    for model, template, (poses, costs) in zip(models, templates, rough, strict=True):
+        poses, cost = poses[costs <= costs.min() + _RIVAL], partial(fine.costs, template)
         if costs.min() <= least + _HOPELESS:
-            poses = _exactly(template, fine, poses)
-        fits.append(_fit(model.type, template, fine, poses))
+            poses, _ = compass_search(cost, poses, step=(0.003, np.deg2rad(4.0)), halvings=3, rounds=14)
+        exact = cost(poses)
+        best = int(exact.argmin())
+        x, y, yaw = (float(value) for value in poses[best])
+        fits.append(Fit(model.type, x, y, yaw, float(exact[best]), fine.seen_share(template, poses[best])))
     return sorted(fits, key=lambda fit: (fit.cost, fit.type))
-
-
-def _roughly(template: HeightMap, cells: Surroundings) -> tuple[Floats, Floats]:
-    starts = _starts(template, cells)
-    return compass_search(
-        lambda poses: cells.costs(template, poses), starts, step=(0.006, np.deg2rad(8.0)), halvings=1, rounds=8
-    )
-
-
-def _exactly(template: HeightMap, cells: Surroundings, starts: Floats) -> Floats:
-    poses, _ = compass_search(
-        lambda poses: cells.costs(template, poses), starts, step=(0.003, np.deg2rad(4.0)), halvings=3, rounds=14
-    )
-    return poses
-
-
-def _fit(type_name: str, template: HeightMap, cells: Surroundings, poses: Floats) -> Fit:
-    costs = cells.costs(template, poses)
-    best = int(costs.argmin())
-    x, y, yaw = (float(value) for value in poses[best])
-    return Fit(type_name, x, y, yaw, float(costs[best]), cells.seen_share(template, poses[best]))
 
 
 def _starts(template: HeightMap, cells: Surroundings) -> Floats:

@@ -141,21 +141,15 @@ def detect(request: LookRequest) -> LookResult:
     plane = find_support(view.points[inside], seed=request.seed)
     if plane is None:
         return LookResult(None, (), visible_share(view, Plane(0.0, 0.0, 0.0), half))
-    scene = _scene(view, plane, request)
+    elevation = elevation_map(view, plane, (half[0] + _AROUND, half[1] + _AROUND))
+    heights = plane.heights(view.points)
+    scene = _Scene(request, plane, elevation, np.column_stack([view.points[:, :2], heights])[heights <= HIGHEST])
     found = [_reported(thing, scene) for thing in _things(scene)]
     return LookResult(
         surface=(request.region.pose @ Pose.of(0.0, 0.0, plane.offset)).position[2],
         detections=tuple(sorted(found, key=lambda thing: request.region.pose.distance(thing.pose))),
         visible=visible_share(view, plane, half),
     )
-
-
-def _scene(view: View, plane: Plane, request: LookRequest) -> _Scene:
-    half_x, half_y = request.region.half_extents
-    elevation = elevation_map(view, plane, (half_x + _AROUND, half_y + _AROUND))
-    heights = plane.heights(view.points)
-    points = np.column_stack([view.points[:, :2], heights])[heights <= HIGHEST]
-    return _Scene(request, plane, elevation, points)
 
 
 def _things(scene: _Scene) -> list[_Thing]:

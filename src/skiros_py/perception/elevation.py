@@ -128,7 +128,8 @@ def find_support(points: Array, *, seed: int) -> Plane | None:
         The plane, or None when the points hold no level plane.
     """
     o3d.utility.random.seed(seed % 2**31)
-    voxels = _thin(points)
+    cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(points))
+    voxels = np.asarray(cloud.voxel_down_sample(_VOXEL).points)
     fewest = max(_LEAST_VOXELS, _LEAST_SHARE_BELOW * len(voxels))
     found: Plane | None = None
     while len(voxels) >= fewest:
@@ -138,11 +139,6 @@ def find_support(points: Array, *, seed: int) -> Plane | None:
         found = plane
         voxels = voxels[plane.heights(voxels) < -_BELOW]
     return None if found is None else _refined(found, points)
-
-
-def _thin(points: Array) -> Array:
-    cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(points))
-    return np.asarray(cloud.voxel_down_sample(_VOXEL).points)
 
 
 def _largest(voxels: Array) -> Plane | None:

@@ -51,25 +51,6 @@ _LOCAL = 0.5  # share of samples drawn around the straight line
 _SPREAD = 0.6  # [rad] standard deviation of those
 
 
-class Effort:
-    """How many postures may still be checked; planning is bounded by this and not by time, so that it is repeatable.
-
-    Args:
-        postures: The bound.
-    """
-
-    def __init__(self, postures: int) -> None:
-        self._left = postures
-
-    def spend(self) -> None:
-        """Counts one posture."""
-        self._left -= 1
-
-    def spent(self) -> bool:
-        """Returns True when planning must stop."""
-        return self._left <= 0
-
-
 class FreeMoves:
     """Plans free motions.
 
