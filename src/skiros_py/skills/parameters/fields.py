@@ -116,7 +116,7 @@ def param(
 ) -> Any:
     """Declares one field of a primitive's ``Params`` dataclass; see :class:`Param`.
 
-    Where no kind is given, a field with a default is OFFLINE and one without is ONLINE; an OPTIONAL one defaults to None.
+    Without a kind, a field with a default is OFFLINE and one without is ONLINE; an OPTIONAL one defaults to None.
     """
     if kind is None:
         kind = Kind.ONLINE if default is dataclasses.MISSING else Kind.OFFLINE
