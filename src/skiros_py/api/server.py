@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ipaddress
 from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -153,3 +154,17 @@ class LocalServer(BaseModel):
     """Its process."""
     token: str = Field(repr=False)
     """A key of an administrator that counts until it ends."""
+
+
+def is_address(text: str) -> bool:
+    """Returns whether a text is an IP address."""
+    try:
+        ipaddress.ip_address(text)
+    except ValueError:
+        return False
+    return True
+
+
+def is_loopback(host: str) -> bool:
+    """Returns whether an address can be reached only by programs on this machine."""
+    return host == "localhost" or (is_address(host) and ipaddress.ip_address(host).is_loopback)

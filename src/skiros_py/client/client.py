@@ -10,14 +10,15 @@ from pathlib import Path
 from typing import Any, ClassVar, Self, TypeVar
 
 import httpx2
+import stamina
 from pydantic import ValidationError
 
 from skiros_py.api.server import SERVER_FILE, LocalServer
 from skiros_py.client.operation import AsyncSender, C, Sender
-from skiros_py.client.request import Call, Outcome, Patience, arguments_of, result_of, settings_for
+from skiros_py.client.request import Call, arguments_of, reaching, result_of, retries, settings_for
 from skiros_py.client.streams import Stream, follow, follow_later
 from skiros_py.client.topics import Topics
-from skiros_py.errors import FileError
+from skiros_py.errors import FileError, UsageError
 
 _LONGEST = 4096
 
@@ -120,8 +121,10 @@ class AnyClient(Topics[C]):
         self, url: str = "http://127.0.0.1:8000", key: str | None = None, *, timeout: float = 30.0, tries: int = 6
     ) -> None:
         super().__init__(self)  # type: ignore[arg-type]  # each kind of client is one of the senders
+        if tries < 1:
+            raise UsageError(f"tries: 1 or more, not {tries}")
         self.url = url.rstrip("/")
-        self._patience = Patience(tries)
+        self._tries = tries
         self.http = self._http(**settings_for(url, key, timeout))
 
     @classmethod
@@ -173,16 +176,10 @@ class AsyncClient(AnyClient[AsyncSender]):
             Unreachable: The server does not answer.
         """
         request = arguments_of(call)
-        async for attempt in self._patience.attempts(call):
-            with attempt:
-                return result_of(call, await self._try(request), self.url)
+        async for attempt in stamina.retry_context(**retries(call, self._tries)):
+            with attempt, reaching(self.url):
+                return result_of(call, await self.http.request(**request))
         raise AssertionError("the last try returns or raises")
-
-    async def _try(self, request: dict[str, Any]) -> Outcome:
-        try:
-            return await self.http.request(**request)
-        except httpx2.TransportError as error:
-            return error
 
     def follow(self, stream: Stream[T], *, after: str | None = None, patience: float = 60.0) -> AsyncIterator[T]:
         """Yields events for ``async for``; see :meth:`skiros_py.client.client.Client.follow`."""
@@ -229,16 +226,10 @@ class Client(AnyClient[Sender]):
             Unreachable: The server does not answer.
         """
         request = arguments_of(call)
-        for attempt in self._patience.attempts(call):
-            with attempt:
-                return result_of(call, self._try(request), self.url)
+        for attempt in stamina.retry_context(**retries(call, self._tries)):
+            with attempt, reaching(self.url):
+                return result_of(call, self.http.request(**request))
         raise AssertionError("the last try returns or raises")
-
-    def _try(self, request: dict[str, Any]) -> Outcome:
-        try:
-            return self.http.request(**request)
-        except httpx2.TransportError as error:
-            return error
 
     def follow(self, stream: Stream[T], *, after: str | None = None, patience: float = 60.0) -> Iterator[T]:
         """Yields events, across broken connections and server restarts; leave the loop to stop.

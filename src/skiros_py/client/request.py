@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-import ipaddress
 import re
 import uuid
-from collections.abc import AsyncIterator, Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import lru_cache
 from types import FunctionType
-from typing import Any, Generic, Protocol, TypeAlias, TypeVar
+from typing import Any, Generic, TypeVar
 from urllib.parse import quote
 
 import httpx2
-import stamina
 from pydantic import TypeAdapter, ValidationError
 
+from skiros_py.api.server import is_loopback
 from skiros_py.api.wire import ProblemDetails
 from skiros_py.errors import DeviceError, SkirosError, UsageError
 
@@ -166,42 +166,15 @@ _LONGEST_ASKED = 30.0
 _TOO_MANY_REQUESTS, _UNAVAILABLE = 429, 503
 
 
-class Attempts(Protocol):
-    """The attempts at one call, for ``for`` and ``async for``: each is a ``with`` block; success ends the loop."""
+def retries(call: Call[Any], tries: int) -> dict[str, Any]:
+    """Returns the arguments of ``stamina.retry_context`` for a call; the last attempt raises its error.
 
-    def __iter__(self) -> Iterator[stamina.Attempt]:
-        """Yields the attempts, and waits between them."""
-        ...
-
-    def __aiter__(self) -> AsyncIterator[stamina.Attempt]:
-        """Yields the attempts, and awaits between them."""
-        ...
-
-
-@dataclass(frozen=True, slots=True)
-class Patience:
-    """How often, and after which waits, a call is retried.
-
-    Attributes:
+    Args:
+        call: The call.
         tries: How often it is sent at most.
     """
-
-    tries: int = 6
-
-    def __post_init__(self) -> None:
-        if self.tries < 1:
-            raise UsageError(f"tries: 1 or more, not {self.tries}")
-
-    def attempts(self, call: Call[Any]) -> Attempts:
-        """Returns the attempts at a call; the last one raises the error."""
-        return stamina.retry_context(
-            on=lambda error: wait_after(error, call),
-            attempts=self.tries,
-            timeout=None,
-            wait_initial=_FIRST,
-            wait_max=_LONGEST,
-            wait_jitter=_APART,
-        )
+    waits = {"wait_initial": _FIRST, "wait_max": _LONGEST, "wait_jitter": _APART}
+    return {"on": lambda error: wait_after(error, call), "attempts": tries, "timeout": None, **waits}
 
 
 def wait_after(error: Exception, call: Call[Any]) -> bool | float:
@@ -230,9 +203,6 @@ def _asked_wait(problem: ProblemError, call: Call[Any]) -> bool | float:
     return False if seconds is None or seconds > _LONGEST_ASKED else seconds
 
 
-Outcome: TypeAlias = httpx2.Response | httpx2.TransportError
-"""The outcome of sending a request: a response, or a connection error."""
-
 _PREFIX = "/api/v1"
 _DOTS = {".": "%2E", "..": "%2E%2E"}
 
@@ -256,7 +226,7 @@ def settings_for(url: str, key: str | None, timeout: float) -> dict[str, Any]:
         "headers": {} if key is None else {"Authorization": f"Bearer {key}"},
         "timeout": timeout,
         # A proxy for internet access must not be used between two programs on one machine.
-        "trust_env": not _is_here(parsed.host),
+        "trust_env": not is_loopback(parsed.host),
         **({"verify": False} if parsed.scheme == "http" else {}),  # certificates take 20 ms to load; https only
     }
 
@@ -271,15 +241,6 @@ def _address(url: str) -> httpx2.URL:
     if parsed.userinfo:
         raise UsageError("a key does not belong into the address, where logs show it: give it apart")
     return parsed
-
-
-def _is_here(host: str) -> bool:
-    if host == "localhost":
-        return True
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return False
 
 
 def arguments_of(call: Call[Any]) -> dict[str, Any]:
@@ -303,28 +264,36 @@ def _headers_of(call: Call[Any]) -> dict[str, str]:
     return headers
 
 
-def result_of(call: Call[T], outcome: Outcome, url: str) -> T:
+@contextmanager
+def reaching(url: str) -> Iterator[None]:
+    """Translates connection errors of the HTTP client for the duration of the block.
+
+    Args:
+        url: Address of the server.
+
+    Raises:
+        Unreachable: The server did not answer.
+    """
+    try:
+        yield
+    except httpx2.TransportError as error:
+        late = isinstance(error, httpx2.TimeoutException)
+        raise Unreachable(url, "it took too long" if late else str(error) or type(error).__name__) from error
+
+
+def result_of(call: Call[T], response: httpx2.Response) -> T:
     """Returns the result of a call.
 
     Raises:
         ProblemError: The server refused.
-        Unreachable: The server did not answer.
-        SkirosError: The answer cannot be understood.
+        SkirosError: The response cannot be parsed.
     """
-    if isinstance(outcome, httpx2.TransportError):
-        raise Unreachable(url, _why(outcome)) from outcome
-    if not outcome.is_success:
-        raise problem_of(outcome)
+    if not response.is_success:
+        raise problem_of(response)
     try:
-        return call.result(outcome)
+        return call.result(response)
     except ValueError as error:
         raise SkirosError(
-            f"{outcome.url} answered what this client does not understand; server and client may be of different"
+            f"this client cannot parse the response of {response.url}; server and client may be of different"
             f" versions: {error}"
         ) from error
-
-
-def _why(error: httpx2.TransportError) -> str:
-    if isinstance(error, httpx2.TimeoutException):
-        return "it took too long"
-    return str(error) or type(error).__name__

@@ -95,16 +95,15 @@ def follow(http: httpx2.Client, stream: Stream[T], *, after: str | None = None, 
     while True:
         try:
             with http.sse(**place.request()) as source:
-                refused = place.refuses(source.response)
-                if refused:
-                    source.response.read()
-                place.require(source.response)
-                if not refused:
+                if source.response.status_code == httpx2.codes.OK:
                     for event in source:
                         if place.takes(event):
                             yield stream.read(event)
+                else:
+                    source.response.read()
+                    place.refused(source.response)
         except httpx2.TransportError as error:
-            place.broke(error)
+            place.fault = error
         time.sleep(place.wait())
 
 
@@ -116,65 +115,53 @@ async def follow_later(
     while True:
         try:
             async with http.sse(**place.request()) as source:
-                refused = place.refuses(source.response)
-                if refused:
-                    await source.response.aread()
-                place.require(source.response)
-                if not refused:
+                if source.response.status_code == httpx2.codes.OK:
                     async for event in source:
                         if place.takes(event):
                             yield stream.read(event)
+                else:
+                    await source.response.aread()
+                    place.refused(source.response)
         except httpx2.TransportError as error:
-            place.broke(error)
+            place.fault = error
         await asyncio.sleep(place.wait())
 
 
+@dataclass(slots=True)
 class _Place:
     """A client's position in a stream, and its patience."""
 
-    def __init__(self, stream: Stream[Any], after: str | None, patience: float, url: str) -> None:
-        self._stream = stream
-        self._after = after or ""
-        self._patience = patience
-        self._heard = time.monotonic()
-        self._tries = 0
-        self._why: Exception | None = None
-        self._asked = 0.0
-        self._url = url
+    stream: Stream[Any]
+    after: str | None
+    patience: float
+    url: str
+    heard: float = field(default_factory=time.monotonic)
+    tries: int = 0
+    fault: Exception | None = None
+    asked: float = 0.0
 
     def request(self) -> dict[str, Any]:
         """Returns the request arguments for the stream."""
-        query = {name: value for name, value in self._stream.query.items() if value not in (None, "", (), [])}
-        headers = {"Last-Event-ID": self._after} if self._after else {}
-        return {"url": self._stream.path, "params": query, "headers": headers, "timeout": httpx2.Timeout(_QUIET)}
+        query = {name: value for name, value in self.stream.query.items() if value not in (None, "", (), [])}
+        headers = {"Last-Event-ID": self.after} if self.after else {}
+        return {"url": self.stream.path, "params": query, "headers": headers, "timeout": httpx2.Timeout(_QUIET)}
 
-    @staticmethod
-    def refuses(response: httpx2.Response) -> bool:
-        """Returns whether a response is not an event stream."""
-        return response.status_code != httpx2.codes.OK
-
-    def require(self, response: httpx2.Response) -> None:
-        """Checks that the server serves this stream, now or later.
+    def refused(self, response: httpx2.Response) -> None:
+        """Records that the server serves no stream now.
 
         Raises:
-            ProblemError: It refuses.
+            ProblemError: It will not do so later either.
         """
-        if response.status_code in _LATER:
-            asked = response.headers.get("retry-after", "")
-            self._asked = min(float(asked), _LONGEST) if asked.isdecimal() and len(asked) < len("100") else 0.0
-            self._why = problem_of(response)
-        elif response.status_code != httpx2.codes.OK:
-            raise problem_of(response)
+        self.fault = problem = problem_of(response)
+        if response.status_code not in _LATER:
+            raise problem
+        self.asked = min(problem.retry_after or 0.0, _LONGEST)
 
     def takes(self, event: ServerSentEvent) -> bool:
         """Records the position in the stream; returns False for events that only carry the position."""
-        self._heard, self._tries, self._why, self._asked = time.monotonic(), 0, None, 0.0
-        self._after = event.id or self._after
+        self.heard, self.tries, self.fault, self.asked = time.monotonic(), 0, None, 0.0
+        self.after = event.id or self.after
         return bool(event.data)
-
-    def broke(self, error: httpx2.TransportError) -> None:
-        """Records that the connection broke, or was never established."""
-        self._why = error
 
     def wait(self) -> float:
         """Returns how long to wait before the next try [s].
@@ -182,8 +169,8 @@ class _Place:
         Raises:
             Unreachable: The server has not answered for too long.
         """
-        if time.monotonic() - self._heard > self._patience:
-            raise Unreachable(self._url, str(self._why or "it ends every connection at once"))
-        longest = min(_LONGEST, _FIRST * 2.0**self._tries)
-        self._tries = min(self._tries + 1, 10)
-        return max(self._asked, random.uniform(0.5, 1.0) * longest)  # noqa: S311 - keeps clients apart
+        if time.monotonic() - self.heard > self.patience:
+            raise Unreachable(self.url, str(self.fault or "it ends every connection at once"))
+        longest = min(_LONGEST, _FIRST * 2.0**self.tries)
+        self.tries = min(self.tries + 1, 10)
+        return max(self.asked, random.uniform(0.5, 1.0) * longest)  # noqa: S311 - keeps clients apart

@@ -8,7 +8,7 @@ import httpx2
 import pytest
 
 from skiros_py.client import ProblemError, Unreachable
-from skiros_py.client.request import Call, arguments_of, result_of, settings_for
+from skiros_py.client.request import Call, arguments_of, reaching, result_of, settings_for
 from skiros_py.errors import SkirosError, UsageError
 
 GET = Call("GET", "/jobs/a", Any)
@@ -65,7 +65,7 @@ def test_a_problem_is_told_in_its_own_words() -> None:
     body = b'{"title": "Conflict", "status": 409, "code": "InvalidJobOrderStatus", "detail": "it is over"}'
 
     with pytest.raises(ProblemError, match="it is over") as refused:
-        result_of(GET, answered(409, body), URL)
+        result_of(GET, answered(409, body))
 
     assert (refused.value.status, refused.value.code) == (409, "InvalidJobOrderStatus")
 
@@ -73,18 +73,18 @@ def test_a_problem_is_told_in_its_own_words() -> None:
 @pytest.mark.parametrize("body", [b"<html>Bad Gateway</html>", b"", b"\xff", b"[]"])
 def test_an_error_of_somebody_in_between_is_shown_as_it_is(body: bytes) -> None:
     with pytest.raises(ProblemError, match="502 Bad Gateway") as refused:
-        result_of(GET, answered(502, body), URL)
+        result_of(GET, answered(502, body))
 
     assert refused.value.status == 502
 
 
 def test_an_answer_that_is_not_understood_is_a_fault() -> None:
     with pytest.raises(SkirosError, match="different versions"):
-        result_of(GET, answered(200, b"no json"), URL)
+        result_of(GET, answered(200, b"no json"))
 
 
 def test_without_an_answer_it_explains_how_to_start_a_server() -> None:
-    with pytest.raises(Unreachable, match="skiros serve") as fault:
-        result_of(GET, httpx2.ConnectError("refused"), URL)
+    with pytest.raises(Unreachable, match="skiros serve") as fault, reaching(URL):
+        raise httpx2.ConnectError("refused")
 
     assert fault.value.url == URL

@@ -6,8 +6,10 @@ from typing import Any
 
 import httpx2
 import pytest
+import stamina
 
-from skiros_py.client.request import Call, Patience, ProblemError, Unreachable, problem_of, wait_after
+from skiros_py.client import Client
+from skiros_py.client.request import Call, ProblemError, Unreachable, problem_of, retries, wait_after
 from skiros_py.errors import SkirosError, UsageError
 
 READ = Call("GET", "/jobs", Any)
@@ -75,7 +77,7 @@ def test_waits_grow_and_end_with_the_last_try(monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setattr("time.sleep", waits.append)
 
     def fail() -> None:
-        for attempt in Patience(tries=4).attempts(READ):
+        for attempt in stamina.retry_context(**retries(READ, 4)):
             with attempt:
                 raise CUT
 
@@ -87,4 +89,4 @@ def test_waits_grow_and_end_with_the_last_try(monkeypatch: pytest.MonkeyPatch) -
 
 def test_never_to_try_is_refused() -> None:
     with pytest.raises(UsageError, match="tries: 1 or more"):
-        Patience(0)
+        Client(tries=0)

@@ -8,30 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
-from skiros_py.api.alarms import AlarmInfo, AlarmPage, StopInfo
-from skiros_py.api.modules import (
-    ManagerInfo,
-    ModuleDetails,
-    ModuleRunInfo,
-    ModuleRuns,
-    ModuleSummary,
-    PanelInfo,
-    PluginFaultInfo,
-    SkillInfo,
-)
-from skiros_py.api.modules import Plugins as PluginList
-from skiros_py.api.robots import (
-    CellSignal,
-    DeviceInfo,
-    DeviceMotion,
-    DeviceReading,
-    Look,
-    RobotInfo,
-    RobotReading,
-    SignalReadings,
-    SignalValue,
-)
-from skiros_py.api.scenes import Bodies, Pace, SimulationState
+from skiros_py.api import alarms, modules, robots, scenes
 from skiros_py.client.operation import C, Topic, call, operation
 from skiros_py.client.request import Call, path_of
 
@@ -43,19 +20,19 @@ class Alarms(Topic[C]):
     """Conditions that stopped a robot or need the user."""
 
     @operation("GET /alarms")
-    def list(self, *, active: bool | None = None, limit: int = 100, cursor: str | None = None) -> AlarmPage:
+    def list(self, *, active: bool | None = None, limit: int = 100, cursor: str | None = None) -> alarms.AlarmPage:
         """Lists alarms, oldest first: all, those that are active, or those that are over."""
 
     @operation("GET /alarms/{alarm}")
-    def get(self, alarm: str) -> AlarmInfo:
+    def get(self, alarm: str) -> alarms.AlarmInfo:
         """Returns one alarm."""
 
     @operation("POST /alarms/{alarm}/acknowledge")
-    def acknowledge(self, alarm: str) -> AlarmInfo:
+    def acknowledge(self, alarm: str) -> alarms.AlarmInfo:
         """Acknowledges an alarm."""
 
     @operation("POST /alarms/{alarm}/answer", once=True)
-    def answer(self, alarm: str, answer: str, *, question: int | None = None) -> AlarmInfo:
+    def answer(self, alarm: str, answer: str, *, question: int | None = None) -> alarms.AlarmInfo:
         """Answers the question of an alarm.
 
         Args:
@@ -69,7 +46,7 @@ class Station(Topic[C]):
     """All robots together."""
 
     @operation("POST /stop")
-    def stop(self, reason: str = "") -> StopInfo:
+    def stop(self, reason: str = "") -> alarms.StopInfo:
         """Halts all robots in the next control cycle.
 
         Args:
@@ -77,11 +54,11 @@ class Station(Topic[C]):
         """
 
     @operation("GET /stop")
-    def get_stop(self) -> StopInfo:
+    def get_stop(self) -> alarms.StopInfo:
         """Returns whether the system is halted."""
 
     @operation("POST /reset")
-    def reset(self) -> StopInfo:
+    def reset(self) -> alarms.StopInfo:
         """Resets a halt after its cause has been checked, so that things can start again."""
 
 
@@ -89,15 +66,15 @@ class Robots(Topic[C]):
     """Robots: models and state."""
 
     @operation("GET /robots")
-    def list(self) -> Sequence[RobotInfo]:
+    def list(self) -> Sequence[robots.RobotInfo]:
         """Lists the robots with their components."""
 
     @operation("GET /robots/{robot}")
-    def get(self, robot: str) -> RobotInfo:
+    def get(self, robot: str) -> robots.RobotInfo:
         """Returns a robot with its components."""
 
     @operation("GET /robots/{robot}/state")
-    def state(self, robot: str) -> RobotReading:
+    def state(self, robot: str) -> robots.RobotReading:
         """Returns the current state of a robot."""
 
     @operation("GET /robots/{robot}/model")
@@ -118,37 +95,37 @@ class Devices(Topic[C]):
     """Devices of any kind: readings, planned motions, looks, opening and closing, jogging and teaching."""
 
     @operation("GET /devices")
-    def list(self) -> Sequence[DeviceInfo]:
+    def list(self) -> Sequence[robots.DeviceInfo]:
         """Lists the devices with their values."""
 
     @operation("GET /devices/{device}")
-    def get(self, device: str) -> DeviceInfo:
+    def get(self, device: str) -> robots.DeviceInfo:
         """Returns a device."""
 
     @operation("GET /devices/{device}/state")
-    def state(self, device: str) -> DeviceReading:
+    def state(self, device: str) -> robots.DeviceReading:
         """Reads a device."""
 
     @operation("GET /devices/{device}/motion")
-    def motion(self, device: str) -> DeviceMotion:
+    def motion(self, device: str) -> robots.DeviceMotion:
         """Returns the planned motion of a device."""
 
     @operation("GET /devices/{device}/look")
-    def look(self, device: str) -> Look:
+    def look(self, device: str) -> robots.Look:
         """Returns the last image of a camera."""
 
     @operation("POST /devices/{device}/open")
-    def open(self, device: str) -> DeviceInfo:
+    def open(self, device: str) -> robots.DeviceInfo:
         """Opens a device: its driver is connected, and modules may use it."""
 
     @operation("POST /devices/{device}/close")
-    def close(self, device: str) -> DeviceInfo:
+    def close(self, device: str) -> robots.DeviceInfo:
         """Closes a device: no module may use it, and its driver may be disconnected."""
 
     @operation("POST /devices/{device}/jog", once=True)
     def jog(
         self, device: str, arguments: Mapping[str, Any] | None = None, *, module: str | None = None
-    ) -> ModuleRunInfo:
+    ) -> modules.ModuleRunInfo:
         """Moves a device by a small step, or home; follow the run with ``modules.get_run``.
 
         Args:
@@ -160,7 +137,7 @@ class Devices(Topic[C]):
     @operation("POST /devices/{device}/teach", once=True)
     def teach(
         self, device: str, arguments: Mapping[str, Any] | None = None, *, module: str | None = None
-    ) -> ModuleRunInfo:
+    ) -> modules.ModuleRunInfo:
         """Learns something from the present state of a device; see :meth:`jog`."""
 
 
@@ -168,15 +145,15 @@ class Signals(Topic[C]):
     """Signals of the cell: reading and setting."""
 
     @operation("GET /signals")
-    def list(self) -> Sequence[CellSignal]:
+    def list(self) -> Sequence[robots.CellSignal]:
         """Lists the signals: of devices, computed ones, and inputs."""
 
     @operation("GET /signals/values", names="name")
-    def read(self, *names: str) -> SignalReadings:
+    def read(self, *names: str) -> robots.SignalReadings:
         """Reads signals, all in the same control cycle."""
 
     @operation("PUT /signals/{name}/value")
-    def set(self, name: str, value: SignalValue) -> None:
+    def set(self, name: str, value: robots.SignalValue) -> None:
         """Sets an input; it takes effect in the next control cycle."""
 
 
@@ -184,11 +161,11 @@ class Modules(Topic[C]):
     """Skills and primitives, run individually, and their managers."""
 
     @operation("GET /managers")
-    def managers(self) -> Sequence[ManagerInfo]:
+    def managers(self) -> Sequence[modules.ManagerInfo]:
         """Lists the skill managers, with their skills and current runs."""
 
     @operation("PUT /managers/{agent}", once=True)
-    def open_manager(self, agent: str) -> ManagerInfo:
+    def open_manager(self, agent: str) -> modules.ManagerInfo:
         """Opens the skill manager of a subsystem: its skills become available."""
 
     @operation("DELETE /managers/{agent}", once=True)
@@ -196,15 +173,15 @@ class Modules(Topic[C]):
         """Closes the skill manager of a subsystem: its skills leave the world model."""
 
     @operation("GET /modules")
-    def list(self) -> Sequence[ModuleSummary]:
+    def list(self) -> Sequence[modules.ModuleSummary]:
         """Lists every skill and primitive with the agents that can run it."""
 
     @operation("GET /modules/{agent}/{module}")
-    def get(self, agent: str, module: str) -> ModuleDetails:
+    def get(self, agent: str, module: str) -> modules.ModuleDetails:
         """Returns a module of a subsystem."""
 
     @operation("POST /modules/{agent}/{module}/panel")
-    def panel(self, agent: str, module: str, arguments: Mapping[str, Any] | None = None) -> PanelInfo:
+    def panel(self, agent: str, module: str, arguments: Mapping[str, Any] | None = None) -> modules.PanelInfo:
         """Returns the arguments a module would be run with now, and which of its conditions hold; nothing is run."""
 
     @operation("POST /modules/{agent}/{module}/runs", once=True)
@@ -216,7 +193,7 @@ class Modules(Topic[C]):
         *,
         repeat: int = 1,
         breakpoints: Sequence[str] = (),
-    ) -> ModuleRunInfo:
+    ) -> modules.ModuleRunInfo:
         """Starts a single module; follow it with :meth:`get_run`."""
 
     @operation("POST /modules/{agent}/{module}/reset")
@@ -224,29 +201,29 @@ class Modules(Topic[C]):
         """Resets a module after a fault."""
 
     @operation("GET /module-runs")
-    def runs(self, *, active: bool | None = None, limit: int | None = None) -> ModuleRuns:
+    def runs(self, *, active: bool | None = None, limit: int | None = None) -> modules.ModuleRuns:
         """Lists the runs started through the API, newest first."""
 
     @operation("GET /module-runs/{run}")
-    def get_run(self, run: str) -> ModuleRunInfo:
+    def get_run(self, run: str) -> modules.ModuleRunInfo:
         """Returns the progress or result of a run."""
 
     @operation("PUT /module-runs/{run}/breakpoints")
-    def set_breakpoints(self, run: str, paths: Sequence[str]) -> ModuleRunInfo:
+    def set_breakpoints(self, run: str, paths: Sequence[str]) -> modules.ModuleRunInfo:
         """Sets the nodes before which a run pauses, replacing earlier ones; the command "resume" continues it."""
 
     @call
-    def command(self, run: str, command: Command) -> Call[ModuleRunInfo]:
+    def command(self, run: str, command: Command) -> Call[modules.ModuleRunInfo]:
         """Pauses, resumes, single-steps (one cycle) or stops a run."""
         path = path_of("module-runs", run, command)
-        return Call("POST", path, ModuleRunInfo, repeatable=command != "step")
+        return Call("POST", path, modules.ModuleRunInfo, repeatable=command != "step")
 
     @operation("GET /skills")
-    def skills(self) -> Sequence[SkillInfo]:
+    def skills(self) -> Sequence[modules.SkillInfo]:
         """Lists the currently available skills."""
 
     @operation("GET /skills/{name}")
-    def skill(self, name: str) -> SkillInfo:
+    def skill(self, name: str) -> modules.SkillInfo:
         """Returns the description of a skill, without its implementation."""
 
 
@@ -254,11 +231,11 @@ class Plugins(Topic[C]):
     """Installed plug-ins and their faults."""
 
     @operation("GET /plugins")
-    def list(self) -> PluginList:
+    def list(self) -> modules.Plugins:
         """Lists all entry points installed on the server."""
 
     @operation("GET /plugins/faults")
-    def faults(self) -> Sequence[PluginFaultInfo]:
+    def faults(self) -> Sequence[modules.PluginFaultInfo]:
         """Lists plug-ins that fail to load or do not fit the current scene."""
 
 
@@ -266,11 +243,11 @@ class Simulation(Topic[C]):
     """The simulation: the ground truth, as opposed to the world model."""
 
     @operation("GET /simulation")
-    def get(self) -> SimulationState:
+    def get(self) -> scenes.SimulationState:
         """Returns the state of the simulation."""
 
     @operation("GET /simulation/bodies")
-    def bodies(self) -> Bodies:
+    def bodies(self) -> scenes.Bodies:
         """Returns the true poses of all bodies, which no robot has access to."""
 
     @operation("PUT /simulation/bodies/{body}/pose")
@@ -288,11 +265,11 @@ class Simulation(Topic[C]):
         """Removes a body without informing any robot."""
 
     @operation("POST /simulation/reset?force", once=True)
-    def reset(self, *, force: bool = False) -> SimulationState:
+    def reset(self, *, force: bool = False) -> scenes.SimulationState:
         """Restarts the simulation from the world model; with ``force``, running work is stopped first."""
 
     @operation("PUT /simulation/pace")
-    def set_pace(self, pace: float) -> Pace:
+    def set_pace(self, pace: float) -> scenes.Pace:
         """Sets the ratio of simulated time to wall time."""
 
     @call

@@ -15,26 +15,7 @@ from typing import Any, overload
 
 import httpx2
 
-from skiros_py.api.documents import DocumentInfo, DocumentKinds
-from skiros_py.api.documents import Documents as DocumentList
-from skiros_py.api.goals import CheckedGoal, ConditionWords, GoalData, GoalOrder, SceneGoals
-from skiros_py.api.jobs import (
-    Job,
-    JobCapabilities,
-    JobExplanation,
-    JobOrder,
-    JobPage,
-    JobPlan,
-    JobReport,
-    JobResponse,
-    JobResponses,
-    JobTrace,
-    JobTransitions,
-    StateName,
-)
-from skiros_py.api.previews import AppliedRepair, Preview, PreviewPage
-from skiros_py.api.tasks import NewTask, TaskInfo, TaskTrace
-from skiros_py.api.tasks import Tasks as TaskList
+from skiros_py.api import documents, goals, jobs, previews, tasks
 from skiros_py.api.view import Replay
 from skiros_py.client.operation import AsyncSender, C, Sender, Topic, as_json, call, operation, tag
 from skiros_py.client.request import Call, TookTooLong, Unreachable, path_of
@@ -46,12 +27,12 @@ _OUTAGE = 60.0
 """How long the server may be unreachable, for example during a restart [s]."""
 
 
-def is_over(job: Job) -> bool:
+def is_over(job: jobs.Job) -> bool:
     """Returns whether a job is over, regardless of its outcome."""
     return job.outcome is not None
 
 
-def wait_for(client: Sender, job: str, until: Callable[[Job], bool], timeout: float | None) -> Job:
+def wait_for(client: Sender, job: str, until: Callable[[jobs.Job], bool], timeout: float | None) -> jobs.Job:
     """Waits until a condition holds for a job; see ``Jobs.wait``."""
     looks = _Looks(job, timeout)
     for pause in looks:
@@ -64,7 +45,9 @@ def wait_for(client: Sender, job: str, until: Callable[[Job], bool], timeout: fl
     raise looks.given_up()
 
 
-async def wait_for_async(client: AsyncSender, job: str, until: Callable[[Job], bool], timeout: float | None) -> Job:
+async def wait_for_async(
+    client: AsyncSender, job: str, until: Callable[[jobs.Job], bool], timeout: float | None
+) -> jobs.Job:
     """Waits like :func:`wait_for`, without blocking the event loop."""
     looks = _Looks(job, timeout)
     for pause in looks:
@@ -95,7 +78,7 @@ class _Looks:
             pause = min(1.5 * pause, _LONGEST)
         yield 0.0
 
-    def seen(self, job: Job) -> Job:
+    def seen(self, job: jobs.Job) -> jobs.Job:
         """Records the job as seen."""
         self._heard = time.monotonic()
         self._last = f"it is {job.state.text}{f': {job.detail}' if job.detail else ''}"
@@ -121,13 +104,13 @@ class Jobs(Topic[C]):
     @call
     def order(
         self,
-        order: JobOrder,
+        order: jobs.JobOrder,
         *,
         start: bool = True,
         key: str | None = None,
         wait: float | None = None,
         again: bool = False,
-    ) -> Call[Job]:
+    ) -> Call[jobs.Job]:
         """Orders a job.
 
         Args:
@@ -139,19 +122,19 @@ class Jobs(Topic[C]):
         """
         headers = {"Idempotency-Key": key or str(uuid.uuid4()), "Prefer": _prefer(wait)}
         query = {"start": start, "again": again}
-        return Call("POST", "/jobs", Job, query, as_json(order, JobOrder), headers)
+        return Call("POST", "/jobs", jobs.Job, query, as_json(order, jobs.JobOrder), headers)
 
     @call
     def put(
         self,
         job: str,
-        order: JobOrder,
+        order: jobs.JobOrder,
         *,
         start: bool = True,
         seen: int | None = None,
         wait: float | None = None,
         again: bool = False,
-    ) -> Call[Job]:
+    ) -> Call[jobs.Job]:
         """Orders a job under a given id, or replaces the order of a job that has not started.
 
         Args:
@@ -164,18 +147,18 @@ class Jobs(Topic[C]):
         """
         headers = {"If-Match": tag(seen), "Prefer": _prefer(wait)}
         query = {"start": start, "again": again}
-        return Call("PUT", path_of("jobs", job), Job, query, as_json(order, JobOrder), headers)
+        return Call("PUT", path_of("jobs", job), jobs.Job, query, as_json(order, jobs.JobOrder), headers)
 
     @operation("GET /jobs", states="state")
     def list(
         self,
         *,
-        states: Sequence[StateName | str] = (),
+        states: Sequence[jobs.StateName | str] = (),
         since: datetime | None = None,
         limit: int = 100,
         cursor: str | None = None,
         newest_first: bool = False,
-    ) -> JobPage:
+    ) -> jobs.JobPage:
         """Lists jobs, open or over, in the order in which they were ordered.
 
         Args:
@@ -187,23 +170,23 @@ class Jobs(Topic[C]):
         """
 
     @operation("GET /jobs/{job}")
-    def get(self, job: str) -> Job:
+    def get(self, job: str) -> jobs.Job:
         """Returns a job."""
 
     @operation("GET /jobs/{job}/response")
-    def response(self, job: str) -> JobResponse:
+    def response(self, job: str) -> jobs.JobResponse:
         """Returns the result of a job (ISA-95 job response)."""
 
     @operation("GET /job-responses", states="state")
     def responses(
         self,
         *,
-        states: Sequence[StateName | str] = (),
+        states: Sequence[jobs.StateName | str] = (),
         since: datetime | None = None,
         limit: int = 100,
         cursor: str | None = None,
         newest_first: bool = False,
-    ) -> JobResponses:
+    ) -> jobs.JobResponses:
         """Returns the results of jobs, in the order in which they were ordered.
 
         Args:
@@ -215,19 +198,19 @@ class Jobs(Topic[C]):
         """
 
     @operation("GET /capabilities")
-    def capabilities(self) -> JobCapabilities:
+    def capabilities(self) -> jobs.JobCapabilities:
         """Lists what an order may name: goal templates, classes of material, robots."""
 
     @operation("GET /jobs/{job}/plan")
-    def plan(self, job: str) -> JobPlan:
+    def plan(self, job: str) -> jobs.JobPlan:
         """Returns the last plan of a job."""
 
     @operation("GET /jobs/{job}/trace")
-    def trace(self, job: str, *, limit: int = 1000, cursor: str | None = None) -> JobTrace:
+    def trace(self, job: str, *, limit: int = 1000, cursor: str | None = None) -> jobs.JobTrace:
         """Returns the trace of a job."""
 
     @operation("GET /jobs/{job}/report")
-    def report(self, job: str) -> JobReport:
+    def report(self, job: str) -> jobs.JobReport:
         """Returns the report of a job, as printed by ``skiros run``."""
 
     @operation("GET /jobs/{job}/replay")
@@ -239,51 +222,51 @@ class Jobs(Topic[C]):
         """Downloads the recording of a job: an MCAP file."""
 
     @operation("GET /jobs/{job}/transitions")
-    def transitions(self, job: str) -> JobTransitions:
+    def transitions(self, job: str) -> jobs.JobTransitions:
         """Lists the state changes of a job."""
 
     @operation("GET /jobs/{job}/explanation")
-    def explanation(self, job: str) -> JobExplanation:
+    def explanation(self, job: str) -> jobs.JobExplanation:
         """Explains why there is no plan for a job, and what would help."""
 
     @operation("POST /jobs/{job}/start")
-    def start(self, job: str, comment: str = "", *, seen: int | None = None) -> Job:
+    def start(self, job: str, comment: str = "", *, seen: int | None = None) -> jobs.Job:
         """Allows a job to start."""
 
     @operation("POST /jobs/{job}/revoke-start")
-    def revoke_start(self, job: str, comment: str = "", *, seen: int | None = None) -> Job:
+    def revoke_start(self, job: str, comment: str = "", *, seen: int | None = None) -> jobs.Job:
         """Revokes the permission to start."""
 
     @operation("POST /jobs/{job}/pause")
-    def pause(self, job: str, comment: str = "", *, seen: int | None = None) -> Job:
+    def pause(self, job: str, comment: str = "", *, seen: int | None = None) -> jobs.Job:
         """Pauses a job."""
 
     @operation("POST /jobs/{job}/resume")
-    def resume(self, job: str, comment: str = "", *, seen: int | None = None) -> Job:
+    def resume(self, job: str, comment: str = "", *, seen: int | None = None) -> jobs.Job:
         """Resumes a paused job."""
 
     @operation("POST /jobs/{job}/stop")
-    def stop(self, job: str, comment: str = "", *, seen: int | None = None) -> Job:
+    def stop(self, job: str, comment: str = "", *, seen: int | None = None) -> jobs.Job:
         """Stops a job normally."""
 
     @operation("POST /jobs/{job}/abort")
-    def abort(self, job: str, comment: str = "", *, seen: int | None = None) -> Job:
+    def abort(self, job: str, comment: str = "", *, seen: int | None = None) -> jobs.Job:
         """Aborts a job."""
 
     @operation("POST /jobs/{job}/cancel")
-    def cancel(self, job: str, comment: str = "", *, seen: int | None = None) -> Job:
+    def cancel(self, job: str, comment: str = "", *, seen: int | None = None) -> jobs.Job:
         """Removes a job that has not started."""
 
     @operation("POST /jobs/{job}/clear")
-    def clear(self, job: str, comment: str = "", *, seen: int | None = None) -> Job:
+    def clear(self, job: str, comment: str = "", *, seen: int | None = None) -> jobs.Job:
         """Removes a finished job with all its records."""
 
     @operation("DELETE /jobs/{job}")
-    def remove(self, job: str, comment: str = "", *, seen: int | None = None) -> Job:
+    def remove(self, job: str, comment: str = "", *, seen: int | None = None) -> jobs.Job:
         """Removes a job that has not started or is over."""
 
     @call
-    def answer(self, job: str, answer: str, *, question: int | None = None) -> Call[Job]:
+    def answer(self, job: str, answer: str, *, question: int | None = None) -> Call[jobs.Job]:
         """Answers a job's open question.
 
         Args:
@@ -292,19 +275,19 @@ class Jobs(Topic[C]):
             question: Number of the question, so that no later one is answered.
         """
         body = {"answer": answer, "question": question}
-        return Call("POST", path_of("jobs", job, "answer"), Job, json=body, repeatable=question is not None)
+        return Call("POST", path_of("jobs", job, "answer"), jobs.Job, json=body, repeatable=question is not None)
 
     @overload
     def wait(
-        self: Jobs[Sender], job: str, *, until: Callable[[Job], bool] = is_over, timeout: float | None = None
-    ) -> Job: ...
+        self: Jobs[Sender], job: str, *, until: Callable[[jobs.Job], bool] = is_over, timeout: float | None = None
+    ) -> jobs.Job: ...
     @overload
     def wait(
-        self: Jobs[AsyncSender], job: str, *, until: Callable[[Job], bool] = is_over, timeout: float | None = None
-    ) -> Awaitable[Job]: ...
+        self: Jobs[AsyncSender], job: str, *, until: Callable[[jobs.Job], bool] = is_over, timeout: float | None = None
+    ) -> Awaitable[jobs.Job]: ...
     def wait(
-        self: Jobs[Any], job: str, *, until: Callable[[Job], bool] = is_over, timeout: float | None = None
-    ) -> Job | Awaitable[Job]:
+        self: Jobs[Any], job: str, *, until: Callable[[jobs.Job], bool] = is_over, timeout: float | None = None
+    ) -> jobs.Job | Awaitable[jobs.Job]:
         """Waits until a condition holds for a job, also across server restarts, and returns the job.
 
         A job may wait for the user for long: ``until=lambda job: job.outcome or job.choices`` returns it then.
@@ -327,16 +310,16 @@ class Goals(Topic[C]):
     """Goals: checking, and those stored with the scene."""
 
     @operation("POST /goals/check")
-    def check(self, order: GoalOrder) -> CheckedGoal:
+    def check(self, order: goals.GoalOrder) -> goals.CheckedGoal:
         """Returns how a goal is interpreted, and whether it holds now; nothing is ordered."""
 
     @call
-    def get(self) -> Call[tuple[SceneGoals, str]]:
+    def get(self) -> Call[tuple[goals.SceneGoals, str]]:
         """Returns the goals stored with the scene, and their version for :meth:`put`."""
         return Call("GET", "/goals", _goals_and_version)
 
     @operation("PUT /goals")
-    def put(self, goals: Sequence[str | GoalData], *, seen: str) -> SceneGoals:
+    def put(self, goals: Sequence[str | goals.GoalData], *, seen: str) -> goals.SceneGoals:
         """Replaces the goals stored with the scene.
 
         Args:
@@ -345,7 +328,7 @@ class Goals(Topic[C]):
         """
 
     @operation("GET /goals/conditions", every="all")
-    def conditions(self, *, every: bool = False) -> ConditionWords:
+    def conditions(self, *, every: bool = False) -> goals.ConditionWords:
         """Lists the words of the language of goals.
 
         Args:
@@ -357,15 +340,15 @@ class Previews(Topic[C]):
     """Goals that are planned but not executed."""
 
     @operation("POST /previews")
-    def ask(self, order: GoalOrder) -> Preview:
+    def ask(self, order: goals.GoalOrder) -> previews.Preview:
         """Starts planning for a goal."""
 
     @operation("GET /previews")
-    def list(self) -> PreviewPage:
+    def list(self) -> previews.PreviewPage:
         """Lists the stored previews, newest first."""
 
     @operation("GET /previews/{preview}")
-    def get(self, preview: str, *, wait: float = 0.0) -> Preview:
+    def get(self, preview: str, *, wait: float = 0.0) -> previews.Preview:
         """Returns a preview.
 
         Args:
@@ -374,7 +357,7 @@ class Previews(Topic[C]):
         """
 
     @operation("POST /previews/{preview}/repairs/{repair}/apply", once=True)
-    def apply(self, preview: str, repair: int) -> AppliedRepair:
+    def apply(self, preview: str, repair: int) -> previews.AppliedRepair:
         """Applies the world changes of a repair."""
 
 
@@ -382,23 +365,23 @@ class Documents(Topic[C]):
     """Documents of all kinds: trees, sequences, goal templates."""
 
     @operation("GET /documents")
-    def kinds(self) -> DocumentKinds:
+    def kinds(self) -> documents.DocumentKinds:
         """Lists the kinds of documents, each with its formats and the nodes that an editor offers."""
 
     @operation("GET /documents/{kind}")
-    def list(self, kind: str) -> DocumentList:
+    def list(self, kind: str) -> documents.Documents:
         """Lists the documents of a kind."""
 
     @operation("GET /documents/{kind}/{id_}")
-    def get(self, kind: str, id_: str) -> DocumentInfo:
+    def get(self, kind: str, id_: str) -> documents.DocumentInfo:
         """Returns a document, with what would not work in the present world."""
 
     @operation("GET /documents/{kind}/{id_}/revisions")
-    def revisions(self, kind: str, id_: str) -> DocumentList:
+    def revisions(self, kind: str, id_: str) -> documents.Documents:
         """Lists all revisions of a document."""
 
     @operation("PUT /documents/{kind}/{id_}", once=True)
-    def put(self, kind: str, id_: str, data: Mapping[str, Any], *, seen: int | None = None) -> DocumentInfo:
+    def put(self, kind: str, id_: str, data: Mapping[str, Any], *, seen: int | None = None) -> documents.DocumentInfo:
         """Writes a document; the next run uses this revision.
 
         Args:
@@ -425,7 +408,7 @@ class Documents(Topic[C]):
     @call
     def import_text(
         self, kind: str, id_: str, text: str, media_type: str = "application/json", *, seen: int | None = None
-    ) -> Call[DocumentInfo]:
+    ) -> Call[documents.DocumentInfo]:
         """Writes a document from text.
 
         Args:
@@ -437,37 +420,37 @@ class Documents(Topic[C]):
         """
         headers = {"Content-Type": media_type, "If-Match": tag(seen)}
         path, content = path_of("documents", kind, id_, "text"), text.encode()
-        return Call("PUT", path, DocumentInfo, content=content, headers=headers, repeatable=False)
+        return Call("PUT", path, documents.DocumentInfo, content=content, headers=headers, repeatable=False)
 
 
 class Tasks(Topic[C]):
     """Goals that are being pursued now."""
 
     @operation("GET /tasks")
-    def list(self, *, active: bool | None = None, limit: int | None = None) -> TaskList:
+    def list(self, *, active: bool | None = None, limit: int | None = None) -> tasks.Tasks:
         """Lists the tasks, newest first."""
 
     @operation("POST /tasks", once=True)
-    def begin(self, task: NewTask) -> TaskInfo:
+    def begin(self, task: tasks.NewTask) -> tasks.TaskInfo:
         """Starts pursuing a goal or running steps at once, bypassing the job queue."""
 
     @operation("GET /tasks/{name}")
-    def get(self, name: str) -> TaskInfo:
+    def get(self, name: str) -> tasks.TaskInfo:
         """Returns the progress or result of a task."""
 
     @operation("GET /tasks/{name}/trace")
-    def trace(self, name: str, *, limit: int | None = None) -> TaskTrace:
+    def trace(self, name: str, *, limit: int | None = None) -> tasks.TaskTrace:
         """Returns the trace of a task."""
 
     @call
-    def command(self, name: str, command: Command) -> Call[TaskInfo]:
+    def command(self, name: str, command: Command) -> Call[tasks.TaskInfo]:
         """Pauses, resumes, single-steps or stops a task."""
-        return Call("POST", path_of("tasks", name, command), TaskInfo, repeatable=command != "step")
+        return Call("POST", path_of("tasks", name, command), tasks.TaskInfo, repeatable=command != "step")
 
 
 def _prefer(wait: float | None) -> str | None:
     return None if wait is None else f"wait={max(0, round(wait))}"
 
 
-def _goals_and_version(response: httpx2.Response) -> tuple[SceneGoals, str]:
-    return SceneGoals.model_validate_json(response.content), response.headers["etag"]
+def _goals_and_version(response: httpx2.Response) -> tuple[goals.SceneGoals, str]:
+    return goals.SceneGoals.model_validate_json(response.content), response.headers["etag"]

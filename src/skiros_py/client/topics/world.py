@@ -7,27 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from skiros_py.api.ontology import ClassDetails, ClassNode, PlacementOptions, PropertyPage, RelationInfoPage
-from skiros_py.api.queries import Query, QueryAnswer
-from skiros_py.api.scenes import PresentScene, Scene, SceneDifference, SceneEntry
-from skiros_py.api.scenes import Scenes as SceneList
+from skiros_py.api import ontology, queries, scenes, world
 from skiros_py.api.view import WorldView
-from skiros_py.api.world import (
-    Change,
-    ChangePage,
-    ElementDetails,
-    ElementPage,
-    ElementPatch,
-    LearnedPage,
-    LockList,
-    LockOrder,
-    NewElement,
-    RelationPage,
-    TransactionOrder,
-    TreeNode,
-    WorldInfo,
-    Written,
-)
 from skiros_py.client.operation import C, Topic, call, operation, tag
 from skiros_py.client.request import Call
 
@@ -36,7 +17,7 @@ class World(Topic[C]):
     """The world as a whole."""
 
     @operation("GET /world")
-    def get(self) -> WorldInfo:
+    def get(self) -> world.WorldInfo:
         """Returns the world's version and element counts."""
 
     @operation("GET /view", elements="element")
@@ -50,7 +31,7 @@ class World(Topic[C]):
     @operation("GET /tree")
     def tree(
         self, root: str | None = None, *, depth: int | None = None, limit: int | None = None, cursor: str | None = None
-    ) -> TreeNode:
+    ) -> world.TreeNode:
         """Returns the tree of placements and parts.
 
         Args:
@@ -68,7 +49,7 @@ class World(Topic[C]):
         newest_first: bool | None = None,
         limit: int | None = None,
         cursor: str | None = None,
-    ) -> ChangePage:
+    ) -> world.ChangePage:
         """Returns changes with their authors and reasons.
 
         Args:
@@ -79,7 +60,7 @@ class World(Topic[C]):
         """
 
     @operation("GET /world/changes/{number}")
-    def change(self, number: int, *, limit: int | None = None, cursor: str | None = None) -> Change:
+    def change(self, number: int, *, limit: int | None = None, cursor: str | None = None) -> world.Change:
         """Returns a change with its edits.
 
         Args:
@@ -89,7 +70,7 @@ class World(Topic[C]):
         """
 
     @operation("POST /world/transactions", once=True)
-    def write(self, order: TransactionOrder, *, version: int | None = None) -> Written:
+    def write(self, order: world.TransactionOrder, *, version: int | None = None) -> world.Written:
         """Applies several writes as one change, all or none.
 
         Args:
@@ -98,7 +79,7 @@ class World(Topic[C]):
         """
 
     @operation("POST /world/undo", once=True)
-    def undo(self, change: int | None = None) -> Change:
+    def undo(self, change: int | None = None) -> world.Change:
         """Undoes the last edit made by a user.
 
         Args:
@@ -120,7 +101,7 @@ class Elements(Topic[C]):
         abstract: bool | None = None,
         limit: int | None = None,
         cursor: str | None = None,
-    ) -> ElementPage:
+    ) -> world.ElementPage:
         """Lists elements in the order of their ids.
 
         Args:
@@ -134,7 +115,7 @@ class Elements(Topic[C]):
         """
 
     @operation("GET /elements/{element}")
-    def get(self, element: str, *, computed: Sequence[str] = ()) -> ElementDetails:
+    def get(self, element: str, *, computed: Sequence[str] = ()) -> world.ElementDetails:
         """Returns an element.
 
         Args:
@@ -145,7 +126,7 @@ class Elements(Topic[C]):
     @operation("GET /elements/{element}/relations")
     def relations(
         self, element: str, *, relation: str | None = None, limit: int | None = None, cursor: str | None = None
-    ) -> RelationPage:
+    ) -> world.RelationPage:
         """Lists the relations of an element, in both directions.
 
         Args:
@@ -158,7 +139,7 @@ class Elements(Topic[C]):
     @operation("GET /elements/{element}/history")
     def history(
         self, element: str, *, newest_first: bool = True, limit: int | None = None, cursor: str | None = None
-    ) -> ChangePage:
+    ) -> world.ChangePage:
         """Returns the changes that affected an element, which may have been removed.
 
         Args:
@@ -169,11 +150,11 @@ class Elements(Topic[C]):
         """
 
     @operation("POST /elements", once=True)
-    def add(self, new: NewElement) -> ElementDetails:
+    def add(self, new: world.NewElement) -> world.ElementDetails:
         """Adds an element with its values, its place and its relations."""
 
     @operation("PATCH /elements/{element}")
-    def edit(self, element: str, patch: ElementPatch, *, version: int | None = None) -> ElementDetails:
+    def edit(self, element: str, patch: world.ElementPatch, *, version: int | None = None) -> world.ElementDetails:
         """Changes label, values and place of an element.
 
         Args:
@@ -183,7 +164,7 @@ class Elements(Topic[C]):
         """
 
     @operation("DELETE /elements/{element}", once=True)
-    def remove(self, element: str, *, version: int | None = None, reason: str | None = None) -> Written:
+    def remove(self, element: str, *, version: int | None = None, reason: str | None = None) -> world.Written:
         """Removes an element with its parts.
 
         Args:
@@ -195,7 +176,7 @@ class Elements(Topic[C]):
     @operation("PUT /elements/{element}/relations/{relation}/{other}?reason")
     def relate(
         self, element: str, relation: str, other: str, *, version: int | None = None, reason: str | None = None
-    ) -> Written:
+    ) -> world.Written:
         """States that the first element has the relation to the second; a placement moves its element.
 
         Args:
@@ -209,7 +190,7 @@ class Elements(Topic[C]):
     @operation("DELETE /elements/{element}/relations/{relation}/{other}", once=True)
     def unrelate(
         self, element: str, relation: str, other: str, *, version: int | None = None, reason: str | None = None
-    ) -> Written:
+    ) -> world.Written:
         """Removes a stated relation; arguments as for :meth:`relate`."""
 
 
@@ -217,7 +198,7 @@ class Ontology(Topic[C]):
     """The classes, relations and properties of the world."""
 
     @operation("GET /ontology/classes")
-    def classes(self, root: str | None = None, *, depth: int | None = None) -> ClassNode:
+    def classes(self, root: str | None = None, *, depth: int | None = None) -> ontology.ClassNode:
         """Returns the tree of classes.
 
         Args:
@@ -226,15 +207,15 @@ class Ontology(Topic[C]):
         """
 
     @operation("GET /ontology/classes/{name}")
-    def get(self, name: str) -> ClassDetails:
+    def get(self, name: str) -> ontology.ClassDetails:
         """Returns a class."""
 
     @operation("GET /ontology/relations")
-    def relations(self, *, limit: int | None = None, cursor: str | None = None) -> RelationInfoPage:
+    def relations(self, *, limit: int | None = None, cursor: str | None = None) -> ontology.RelationInfoPage:
         """Lists the relations by name."""
 
     @operation("GET /ontology/properties")
-    def properties(self, *, limit: int | None = None, cursor: str | None = None) -> PropertyPage:
+    def properties(self, *, limit: int | None = None, cursor: str | None = None) -> ontology.PropertyPage:
         """Lists the properties by name."""
 
     @operation("GET /ontology/placements")
@@ -246,7 +227,7 @@ class Ontology(Topic[C]):
         relation: str | None = None,
         limit: int | None = None,
         cursor: str | None = None,
-    ) -> PlacementOptions:
+    ) -> ontology.PlacementOptions:
         """Returns where something may be placed.
 
         Args:
@@ -262,7 +243,7 @@ class Queries(Topic[C]):
     """SPARQL queries."""
 
     @operation("POST /queries")
-    def ask(self, question: Query) -> QueryAnswer:
+    def ask(self, question: queries.Query) -> queries.QueryAnswer:
         """Runs a SELECT, ASK or CONSTRUCT query."""
 
 
@@ -270,11 +251,11 @@ class Learned(Topic[C]):
     """Data taught to robots."""
 
     @operation("GET /learned")
-    def list(self, *, limit: int | None = None, cursor: str | None = None) -> LearnedPage:
+    def list(self, *, limit: int | None = None, cursor: str | None = None) -> world.LearnedPage:
         """Lists the data taught to robots."""
 
     @operation("DELETE /learned/{element}", once=True)
-    def forget(self, element: str, *, version: int | None = None, reason: str | None = None) -> Written:
+    def forget(self, element: str, *, version: int | None = None, reason: str | None = None) -> world.Written:
         """Deletes a taught element with its parts; an undo restores it.
 
         Args:
@@ -292,15 +273,15 @@ class Locks(Topic[C]):
     """Edit locks on elements."""
 
     @operation("GET /locks")
-    def list(self) -> LockList:
+    def list(self) -> world.LockList:
         """Returns the edit locks."""
 
     @operation("POST /locks")
-    def lock(self, order: LockOrder) -> LockList:
+    def lock(self, order: world.LockOrder) -> world.LockList:
         """Locks elements against edits by other users and jobs for a while; calling it again extends the lock."""
 
     @operation("DELETE /locks")
-    def end(self, elements: Sequence[str] | None = None, *, owner: str | None = None) -> LockList:
+    def end(self, elements: Sequence[str] | None = None, *, owner: str | None = None) -> world.LockList:
         """Releases the caller's locks and returns the remaining ones.
 
         Args:
@@ -313,15 +294,15 @@ class Scenes(Topic[C]):
     """Scenes: those that can be loaded, and the current one."""
 
     @operation("GET /scenes")
-    def list(self, *, limit: int = 100, cursor: str | None = None) -> SceneList:
+    def list(self, *, limit: int = 100, cursor: str | None = None) -> scenes.Scenes:
         """Lists the scenes that can be loaded, by name."""
 
     @operation("GET /scene")
-    def get(self) -> PresentScene:
+    def get(self) -> scenes.PresentScene:
         """Returns the current scene."""
 
     @operation("GET /scenes/{name}")
-    def file(self, name: str) -> Scene:
+    def file(self, name: str) -> scenes.Scene:
         """Returns the contents of a scene without loading it."""
 
     @operation("GET /scene.ttl")
@@ -329,11 +310,11 @@ class Scenes(Topic[C]):
         """Returns the current scene as Turtle."""
 
     @operation("GET /scene/diff", name="with")
-    def difference(self, name: str, *, limit: int = 100, cursor: str | None = None) -> SceneDifference:
+    def difference(self, name: str, *, limit: int = 100, cursor: str | None = None) -> scenes.SceneDifference:
         """Returns the difference from another scene to the current one."""
 
     @operation("PUT /scene", once=True)
-    def load(self, name: str, *, version: int | None = None) -> PresentScene:
+    def load(self, name: str, *, version: int | None = None) -> scenes.PresentScene:
         """Loads a scene; returns once the station is up in it.
 
         Args:
@@ -342,13 +323,13 @@ class Scenes(Topic[C]):
         """
 
     @call
-    def upload(self, turtle: str, *, version: int | None = None) -> Call[PresentScene]:
+    def upload(self, turtle: str, *, version: int | None = None) -> Call[scenes.PresentScene]:
         """Loads a scene from Turtle text; see :meth:`load`."""
         headers = {"If-Match": tag(version) or "*", "Content-Type": "text/turtle"}
-        return Call("PUT", "/scene", PresentScene, content=turtle.encode(), headers=headers, repeatable=False)
+        return Call("PUT", "/scene", scenes.PresentScene, content=turtle.encode(), headers=headers, repeatable=False)
 
     @operation("POST /scenes", once=True)
-    def save(self, name: str, *, seen: int | None = None) -> SceneEntry:
+    def save(self, name: str, *, seen: int | None = None) -> scenes.SceneEntry:
         """Saves the current scene.
 
         Args:
