@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import secrets
 import time
 from base64 import b64decode
@@ -10,23 +11,13 @@ from typing import Annotated
 
 from fastapi import APIRouter, Path, Query
 
-from skiros_py.api.webhooks import (
-    STATES,
-    Deliveries,
-    Delivery,
-    DeliveryState,
-    Webhook,
-    WebhookChange,
-    WebhookOrder,
-    WebhookSecret,
-)
-from skiros_py.api.wire import moment
+from skiros_py.api import webhooks as api
 from skiros_py.errors import UsageError
 from skiros_py.server.access.roles import Admin
 from skiros_py.server.problems import Problem
 from skiros_py.server.services import Services
 from skiros_py.server.webhooks.sender import resolve, target_of
-from skiros_py.server.webhooks.store import Post, Subscription, new_secret
+from skiros_py.server.webhooks.store import Subscription, new_secret
 from skiros_py.station.requests import addressed
 
 router = APIRouter(prefix="/webhooks", tags=["webhooks"])
@@ -34,13 +25,14 @@ router = APIRouter(prefix="/webhooks", tags=["webhooks"])
 WebhookId = Annotated[str, Path(max_length=100, description="Id of the webhook.", examples=["wh_5f0c"])]
 Number = Annotated[int, Path(ge=1, lt=2**53, description="Number of the delivery.")]
 Limit = Annotated[int, Query(ge=1, le=1000)]
-Cursor = Annotated[str | None, Query(max_length=30)]
+Cursor = Annotated[str | None, Query(max_length=120)]
+_CURSOR = re.compile(r"\d{1,18}\.\w+", re.ASCII)
 
 _UNKNOWN = "UnknownWebhook"
 
 
 @router.get("")
-def list_webhooks(act: Admin) -> list[Webhook]:
+def list_webhooks(act: Admin) -> list[api.Webhook]:
     """List webhooks.
 
     Lists the webhooks, with the number of pending deliveries.
@@ -49,7 +41,7 @@ def list_webhooks(act: Admin) -> list[Webhook]:
 
 
 @router.post("", status_code=201)
-def create_webhook(act: Admin, order: WebhookOrder) -> WebhookSecret:
+def create_webhook(act: Admin, order: api.WebhookOrder) -> api.WebhookSecret:
     """Create a webhook.
 
     Creates a webhook, which receives events from now on; the key of its signatures is returned only in this response.
@@ -59,20 +51,20 @@ def create_webhook(act: Admin, order: WebhookOrder) -> WebhookSecret:
     subscription = Subscription(id=f"wh_{secrets.token_hex(6)}", active=True, created=datetime.now(UTC), **given)
     act.services.webhooks.add(subscription, act.services.station.session.jobs.store.last_announcement)
     act.locate("webhooks", subscription.id)
-    return WebhookSecret(webhook=_shown(act.services, subscription), secret=subscription.secret)
+    return api.WebhookSecret(webhook=_shown(act.services, subscription), secret=subscription.secret)
 
 
 @router.get("/dead-letters")
-def list_dead_letters(act: Admin, limit: Limit = 100, cursor: Cursor = None) -> Deliveries:
+def list_dead_letters(act: Admin, limit: Limit = 100, cursor: Cursor = None) -> api.Deliveries:
     """List dead letters.
 
     Lists the messages that no target accepted for a day; ``POST …/redeliver`` sends one again.
     """
-    return _page(act.services, None, DeliveryState.DEAD, cursor, limit)
+    return _page(act.services, None, api.DeliveryState.DEAD, cursor, limit)
 
 
 @router.get("/{webhook}")
-def get_webhook(act: Admin, webhook: WebhookId) -> Webhook:
+def get_webhook(act: Admin, webhook: WebhookId) -> api.Webhook:
     """Get a webhook.
 
     Returns a webhook without its key.
@@ -82,7 +74,7 @@ def get_webhook(act: Admin, webhook: WebhookId) -> Webhook:
 
 
 @router.patch("/{webhook}")
-def change_webhook(act: Admin, webhook: WebhookId, change: WebhookChange) -> Webhook:
+def change_webhook(act: Admin, webhook: WebhookId, change: api.WebhookChange) -> api.Webhook:
     """Change a webhook.
 
     Changes the events that a webhook receives, or suspends it; events are kept for it meanwhile.
@@ -120,10 +112,10 @@ def ping_webhook(act: Admin, webhook: WebhookId) -> None:
 def list_deliveries(
     act: Admin,
     webhook: WebhookId,
-    state: DeliveryState | None = None,
+    state: api.DeliveryState | None = None,
     limit: Limit = 100,
     cursor: Cursor = None,
-) -> Deliveries:
+) -> api.Deliveries:
     """List deliveries.
 
     Lists the messages of a webhook, newest first; the last thousand delivered ones are kept.
@@ -149,7 +141,7 @@ def redeliver(act: Admin, webhook: WebhookId, number: Number) -> None:
     act.services.send_webhooks()
 
 
-def _check(order: WebhookOrder, services: Services) -> None:
+def _check(order: api.WebhookOrder, services: Services) -> None:
     """Checks that an order can be fulfilled.
 
     Raises:
@@ -167,47 +159,28 @@ def _check(order: WebhookOrder, services: Services) -> None:
 
 
 def _check_states(states: tuple[str, ...]) -> None:
-    unknown = sorted(set(states) - STATES)
+    unknown = sorted(set(states) - api.STATES)
     if unknown:
-        raise UsageError(f"states: {', '.join(unknown)[:200]} is none of {', '.join(sorted(STATES))}")
+        raise UsageError(f"states: {', '.join(unknown)[:200]} is none of {', '.join(sorted(api.STATES))}")
 
 
-def _shown(services: Services, one: Subscription) -> Webhook:
+def _shown(services: Services, one: Subscription) -> api.Webhook:
     counts = services.webhooks.counts()
-    return Webhook.view_of(
+    return api.Webhook.view_of(
         one,
-        pending=counts.get((one.id, DeliveryState.PENDING.value), 0),
-        dead=counts.get((one.id, DeliveryState.DEAD.value), 0),
+        pending=counts.get((one.id, api.DeliveryState.PENDING.value), 0),
+        dead=counts.get((one.id, api.DeliveryState.DEAD.value), 0),
     )
 
 
 def _page(
-    services: Services, webhook: str | None, state: DeliveryState | None, cursor: str | None, limit: int
-) -> Deliveries:
-    """Reads a page; dead letters of several webhooks are in the order of their numbers."""
-    before, skip = _read(cursor)
-    posts = services.webhooks.posts(webhook, None if state is None else state.value, before, limit + skip + 1)[skip:]
-    shown, more = posts[:limit], len(posts) > limit
-    return Deliveries(items=tuple(map(_delivery, shown)), next=_cursor(before, skip, shown) if more else None)
-
-
-def _read(cursor: str | None) -> tuple[int, int]:
-    """Reads a cursor: only what has a lower number, without the first so many of it."""
-    if cursor is None:
-        return 0, 0
-    before, _, skip = cursor.partition(".")
-    if not (before.isdecimal() and skip.isdecimal() and before.isascii() and skip.isascii()):
+    services: Services, webhook: str | None, state: api.DeliveryState | None, cursor: str | None, limit: int
+) -> api.Deliveries:
+    if cursor is not None and not _CURSOR.fullmatch(cursor):
         raise Problem(422, "InvalidRequest", "cursor: pass 'next' of the previous page unchanged")
-    return int(before), int(skip)
-
-
-def _cursor(before: int, skip: int, shown: tuple[Post, ...]) -> str:
-    """Several webhooks have messages of the same number: those that were shown already are skipped."""
-    last = shown[-1].number
-    same = sum(1 for post in shown if post.number == last)
-    return f"{last + 1}.{same + (skip if before == last + 1 else 0)}"
-
-
-def _delivery(post: Post) -> Delivery:
-    waits = post.state is DeliveryState.PENDING and post.next_try > 0
-    return Delivery.view_of(post, created=moment(post.wall), next_try=moment(post.next_try) if waits else None)
+    number, _, name = (cursor or "").partition(".")
+    posts = services.webhooks.posts(
+        webhook, None if state is None else state.value, (int(number), name) if cursor else None, limit + 1
+    )
+    last = posts[limit - 1] if len(posts) > limit else None
+    return api.Deliveries(items=posts[:limit], next=f"{last.number}.{last.webhook}" if last else None)

@@ -5,8 +5,7 @@ from __future__ import annotations
 import secrets
 import sqlite3
 from base64 import b64encode
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -16,7 +15,7 @@ from cloudevents.core.v1.event import CloudEvent
 from pydantic import Field
 from standardwebhooks import Webhook as Signer
 
-from skiros_py.api.webhooks import DeliveryState, Webhook
+from skiros_py.api.webhooks import Delivery, DeliveryState, Webhook
 from skiros_py.database import Database, Schema
 from skiros_py.errors import Busy, UnknownName
 from skiros_py.station.jobs.views import Announcement, state_name
@@ -91,7 +90,21 @@ _KEPT = 1000
 """Number of finished deliveries kept per webhook."""
 _LETTERBOX = 100_000
 """Maximum number of waiting deliveries per webhook; beyond it the oldest become dead letters."""
-_COLUMNS = "webhook, number, job, event, wall, body, state, attempts, next_try, status, error, since"
+_COLUMNS = (
+    "webhook",
+    "number",
+    "job",
+    "event",
+    "wall",
+    "body",
+    "state",
+    "attempts",
+    "next_try",
+    "status",
+    "error",
+    "since",
+)
+_SELECT = f"SELECT {', '.join(_COLUMNS)} FROM deliveries"  # noqa: S608 - our own names
 _HEAD = """UPDATE deliveries SET head = 1 WHERE webhook = :webhook AND number =
     (SELECT min(number) FROM deliveries WHERE webhook = :webhook AND job = :job AND state = 'pending')"""
 """Makes the oldest waiting message of a job the head of its queue, which is sent next."""
@@ -108,37 +121,13 @@ class Subscription(Webhook):
         return job.startswith(self.jobs) and (not self.states or state in self.states)
 
 
-@dataclass(frozen=True, slots=True)
-class Post:
-    """One message to one target.
+class Post(Delivery):
+    """One message to one target, with what is sent."""
 
-    Attributes:
-        webhook: Id of the subscription.
-        number: Number of the message among those of the subscription.
-        job: Id of the job; empty for a ping.
-        event: Id of the message.
-        wall: Time of the event [s since 1970].
-        body: Body of the message.
-        state: State of the delivery.
-        attempts: Number of attempts.
-        next_try: Time of the next attempt [s since 1970].
-        status: HTTP status of the last answer; None if there was none.
-        error: Why the last attempt failed.
-        since: Start of the attempts: the time of the event or of a request to redeliver [s since 1970].
-    """
-
-    webhook: str
-    number: int
-    job: str
-    event: str
-    wall: float
     body: str
-    state: DeliveryState
-    attempts: int
-    next_try: float
-    status: int | None
-    error: str
+    """The message."""
     since: float
+    """Start of the attempts: the time of the event or of a request to redeliver [s since 1970]."""
 
 
 class WebhookStore:
@@ -281,8 +270,7 @@ class WebhookStore:
             most: Maximum number of messages.
         """
         rows = self._database.rows(
-            f"SELECT {_COLUMNS} FROM deliveries WHERE webhook = ? AND head = 1 AND next_try <= ?"  # noqa: S608
-            " ORDER BY next_try, number LIMIT ?",
+            f"{_SELECT} WHERE webhook = ? AND head = 1 AND next_try <= ? ORDER BY next_try, number LIMIT ?",
             (webhook, now, most),
         )
         return tuple(map(_post, rows))
@@ -347,29 +335,33 @@ class WebhookStore:
                 )
                 connection.execute(_HEAD, {"webhook": webhook, "job": job})
         if not changed:
-            raise UnknownName("dead letter", str(number), [str(p.number) for p in self.posts(webhook, "dead", 0, 100)])
+            raise UnknownName(
+                "dead letter", str(number), [str(p.number) for p in self.posts(webhook, "dead", None, 100)]
+            )
 
     # ------------------------------------------------------------------ queries
 
-    def posts(self, webhook: str | None, state: str | None, before: int, most: int) -> tuple[Post, ...]:
+    def posts(
+        self, webhook: str | None, state: str | None, before: tuple[int, str] | None, most: int
+    ) -> tuple[Post, ...]:
         """Returns deliveries, latest first.
 
         Args:
             webhook: Id of the webhook; None for all.
             state: State of the deliveries; None for any.
-            before: Return only deliveries with lower numbers; 0 for all.
+            before: Number and webhook of a delivery: return only those listed after it; None for the first ones.
             most: Maximum number of messages.
         """
-        wanted: list[tuple[str, object]] = [
-            ("webhook = ?", webhook),
-            ("state = ?", state),
-            ("number < ?", before or None),
-        ]
-        given = [(text, value) for text, value in wanted if value is not None]
+        wanted = (
+            ("webhook = ?", webhook and (webhook,)),
+            ("state = ?", state and (state,)),
+            ("(number, webhook) < (?, ?)", before),
+        )
+        given = [(text, values) for text, values in wanted if values]
         where = f"WHERE {' AND '.join(text for text, _ in given)}" if given else ""
         rows = self._database.rows(
-            f"SELECT {_COLUMNS} FROM deliveries {where} ORDER BY number DESC, webhook LIMIT ?",  # noqa: S608
-            (*(value for _, value in given), most),
+            f"{_SELECT} {where} ORDER BY number DESC, webhook DESC LIMIT ?",
+            (*(value for _, values in given for value in values), most),
         )
         return tuple(map(_post, rows))
 
@@ -413,6 +405,7 @@ def _data(subscription: Subscription) -> str:
     return subscription.model_dump_json(exclude={"pending", "dead"})
 
 
-def _post(row: Iterable[Any]) -> Post:
-    webhook, number, job, event, wall, body, state, *rest = row
-    return Post(webhook, number, job, event, wall, body, DeliveryState(state), *rest)
+def _post(row: Sequence[Any]) -> Post:
+    post = dict(zip(_COLUMNS, row, strict=True))
+    waits = post["state"] == DeliveryState.PENDING and post["next_try"] > 0
+    return Post(**{**post, "created": post["wall"], "next_try": post["next_try"] if waits else None})

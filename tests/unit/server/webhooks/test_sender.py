@@ -13,7 +13,7 @@ import pytest
 from standardwebhooks import Webhook as Checker
 from standardwebhooks import WebhookVerificationError
 
-from skiros_py.api.webhooks import DeliveryState
+from skiros_py.api.webhooks import Deliveries, DeliveryState
 from skiros_py.server.webhooks.sender import Patience, WebhookSender
 from skiros_py.server.webhooks.store import Subscription, WebhookStore, new_secret
 from skiros_py.tasks.jobs import Job, JobOrder, JobState
@@ -130,7 +130,7 @@ def _until(true: Callable[[], bool]) -> None:
 
 
 def _done(store: WebhookStore, number: int) -> Callable[[], bool]:
-    return lambda: len(store.posts(None, "done", 0, 1000)) == number
+    return lambda: len(store.posts(None, "done", None, 1000)) == number
 
 
 def test_a_message_is_a_signed_cloud_event(tmp_path, target):
@@ -195,10 +195,10 @@ def test_a_slow_target_does_not_delay_others(tmp_path, target):
         with _office(tmp_path, jobs, patience=Patience(first=0.02, longest=0.1, timeout=8.0, look=0.05)) as (store, _):
             _subscribe(store, f"http://127.0.0.1:{slow.port}/", "wh_slow")
             _subscribe(store, f"http://127.0.0.1:{target.port}/", "wh_quick")
-            _until(lambda: len(store.posts("wh_quick", "done", 0, 100)) == 10)
-            assert not store.posts("wh_slow", "done", 0, 100)
+            _until(lambda: len(store.posts("wh_quick", "done", None, 100)) == 10)
+            assert not store.posts("wh_slow", "done", None, 100)
             free.set()
-            _until(lambda: len(store.posts("wh_slow", "done", 0, 100)) == 10)
+            _until(lambda: len(store.posts("wh_slow", "done", None, 100)) == 10)
     finally:
         free.set()
         slow.close()
@@ -229,7 +229,7 @@ def test_of_more_than_may_wait_the_oldest_become_dead_letters_and_the_rest_goes_
         jobs.announce("j1")
     with _office(tmp_path, jobs) as (store, office):
         _subscribe(store, f"http://127.0.0.1:{target.port}/", active=False)
-        _until(lambda: len(store.posts(None, "dead", 0, 10)) == 3)
+        _until(lambda: len(store.posts(None, "dead", None, 10)) == 3)
         store.change("wh_1", active=True)
         office.wake()
         _until(_done(store, 5))
@@ -245,7 +245,7 @@ def test_a_redirect_is_not_followed(tmp_path, target):
         with _office(tmp_path, jobs, allowed=(f"127.0.0.1:{target.port}",)) as (store, _):
             _subscribe(store, f"http://127.0.0.1:{target.port}/")
             _until(lambda: len(target.got) >= 3)
-            (post,) = store.posts(None, None, 0, 10)
+            (post,) = store.posts(None, None, None, 10)
             assert "redirects are not followed" in post.error
             assert not inner.got
     finally:
@@ -283,7 +283,7 @@ def test_a_target_that_was_away_gets_everything_when_it_is_back(tmp_path):
         jobs.announce(f"j{number}")
     with _office(tmp_path, jobs) as (store, _):
         _subscribe(store, f"http://127.0.0.1:{port}/")
-        _until(lambda: any(post.attempts > 1 for post in store.posts(None, "pending", 0, 10)))
+        _until(lambda: any(post.attempts > 1 for post in store.posts(None, "pending", None, 10)))
         back = _Target(port)
         try:
             _until(_done(store, 5))
@@ -300,7 +300,7 @@ def test_a_message_undelivered_for_a_day_is_a_dead_letter_and_the_next_one_is_se
     patience = Patience(first=0.02, longest=0.05, timeout=0.5, look=0.05, given_up=0.2)
     with _office(tmp_path, jobs, patience=patience, dead=dead) as (store, office):
         _subscribe(store, f"http://127.0.0.1:{target.port}/")
-        _until(lambda: len(store.posts(None, "dead", 0, 10)) == 1)
+        _until(lambda: len(store.posts(None, "dead", None, 10)) == 1)
         _until(_done(store, 1))
         assert dead == [("j1", "the target answered 500")]
         target.answer = lambda handler, _event: _status(handler, 200)
@@ -349,7 +349,7 @@ def test_a_resting_webhook_receives_missed_messages_later(tmp_path, target):
     jobs.announce("j1")
     with _office(tmp_path, jobs) as (store, office):
         _subscribe(store, f"http://127.0.0.1:{target.port}/", active=False)
-        _until(lambda: len(store.posts(None, "pending", 0, 10)) == 1)
+        _until(lambda: len(store.posts(None, "pending", None, 10)) == 1)
         assert not target.got
         store.change("wh_1", active=True)
         office.wake()
@@ -361,7 +361,7 @@ def test_where_nothing_is_allowed_any_more_nothing_is_sent(tmp_path, target):
     jobs.announce("j1")
     with _office(tmp_path, jobs, allowed=()) as (store, _):
         _subscribe(store, f"http://127.0.0.1:{target.port}/")
-        _until(lambda: any("--webhook-host" in post.error for post in store.posts(None, "pending", 0, 10)))
+        _until(lambda: any("--webhook-host" in post.error for post in store.posts(None, "pending", None, 10)))
     assert not target.got
 
 
@@ -370,3 +370,31 @@ def test_secrets_are_for_the_owner_of_the_file_only(tmp_path):
     store.close()
     assert (tmp_path / "webhooks.db").stat().st_mode & 0o077 == 0
     assert DeliveryState("dead") is DeliveryState.DEAD
+
+
+def test_pages_of_messages_of_several_webhooks_leave_none_out_and_show_none_twice(tmp_path):
+    store = WebhookStore(tmp_path / "webhooks.db", "urn:test")
+    for name in ("wh_1", "wh_2", "wh_3"):
+        _subscribe(store, "http://127.0.0.1:1/", name)
+        for _ in range(2):
+            store.ping(name, time.time())
+
+    shown, before = [], None
+    while page := store.posts(None, "pending", before, 2):
+        shown += [(post.number, post.webhook) for post in page]
+        before = shown[-1]
+    store.close()
+
+    assert shown == [(number, f"wh_{name}") for number in (2, 1) for name in (3, 2, 1)]
+
+
+def test_a_delivery_is_listed_without_its_body(tmp_path):
+    store = WebhookStore(tmp_path / "webhooks.db", "urn:test")
+    _subscribe(store, "http://127.0.0.1:1/")
+    store.ping("wh_1", 1_800_000_000.0)
+
+    (listed,) = Deliveries(items=store.posts(None, None, None, 10), next=None).model_dump(mode="json")["items"]
+    store.close()
+
+    assert "body" not in listed
+    assert (listed["created"], listed["next_try"]) == ("2027-01-15T08:00:00Z", None)
