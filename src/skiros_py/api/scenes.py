@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from datetime import datetime
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, field_validator
+from pydantic import Field
 
 from skiros_py.api.wire import Answer, Page, Request
+from skiros_py.api.world import Rotation
 
 SCENE_NAME = r"^[a-z0-9][a-z0-9_-]{0,63}$"
 """Names under which scenes are saved: safe as names of files everywhere."""
@@ -115,11 +115,8 @@ _FAR = 1000.0
 """Greatest distance from the map's origin that makes sense for a cell [m]."""
 
 Coordinate = Annotated[float, Field(ge=-_FAR, le=_FAR, allow_inf_nan=False)]
-Component = Annotated[float, Field(ge=-1.0, le=1.0, allow_inf_nan=False)]
 Position = tuple[Coordinate, Coordinate, Coordinate]
 """(x, y, z) in the map [m]."""
-Quaternion = tuple[Component, Component, Component, Component]
-"""(x, y, z, w)."""
 
 
 class SimulationState(Answer):
@@ -180,15 +177,8 @@ class BodyPose(Request):
 
     position: Position = Field(examples=[[0.5, 0.25, 0.4]])
     """(x, y, z) in the map [m]."""
-    orientation: Quaternion = Field(default=(0.0, 0.0, 0.0, 1.0), examples=[[0.0, 0.0, 0.0, 1.0]])
-    """Quaternion (x, y, z, w)."""
-
-    @field_validator("orientation")
-    @classmethod
-    def _of_unit_length(cls, value: Quaternion) -> Quaternion:
-        if not 0.99 < math.hypot(*value) < 1.01:
-            raise ValueError("a quaternion (x, y, z, w) of length 1, such as [0, 0, 0, 1]")
-        return value
+    orientation: Rotation = Field(default=(0.0, 0.0, 0.0, 1.0), examples=[[0.0, 0.0, 0.0, 1.0]])
+    """Unit quaternion (x, y, z, w)."""
 
 
 class NewPace(Request):

@@ -6,7 +6,7 @@ import math
 from datetime import datetime
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import ConfigDict, Field, StrictBool, StrictInt, field_validator, model_validator
+from pydantic import AfterValidator, ConfigDict, Field, StrictBool, StrictInt, model_validator
 
 from skiros_py.api.wire import Answer, Items, Page, Request
 
@@ -27,6 +27,19 @@ Reason = Annotated[str, Field(max_length=1000)]
 """Reason of a write, for people."""
 
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+
+
+def _normalised(value: tuple[float, float, float, float]) -> tuple[float, float, float, float]:
+    length = math.hypot(*value)
+    if not abs(length - 1.0) <= _OFF:
+        raise ValueError(f"a rotation is a quaternion of length 1 (x, y, z, w), and this has {length:g}")
+    x, y, z, w = value
+    return x / length, y / length, z / length, w / length
+
+
+_Component = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-1.0 - _OFF, le=1.0 + _OFF)]
+Rotation = Annotated[tuple[_Component, _Component, _Component, _Component], AfterValidator(_normalised)]
+"""A unit quaternion x, y, z, w in a request."""
 Coordinate = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-_FARTHEST, le=_FARTHEST)]
 
 
@@ -55,21 +68,10 @@ class GivenPose(Request):
 
     position: tuple[Coordinate, Coordinate, Coordinate] = Field(examples=[[5.0, 1.6, 0.0]])
     """x, y, z [m], at most 1000 km from the frame."""
-    orientation: tuple[Number, Number, Number, Number] = Field(
-        default=(0.0, 0.0, 0.0, 1.0), examples=[[0.0, 0.0, 0.0, 1.0]]
-    )
+    orientation: Rotation = Field(default=(0.0, 0.0, 0.0, 1.0), examples=[[0.0, 0.0, 0.0, 1.0]])
     """Unit quaternion x, y, z, w; the identity if omitted."""
     frame: ElementId | None = None
     """For sk:pose: id of the reference element; null for the map; unchanged if omitted."""
-
-    @field_validator("orientation")
-    @classmethod
-    def _is_a_rotation(cls, value: tuple[float, float, float, float]) -> tuple[float, float, float, float]:
-        length = math.hypot(*value)
-        if not abs(length - 1.0) <= _OFF:
-            raise ValueError(f"a rotation is a quaternion of length 1 (x, y, z, w), and this has {length:g}")
-        x, y, z, w = value
-        return x / length, y / length, z / length, w / length
 
 
 GivenValue = (

@@ -13,7 +13,6 @@ from starlette.staticfiles import StaticFiles
 
 from skiros_py.server.access.gate import Gate
 from skiros_py.server.access.openapi import GuardedApi
-from skiros_py.server.monitoring import RequestMetrics
 from skiros_py.server.pages import Pages, pages_of
 from skiros_py.server.problems import PROBLEMS, add_problem_handlers
 from skiros_py.server.routes import (
@@ -71,7 +70,6 @@ def create_app(services: Services) -> FastAPI:
     add_documentation(app, PREFIX)
     add_problem_handlers(app)
     app.add_middleware(Gate, services, Pages(pages_of(services.settings)))  # the gate also reads and limits bodies
-    app.add_middleware(RequestMetrics, services.metrics)
     return app
 
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 import logging
 import sys
 import threading
-import time
 from collections import Counter as Counts
 from collections.abc import Iterable, MutableMapping
 from contextvars import ContextVar
@@ -18,7 +17,7 @@ import structlog
 from prometheus_client import CollectorRegistry, GCCollector, Histogram, PlatformCollector, ProcessCollector
 from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Metric
 from prometheus_client.registry import Collector
-from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from starlette.requests import Request
 
 from skiros_py.station.control import ControlThread
 from skiros_py.station.events.log import Event, EventLog, Kind
@@ -113,13 +112,12 @@ def _tell(event: Event) -> None:
 
 
 _BOUNDS = (0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 5.0, 10.0)
-_STREAM = "text/event-stream"
 
 
-class Metrics:
+class Metrics(Collector):
     """The metrics of one server.
 
-    Most metrics are read from the station when they are collected; only requests are counted as they arrive.
+    Most metrics are read from the station when they are collected; only requests are counted as they are answered.
 
     Args:
         control: Runs the session.
@@ -130,6 +128,8 @@ class Metrics:
     """
 
     def __init__(self, control: ControlThread, events: EventLog) -> None:
+        self._control = control
+        self._events = events
         self.registry = CollectorRegistry()
         ProcessCollector(registry=self.registry)
         PlatformCollector(registry=self.registry)
@@ -141,95 +141,41 @@ class Metrics:
             buckets=_BOUNDS,
             registry=self.registry,
         )
-        self.registry.register(_Station(control, events))
+        self.registry.register(self)
 
-    def took(self, method: str, route: str, status: int, seconds: float) -> None:
-        """Counts a request.
+    def took(self, request: Request, status: int, seconds: float) -> None:
+        """Counts a request. Labels are templates of paths and known methods, so that callers cannot create many.
 
         Args:
-            method: Its HTTP method.
-            route: The template of its path, since ids of jobs must not become labels.
+            request: The request.
             status: Status of the answer.
             seconds: Its duration [s].
         """
+        route = getattr(request.scope.get("route"), "path_format", "") or "none"
+        method = request.method if request.method in _METHODS else "other"
         self._requests.labels(method, route, str(status)).observe(seconds)
 
-
-class _Station(Collector):
-    """Metrics of the station at the moment of collection."""
-
-    def __init__(self, control: ControlThread, events: EventLog) -> None:
-        self._control = control
-        self._events = events
-
     def collect(self) -> Iterable[Metric]:
-        """Yields the metrics."""
-        yield _count("skiros_cycles", "Control cycles since the server started.", self._control.beat)
-        yield _count("skiros_events", "Events since the server started.", self._events.last)
-        yield _gauge("skiros_ready", "1 while the station runs.", float(self._control.alive))
+        """Yields the metrics of the station at this moment."""
+        yield CounterMetricFamily("skiros_cycles", "Control cycles since the server started.", self._control.beat)
+        yield CounterMetricFamily("skiros_events", "Events since the server started.", self._events.last)
+        yield GaugeMetricFamily("skiros_ready", "1 while the station runs.", float(self._control.alive))
         if self._control.alive:
             yield from _of_session(self._control.session)
-
-
-def _of_session(session: Session) -> Iterable[Metric]:
-    cycle, board = session.cycle, session.cycle.board
-    yield _gauge("skiros_halted", "1 while everything is halted.", float(bool(cycle.halted)))
-    yield _gauge("skiros_run_time_seconds", "Run time of the station.", board.snapshot.time)
-    yield _gauge("skiros_cycle_period_seconds", "Length of one control cycle.", board.period)
-    yield _gauge("skiros_world_version", "Number of the last change of the world.", session.world.version)
-    yield _gauge("skiros_questions_open", "Questions that wait for a person.", len(session.questions.open))
-    yield _gauge("skiros_tasks_under_way", "Tasks under way.", len(session.tasks.active))
-    jobs = GaugeMetricFamily("skiros_jobs_open", "Jobs that are not over, by state.", labels=("state",))
-    for state, number in Counts(state_name(job.state).value for job in session.jobs.open.values()).items():
-        jobs.add_metric((state,), number)
-    yield jobs
-
-
-def _gauge(name: str, words: str, value: float) -> Metric:
-    return GaugeMetricFamily(name, words, value=value)
-
-
-def _count(name: str, words: str, value: float) -> Metric:
-    return CounterMetricFamily(name, words, value=value)
-
-
-class RequestMetrics:
-    """ASGI middleware that counts requests; streams are excluded, because they last as long as the client listens.
-
-    Args:
-        app: The application behind it.
-        metrics: The metrics that count them.
-    """
-
-    def __init__(self, app: ASGIApp, metrics: Metrics) -> None:
-        self._app = app
-        self._metrics = metrics
-
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Passes on a request, and counts it when it is answered."""
-        if scope["type"] != "http":
-            await self._app(scope, receive, send)
-            return
-        begun, status, streams = time.perf_counter(), 500, False
-
-        async def counting(message: Message) -> None:
-            nonlocal status, streams
-            if message["type"] == "http.response.start":
-                status = message["status"]
-                streams = any(k == b"content-type" and v.startswith(_STREAM.encode()) for k, v in message["headers"])
-            await send(message)
-
-        try:
-            await self._app(scope, receive, counting)
-        finally:
-            if not streams:
-                route = getattr(scope.get("route"), "path_format", "") or "none"
-                self._metrics.took(_method(scope["method"]), route, status, time.perf_counter() - begun)
 
 
 _METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"})
 
 
-def _method(given: str) -> str:
-    """Returns the method as a label; all unknown methods share one label, so that callers cannot create many."""
-    return given if given in _METHODS else "other"
+def _of_session(session: Session) -> Iterable[Metric]:
+    cycle, board, gauge = session.cycle, session.cycle.board, GaugeMetricFamily
+    yield gauge("skiros_halted", "1 while everything is halted.", float(bool(cycle.halted)))
+    yield gauge("skiros_run_time_seconds", "Run time of the station.", board.snapshot.time)
+    yield gauge("skiros_cycle_period_seconds", "Length of one control cycle.", board.period)
+    yield gauge("skiros_world_version", "Number of the last change of the world.", session.world.version)
+    yield gauge("skiros_questions_open", "Questions that wait for a person.", len(session.questions.open))
+    yield gauge("skiros_tasks_under_way", "Tasks under way.", len(session.tasks.active))
+    jobs = gauge("skiros_jobs_open", "Jobs that are not over, by state.", labels=("state",))
+    for state, number in Counts(state_name(job.state).value for job in session.jobs.open.values()).items():
+        jobs.add_metric((state,), number)
+    yield jobs

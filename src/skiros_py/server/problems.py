@@ -15,24 +15,8 @@ from fastapi import Depends, FastAPI, Header, Request, Response
 from fastapi.exceptions import RequestValidationError
 from starlette.exceptions import HTTPException
 
+from skiros_py import errors
 from skiros_py.api.wire import ProblemDetails, fault_limit, fault_words
-from skiros_py.errors import (
-    Busy,
-    DocumentError,
-    FileError,
-    GoalSyntaxError,
-    KeyReused,
-    Locked,
-    NotFound,
-    Refused,
-    Removed,
-    SkirosError,
-    StaleVersion,
-    UnknownName,
-    UsageError,
-    WorldError,
-    WrongState,
-)
 from skiros_py.station.requests import Seen
 
 _log = logging.getLogger(__name__)
@@ -79,24 +63,24 @@ _NAMES = {"SceneUnreadable": "SceneBroken"}
 """Codes of refusals that are answered with the same code but another status."""
 
 
-_KINDS: tuple[tuple[type[SkirosError], int, str], ...] = (
-    (NotFound, 404, ""),
-    (WrongState, 409, "WrongState"),
-    (StaleVersion, 412, "StaleVersion"),
-    (Locked, 423, "Locked"),
-    (WorldError, 422, "WorldRefused"),
-    (GoalSyntaxError, 422, "GoalSyntax"),
-    (UnknownName, 422, "UnknownName"),
-    (UsageError, 422, "InvalidRequest"),
-    (Busy, 503, "Busy"),
-    (SkirosError, 500, "Fault"),
+_KINDS: tuple[tuple[type[errors.SkirosError], int, str], ...] = (
+    (errors.NotFound, 404, ""),
+    (errors.WrongState, 409, "WrongState"),
+    (errors.StaleVersion, 412, "StaleVersion"),
+    (errors.Locked, 423, "Locked"),
+    (errors.WorldError, 422, "WorldRefused"),
+    (errors.GoalSyntaxError, 422, "GoalSyntax"),
+    (errors.UnknownName, 422, "UnknownName"),
+    (errors.UsageError, 422, "InvalidRequest"),
+    (errors.Busy, 503, "Busy"),
+    (errors.SkirosError, 500, "Fault"),
 )
 """Status and code of each fault of the platform; the first match counts."""
-_JOB_KINDS: tuple[tuple[type[SkirosError], int, str], ...] = (
-    (KeyReused, 422, "IdempotencyKeyReused"),
-    (Removed, 410, "JobOrderRemoved"),
-    (WrongState, 409, "InvalidJobOrderStatus"),
-    (Busy, 503, "UnableToAcceptJobOrder"),
+_JOB_KINDS: tuple[tuple[type[errors.SkirosError], int, str], ...] = (
+    (errors.KeyReused, 422, "IdempotencyKeyReused"),
+    (errors.Removed, 410, "JobOrderRemoved"),
+    (errors.WrongState, 409, "InvalidJobOrderStatus"),
+    (errors.Busy, 503, "UnableToAcceptJobOrder"),
     *_KINDS,
 )
 """The same for orders and jobs, with the codes of the standard (OPC 10031-4 v2.00, annex B.2)."""
@@ -105,9 +89,9 @@ _JOB_TOPICS = ("jobs", "goals", "previews")
 
 
 def _answer_fault(request: Request, error: Exception) -> Response:
-    assert isinstance(error, SkirosError)
+    assert isinstance(error, errors.SkirosError)
     problem = _of(error, _JOB_KINDS if _is_about_jobs(request) else _KINDS)
-    if problem.status == 500 or isinstance(error, FileError):
+    if problem.status == 500 or isinstance(error, errors.FileError):
         _log.error("request %s: %s", getattr(request.state, "id", ""), error, exc_info=error)
     return problem_response(request, problem)
 
@@ -116,30 +100,30 @@ def _is_about_jobs(request: Request) -> bool:
     return request.url.path.removeprefix("/api/v1").lstrip("/").partition("/")[0] in _JOB_TOPICS
 
 
-def _of(error: SkirosError, kinds: Sequence[tuple[type[SkirosError], int, str]]) -> Problem:
-    if isinstance(error, FileError):
+def _of(error: errors.SkirosError, kinds: Sequence[tuple[type[errors.SkirosError], int, str]]) -> Problem:
+    if isinstance(error, errors.FileError):
         return _of_file(error)
-    if isinstance(error, Refused):
+    if isinstance(error, errors.Refused):
         refused = Problem(_REFUSED.get(error.code, 409), _NAMES.get(error.code, error.code), str(error))
         refused.extra.update(error.data)
         return refused
     status, code = next((status, code) for kind, status, code in kinds if isinstance(error, kind))
     extra: dict[str, Any] = {}
-    if isinstance(error, NotFound):
+    if isinstance(error, errors.NotFound):
         code = error.code
-    elif isinstance(error, UnknownName) and error.kind == "job" and kinds is _JOB_KINDS:
+    elif isinstance(error, errors.UnknownName) and error.kind == "job" and kinds is _JOB_KINDS:
         status, code = 404, "UnknownJobOrderID"
-    if isinstance(error, UnknownName):
+    if isinstance(error, errors.UnknownName):
         extra = {"known": list(error.known[:20]), "nearest": error.nearest}
-    if isinstance(error, GoalSyntaxError):
+    if isinstance(error, errors.GoalSyntaxError):
         extra = {"column": error.column}
-    if isinstance(error, DocumentError):
+    if isinstance(error, errors.DocumentError):
         extra = {"faults": [asdict(fault) for fault in error.faults[:100]]}
-    if isinstance(error, Locked):
+    if isinstance(error, errors.Locked):
         extra = {"locks": [_lock(*lock) for lock in error.locks]}
-    if isinstance(error, StaleVersion) and error.present is not None:
+    if isinstance(error, errors.StaleVersion) and error.present is not None:
         return Problem(status, code, str(error), headers={"ETag": f'"{error.present}"'})
-    headers = {"Retry-After": f"{max(1, round(error.retry_after))}"} if isinstance(error, Busy) else {}
+    headers = {"Retry-After": f"{max(1, round(error.retry_after))}"} if isinstance(error, errors.Busy) else {}
     return Problem(status, code, str(error), headers=headers, **extra)
 
 
@@ -148,17 +132,14 @@ def _lock(element: str, owner: str, seconds: float) -> dict[str, str]:
     return {"element": element, "owner": owner, "until": until.isoformat()}
 
 
-def _of_file(error: FileError) -> Problem:
+def _of_file(error: errors.FileError) -> Problem:
     """Handles faults in files of the server itself; faults in a caller's file are reported where it is read."""
     detail = f"{error.path.name}: {error.reason.replace(str(error.path.parent), '…')}"
-    if _is_full(error.__cause__):
+    cause = error.__cause__
+    full = getattr(cause, "sqlite_errorname", "").startswith("SQLITE_FULL")
+    if full or getattr(cause, "errno", None) in (errno.ENOSPC, errno.EDQUOT):
         return Problem(507, "DiskFull", detail)
     return Problem(503, "FileFault", detail, headers={"Retry-After": "5"})
-
-
-def _is_full(cause: BaseException | None) -> bool:
-    full = getattr(cause, "sqlite_errorname", "").startswith("SQLITE_FULL")
-    return full or getattr(cause, "errno", None) in (errno.ENOSPC, errno.EDQUOT)
 
 
 def problem_response(request: Request, problem: Problem) -> Response:
@@ -208,7 +189,7 @@ def add_problem_handlers(app: FastAPI) -> None:
         return lambda request, error: problem_response(request, make(error))
 
     app.add_exception_handler(Problem, answering(lambda error: error))
-    app.add_exception_handler(SkirosError, _answer_fault)
+    app.add_exception_handler(errors.SkirosError, _answer_fault)
     app.add_exception_handler(HTTPException, answering(_of_http))
     app.add_exception_handler(RequestValidationError, answering(_of_validation))
 
@@ -289,13 +270,13 @@ async def _if_match(
 SeenDep = Annotated[Seen | None, Depends(_if_match)]
 """For routes: the version in If-Match; None if there is no such header."""
 
-NEEDS_VERSION: dict[int | str, dict[str, Any]] = {
-    428: {
-        "model": ProblemDetails,
-        "description": "If-Match is missing: it names the version that was seen.",
-        "content": {"application/problem+json": {}},
-    }
-}
+
+def also_refused(status: int, why: str) -> dict[int | str, dict[str, Any]]:
+    """Returns the documentation of a refusal by some routes only; for ``responses=``."""
+    return {status: {"model": ProblemDetails, "description": why, "content": {"application/problem+json": {}}}}
+
+
+NEEDS_VERSION = also_refused(428, "If-Match is missing: it names the version that was seen.")
 """Answers of a route that requires a version for each write; for ``responses=``."""
 
 

@@ -19,7 +19,6 @@ from skiros_py.server.webhooks.sender import WebhookSender
 from skiros_py.server.webhooks.store import Post, WebhookStore
 from skiros_py.station.control import OpenSession
 from skiros_py.station.jobs.views import announced_job
-from skiros_py.station.session import Session
 from skiros_py.station.station import Station, StationLimits
 
 
@@ -53,7 +52,7 @@ class Services:
         self.metrics = Metrics(station.control, station.events)
         self.webhooks: WebhookStore
         self._sender: WebhookSender | None = None
-        station.control.on_open(self._follow_jobs)
+        station.control.on_open(lambda session: session.jobs.subscribe(lambda _job: self.send_webhooks()))
         self._stack = ExitStack()
 
     def start(self) -> None:
@@ -71,9 +70,6 @@ class Services:
         except BaseException:
             self.close()
             raise
-
-    def _follow_jobs(self, session: Session) -> None:
-        session.jobs.subscribe(lambda _job: self.send_webhooks())
 
     def send_webhooks(self) -> None:
         """Wakes the sender of webhooks; does not block; callable from any thread."""
@@ -128,13 +124,7 @@ def open_sender(station: Station, hosts: Sequence[str], stack: ExitStack) -> tup
         text = f"{post.webhook} did not get {post.job or 'a ping'} ({why}): see the dead letters of the webhooks"
         station.alarms.raise_(AlarmKind.WEBHOOK, text, post.webhook, severity=Severity.LOW, lasts=False, job=post.job)
 
-    sender = WebhookSender(
-        store,
-        lambda: station.session,
-        announced_job,
-        hosts,
-        on_dead=on_dead,
-    )
+    sender = WebhookSender(store, lambda: station.session, announced_job, hosts, on_dead=on_dead)
     stack.enter_context(closing(sender))
     sender.start()
     return store, sender

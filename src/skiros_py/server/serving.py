@@ -113,8 +113,8 @@ def url_of(listening: socket.socket) -> str:
     return f"http://[{here}]:{port}" if ":" in here else f"http://{here}:{port}"
 
 
-class Serving:
-    """One run of the server.
+class Serving(uvicorn.Server):
+    """One run of the server; its caller handles signals.
 
     Args:
         services: The services, already started; closed by the caller.
@@ -134,51 +134,41 @@ class Serving:
             proxy_headers=False,  # any program on this machine could otherwise forge the address of its requests
             timeout_graceful_shutdown=_GRACE,
         )
-        self._server = _Server(config, on_listening, lambda: _halt(services))
+        super().__init__(config)
+        self._services = services
         self._listening = listening
+        self._on_listening = on_listening
 
-    def run(self) -> None:
+    def run(self, sockets: list[socket.socket] | None = None) -> None:
         """Serves until :meth:`end`, then brakes everything and lets open requests finish."""
-        self._server.run(sockets=[self._listening])
+        super().run(sockets or [self._listening])
 
     def end(self) -> None:
         """Requests the end of the server; safe to call from a signal handler."""
-        self._server.should_exit = True
+        self.should_exit = True
+
+    @contextmanager
+    def capture_signals(self) -> Iterator[None]:
+        """Leaves signals to the caller."""
+        yield
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Starts to listen."""
+        await super().startup(sockets)
+        self._on_listening()
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """Brakes everything, then waits for connections to close; running jobs then wait for a person."""
+        self._services.streams.end()
+        if self._services.station.control.alive:
+            try:
+                self._services.station.session.cycle.halt("the server ends")
+            except SkirosError as error:
+                _log.error("not everything was halted: %s", error)
+        await super().shutdown(sockets)
 
 
 async def _warm_up(app: FastAPI) -> None:
     """Does all lazy initialisation in advance, because the first request may be a stop."""
     async with httpx2.AsyncClient(transport=httpx2.ASGITransport(app), base_url="http://127.0.0.1") as client:
         await client.get("/healthz")
-
-
-class _Server(uvicorn.Server):
-    """Reports when it starts to listen and when it ends; its caller handles signals."""
-
-    def __init__(self, config: uvicorn.Config, on_listening: Callable[[], None], on_end: Callable[[], None]) -> None:
-        super().__init__(config)
-        self._on_listening = on_listening
-        self._on_end = on_end
-
-    @contextmanager
-    def capture_signals(self) -> Iterator[None]:
-        yield
-
-    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
-        await super().startup(sockets)
-        self._on_listening()
-
-    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
-        self._on_end()
-        await super().shutdown(sockets)
-
-
-def _halt(services: Services) -> None:
-    """Brakes everything before waiting for connections to close; running jobs then wait for a person."""
-    services.streams.end()
-    if not services.station.control.alive:
-        return
-    try:
-        services.station.session.cycle.halt("the server ends")
-    except SkirosError as error:
-        _log.error("not everything was halted: %s", error)

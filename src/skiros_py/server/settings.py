@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import ipaddress
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
+from skiros_py.api.server import is_address, is_loopback
 from skiros_py.errors import UsageError
 
 Authentication = Literal["auto", "keys", "none"]
@@ -79,11 +79,6 @@ class ServerSettings:
         )
 
 
-def is_loopback(host: str) -> bool:
-    """Returns whether an address can be reached only by programs on this machine."""
-    return host == "localhost" or (is_address(host) and ipaddress.ip_address(host).is_loopback)
-
-
 def _check(option: str, values: tuple[str, ...], fits: Callable[[str], bool], right: str) -> None:
     for value in values:
         if not fits(value):
@@ -112,12 +107,3 @@ def _is_origin(text: str) -> bool:
 
 def _is_port(text: str) -> bool:
     return re.fullmatch(r"[1-9]\d{0,4}", text) is not None and int(text) <= _HIGHEST_PORT
-
-
-def is_address(text: str) -> bool:
-    """Returns whether a text is an IP address."""
-    try:
-        ipaddress.ip_address(text)
-    except ValueError:
-        return False
-    return True

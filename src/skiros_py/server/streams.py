@@ -5,9 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import re
-import threading
 import time
-from collections import Counter
 from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
@@ -18,8 +16,9 @@ from fastapi.sse import format_sse_event
 from starlette.types import Receive, Scope, Send
 
 from skiros_py.api.events import ResetInfo
-from skiros_py.errors import Busy
+from skiros_py.server.access.limits import Slots
 from skiros_py.server.access.roles import Caller
+from skiros_py.server.problems import Problem
 from skiros_py.station.events.live import LiveState
 from skiros_py.station.events.log import Event, EventLog, Kind
 
@@ -178,12 +177,9 @@ class Streams:
         self.log = log
         self.allowed = allowed
         self.ending = False
-        self._most = most
-        self._open: Counter[str] = Counter()
-        self._guard = threading.Lock()
-        self._sleepers: set[asyncio.Event] = set()
+        self._slots = Slots("event streams", most, max(1, most // 2), retry_after=5.0)
+        self._news = asyncio.Event()
         self._loop: asyncio.AbstractEventLoop | None = None
-        self._look: asyncio.TimerHandle | None = None
         self._called = False
         self._made: dict[tuple[int, Choice], tuple[int, bytes]] = {}
         self._made_at = 0
@@ -192,7 +188,7 @@ class Streams:
     @property
     def open(self) -> int:
         """Number of open streams."""
-        return self._open.total()
+        return self._slots.taken
 
     def end(self) -> None:
         """Ends all streams and refuses new ones: the server shuts down. Callable from any thread."""
@@ -206,21 +202,12 @@ class Streams:
         """Takes a slot for the duration of the block.
 
         Raises:
-            Busy: All slots are taken, or too many of them by this caller.
+            Problem: The server shuts down, all slots are taken, or too many of them by this caller (503).
         """
-        name = caller.key or caller.name
-        with self._guard:
-            if self.ending or self.open >= self._most:
-                raise Busy(f"{self.open} event streams are open, and no more are served", retry_after=5.0)
-            if self._open[name] >= max(1, self._most // 2):
-                raise Busy(f"{caller.name} has {self._open[name]} event streams open: close some", retry_after=5.0)
-            self._open[name] += 1
-        try:
+        if self.ending:
+            raise Problem(503, "Busy", "the server shuts down", headers={"Retry-After": "5"})
+        with self._slots.take(caller.key or caller.name):
             yield
-        finally:
-            with self._guard:
-                self._open[name] -= 1
-                self._open += Counter()  # removes callers without streams
 
     # ------------------------------------------------------------------ one stream
 
@@ -235,20 +222,20 @@ class Streams:
         number, first = self._begin(after)
         yield first
         sent = time.monotonic()
-        with self._awake() as awake:
-            while not self.ending and self.allowed(caller):
-                number, text = self._next(number, choice)
-                now = time.monotonic()
-                if not text and now - sent >= _QUIET:
-                    text = _still_here(position_text(self.log, number))
-                if text:
-                    sent = now
-                    yield text
-                if number == self.log.last:
-                    await awake.wait()
-                    awake.clear()
-                else:
-                    await asyncio.sleep(0)  # a stream with much to catch up on yields to the others
+        self._listen()
+        while not self.ending and self.allowed(caller):
+            news = self._news  # before the log is read, so that no event is missed
+            number, text = self._next(number, choice)
+            now = time.monotonic()
+            if not text and now - sent >= _QUIET:  # browsers skip comments, but keep the position
+                text = format_sse_event(comment="still here", id=position_text(self.log, number))
+            if text:
+                sent = now
+                yield text
+            if number == self.log.last:
+                await news.wait()
+            else:
+                await asyncio.sleep(0)  # a stream with much to catch up on yields to the others
 
     async def follow_state(self, live: LiveState, rate: float, caller: Caller) -> AsyncIterator[bytes]:
         """Yields the present state of the robots as server-sent events; skips states for which the client is too slow.
@@ -311,31 +298,22 @@ class Streams:
 
     # ------------------------------------------------------------------ waking
 
-    @contextmanager
-    def _awake(self) -> Iterator[asyncio.Event]:
-        """Registers a stream for waking for the duration of the block; in the event loop."""
-        awake = asyncio.Event()
-        self._loop = asyncio.get_running_loop()
-        self._sleepers.add(awake)
-        if self._look is None:
-            self._look = self._loop.call_later(_LOOK, self._look_around)
-        try:
-            yield awake
-        finally:
-            self._sleepers.discard(awake)
-            if not self._sleepers and self._look is not None:
-                self._look.cancel()
-                self._look = None
+    def _listen(self) -> None:
+        """Begins to wake the streams of this event loop, unless another stream did so."""
+        loop = asyncio.get_running_loop()
+        if loop is not self._loop:
+            self._loop, self._news = loop, asyncio.Event()
+            self._wake_periodically(loop)
 
-    def _look_around(self) -> None:
-        """Wakes all streams periodically even without events: one timer for all of them."""
-        self._look = asyncio.get_running_loop().call_later(_LOOK, self._look_around)
-        self._ring()
+    def _wake_periodically(self, loop: asyncio.AbstractEventLoop) -> None:
+        """Wakes all streams even without events: one timer for all of them."""
+        loop.call_later(_LOOK, self._wake_periodically, loop)
+        self._wake()
 
     def _call(self) -> None:
         """Schedules waking all streams, once for a burst of events; callable from any thread."""
         loop = self._loop
-        if self._called or not self._sleepers or loop is None:
+        if self._called or loop is None:
             return
         self._called = True
         try:
@@ -345,17 +323,9 @@ class Streams:
 
     def _wake(self) -> None:
         self._called = False  # first, so that events from now on schedule another call
-        self._ring()
-
-    def _ring(self) -> None:
-        for awake in self._sleepers:
-            awake.set()
+        self._news.set()
+        self._news = asyncio.Event()
 
 
 def _streams_reset(gap: ResetInfo) -> bytes:
     return format_sse_event(data_str=gap.model_dump_json(), event="reset", id=gap.id, retry=_AGAIN)
-
-
-def _still_here(place: str) -> bytes:
-    """Returns a line that browsers skip, with the position, so that the client knows it even after a long pause."""
-    return format_sse_event(comment="still here", id=place)

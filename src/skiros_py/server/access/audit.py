@@ -6,7 +6,7 @@ import json
 import logging
 import threading
 from collections import deque
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from fastapi import Request
@@ -19,6 +19,7 @@ _log = logging.getLogger(__name__)
 
 _KEPT = 100_000
 """Number of entries kept."""
+_FORGET = "DELETE FROM audit WHERE number <= (SELECT max(number) FROM audit) - ?"
 _WAITING = 20_000
 """Limit of entries waiting to be written: if the disk hangs, the oldest entries are dropped and requests go on."""
 _BATCH = 1000
@@ -113,10 +114,7 @@ class AuditLog:
     def _write(self) -> None:
         with self._writing:
             while batch := [self._entries.popleft() for _ in range(min(_BATCH, len(self._entries)))]:
-                self._insert(batch)
-
-    def _insert(self, batch: Iterable[Mapping[str, Any]]) -> None:
-        rows = [(json.dumps(entry),) for entry in batch]
-        with self._database.transaction() as connection:
-            connection.executemany("INSERT INTO audit (data) VALUES (?)", rows)
-            connection.execute("DELETE FROM audit WHERE number <= (SELECT max(number) FROM audit) - ?", (_KEPT,))
+                rows = [(json.dumps(entry),) for entry in batch]
+                with self._database.transaction() as connection:
+                    connection.executemany("INSERT INTO audit (data) VALUES (?)", rows)
+                    connection.execute(_FORGET, (_KEPT,))

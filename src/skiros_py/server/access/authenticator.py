@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-import hashlib
 import re
 import secrets
 import time
 from collections import OrderedDict
-from http.cookies import CookieError, SimpleCookie
 
 from starlette.datastructures import Headers
+from starlette.requests import cookie_parser
 
+from skiros_py.api.server import is_loopback
 from skiros_py.errors import UsageError
-from skiros_py.server.access.keys import Key, KeyStore
+from skiros_py.server.access.keys import Key, KeyStore, digest
 from skiros_py.server.access.limits import Rates, network_of
 from skiros_py.server.access.roles import LOCAL, Caller, Role
 from skiros_py.server.problems import Problem
-from skiros_py.server.settings import ServerSettings, is_loopback
+from skiros_py.server.settings import ServerSettings
 
 _GUESSES = 10
 """Number of wrong keys accepted from one address per minute."""
@@ -151,14 +151,7 @@ def _shown(headers: Headers) -> str | None:
 
 
 def _cookie(headers: Headers) -> str | None:
-    given, name = headers.get("cookie", ""), cookie_name(headers.get("host", ""))
-    if name not in given:
-        return None
-    try:
-        morsel = SimpleCookie(given).get(name)
-    except CookieError:
-        return None
-    return morsel.value if morsel is not None else None
+    return cookie_parser(headers.get("cookie", "")).get(cookie_name(headers.get("host", "")))
 
 
 def _user(headers: Headers) -> str:
@@ -198,21 +191,17 @@ class Logins:
     def begin(self, key: str) -> str:
         """Logs in the owner of a key, and returns the text of the cookie."""
         text = secrets.token_urlsafe(32)
-        self._logins[_digest(text)] = (key, time.monotonic() + LIFETIME)
+        self._logins[digest(text)] = (key, time.monotonic() + LIFETIME)
         while len(self._logins) > _MOST:
             self._logins.popitem(last=False)
         return text
 
     def key(self, text: str) -> str | None:
         """Returns the id of the key to which a cookie belongs; None if the login has ended or never existed."""
-        key, until = self._logins.get(_digest(text), ("", 0.0))
+        # The lookup by digest takes the same time for every guess.
+        key, until = self._logins.get(digest(text), ("", 0.0))
         return key if time.monotonic() < until else None
 
     def end(self, text: str) -> None:
         """Logs out; may be called again."""
-        self._logins.pop(_digest(text), None)
-
-
-def _digest(text: str) -> bytes:
-    # The lookup by digest takes the same time for every guess.
-    return hashlib.sha256(text.encode("utf-8", "surrogatepass")).digest()
+        self._logins.pop(digest(text), None)

@@ -16,13 +16,14 @@ from starlette.requests import Request
 from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from skiros_py.api.server import is_address
 from skiros_py.server.access.keys import without_keys
-from skiros_py.server.access.limits import Load, Rates, network_of
+from skiros_py.server.access.limits import Rates, Slots, network_of
 from skiros_py.server.access.roles import Caller, Role
 from skiros_py.server.monitoring import request_id
 from skiros_py.server.pages import is_page
 from skiros_py.server.problems import Problem, problem_response
-from skiros_py.server.settings import ServerSettings, is_address
+from skiros_py.server.settings import ServerSettings
 
 if TYPE_CHECKING:
     from skiros_py.server.services import Services
@@ -263,6 +264,9 @@ OPEN = _HEALTH | {_LOGIN}
 _STOP = ("POST", f"{_API}/stop")
 """The request to stop: it always passes, regardless of the load; so do requests for the server's health."""
 _LONGEST_LOGIN = 4 << 10
+_LOGINS = 50
+_LOGINS_OF_ONE = 10
+"""Maximum number of concurrent logins, in total and from one network."""
 _PATIENCE = 30.0
 _PATIENCE_WITH_STRANGERS = 2.0
 """Maximum time until a body has arrived [s]."""
@@ -301,7 +305,8 @@ class Gate:
         self._rates = Rates(services.settings.rate, 1.0)
         self._refusals = Rates(_REFUSALS, 60.0)
         self._refusals_of_all = Rates(_REFUSALS_OF_ALL, 60.0)
-        self._load = Load(services.settings.requests)
+        self._requests = Slots("requests", services.settings.requests, services.settings.requests)
+        self._logins = Slots("logins", _LOGINS, _LOGINS_OF_ONE)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answers a request, or passes it on."""
@@ -319,6 +324,7 @@ class Gate:
         request_id.set(request.state.id)
         request.state.caller = _NOBODY
         answer = _Answer(send, request, self._origins.answer(headers), self._services)
+        begun = time.perf_counter()
         try:
             await self._pass(request, headers, receive, answer)
         except Problem as problem:
@@ -332,6 +338,9 @@ class Gate:
             await problem_response(request, _broken(request.state.id))(scope, receive, answer)
         finally:
             self._keep(request, answer.status)
+            if not answer.stream:  # a stream lasts as long as the client listens
+                seconds = time.perf_counter() - begun
+                self._services.metrics.took(request, answer.status or 500, seconds)
 
     async def _pass(self, request: Request, headers: Headers, receive: Receive, answer: _Answer) -> None:
         scope, what = request.scope, (request.method, request.scope["path"])
@@ -346,7 +355,7 @@ class Gate:
             await self._pages(scope, receive, answer)
             return
         if what == _LOGIN:
-            with self._load.stranger(_address(scope)):
+            with self._logins.take(network_of(_address(scope))):
                 body = await read_body(headers, receive, _LONGEST_LOGIN, _PATIENCE_WITH_STRANGERS)
                 await self._app(scope, replayed(body, receive), answer)
             return
@@ -356,7 +365,7 @@ class Gate:
             await self._app(scope, receive, answer)
             return
         self._check_rate(request.state.caller)
-        with self._load.known():
+        with self._requests.take(""):
             if request.method not in SAFE:
                 body = await read_body(headers, receive, self._services.settings.body, _PATIENCE)
                 receive = replayed(body, receive)
@@ -386,16 +395,16 @@ class _Answer:
     def __init__(self, send: Send, request: Request, more: dict[str, str], services: Services) -> None:
         self.status = 0
         self.revoked = False
+        self.stream = False
         self._send = send
         self._request = request
         self._more = more
         self._services = services
-        self._stream = False
 
     async def __call__(self, message: Message) -> None:
         if message["type"] == "http.response.start":
             self._begin(message)
-        elif self._stream and not self._services.authenticator.still(self._request.state.caller):
+        elif self.stream and not self._services.authenticator.still(self._request.state.caller):
             self.revoked = True
             await self._send({"type": "http.response.body", "body": b"", "more_body": False})
             raise ConnectionAbortedError("the reader's key was revoked")
@@ -411,7 +420,7 @@ class _Answer:
         for name, value in self._more.items():
             headers[name] = value
         message["headers"] = headers.raw
-        self._stream = headers.get("content-type", "").startswith("text/event-stream")
+        self.stream = headers.get("content-type", "").startswith("text/event-stream")
 
 
 def _request_id(headers: Headers) -> str:

@@ -154,7 +154,7 @@ class KeyStore:
             raise UsageError("a key expires at some time to come, before the year 9999")
         key_id = secrets.token_hex(4)
         text = f"sk_{key_id}_{secrets.token_urlsafe(32)}"
-        key = Key(key_id, name, role, text[-4:], time.time(), expires, None, None, _digest(text))
+        key = Key(key_id, name, role, text[-4:], time.time(), expires, None, None, digest(text))
         with self._writes.transaction() as connection:
             ((count,),) = connection.execute("SELECT count(*) FROM keys").fetchall()
             if count >= _MOST:
@@ -217,13 +217,13 @@ class KeyStore:
 
     def is_local(self, text: str) -> bool:
         """Returns whether the text is the local token of this start of the server."""
-        return hmac.compare_digest(_digest(text), _digest(self.local_token))
+        return hmac.compare_digest(digest(text), digest(self.local_token))
 
     def check(self, text: str) -> Key | None:
         """Returns the valid key with this text; None if there is none."""
         match = _TOKEN.fullmatch(text)
         key = self._now().get(match[1]) if match else None
-        if key is None or not hmac.compare_digest(key.digest, _digest(text)) or not key.valid:
+        if key is None or not hmac.compare_digest(key.digest, digest(text)) or not key.valid:
             return None
         self._uses[key.id] = time.time()
         return key
@@ -258,7 +258,8 @@ _END_OF_TIME = 253_402_300_800.0
 """The year 10000 [s since 1970]: later times cannot be represented as dates."""
 
 
-def _digest(text: str) -> bytes:
+def digest(text: str) -> bytes:
+    """Returns the digest by which a secret is stored."""
     # A fast hash is enough: the secret is 256 random bits, not a chosen password, so it cannot be guessed; a slow
     # hash would only let unauthenticated callers keep the server busy.
     return hashlib.sha256(text.encode("utf-8", "surrogatepass")).digest()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ipaddress
+import threading
 import time
 from collections import Counter, OrderedDict
 from collections.abc import Callable, Iterator
@@ -64,60 +65,44 @@ class Rates:
         return min(self._most, left + (self._clock() - since) * self._pace)
 
 
-_STRANGERS = 50
-"""Maximum number of concurrent logins."""
-_OF_ONE = 10
-"""Maximum number of these from one address."""
-
-
-class Load:
-    """Counts requests in progress; to be used in the thread of the event loop only.
+class Slots:
+    """Limits how many things are in progress, in total and for each caller; thread-safe.
 
     Args:
-        most: Maximum number of concurrent requests of authenticated callers.
+        what: The things, in the plural.
+        most: Maximum number in total.
+        each: Maximum number of one caller.
+        retry_after: When a refused caller may try again [s].
     """
 
-    def __init__(self, most: int) -> None:
+    def __init__(self, what: str, most: int, each: int, retry_after: float = 1.0) -> None:
+        self._what = what
         self._most = most
-        self._under_way = 0
-        self._strangers: Counter[str] = Counter()
+        self._each = each
+        self._retry_after = retry_after
+        self._taken: Counter[str] = Counter()
+        self._guard = threading.Lock()
+
+    @property
+    def taken(self) -> int:
+        """Number of things in progress."""
+        return self._taken.total()
 
     @contextmanager
-    def known(self) -> Iterator[None]:
-        """Counts a request of an authenticated caller for the duration of the block.
+    def take(self, who: str) -> Iterator[None]:
+        """Takes a slot for the duration of the block.
 
         Raises:
-            Problem: There are too many (503).
+            Problem: All slots are taken, or too many of them by this caller (503).
         """
-        if self._under_way >= self._most:
-            raise _busy("too many requests are under way")
-        self._under_way += 1
+        with self._guard:
+            if self.taken >= self._most or self._taken[who] >= self._each:
+                detail = f"too many {self._what} at a time: {self._most} in total, {self._each} of one caller"
+                raise Problem(503, "Busy", detail, headers={"Retry-After": f"{self._retry_after:.0f}"})
+            self._taken[who] += 1
         try:
             yield
         finally:
-            self._under_way -= 1
-
-    @contextmanager
-    def stranger(self, address: str) -> Iterator[None]:
-        """Counts a request of an unauthenticated caller for the duration of the block.
-
-        Args:
-            address: Address from which it comes.
-
-        Raises:
-            Problem: There are too many, in total or from this address (503).
-        """
-        who = network_of(address)
-        if self._strangers.total() >= _STRANGERS or self._strangers[who] >= _OF_ONE:
-            raise _busy("too many logins are under way")
-        self._strangers[who] += 1
-        try:
-            yield
-        finally:
-            self._strangers[who] -= 1
-            if not self._strangers[who]:
-                del self._strangers[who]
-
-
-def _busy(detail: str) -> Problem:
-    return Problem(503, "Busy", detail, headers={"Retry-After": "1"})
+            with self._guard:
+                self._taken[who] -= 1
+                self._taken += Counter()  # removes callers without slots

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import enum
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 from urllib.parse import quote
 from weakref import WeakKeyDictionary
 
 from fastapi import Depends, Request, Response
-from fastapi.dependencies.models import Dependant
+from fastapi.dependencies.utils import get_flat_params
+from fastapi.params import Query
 from fastapi.routing import APIRoute
 
 from skiros_py.errors import UnknownName
@@ -22,12 +23,7 @@ if TYPE_CHECKING:
     from skiros_py.station.station import Station
 
 
-class _Versioned(Protocol):
-    @property
-    def version(self) -> int: ...
-
-
-V = TypeVar("V", bound=_Versioned)
+V = TypeVar("V")
 
 
 def check_query(request: Request) -> None:
@@ -41,7 +37,8 @@ def check_query(request: Request) -> None:
     route: APIRoute = request.scope["route"]
     known = _KNOWN.get(route.endpoint)
     if known is None:
-        known = _KNOWN.setdefault(route.endpoint, frozenset(_names(route.dependant)))
+        queries = (field for field in get_flat_params(route.dependant) if isinstance(field.field_info, Query))
+        known = _KNOWN.setdefault(route.endpoint, frozenset(field.alias for field in queries))
     for name in request.query_params:
         if name not in known:
             raise Problem(422, "InvalidRequest", str(UnknownName("query parameter", name, known)))
@@ -49,12 +46,6 @@ def check_query(request: Request) -> None:
 
 _KNOWN: WeakKeyDictionary[Callable[..., Any], frozenset[str]] = WeakKeyDictionary()
 """The parameters of a route's function; determined at its first request."""
-
-
-def _names(dependant: Dependant) -> Iterator[str]:
-    yield from (field.alias for field in dependant.query_params)
-    for dependency in dependant.dependencies:
-        yield from _names(dependency)
 
 
 LOCAL = "local"
@@ -142,9 +133,14 @@ class Act:
         """Puts a version into the headers of the answer."""
         self.response.headers["ETag"] = etag(version)
 
-    def tagged(self, found: V) -> V:
-        """Returns a resource, with its version in the headers of the answer."""
-        self.tag(found.version)
+    def tagged(self, found: V, version: int | None = None) -> V:
+        """Returns a resource, with its version in the headers of the answer.
+
+        Args:
+            found: The resource.
+            version: Its version; that in its ``version`` if omitted.
+        """
+        self.tag(found.version if version is None else version)  # type: ignore[attr-defined]
         return found
 
     def locate(self, *parts: str) -> None:

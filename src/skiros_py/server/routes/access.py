@@ -6,12 +6,11 @@ from typing import Annotated, Literal, TypedDict
 
 from fastapi import APIRouter, Path, Query, Request, Response
 
-from skiros_py.api.server import ApiKey, AuditPage, KeyOrder, Login, Me, NewKey
+from skiros_py.api.server import ApiKey, AuditPage, KeyOrder, Login, Me, NewKey, is_loopback
 from skiros_py.server.access.authenticator import LIFETIME, cookie_name
 from skiros_py.server.access.keys import shown
 from skiros_py.server.access.openapi import operations
 from skiros_py.server.access.roles import Act, Admin, Anybody, Caller, Role, ViewerOrMes
-from skiros_py.server.settings import is_loopback
 from skiros_py.station.requests import addressed
 
 router = APIRouter(prefix="/audit", tags=["access"])

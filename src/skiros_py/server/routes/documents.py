@@ -61,7 +61,8 @@ def get_document(act: ViewerOrMes, kind: KindName, document: Id) -> DocumentInfo
 
     Returns a document, with what would not work in the present world. Most kinds run as the module `{kind}:{id}`.
     """
-    return _tagged(act, act.station.documents.get(kind, document))
+    found = act.station.documents.get(kind, document)
+    return act.tagged(found, found.revision)
 
 
 @router.get("/documents/{kind}/{id}/revisions")
@@ -145,9 +146,4 @@ def import_document(
 
 def _written(act: Act, document: DocumentInfo, *, new: bool) -> DocumentInfo:
     act.response.status_code = 201 if new else 200
-    return _tagged(act, document)
-
-
-def _tagged(act: Act, document: DocumentInfo) -> DocumentInfo:
-    act.tag(document.revision)
-    return document
+    return act.tagged(document, document.revision)

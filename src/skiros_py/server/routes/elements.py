@@ -6,17 +6,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query
 
-from skiros_py.api.world import (
-    EVERYTHING,
-    ChangePage,
-    ElementDetails,
-    ElementPage,
-    ElementPatch,
-    Name,
-    NewElement,
-    RelationPage,
-    Written,
-)
+from skiros_py.api import world as api
 from skiros_py.server.access.roles import Act, Operator, Viewer
 from skiros_py.server.problems import NEEDS_VERSION, SeenDep, tagged
 from skiros_py.server.routes.world import (
@@ -41,14 +31,14 @@ _WRITES = NEEDS_VERSION | tagged()
 @router.get("/elements")
 def list_elements(
     act: Viewer,
-    class_: Annotated[str, Query(alias="class", min_length=1, max_length=300)] = EVERYTHING,
+    class_: Annotated[str, Query(alias="class", min_length=1, max_length=300)] = api.EVERYTHING,
     label: Annotated[str | None, Query(max_length=1000)] = None,
     text: Annotated[str | None, Query(max_length=200)] = None,
     place: Annotated[str | None, Query(max_length=300)] = None,
     abstract: bool = False,
     limit: Limit = 100,
     cursor: Cursor = None,
-) -> ElementPage:
+) -> api.ElementPage:
     """List elements.
 
     Lists elements in the order of their ids; all conditions must be met.
@@ -69,8 +59,8 @@ def list_elements(
 def read_element(
     act: Viewer,
     element: ElementPath,
-    computed: Annotated[list[Name], Query(max_length=50)] = [],  # noqa: B006  FastAPI copies it
-) -> ElementDetails:
+    computed: Annotated[list[api.Name], Query(max_length=50)] = [],  # noqa: B006  FastAPI copies it
+) -> api.ElementDetails:
     """Get an element.
 
     Returns its values with their origin, its relations in both directions, and its pose.
@@ -90,7 +80,7 @@ def list_relations(
     relation: Annotated[str | None, Query(max_length=300)] = None,
     limit: Limit = 100,
     cursor: Cursor = None,
-) -> RelationPage:
+) -> api.RelationPage:
     """List the relations of an element.
 
     Lists the relations of an element, in both directions, sorted.
@@ -104,7 +94,7 @@ def list_relations(
 @router.get("/elements/{element}/history")
 def read_element_history(
     act: Viewer, element: ElementPath, newest_first: bool = True, limit: ChangeLimit = 100, cursor: Cursor = None
-) -> ChangePage:
+) -> api.ChangePage:
     """Get the history of an element.
 
     Lists the changes of an element, which may have been removed since, with their authors and reasons.
@@ -120,7 +110,7 @@ def read_element_history(
 
 
 @router.post("/elements", status_code=201, responses=tagged(201))
-def add_element(act: Operator, new: NewElement) -> ElementDetails:
+def add_element(act: Operator, new: api.NewElement) -> api.ElementDetails:
     """Add an element.
 
     Adds an element with its values, its placement and its relations, as one change.
@@ -133,7 +123,7 @@ def add_element(act: Operator, new: NewElement) -> ElementDetails:
 
 
 @router.patch("/elements/{element}", responses=_WRITES)
-def change_element(act: Operator, element: ElementPath, patch: ElementPatch, seen: SeenDep) -> ElementDetails:
+def change_element(act: Operator, element: ElementPath, patch: api.ElementPatch, seen: SeenDep) -> api.ElementDetails:
     """Change an element.
 
     Changes label, values and placement of an element as one change; `If-Match` names the version that was seen.
@@ -142,7 +132,7 @@ def change_element(act: Operator, element: ElementPath, patch: ElementPatch, see
 
 
 @router.delete("/elements/{element}", responses=NEEDS_VERSION)
-def remove_element(act: Operator, element: ElementPath, seen: SeenDep, reason: WhyQuery = "") -> Written:
+def remove_element(act: Operator, element: ElementPath, seen: SeenDep, reason: WhyQuery = "") -> api.Written:
     """Remove an element.
 
     Removes an element with its parts; things placed there move to where the element was.
@@ -153,7 +143,7 @@ def remove_element(act: Operator, element: ElementPath, seen: SeenDep, reason: W
 @router.put("/elements/{element}/relations/{relation}/{other}", responses=_WRITES)
 def state_relation(
     act: Operator, element: ElementPath, relation: NamePath, other: ElementPath, seen: SeenDep, reason: WhyQuery = ""
-) -> Written:
+) -> api.Written:
     """State a relation.
 
     States that the first element has the relation to the second; a placement moves its element.
@@ -166,7 +156,7 @@ def state_relation(
 @router.delete("/elements/{element}/relations/{relation}/{other}", responses=_WRITES)
 def take_back_relation(
     act: Operator, element: ElementPath, relation: NamePath, other: ElementPath, seen: SeenDep, reason: WhyQuery = ""
-) -> Written:
+) -> api.Written:
     """Remove a relation.
 
     Removes a stated relation; placements cannot be removed, since every element has a place.

@@ -6,15 +6,9 @@ from typing import Annotated
 
 from fastapi import APIRouter, Path, Query
 
-from skiros_py.api.goals import (
-    CheckedGoal,
-    ConditionWords,
-    GoalOrder,
-    GoalTexts,
-    SceneGoals,
-)
+from skiros_py.api import goals as api
 from skiros_py.api.previews import AppliedRepair, Preview, PreviewPage
-from skiros_py.server.access.roles import Act, Operator, OperatorOrMes, ViewerOrMes
+from skiros_py.server.access.roles import Operator, OperatorOrMes, ViewerOrMes
 from skiros_py.server.problems import NEEDS_VERSION, SeenDep, tagged
 from skiros_py.station.jobs.goals import goals_version
 
@@ -22,7 +16,7 @@ router = APIRouter(tags=["goals"])
 
 
 @router.post("/goals/check")
-def check_goal(act: ViewerOrMes, order: GoalOrder) -> CheckedGoal:
+def check_goal(act: ViewerOrMes, order: api.GoalOrder) -> api.CheckedGoal:
     """Check a goal.
 
     Returns how a goal is understood, whether each condition holds now, and why not; nothing is ordered.
@@ -31,29 +25,30 @@ def check_goal(act: ViewerOrMes, order: GoalOrder) -> CheckedGoal:
 
 
 @router.get("/goals", responses=tagged())
-def get_goals(act: ViewerOrMes) -> SceneGoals:
+def get_goals(act: ViewerOrMes) -> api.SceneGoals:
     """Get the goals of the scene.
 
     Returns the goals stored with the scene; they are pursued only if they are ordered as a job.
     """
-    return _tagged(act, act.station.goals.get())
+    goals = act.station.goals.get()
+    return act.tagged(goals, goals_version(goals.goals))
 
 
 @router.put("/goals", responses=NEEDS_VERSION | tagged())
-def put_goals(act: Operator, body: GoalTexts, seen: SeenDep) -> SceneGoals:
+def put_goals(act: Operator, body: api.GoalTexts, seen: SeenDep) -> api.SceneGoals:
     """Replace the goals of the scene.
 
     Replaces the goals stored with the scene; `If-Match` names the version that was seen.
     """
     goals = act.station.goals.put(body, seen, act.author)
-    return _tagged(act, goals)
+    return act.tagged(goals, goals_version(goals.goals))
 
 
 @router.get("/goals/conditions")
 def list_goal_conditions(
     act: ViewerOrMes,
     every: Annotated[bool, Query(alias="all")] = False,
-) -> ConditionWords:
+) -> api.ConditionWords:
     """List the conditions of goals.
 
     Lists the conditions that the present robots can achieve, with the classes of their arguments.
@@ -64,11 +59,6 @@ def list_goal_conditions(
     return act.station.goals.words(every=every)
 
 
-def _tagged(act: Act, goals: SceneGoals) -> SceneGoals:
-    act.tag(goals_version(goals.goals))
-    return goals
-
-
 previews_router = APIRouter(tags=["previews"])
 
 PreviewId = Annotated[
@@ -77,7 +67,7 @@ PreviewId = Annotated[
 
 
 @previews_router.post("/previews", status_code=202)
-def ask_preview(act: OperatorOrMes, order: GoalOrder) -> Preview:
+def ask_preview(act: OperatorOrMes, order: api.GoalOrder) -> Preview:
     """Plan without executing.
 
     Plans for a goal from the current beliefs; nothing is executed. At most two previews are planned at a time.

@@ -8,7 +8,7 @@ from fastapi import APIRouter, Response
 from prometheus_client import CONTENT_TYPE_LATEST, generate_latest
 
 from skiros_py.api.server import Health, Readiness
-from skiros_py.server.access.roles import Act, Anybody, Viewer
+from skiros_py.server.access.roles import Anybody, Viewer
 from skiros_py.server.problems import PROBLEMS
 from skiros_py.station.station import Station
 
@@ -22,12 +22,13 @@ async def get_health(act: Anybody) -> Health:
 
     Responds with 200 while the control cycle runs or the station is being opened, else with 503. Needs no key.
     """
-    control = act.station.control
+    control, why = act.station.control, ""
     if control.fault is not None:
-        return _unhealthy(act, "the station is not running: see the alarms")
-    if control.stuck_for() > _LONGEST_CYCLE:
-        return _unhealthy(act, "the control cycle does not run")
-    return Health(alive=True)
+        why = "the station is not running: see the alarms"
+    elif control.stuck_for() > _LONGEST_CYCLE:
+        why = "the control cycle does not run"
+    act.response.status_code = 503 if why else 200
+    return Health(alive=not why, why=why)
 
 
 _LONGEST_CYCLE = 5.0
@@ -38,11 +39,6 @@ _LEAST_ROOM = 10 << 20
 """Room on the disk below which nothing is promised any more [bytes]."""
 
 
-def _unhealthy(act: Act, why: str) -> Health:
-    act.response.status_code = 503
-    return Health(alive=False, why=why)
-
-
 @router.head("/readyz", include_in_schema=False)
 @router.get("/readyz", responses={503: {"model": Readiness}})
 async def get_readiness(act: Anybody) -> Readiness:
@@ -51,10 +47,8 @@ async def get_readiness(act: Anybody) -> Readiness:
     Responds with 200 while the station runs, halted or not, and orders can be stored, else with 503. Needs no key.
     """
     why = _not_ready(act.station)
-    if why:
-        act.response.status_code = 503
-        return Readiness(ready=False, why=why)
-    return Readiness(ready=True, halted=bool(act.station.session.cycle.halted))
+    act.response.status_code = 503 if why else 200
+    return Readiness(ready=not why, halted=not why and bool(act.station.session.cycle.halted), why=why)
 
 
 # Both are asynchronous: a health check must not wait for a place in the thread pool.

@@ -11,17 +11,7 @@ from typing import Annotated
 from fastapi import APIRouter, Header, Query, Response
 from fastapi.responses import FileResponse
 
-from skiros_py.api.jobs import (
-    JobCapabilities,
-    JobExplanation,
-    JobPlan,
-    JobReport,
-    JobResponse,
-    JobResponses,
-    JobTrace,
-    JobTransitions,
-    StateName,
-)
+from skiros_py.api import jobs as api
 from skiros_py.api.view import Replay
 from skiros_py.api.wire import WantedMoment
 from skiros_py.server.access.roles import Viewer, ViewerOrMes
@@ -35,7 +25,7 @@ _Time = partial(Query, ge=0.0, allow_inf_nan=False)
 
 
 @router.get("/jobs/{id}/response")
-def get_job_response(act: ViewerOrMes, job: JobId) -> JobResponse:
+def get_job_response(act: ViewerOrMes, job: JobId) -> api.JobResponse:
     """Get the result of a job (ISA-95 job response).
 
     Returns what was done with which material, by which skills, in which states, and why not if it was not done.
@@ -44,7 +34,7 @@ def get_job_response(act: ViewerOrMes, job: JobId) -> JobResponse:
 
 
 @router.get("/jobs/{id}/plan")
-def get_job_plan(act: ViewerOrMes, job: JobId) -> JobPlan:
+def get_job_plan(act: ViewerOrMes, job: JobId) -> api.JobPlan:
     """Get the plan of a job.
 
     Returns the steps of the last plan, with what each waits for; empty if there is none (yet).
@@ -58,7 +48,7 @@ def get_job_trace(
     job: JobId,
     limit: Annotated[int, Query(ge=1, le=1000)] = 100,
     cursor: Annotated[str, Query(pattern=r"^\d{1,15}$")] = "0",
-) -> JobTrace:
+) -> api.JobTrace:
     """Get the trace of a job.
 
     Lists what happened, as text and as data; for a running job, the last second may be missing.
@@ -67,7 +57,7 @@ def get_job_trace(
 
 
 @router.get("/jobs/{id}/report")
-def get_job_report(act: ViewerOrMes, job: JobId) -> JobReport:
+def get_job_report(act: ViewerOrMes, job: JobId) -> api.JobReport:
     """Get the report of a job.
 
     Returns the outcome of each condition and of each step, as `skiros run` does.
@@ -76,7 +66,7 @@ def get_job_report(act: ViewerOrMes, job: JobId) -> JobReport:
 
 
 @router.get("/jobs/{id}/transitions")
-def get_job_transitions(act: ViewerOrMes, job: JobId) -> JobTransitions:
+def get_job_transitions(act: ViewerOrMes, job: JobId) -> api.JobTransitions:
     """List the state changes of a job.
 
     Lists the states that a job went through: when, who requested it, and why.
@@ -85,7 +75,7 @@ def get_job_transitions(act: ViewerOrMes, job: JobId) -> JobTransitions:
 
 
 @router.get("/jobs/{id}/explanation")
-def get_job_explanation(act: ViewerOrMes, job: JobId) -> JobExplanation:
+def get_job_explanation(act: ViewerOrMes, job: JobId) -> api.JobExplanation:
     """Explain why there is no plan.
 
     Returns why there is no plan for a job, and what would help; empty if there is one, or planning has not started.
@@ -141,7 +131,7 @@ def get_job_recording(act: Viewer, job: JobId) -> FileResponse:
 
 
 @router.get("/capabilities")
-def get_capabilities(act: ViewerOrMes) -> JobCapabilities:
+def get_capabilities(act: ViewerOrMes) -> api.JobCapabilities:
     """List what can be ordered.
 
     Lists what an order may name: goal templates, material classes, robots; and the maximum number of orders.
@@ -152,12 +142,12 @@ def get_capabilities(act: ViewerOrMes) -> JobCapabilities:
 @router.get("/job-responses")
 def list_job_responses(
     act: ViewerOrMes,
-    state: Annotated[list[StateName] | None, Query(max_length=6)] = None,
+    state: Annotated[list[api.StateName] | None, Query(max_length=6)] = None,
     since: WantedMoment | None = None,
     limit: Annotated[int, Query(ge=1, le=100)] = 100,
     cursor: CursorQuery = None,
     newest_first: NewestFirstQuery = False,
-) -> JobResponses:
+) -> api.JobResponses:
     """List the results of jobs (ISA-95 job responses).
 
     Lists the job responses of all jobs that were not removed, in the order in which they were ordered.

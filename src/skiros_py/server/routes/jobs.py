@@ -8,10 +8,10 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Header, Query
 
 from skiros_py.api.jobs import AcceptedJob, Job, JobOrder, JobPage, StateName
-from skiros_py.api.wire import ProblemDetails, WantedMoment
+from skiros_py.api.wire import WantedMoment
 from skiros_py.server.access.audit import note
 from skiros_py.server.access.roles import Act, OperatorOrMes, ViewerOrMes
-from skiros_py.server.problems import Problem, SeenDep, tagged
+from skiros_py.server.problems import Problem, SeenDep, also_refused, tagged
 from skiros_py.server.routes import job_commands, job_results
 from skiros_py.server.routes.job_commands import (
     CursorQuery,
@@ -31,9 +31,7 @@ _TAKEN: dict[int | str, dict[str, Any]] = {
     200: {"model": AcceptedJob, "description": "The job existed already, or is over (Prefer: wait)."}
 }
 
-_REMOVED: dict[int | str, dict[str, Any]] = {
-    410: {"model": ProblemDetails, "description": "The job of this order was removed (`last`)."}
-}
+_REMOVED = also_refused(410, "The job of this order was removed (`last`).")
 
 StartQuery = Annotated[bool, Query(description="False to hold the job until it is allowed to start.")]
 AgainQuery = Annotated[bool, Query(description="Accept the order although a job with this id was removed.")]

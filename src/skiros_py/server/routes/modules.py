@@ -6,20 +6,7 @@ from typing import Annotated, Literal
 
 from fastapi import APIRouter, Path, Query
 
-from skiros_py.api.modules import (
-    ManagerInfo,
-    ModuleDetails,
-    ModuleRunInfo,
-    ModuleRuns,
-    ModuleSummary,
-    PanelInfo,
-    PanelRequest,
-    PluginFaultInfo,
-    Plugins,
-    RunModule,
-    SetBreakpoints,
-    SkillInfo,
-)
+from skiros_py.api import modules as api
 from skiros_py.server.access.roles import Engineer, Viewer
 
 router = APIRouter(tags=["modules"])
@@ -30,7 +17,7 @@ Command = Literal["pause", "resume", "step", "stop"]
 
 
 @router.get("/managers")
-def list_managers(act: Viewer) -> list[ManagerInfo]:
+def list_managers(act: Viewer) -> list[api.ManagerInfo]:
     """List the skill managers.
 
     Lists the subsystems that can execute modules, what each is executing, and why it is lost, if it is.
@@ -39,7 +26,7 @@ def list_managers(act: Viewer) -> list[ManagerInfo]:
 
 
 @router.put("/managers/{agent}")
-def open_manager(act: Engineer, agent: Id) -> ManagerInfo:
+def open_manager(act: Engineer, agent: Id) -> api.ManagerInfo:
     """Open a skill manager.
 
     Opens the skill manager of a subsystem, for example one that was closed or lost: its skills become available again.
@@ -66,7 +53,7 @@ def close_manager(
 
 
 @router.get("/modules")
-def list_modules(act: Viewer) -> list[ModuleSummary]:
+def list_modules(act: Viewer) -> list[api.ModuleSummary]:
     """List all modules.
 
     Lists every skill and primitive once, with the subsystems that can run it.
@@ -75,7 +62,7 @@ def list_modules(act: Viewer) -> list[ModuleSummary]:
 
 
 @router.get("/modules/{agent}/{module}")
-def get_module(act: Viewer, agent: Id, module: Id) -> ModuleDetails:
+def get_module(act: Viewer, agent: Id, module: Id) -> api.ModuleDetails:
     """Describe a module.
 
     Returns its parameters with their JSON schemas, its conditions and its implementations; parameters for planning are
@@ -85,7 +72,7 @@ def get_module(act: Viewer, agent: Id, module: Id) -> ModuleDetails:
 
 
 @router.post("/modules/{agent}/{module}/panel")
-def show_panel(act: Engineer, agent: Id, module: Id, request: PanelRequest) -> PanelInfo:
+def show_panel(act: Engineer, agent: Id, module: Id, request: api.PanelRequest) -> api.PanelInfo:
     """Check a module before it runs.
 
     Returns the arguments with which a module would run now, which of its conditions hold, and why the others do not;
@@ -95,7 +82,7 @@ def show_panel(act: Engineer, agent: Id, module: Id, request: PanelRequest) -> P
 
 
 @router.post("/modules/{agent}/{module}/runs", status_code=202)
-def run_module(act: Engineer, agent: Id, module: Id, request: RunModule) -> ModuleRunInfo:
+def run_module(act: Engineer, agent: Id, module: Id, request: api.RunModule) -> api.ModuleRunInfo:
     """Run a single module.
 
     Starts a skill or primitive, as many times in a row as requested, and returns immediately.
@@ -128,7 +115,7 @@ def list_module_runs(
     act: Viewer,
     active: bool | None = None,
     limit: Annotated[int, Query(ge=1, le=1000)] = 100,
-) -> ModuleRuns:
+) -> api.ModuleRuns:
     """List runs of modules.
 
     Lists the runs started through the API, newest first; the last 200 ended runs are kept.
@@ -140,7 +127,7 @@ def list_module_runs(
 
 
 @router.get("/module-runs/{id}")
-def get_module_run(act: Viewer, run: RunId) -> ModuleRunInfo:
+def get_module_run(act: Viewer, run: RunId) -> api.ModuleRunInfo:
     """Get a run.
 
     Returns its progress, inferred arguments, reports, changes of the world, and outcome.
@@ -149,7 +136,7 @@ def get_module_run(act: Viewer, run: RunId) -> ModuleRunInfo:
 
 
 @router.put("/module-runs/{id}/breakpoints")
-def set_breakpoints(act: Engineer, run: RunId, request: SetBreakpoints) -> ModuleRunInfo:
+def set_breakpoints(act: Engineer, run: RunId, request: api.SetBreakpoints) -> api.ModuleRunInfo:
     """Set breakpoints.
 
     Pauses a run before these nodes and no others; the command `resume` continues it.
@@ -158,7 +145,7 @@ def set_breakpoints(act: Engineer, run: RunId, request: SetBreakpoints) -> Modul
 
 
 @router.post("/module-runs/{id}/{command}")
-def command_module_run(act: Engineer, run: RunId, command: Command) -> ModuleRunInfo:
+def command_module_run(act: Engineer, run: RunId, command: Command) -> api.ModuleRunInfo:
     """Command a run.
 
     Pauses or resumes a run, executes one cycle of a paused run, or stops it immediately.
@@ -167,7 +154,7 @@ def command_module_run(act: Engineer, run: RunId, command: Command) -> ModuleRun
 
 
 @router.get("/skills")
-def list_skills(act: Viewer) -> list[SkillInfo]:
+def list_skills(act: Viewer) -> list[api.SkillInfo]:
     """List the skills.
 
     Lists the available skills as people and planners see them: parameters, conditions, effects.
@@ -176,7 +163,7 @@ def list_skills(act: Viewer) -> list[SkillInfo]:
 
 
 @router.get("/skills/{name}")
-def get_skill(act: Viewer, name: Id) -> SkillInfo:
+def get_skill(act: Viewer, name: Id) -> api.SkillInfo:
     """Describe a skill.
 
     Returns a skill without its implementations.
@@ -188,7 +175,7 @@ plugins_router = APIRouter(tags=["plugins"])
 
 
 @plugins_router.get("/plugins")
-def list_plugins(act: Engineer) -> Plugins:
+def list_plugins(act: Engineer) -> api.Plugins:
     """List the plug-ins.
 
     Lists every installed entry point, its distribution, and whether it works; determined when the server started.
@@ -197,7 +184,7 @@ def list_plugins(act: Engineer) -> Plugins:
 
 
 @plugins_router.get("/plugins/faults")
-def list_plugin_faults(act: Engineer) -> list[PluginFaultInfo]:
+def list_plugin_faults(act: Engineer) -> list[api.PluginFaultInfo]:
     """List broken plug-ins.
 
     Lists the plug-ins that do not load or do not fit the present scene, with the traceback for their authors.

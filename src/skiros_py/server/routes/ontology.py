@@ -6,13 +6,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query
 
-from skiros_py.api.ontology import (
-    ClassDetails,
-    ClassNode,
-    PlacementOptions,
-    PropertyPage,
-    RelationInfoPage,
-)
+from skiros_py.api import ontology as api
 from skiros_py.api.world import EVERYTHING
 from skiros_py.server.access.roles import Viewer
 from skiros_py.server.routes.world import Cursor, Limit, NamePath
@@ -25,7 +19,7 @@ def read_classes(
     act: Viewer,
     root: Annotated[str, Query(min_length=1, max_length=300, examples=["sk:Manipulatable"])] = EVERYTHING,
     depth: Annotated[int, Query(ge=0, le=50)] = 50,
-) -> ClassNode:
+) -> api.ClassNode:
     """Read the classes as a tree.
 
     Returns the classes of elements; a class with several parents is listed below its primary one.
@@ -38,7 +32,7 @@ def read_classes(
 
 
 @router.get("/classes/{name}")
-def read_class(act: Viewer, name: NamePath) -> ClassDetails:
+def read_class(act: Viewer, name: NamePath) -> api.ClassDetails:
     """Read a class.
 
     Returns the meaning of a class, the properties and relations of its elements, and how many there are.
@@ -47,7 +41,7 @@ def read_class(act: Viewer, name: NamePath) -> ClassDetails:
 
 
 @router.get("/relations")
-def list_ontology_relations(act: Viewer, limit: Limit = 1000, cursor: Cursor = None) -> RelationInfoPage:
+def list_ontology_relations(act: Viewer, limit: Limit = 1000, cursor: Cursor = None) -> api.RelationInfoPage:
     """List relations.
 
     Lists relations by name, with the classes permitted at their ends.
@@ -56,7 +50,7 @@ def list_ontology_relations(act: Viewer, limit: Limit = 1000, cursor: Cursor = N
 
 
 @router.get("/properties")
-def list_ontology_properties(act: Viewer, limit: Limit = 1000, cursor: Cursor = None) -> PropertyPage:
+def list_ontology_properties(act: Viewer, limit: Limit = 1000, cursor: Cursor = None) -> api.PropertyPage:
     """List properties.
 
     Lists properties by name, with data type and unit.
@@ -72,7 +66,7 @@ def read_placements(
     relation: Annotated[str | None, Query(min_length=1, max_length=300)] = None,
     limit: Annotated[int, Query(ge=1, le=200)] = 50,
     cursor: Cursor = None,
-) -> PlacementOptions:
+) -> api.PlacementOptions:
     """List possible placements.
 
     Returns the relations by which an element may be placed, and whether each existing place accepts it now.

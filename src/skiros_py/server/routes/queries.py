@@ -7,8 +7,7 @@ from fastapi.responses import JSONResponse
 
 from skiros_py.api.queries import Query, QueryAnswer
 from skiros_py.server.access.roles import Engineer
-from skiros_py.server.problems import Problem
-from skiros_py.server.routes.world import also_refused
+from skiros_py.server.problems import Problem, also_refused
 from skiros_py.station.world.service import Answer
 
 router = APIRouter(tags=["queries"])

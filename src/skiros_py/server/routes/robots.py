@@ -7,19 +7,8 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Path, Query, Response
 
+from skiros_py.api import robots as api
 from skiros_py.api.modules import ModuleRunInfo
-from skiros_py.api.robots import (
-    CellSignal,
-    DeviceInfo,
-    DeviceMotion,
-    DeviceReading,
-    Look,
-    ManualRun,
-    RobotInfo,
-    RobotReading,
-    SetSignal,
-    SignalReadings,
-)
 from skiros_py.errors import Busy
 from skiros_py.server.access.roles import Engineer, Operator, Viewer
 
@@ -31,7 +20,7 @@ RobotId = Annotated[str, Path(alias="id", max_length=200)]
 
 
 @router.get("/robots")
-def list_robots(act: Viewer) -> list[RobotInfo]:
+def list_robots(act: Viewer) -> list[api.RobotInfo]:
     """List the robots.
 
     The devices of each robot, of any kind, with their joints and frames.
@@ -40,7 +29,7 @@ def list_robots(act: Viewer) -> list[RobotInfo]:
 
 
 @router.get("/robots/{id}")
-def get_robot(act: Viewer, robot: RobotId) -> RobotInfo:
+def get_robot(act: Viewer, robot: RobotId) -> api.RobotInfo:
     """Describe a robot.
 
     One robot with its devices.
@@ -49,7 +38,7 @@ def get_robot(act: Viewer, robot: RobotId) -> RobotInfo:
 
 
 @router.get("/robots/{id}/state")
-def get_robot_state(act: Viewer, robot: RobotId) -> RobotReading:
+def get_robot_state(act: Viewer, robot: RobotId) -> api.RobotReading:
     """See where a robot is.
 
     The states of its devices in one cycle, and their frames in the map, as localised.
@@ -92,7 +81,7 @@ def get_robot_mesh(act: Viewer, robot: RobotId, name: _MeshName) -> Response:
 
 
 @router.get("/devices")
-def list_devices(act: Viewer) -> list[DeviceInfo]:
+def list_devices(act: Viewer) -> list[api.DeviceInfo]:
     """List the devices.
 
     All devices of the cell, of robots and by themselves, with the values that each offers.
@@ -101,7 +90,7 @@ def list_devices(act: Viewer) -> list[DeviceInfo]:
 
 
 @router.get("/devices/{id}")
-def get_device(act: Viewer, device: DeviceId) -> DeviceInfo:
+def get_device(act: Viewer, device: DeviceId) -> api.DeviceInfo:
     """Describe a device.
 
     One device.
@@ -110,7 +99,7 @@ def get_device(act: Viewer, device: DeviceId) -> DeviceInfo:
 
 
 @router.get("/devices/{id}/state")
-def get_device_state(act: Viewer, device: DeviceId) -> DeviceReading:
+def get_device_state(act: Viewer, device: DeviceId) -> api.DeviceReading:
     """Read a device.
 
     What a device says now, and the values that it offers.
@@ -119,7 +108,7 @@ def get_device_state(act: Viewer, device: DeviceId) -> DeviceReading:
 
 
 @router.get("/devices/{id}/motion")
-def get_device_motion(act: Viewer, device: DeviceId) -> DeviceMotion:
+def get_device_motion(act: Viewer, device: DeviceId) -> api.DeviceMotion:
     """See where a device is about to go.
 
     The planned motion of a base, an arm or another device, until it stands at the end, or the module that planned it
@@ -131,7 +120,7 @@ def get_device_motion(act: Viewer, device: DeviceId) -> DeviceMotion:
 
 
 @router.get("/devices/{id}/look")
-def get_device_look(act: Viewer, device: DeviceId) -> Look:
+def get_device_look(act: Viewer, device: DeviceId) -> api.Look:
     """See what a camera saw last.
 
     The last picture in which a module looked for something: as points in the map, with what was recognised.
@@ -142,7 +131,7 @@ def get_device_look(act: Viewer, device: DeviceId) -> Look:
 
 
 @router.post("/devices/{id}/open")
-def open_device(act: Engineer, device: DeviceId) -> DeviceInfo:
+def open_device(act: Engineer, device: DeviceId) -> api.DeviceInfo:
     """Open a device.
 
     Connects the driver of a device, so that modules may use it again.
@@ -151,7 +140,7 @@ def open_device(act: Engineer, device: DeviceId) -> DeviceInfo:
 
 
 @router.post("/devices/{id}/close")
-def close_device(act: Engineer, device: DeviceId) -> DeviceInfo:
+def close_device(act: Engineer, device: DeviceId) -> api.DeviceInfo:
     """Close a device.
 
     Keeps modules from using a device; refused (409) while one does, or while it moves.
@@ -162,7 +151,7 @@ def close_device(act: Engineer, device: DeviceId) -> DeviceInfo:
 
 
 @router.post("/devices/{id}/jog", status_code=202)
-def jog_device(act: Engineer, device: DeviceId, request: ManualRun) -> ModuleRunInfo:
+def jog_device(act: Engineer, device: DeviceId, request: api.ManualRun) -> ModuleRunInfo:
     """Jog a device.
 
     Moves a device by a small step, or home, with a module that its kind names; follow the run that is answered.
@@ -175,7 +164,7 @@ def jog_device(act: Engineer, device: DeviceId, request: ManualRun) -> ModuleRun
 
 
 @router.post("/devices/{id}/teach", status_code=202)
-def teach_device(act: Engineer, device: DeviceId, request: ManualRun) -> ModuleRunInfo:
+def teach_device(act: Engineer, device: DeviceId, request: api.ManualRun) -> ModuleRunInfo:
     """Teach with a device.
 
     Learns from the present state of a device: a grasp, a driving pose, whatever its kind names modules for.
@@ -186,7 +175,7 @@ def teach_device(act: Engineer, device: DeviceId, request: ManualRun) -> ModuleR
 
 
 @router.get("/signals")
-def list_signals(act: Viewer) -> list[CellSignal]:
+def list_signals(act: Viewer) -> list[api.CellSignal]:
     """List the signals.
 
     All signals of the cell: those of devices, computed ones, and inputs that can be set.
@@ -198,7 +187,7 @@ def list_signals(act: Viewer) -> list[CellSignal]:
 def read_signals(
     act: Viewer,
     name: Annotated[list[str], Query(min_length=1, max_length=200, description="Names of the signals.")],
-) -> SignalReadings:
+) -> api.SignalReadings:
     """Read signals.
 
     The values of some signals in one control cycle; where one has no value, why.
@@ -207,7 +196,7 @@ def read_signals(
 
 
 @router.put("/signals/{name}/value", status_code=204)
-def set_signal(act: Operator, name: Id, request: SetSignal) -> None:
+def set_signal(act: Operator, name: Id, request: api.SetSignal) -> None:
     """Set a signal.
 
     Sets an input of the cell; the value counts from the next control cycle on.

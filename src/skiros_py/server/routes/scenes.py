@@ -2,27 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Path, Query, Request, Response
 from fastapi.exceptions import RequestValidationError
 from pydantic import ValidationError
 
-from skiros_py.api.scenes import (
-    Bodies,
-    BodyPose,
-    LoadScene,
-    NewPace,
-    Pace,
-    PresentScene,
-    SaveScene,
-    Scene,
-    SceneDifference,
-    SceneEntry,
-    Scenes,
-    SimulationState,
-)
+from skiros_py.api import scenes as api
 from skiros_py.server.access.roles import Engineer, Operator, Viewer
 from skiros_py.server.problems import NEEDS_VERSION, Problem, SeenDep, etag, tagged
 
@@ -41,7 +27,7 @@ Cursor = Annotated[str | None, Query(max_length=100)]
 
 
 @router.get("/scenes")
-def list_scenes(act: Viewer, limit: Limit = 100, cursor: Cursor = None) -> Scenes:
+def list_scenes(act: Viewer, limit: Limit = 100, cursor: Cursor = None) -> api.Scenes:
     """List scenes.
 
     Lists the scenes installed with packages and those saved here, by name.
@@ -50,28 +36,24 @@ def list_scenes(act: Viewer, limit: Limit = 100, cursor: Cursor = None) -> Scene
 
 
 @router.post("/scenes", status_code=201, responses=NEEDS_VERSION | tagged(201))
-def save_scene(act: Operator, wanted: SaveScene, seen: SeenDep) -> SceneEntry:
+def save_scene(act: Operator, wanted: api.SaveScene, seen: SeenDep) -> api.SceneEntry:
     """Save the present scene.
 
     Saves the current beliefs as a scene, atomically: all elements and the goals.
 
     To replace a saved scene of that name, `If-Match` names the version that was seen.
     """
-    entry, version = act.station.scenes.save(wanted.name, seen)
     act.locate("scenes", wanted.name)
-    act.tag(version)
-    return entry
+    return act.tagged(*act.station.scenes.save(wanted.name, seen))
 
 
 @router.get("/scenes/{name}", responses=tagged())
-def get_scene_file(act: Viewer, name: SceneName) -> Scene:
+def get_scene_file(act: Viewer, name: SceneName) -> api.Scene:
     """Get a scene.
 
     Describes a scene without loading it.
     """
-    scene = act.station.scenes.get(name)
-    act.tag(scene.version)
-    return scene
+    return act.tagged(act.station.scenes.get(name))
 
 
 @router.delete("/scenes/{name}", status_code=204)
@@ -87,7 +69,7 @@ def delete_scene(act: Operator, name: SceneName, seen: SeenDep) -> None:
 
 
 @router.get("/scene", responses=tagged())
-def get_scene(act: Viewer) -> PresentScene:
+def get_scene(act: Viewer) -> api.PresentScene:
     """Get the present scene.
 
     Returns which scene was loaded last, what it contains now, and whether it was changed since.
@@ -95,19 +77,12 @@ def get_scene(act: Viewer) -> PresentScene:
     return act.tagged(act.station.scenes.present())
 
 
-@dataclass(frozen=True, slots=True)
-class _Wish:
-    """Which scene shall be loaded: one by its name, or one that was sent."""
-
-    name: str = ""
-    turtle: bytes = b""
-
-
-async def _wish(request: Request) -> _Wish:
+async def _wanted(request: Request) -> tuple[str, bytes]:
+    """Returns the name of the scene to be loaded, or its text: one of the two is empty."""
     body = await request.body()
     kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
     if kind == TURTLE:
-        return _Wish(turtle=body)
+        return "", body
     if kind != "application/json":
         raise Problem(
             415,
@@ -115,7 +90,7 @@ async def _wish(request: Request) -> _Wish:
             f'send a name as application/json, {{"name": "kitting"}}, or a scene as {TURTLE}',
         )
     try:
-        return _Wish(LoadScene.model_validate_json(body).name)
+        return api.LoadScene.model_validate_json(body).name, b""
     except ValidationError as error:
         wrong: list[Any] = [{**one, "loc": ("body", *one["loc"])} for one in error.errors(include_url=False)]
         raise RequestValidationError(wrong) from None
@@ -126,7 +101,7 @@ _LOAD_BODY = {
         "required": True,
         "content": {
             "application/json": {
-                "schema": LoadScene.model_json_schema(),
+                "schema": api.LoadScene.model_json_schema(),
                 "examples": {"name": {"value": {"name": "kitting"}}},
             },
             TURTLE: {"schema": {"type": "string"}, "example": "scene:this a sk:Scene ."},
@@ -137,10 +112,8 @@ _LOAD_BODY = {
 
 @router.put("/scene", openapi_extra=_LOAD_BODY, responses=NEEDS_VERSION | tagged())
 def load_scene(
-    act: Operator,
-    wish: Annotated[_Wish, Depends(_wish)],
-    seen: SeenDep,
-) -> PresentScene:
+    act: Operator, wanted: Annotated[tuple[str, bytes], Depends(_wanted)], seen: SeenDep
+) -> api.PresentScene:
     """Load a scene.
 
     Replaces the present scene by another one, named or sent as Turtle. Learned concepts are kept.
@@ -150,7 +123,7 @@ def load_scene(
     requests wait meanwhile, jobs stay in the queue. The station must be idle. `If-Match` names the version of the world
     that was seen.
     """
-    return act.tagged(act.station.scenes.load(wish.name, wish.turtle, seen, act.author))
+    return act.tagged(act.station.scenes.load(*wanted, seen, act.author))
 
 
 @router.get(
@@ -173,7 +146,7 @@ def get_scene_difference(
     with_: Annotated[str, Query(alias="with", pattern="^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$", examples=["kitting"])],
     limit: Limit = 100,
     cursor: Annotated[str | None, Query(pattern=r"^\d{1,9}$")] = None,
-) -> SceneDifference:
+) -> api.SceneDifference:
     """Compare with another scene.
 
     Returns the edits that turn another scene into the present one.
@@ -193,7 +166,7 @@ _PICTURE: dict[int | str, dict[str, Any]] = {200: {"description": "The picture."
 
 
 @simulation_router.get("")
-def get_simulation(act: Viewer) -> SimulationState:
+def get_simulation(act: Viewer) -> api.SimulationState:
     """Get the state of the simulation.
 
     Returns which driver is used, whether simulated time advances and how fast, and what waits for a reset.
@@ -202,7 +175,7 @@ def get_simulation(act: Viewer) -> SimulationState:
 
 
 @simulation_router.get("/bodies", openapi_extra={"x-truth": True})
-def list_bodies(act: Viewer) -> Bodies:
+def list_bodies(act: Viewer) -> api.Bodies:
     """List the true poses of bodies.
 
     Lists the bodies with their true poses, for people only: robots have no access to them.
@@ -211,7 +184,7 @@ def list_bodies(act: Viewer) -> Bodies:
 
 
 @simulation_router.put("/bodies/{body}/pose", status_code=204)
-def move_body(act: Engineer, body: BodyId, pose: BodyPose) -> None:
+def move_body(act: Engineer, body: BodyId, pose: api.BodyPose) -> None:
     """Move a body.
 
     Moves a body, and brings it to rest. No robot is informed: it has to notice, as if a person had moved it.
@@ -232,7 +205,7 @@ def remove_body(act: Engineer, body: BodyId) -> None:
 def reset_simulation(
     act: Engineer,
     force: bool = False,
-) -> SimulationState:
+) -> api.SimulationState:
     """Reset the simulation.
 
     Brings everything up again: robots at the start poses of the scene, bodies where they are believed to be.
@@ -246,12 +219,12 @@ def reset_simulation(
 
 
 @simulation_router.put("/pace")
-def set_pace(act: Engineer, wanted: NewPace) -> Pace:
+def set_pace(act: Engineer, wanted: api.NewPace) -> api.Pace:
     """Set the pace.
 
     Changes the speed of simulated time, if the server was started with a pace and not in lockstep.
     """
-    return Pace(pace=act.station.simulation.set_pace(wanted.pace))
+    return api.Pace(pace=act.station.simulation.set_pace(wanted.pace))
 
 
 @simulation_router.get("/picture", response_class=Response, responses=_PICTURE)

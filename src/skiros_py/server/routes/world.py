@@ -7,24 +7,11 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Header, Path, Query, Response
 
+from skiros_py.api import world as api
 from skiros_py.api.view import WorldView
-from skiros_py.api.wire import ProblemDetails
-from skiros_py.api.world import (
-    Change,
-    ChangePage,
-    ElementId,
-    LearnedPage,
-    LockList,
-    LockOrder,
-    TransactionOrder,
-    TreeNode,
-    UndoOrder,
-    WorldInfo,
-    Written,
-)
 from skiros_py.errors import UsageError
 from skiros_py.server.access.roles import Engineer, Operator, Role, Viewer
-from skiros_py.server.problems import NEEDS_VERSION, Problem, SeenDep, tagged
+from skiros_py.server.problems import NEEDS_VERSION, Problem, SeenDep, also_refused, tagged
 
 Limit = Annotated[int, Query(ge=1, le=1000)]
 ChangeLimit = Annotated[int, Query(ge=1, le=200)]
@@ -36,11 +23,6 @@ NamePath = Annotated[str, Path(max_length=300, description="A name of the ontolo
 WhyQuery = Annotated[
     str, Query(max_length=1000, description="Reason, for people.", examples=["delivered this morning"])
 ]
-
-
-def also_refused(status: int, why: str) -> dict[int | str, dict[str, Any]]:
-    """Returns the documentation of a refusal by some routes only; for ``responses=``."""
-    return {status: {"model": ProblemDetails, "description": why, "content": {"application/problem+json": {}}}}
 
 
 _NUMBER = re.compile(r"\d{1,18}", re.ASCII)
@@ -72,14 +54,12 @@ _LATEST = 2**62
 
 
 @router.get("/world", responses=tagged())
-def read_world(act: Viewer) -> WorldInfo:
+def read_world(act: Viewer) -> api.WorldInfo:
     """Get the state of the world.
 
     Returns the version of the world, its number of elements, and what an undo would revert; the ETag is the version.
     """
-    info = act.station.world.info()
-    act.tag(info.version)
-    return info
+    return act.tagged(act.station.world.info())
 
 
 @router.get("/tree")
@@ -89,7 +69,7 @@ def read_tree(
     depth: Annotated[int, Query(ge=0, le=20)] = 3,
     limit: Annotated[int, Query(ge=1, le=1000)] = 100,
     cursor: Cursor = None,
-) -> TreeNode:
+) -> api.TreeNode:
     """Read the world as a tree.
 
     Returns the tree of placements and parts: at most 2000 nodes, those nearest to the root first.
@@ -114,7 +94,7 @@ def list_changes(
     newest_first: bool = False,
     limit: ChangeLimit = 100,
     cursor: Cursor = None,
-) -> ChangePage:
+) -> api.ChangePage:
     """List changes.
 
     Lists changes with their authors and reasons, each with its first 100 edits.
@@ -135,7 +115,7 @@ def read_change(
     number: Annotated[int, Path(ge=0, le=_LATEST, examples=[1])],
     limit: Limit = 1000,
     cursor: Cursor = None,
-) -> Change:
+) -> api.Change:
     """Get a change.
 
     Returns a change with its edits, in pages.
@@ -150,7 +130,7 @@ def read_change(
 
 
 @router.post("/world/transactions", responses=NEEDS_VERSION | tagged())
-def write_transaction(act: Operator, order: TransactionOrder, seen: SeenDep) -> Written:
+def write_transaction(act: Operator, order: api.TransactionOrder, seen: SeenDep) -> api.Written:
     """Execute a transaction.
 
     Executes all operations as one change, or none; a refusal lists all problems.
@@ -158,13 +138,11 @@ def write_transaction(act: Operator, order: TransactionOrder, seen: SeenDep) -> 
     Existing elements are changed only if the caller names the versions seen: in `expects`, or in `If-Match` with the
     version of the world (`*` for any).
     """
-    written = act.station.world.write(order, seen, act.author)
-    act.tag(written.version)
-    return written
+    return act.tagged(act.station.world.write(order, seen, act.author))
 
 
 @router.post("/world/undo")
-def undo_edit(act: Operator, order: UndoOrder | None = None) -> Change:
+def undo_edit(act: Operator, order: api.UndoOrder | None = None) -> api.Change:
     """Undo the last edit of a person.
 
     Reverts the last edit of a person that was not reverted yet, as a new change.
@@ -178,7 +156,7 @@ learned_router = APIRouter(tags=["learned"])
 
 
 @learned_router.get("/learned")
-def list_learned(act: Viewer, limit: Limit = 100, cursor: Cursor = None) -> LearnedPage:
+def list_learned(act: Viewer, limit: Limit = 100, cursor: Cursor = None) -> api.LearnedPage:
     """List learned concepts.
 
     Lists the concepts taught to robots, which persist beyond this scene, in the order of ids.
@@ -187,7 +165,7 @@ def list_learned(act: Viewer, limit: Limit = 100, cursor: Cursor = None) -> Lear
 
 
 @learned_router.delete("/learned/{element}", responses=NEEDS_VERSION)
-def forget_learned(act: Engineer, element: ElementPath, seen: SeenDep, reason: WhyQuery = "") -> Written:
+def forget_learned(act: Engineer, element: ElementPath, seen: SeenDep, reason: WhyQuery = "") -> api.Written:
     """Forget a learned concept.
 
     Deletes a learned concept with its parts; an undo restores it.
@@ -214,7 +192,7 @@ locks_router = APIRouter(tags=["locks"])
 
 
 @locks_router.get("/locks")
-def list_locks(act: Viewer) -> LockList:
+def list_locks(act: Viewer) -> api.LockList:
     """List locks.
 
     Lists the locks of elements, with their owners and expiry times.
@@ -223,7 +201,7 @@ def list_locks(act: Viewer) -> LockList:
 
 
 @locks_router.post("/locks", status_code=201)
-def lock_elements(act: Operator, order: LockOrder) -> LockList:
+def lock_elements(act: Operator, order: api.LockOrder) -> api.LockList:
     """Lock elements.
 
     Prevents other people and jobs from editing elements, all of them or none; locking again extends the lock.
@@ -236,9 +214,9 @@ def lock_elements(act: Operator, order: LockOrder) -> LockList:
 @locks_router.delete("/locks")
 def end_locks(
     act: Operator,
-    elements: Annotated[list[ElementId] | None, Query(max_length=100)] = None,
+    elements: Annotated[list[api.ElementId] | None, Query(max_length=100)] = None,
     owner: Annotated[str | None, Query(max_length=300)] = None,
-) -> LockList:
+) -> api.LockList:
     """Release locks.
 
     Releases the caller's locks, and returns the remaining ones; elements that are not locked are ignored.
@@ -279,12 +257,8 @@ def read_view(
         if-none-match: ETag of the view already known.
     """
     tag = f'"{act.station.world.view_tag()}"'
-    if _knows(if_none_match, tag):
+    if tag in {one.strip().removeprefix("W/") for one in (if_none_match or "").split(",")}:
         return Response(status_code=304, headers={"ETag": tag})
     # Made into text at once: what was checked when it was made is not checked again.
     text = act.station.world.view(element).model_dump_json(by_alias=True)
     return Response(text, media_type="application/json", headers={"ETag": tag})
-
-
-def _knows(given: str | None, tag: str) -> bool:
-    return given is not None and tag in {one.strip().removeprefix("W/") for one in given.split(",")}

@@ -24,9 +24,12 @@ from skiros_py.server.access.authenticator import Authenticator
 from skiros_py.server.access.gate import Gate
 from skiros_py.server.access.keys import KeyStore
 from skiros_py.server.access.roles import Operator, OperatorOrMes, Role, Viewer
+from skiros_py.server.monitoring import Metrics
 from skiros_py.server.problems import Problem, add_problem_handlers
 from skiros_py.server.services import set_up_access
 from skiros_py.server.settings import ServerSettings
+from skiros_py.station.control import ControlThread
+from skiros_py.station.events.log import EventLog
 
 
 class _Thing(BaseModel):
@@ -39,6 +42,7 @@ class _Guarded:
     keys: KeyStore
     authenticator: Authenticator
     audit: AuditLog
+    metrics: Metrics
 
 
 @dataclass(frozen=True)
@@ -58,7 +62,8 @@ class _Doors:
     def __call__(self, **settings: Any) -> _Door:
         """Opens a door."""
         chosen = replace(ServerSettings(), **settings)
-        guarded = _Guarded(chosen, *set_up_access(chosen, self._data, self._stack))
+        metrics = Metrics(ControlThread(lambda: pytest.fail("is not opened")), EventLog(1))
+        guarded = _Guarded(chosen, *set_up_access(chosen, self._data, self._stack), metrics)
         app = _application()
         app.add_middleware(Gate, guarded)
         return _Door(TestClient(app, base_url="http://127.0.0.1:8000", raise_server_exceptions=False), guarded)

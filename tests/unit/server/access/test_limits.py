@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from skiros_py.server.access.limits import Load, Rates, network_of
+from skiros_py.server.access.limits import Rates, Slots, network_of
 from skiros_py.server.problems import Problem
 
 
@@ -82,36 +82,35 @@ def test_addresses_of_one_stranger_are_told_from_those_of_others(one: str, other
     assert (network_of(one) == network_of(other)) is same
 
 
-def test_those_who_were_let_in_are_counted_until_they_are_done() -> None:
-    load = Load(2)
-    with load.known():
-        with load.known(), pytest.raises(Problem, match="too many"), load.known():
+def test_slots_are_taken_until_the_end_of_the_block() -> None:
+    slots = Slots("requests", 2, 2)
+    with slots.take("a"):
+        with slots.take("b"), pytest.raises(Problem, match="too many requests"), slots.take("c"):
             pytest.fail("is a third one")
-        with load.known():
+        with slots.take("c"):
             pass
+    assert slots.taken == 0
 
 
-def test_strangers_take_no_places_of_those_who_were_let_in() -> None:
-    load = Load(1)
+def test_a_caller_without_a_slot_is_asked_to_wait() -> None:
+    slots = Slots("requests", 50, 1)
     with ExitStack() as stack:
         for number in range(50):
-            stack.enter_context(load.stranger(f"192.0.2.{number}"))
+            stack.enter_context(slots.take(f"192.0.2.{number}"))
         with pytest.raises(Problem) as caught:
-            stack.enter_context(load.stranger("198.51.100.1"))
-        with load.known():
-            pass
+            stack.enter_context(slots.take("198.51.100.1"))
 
     assert (caught.value.status, caught.value.headers["Retry-After"]) == (503, "1")
 
 
-def test_one_network_takes_no_places_of_another() -> None:
-    load = Load(1)
+def test_one_caller_takes_no_slots_of_another() -> None:
+    slots = Slots("logins", 50, 10)
     with ExitStack() as stack:
         for number in range(10):
-            stack.enter_context(load.stranger(f"2001:db8::{number:x}"))
+            stack.enter_context(slots.take(network_of(f"2001:db8::{number:x}")))
         with pytest.raises(Problem):
-            stack.enter_context(load.stranger("2001:db8::abcd"))
-        with load.stranger("192.0.2.1"):
+            stack.enter_context(slots.take(network_of("2001:db8::abcd")))
+        with slots.take(network_of("192.0.2.1")):
             pass
-    with load.stranger("2001:db8::abcd"):
+    with slots.take(network_of("2001:db8::abcd")):
         pass
