@@ -10,7 +10,7 @@ import pyoxigraph as ox
 
 from skiros_py.world.change import Edit, ElementEdit, PlacementEdit, RelationEdit
 from skiros_py.world.checks import checked_value, relation_problem, state_problems
-from skiros_py.world.element import Element, Value
+from skiros_py.world.element import Element
 from skiros_py.world.index import Index, with_value
 from skiros_py.world.literals import parse_value
 from skiros_py.world.names import local_name
@@ -76,18 +76,16 @@ class _Reader:
     def _set_values(self, name: str) -> None:
         for predicate in sorted(self._statements.about(name).keys() & self._ontology.properties.keys()):
             literal = _literal(self._statements.objects(name, predicate))
-            if literal is not None:
-                try:
-                    value = self._value(name, predicate, literal)
-                except ValueError as error:
-                    self._refuse(name, f"{predicate} of {name}: {error}", predicate)
-                else:
-                    self._index.put_element(with_value(self._index.element(name), predicate, value))
-
-    def _value(self, name: str, predicate: str, literal: ox.Literal) -> Value | None:
-        type_ = self._ontology.names.name(literal.datatype.value)
-        value = parse_value(literal.value, type_, self._ontology.properties[predicate].range)
-        return checked_value(self._ontology, name, self._index.element(name).type, predicate, value)
+            if literal is None:
+                continue
+            element, type_ = self._index.element(name), self._ontology.names.name(literal.datatype.value)
+            try:
+                value = parse_value(literal.value, type_, self._ontology.properties[predicate].range)
+                checked = checked_value(self._ontology, name, element.type, predicate, value)
+            except ValueError as error:
+                self._refuse(name, f"{predicate} of {name}: {error}", predicate)
+            else:
+                self._index.put_element(with_value(element, predicate, checked))
 
     def _relate(self, name: str) -> Iterator[Edit]:
         for relation in sorted(self._statements.about(name).keys() & self._ontology.relations.keys()):

@@ -251,18 +251,13 @@ def _tie_problems(view: Index, element_id: str) -> Iterator[str]:
         yield f"{element_id} is a piece of {' and '.join(owners)}: a piece has one owner"
     if owners and placement is not None:
         yield f"{element_id} is a piece of {owners[0]} and goes with it: it can have no placement of its own"
-    if not owners and placement is None and _needs_place(view, element_id):
-        relations = sorted(r for r in view.ontology.relations if view.ontology.is_placement(r))
-        leaves = ", ".join(r for r in relations if len(view.ontology.sub_relations(r)) == 1)
-        type_ = view.element(element_id).type
+    if owners or placement is not None or is_abstract(element_id):
+        return
+    ontology, type_ = view.ontology, view.element(element_id).type
+    if ontology.is_a(type_, SPATIAL_THING) and not ontology.is_a(type_, ROOT):
+        relations = sorted(r for r in ontology.relations if ontology.is_placement(r))
+        leaves = ", ".join(r for r in relations if len(ontology.sub_relations(r)) == 1)
         yield f"{element_id} ({type_}) is nowhere: give it a placement ({leaves}) or an owner"
-
-
-def _needs_place(view: Index, element_id: str) -> bool:
-    if is_abstract(element_id):
-        return False
-    type_ = view.element(element_id).type
-    return view.ontology.is_a(type_, SPATIAL_THING) and not view.ontology.is_a(type_, ROOT)
 
 
 def _parents(view: Index, element_id: str) -> tuple[str, ...]:
@@ -272,34 +267,15 @@ def _parents(view: Index, element_id: str) -> tuple[str, ...]:
 
 
 def _cycles(names: list[str], parents: Callable[[str], tuple[str, ...]], says: str) -> Iterator[tuple[str, str]]:
-    """Yields cycles that can be reached from the names, each at the first name in it."""
-    safe: set[str] = set()
+    """Yields cycles that are met on the way up from the names, by first parents: two parents are refused anyway."""
+    climbed: set[str] = set()
     for name in names:
-        cycle = _climb(name, parents, safe)
-        if cycle:
-            first = cycle.index(name) if name in cycle else 0
-            path = cycle[first:] + cycle[:first]
-            yield path[0], f"{path[0]} {says}: {' -> '.join((*path, path[0]))}"
-
-
-def _climb(start: str, parents: Callable[[str], tuple[str, ...]], safe: set[str]) -> list[str]:
-    """The first cycle on the paths up from an element, or nothing; visited elements are added to ``safe``."""
-    path: dict[str, Iterator[str]] = {}
-    name: str | None = start
-    while name is not None or path:
-        if name is None:
-            last = next(reversed(path))
-            name = next(path[last], None)
-            if name is None:
-                del path[last]
-        elif name in path:
-            climbed = list(path)
-            safe.update(climbed)
-            return climbed[climbed.index(name) :]
-        elif name in safe:
-            name = None
-        else:
-            safe.add(name)
-            above = path[name] = iter(parents(name))
-            name = next(above, None)
-    return []
+        path: list[str] = []
+        current: str | None = name
+        while current is not None and current not in climbed:
+            climbed.add(current)
+            path.append(current)
+            current = next(iter(parents(current)), None)
+        if current is not None and current in path:
+            ring = [*path[path.index(current) :], current]
+            yield current, f"{current} {says}: {' -> '.join(ring)}"

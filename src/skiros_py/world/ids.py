@@ -6,6 +6,7 @@ import re
 from bisect import bisect_left, bisect_right
 from functools import lru_cache
 from itertools import chain, islice
+from operator import itemgetter
 
 from skiros_py.world.names import local_name
 
@@ -132,14 +133,10 @@ class IdSet:
     def _find(self, name: str) -> tuple[int, int, bool]:
         """The number of the block in which an id is or would be, the place in that, and whether it is there."""
         blocks = self._blocks
-        number = max(0, bisect_right(blocks, name, key=_first) - 1) if len(blocks) > 1 else 0
+        number = max(0, bisect_right(blocks, name, key=itemgetter(0)) - 1) if len(blocks) > 1 else 0
         block = blocks[number]
         at = bisect_left(block, name)
         return number, at, at < len(block) and block[at] == name
-
-
-def _first(block: _Ids) -> str:
-    return block[0]
 
 
 EMPTY = IdSet()

@@ -25,7 +25,7 @@ from skiros_py.world.change import (
 )
 from skiros_py.world.element import Element, Placement, Stamp, Value, is_abstract
 from skiros_py.world.ids import EMPTY, IdSet
-from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners, computed_objects, computed_subjects
+from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners, computed_others
 from skiros_py.world.taught import class_value
 from skiros_py.world.terms import Family, PlaceEnd
 from skiros_py.world.view import NO_SENSORS, Sensors, WorldView
@@ -100,14 +100,6 @@ class Index(WorldView):
         """Returns a copy, twice: as the view and as its state."""
         other = self.copy()
         return other, other
-
-    def has_elements_of(self, other: Index) -> bool:
-        """Returns True when no element, or its label or properties, was written since one was copied from the other."""
-        return self._elements is other._elements
-
-    def has_relations_of(self, other: Index) -> bool:
-        """Returns True when no relation but placements was written since one was copied from the other."""
-        return self._objects is other._objects
 
     # ------------------------------------------------------------ the world view
 
@@ -185,7 +177,7 @@ class Index(WorldView):
         """
         family = self.ontology.family(relation)
         if family is Family.COMPUTED:
-            return computed_objects(self, subject, relation)
+            return computed_others(self, subject, relation)
         if family is Family.PLACEMENT:
             return self._placed(subject, relation, "object")
         return _merged(self._objects, [(subject, below) for below in self.ontology.sub_relations(relation)])
@@ -198,7 +190,7 @@ class Index(WorldView):
         """
         family = self.ontology.family(relation)
         if family is Family.COMPUTED:
-            return computed_subjects(self, relation, object_)
+            return computed_others(self, object_, relation, backwards=True)
         if family is Family.PLACEMENT:
             return self._placed(object_, relation, "subject")
         return _merged(self._subjects, [(below, object_) for below in self.ontology.sub_relations(relation)])

@@ -10,7 +10,7 @@ from skiros_py.errors import UnknownName, UsageError
 from skiros_py.world.branches import BACKWARDS
 from skiros_py.world.element import Value, is_abstract
 from skiros_py.world.literals import DATATYPES, shown
-from skiros_py.world.reasoners.registry import computed_objects, computed_subjects
+from skiros_py.world.reasoners.registry import computed_others
 from skiros_py.world.terms import Family
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import ELEMENT
@@ -49,15 +49,25 @@ def resolve(
         UnknownName: There is no such class, property, relation or element.
         UsageError: A property can never have such a value.
     """
-    stated, computed = _by_family(view, relations)
+    stated: list[tuple[str, ...]] = []
+    computed: list[tuple[str, str, bool]] = []
+    for relation, other in relations.items():
+        view.element(other)
+        name, backwards = relation.removeprefix(BACKWARDS), relation.startswith(BACKWARDS)
+        if view.ontology.family(name) is Family.COMPUTED:
+            computed.append((other, name, not backwards))
+        else:
+            stated.append(view.objects(other, name) if backwards else view.subjects(name, other))
     tests = [_is_of(view, class_, abstract=abstract)] if stated else []  # otherwise only these are iterated
     if label is not None:
         tests.append(lambda name: view.element(name).label == label)
-    found: Iterable[str] = _smallest(view, class_, stated, abstract=abstract)
+    found: Iterable[str] = (
+        set(stated[0]).intersection(*stated) if stated else _of_class(view, class_, abstract=abstract)
+    )
     for test in (*tests, *(_value_test(view, name, wanted) for name, wanted in properties.items())):
         found = filter(test, found)
-    for relation, other in computed:
-        found = _computed(view, relation, other, tuple(sorted(found)))
+    for other, name, to_it in computed:  # only for the candidates that are left
+        found = computed_others(view, other, name, backwards=to_it, among=tuple(sorted(found)))
     return tuple(sorted(found))
 
 
@@ -82,40 +92,13 @@ def the(
     called = f" called {shown(label)}" if label is not None else ""
     like = "".join(f", {name} {_asked(wanted)}" for name, wanted in (*properties.items(), *relations.items()))
     if not found:
-        there_are = view.abstracts(class_) if abstract else view.instances(class_)
+        there_are = _of_class(view, class_, abstract=abstract)
         raise UsageError(f"there is no {class_}{called}{like}. {_listed('Of that class', there_are)}")
     raise UsageError(f"{len(found)} elements are a {class_}{called}{like}: say which. {_listed('There are', found)}")
 
 
-def _smallest(view: WorldView, class_: str, stated: list[tuple[str, str]], *, abstract: bool) -> tuple[str, ...]:
-    """The elements that satisfy all stated relations, starting from the smallest set; without any, the whole class."""
-    sets = sorted((_related(view, relation, other) for relation, other in stated), key=len)
-    if not sets:
-        return view.abstracts(class_) if abstract else view.instances(class_)
-    return tuple(set(sets[0]).intersection(*sets[1:]))
-
-
-def _by_family(view: WorldView, relations: Mapping[str, str]) -> tuple[list[tuple[str, str]], list[tuple[str, str]]]:
-    computed: list[tuple[str, str]] = []
-    stated: list[tuple[str, str]] = []
-    for relation, other in relations.items():
-        view.element(other)
-        family = view.ontology.family(relation.removeprefix(BACKWARDS))
-        (computed if family is Family.COMPUTED else stated).append((relation, other))
-    return stated, computed
-
-
-def _related(view: WorldView, relation: str, other: str) -> tuple[str, ...]:
-    name = relation.removeprefix(BACKWARDS)
-    return view.subjects(name, other) if name == relation else view.objects(other, name)
-
-
-def _computed(view: WorldView, relation: str, other: str, candidates: tuple[str, ...]) -> tuple[str, ...]:
-    """The candidates that a reasoner finds related; nothing else is computed."""
-    name = relation.removeprefix(BACKWARDS)
-    if name != relation:
-        return computed_objects(view, other, name, candidates)
-    return computed_subjects(view, name, other, candidates)
+def _of_class(view: WorldView, class_: str, *, abstract: bool) -> tuple[str, ...]:
+    return view.abstracts(class_) if abstract else view.instances(class_)
 
 
 def _is_of(view: WorldView, class_: str, *, abstract: bool) -> _Test:

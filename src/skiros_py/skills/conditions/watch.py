@@ -12,7 +12,7 @@ from skiros_py.world.change import Change, Edit, ElementEdit, GoalsEdit, Placeme
 from skiros_py.world.element import Element, Placement, Value
 from skiros_py.world.index import Index
 from skiros_py.world.ontology import Ontology
-from skiros_py.world.reasoners.registry import computed_objects, computed_subjects
+from skiros_py.world.reasoners.registry import computed_others
 from skiros_py.world.taught import TEACHABLE, lessons
 from skiros_py.world.terms import Family
 from skiros_py.world.view import Sensors, WorldView
@@ -89,14 +89,14 @@ class ReadingView(WorldView):
     def objects(self, subject: str, relation: str) -> tuple[str, ...]:
         """Returns ids of what the subject is related to."""
         if self.ontology.family(relation) is Family.COMPUTED:
-            return computed_objects(self, subject, relation)
+            return computed_others(self, subject, relation)
         self.keys.update(("from", subject, below) for below in self.ontology.sub_relations(relation))
         return self._base.objects(subject, relation)
 
     def subjects(self, relation: str, object_: str) -> tuple[str, ...]:
         """Returns ids of what is related to the object."""
         if self.ontology.family(relation) is Family.COMPUTED:
-            return computed_subjects(self, relation, object_)
+            return computed_others(self, object_, relation, backwards=True)
         self.keys.update(("to", below, object_) for below in self.ontology.sub_relations(relation))
         return self._base.subjects(relation, object_)
 

@@ -11,8 +11,6 @@ import shapely
 from skiros_py.geometry import Array
 from skiros_py.world.reasoners.boxes import Bools, Boxes, Ints
 
-_FEW = 200_000
-"""So many pairs are compared one with each; a search tree pays beyond."""
 _BLOCK = 50_000
 """So many pairs are handed out together: more would only need more memory."""
 
@@ -25,45 +23,27 @@ def candidate_pairs(a: Boxes, b: Boxes, within: tuple[float, float, float]) -> I
         b: Other boxes.
         within: How far apart along the root's x, y, z they may be at most [m].
     """
-    for block in _blocks(a, b, np.array(within)):
-        one, other = block
+    for one, other in _blocks(a, b, np.array(within)):
         good = a.roots[one] == b.roots[other]
         if good.any():
             yield one[good], other[good]
 
 
 def _blocks(a: Boxes, b: Boxes, within: Array) -> Iterator[tuple[Ints, Ints]]:
-    if np.isinf(within[:2]).all() or len(a) * len(b) <= _FEW:
+    """All pairs where there is no limit on the ground; else those that a search tree over the ground finds."""
+    if np.isinf(within[:2]).all():
         rows = max(1, _BLOCK // max(1, len(b)))
         for start in range(0, len(a), rows):
-            yield _compared(a, b, np.arange(start, min(start + rows, len(a))), within)
+            some = np.arange(start, min(start + rows, len(a)))
+            yield np.repeat(some, len(b)), np.tile(np.arange(len(b)), len(some))
         return
-    one, other = _searched(a, b, within)
-    for start in range(0, len(one), _BLOCK):
-        yield one[start : start + _BLOCK], other[start : start + _BLOCK]
-
-
-def _compared(a: Boxes, b: Boxes, rows: Ints, within: Array) -> tuple[Ints, Ints]:
-    """The pairs of some rows of a, compared one with each."""
-    if np.isinf(within).all():
-        return np.repeat(rows, len(b)), np.tile(np.arange(len(b)), len(rows))
-    some = a.take(rows)
-    close = np.ones((len(rows), len(b)), dtype=bool)
-    for k, (own, far) in enumerate(zip(some.reach().T, b.reach().T, strict=True)):
-        apart = np.abs(some.centres[:, None, k] - b.centres[None, :, k])
-        close &= apart <= own[:, None] + far[None, :] + within[k]
-    one, other = np.nonzero(close)
-    return rows[one], other
-
-
-def _searched(a: Boxes, b: Boxes, within: Array) -> tuple[Ints, Ints]:
-    """All pairs, found in a search tree over the ground."""
     far_a, far_b = a.reach() + within, b.reach()
-    tree = shapely.STRtree(_outlines(b.centres, far_b))
-    one, other = tree.query(_outlines(a.centres, far_a))
+    one, other = shapely.STRtree(_outlines(b.centres, far_b)).query(_outlines(a.centres, far_a))
     close = np.abs(a.centres[one, 2] - b.centres[other, 2]) <= far_a[one, 2] + far_b[other, 2]
     order = np.lexsort((other[close], one[close]))
-    return one[close][order], other[close][order]
+    one, other = one[close][order], other[close][order]
+    for start in range(0, len(one), _BLOCK):
+        yield one[start : start + _BLOCK], other[start : start + _BLOCK]
 
 
 def _outlines(centres: Array, reach: Array) -> np.ndarray:

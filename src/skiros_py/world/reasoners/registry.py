@@ -136,37 +136,29 @@ class Reasoner:
         return None
 
 
-def computed_objects(
-    view: WorldView, subject: str, relation: str, among: Sequence[str] | None = None
+def computed_others(
+    view: WorldView, element: str, relation: str, *, backwards: bool = False, among: Sequence[str] | None = None
 ) -> tuple[str, ...]:
     """Returns ids of the elements to which a computed relation holds, sorted.
 
     Args:
         view: The world.
-        subject: Id of the subject.
+        element: Id of the subject.
         relation: CURIE of the relation.
+        backwards: True where the element is the object, and its subjects are wanted.
         among: Ids of the candidates; by default, all elements of the scene.
 
     Raises:
         UnknownName: There is no such element, or no reasoner computes the relation.
     """
-    view.element(subject)
+    view.element(element)
     found: set[str] = set()
     for below in view.reasoners.narrowest(view.ontology, relation):
-        objects = view.instances(view.ontology.relation(below).range or ELEMENT) if among is None else among
-        found.update(o for _, o in view.reasoners.pairs(view, below, (subject,), objects))
-    return tuple(sorted(found))
-
-
-def computed_subjects(
-    view: WorldView, relation: str, object_: str, among: Sequence[str] | None = None
-) -> tuple[str, ...]:
-    """Returns ids of the elements from which a computed relation holds, sorted; see :func:`computed_objects`."""
-    view.element(object_)
-    found: set[str] = set()
-    for below in view.reasoners.narrowest(view.ontology, relation):
-        subjects = view.instances(view.ontology.relation(below).domain or ELEMENT) if among is None else among
-        found.update(s for s, _ in view.reasoners.pairs(view, below, subjects, (object_,)))
+        declared = view.ontology.relation(below)
+        end = declared.domain if backwards else declared.range
+        others = view.instances(end or ELEMENT) if among is None else among
+        ends = (others, (element,)) if backwards else ((element,), others)
+        found.update(pair[not backwards] for pair in view.reasoners.pairs(view, below, *ends))
     return tuple(sorted(found))
 
 
@@ -199,17 +191,6 @@ class Reasoners(Sequence[Reasoner]):
 
     def __len__(self) -> int:
         return len(self._all)
-
-    def named(self, name: str) -> Reasoner:
-        """Returns the reasoner of a name.
-
-        Raises:
-            UnknownName: There is none.
-        """
-        for reasoner in self._all:
-            if reasoner.name == name:
-                return reasoner
-        raise UnknownName("reasoner", name, [reasoner.name for reasoner in self._all])
 
     def of(self, relation: str) -> Reasoner:
         """Returns the reasoner that computes a relation.

@@ -27,13 +27,8 @@ _SPREAD = 0.1
 
 def dimensions(solid: Value | None) -> tuple[float, float, float] | None:
     """Returns the lengths x, y, z of the box around a shape given as ``sk:solid`` [m], or None if there is none."""
-    if solid is None:
-        return None
-    try:
-        a, b, c = extents(str(solid))[3:]
-    except ValueError:
-        return None  # a class may give an unreadable shape
-    return 2.0 * a, 2.0 * b, 2.0 * c
+    box = extents(solid)
+    return None if box is None else (2.0 * box[3], 2.0 * box[4], 2.0 * box[5])
 
 
 def similarity(view: WorldView, a: str, b: str) -> float | None:

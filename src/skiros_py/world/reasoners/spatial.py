@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from skiros_py.errors import UsageError
 from skiros_py.geometry import Array, Pose
 from skiros_py.world.element import Value
 from skiros_py.world.poses import attach, pose_in, write_pose
-from skiros_py.world.reasoners.boxes import MAP, Bools, Boxes, BoxMemory, read_boxes
+from skiros_py.world.reasoners.boxes import MAP, Bools, Boxes, read_boxes
 from skiros_py.world.reasoners.distances import (
     candidate_pairs,
     depth,
@@ -246,9 +246,6 @@ class SpatialReasoner(Reasoner):
     functions = MappingProxyType({"sk:distance": box_distance})
     keys = frozenset({"pose", "position", "orientation", "frame", "distance"})
 
-    def __init__(self) -> None:
-        self._memory = BoxMemory()
-
     # ------------------------------------------------------------ relations
 
     def answer(self, view: WorldView, subject: str, relation: str, object_: str) -> Answer:
@@ -271,7 +268,7 @@ class SpatialReasoner(Reasoner):
         meant, first = SPATIAL_RELATIONS[relation], tuple(subjects)
         ids = tuple(dict.fromkeys((*first, *objects)))
         number = {name: at for at, name in enumerate(ids)}
-        boxes = self._memory.boxes(view, ids)
+        boxes = read_boxes(view, ids)
         good = _comparable(meant, boxes)
         one = [name for name in first if good[number[name]]]
         other = [name for name in objects if good[number[name]]]
@@ -314,16 +311,15 @@ class SpatialReasoner(Reasoner):
             attach(tx, element, value or None)
         elif what == "pose" and isinstance(value, Pose):
             write_pose(tx, element, value, frame)
-        elif what == "position" and isinstance(value, tuple) and len(value) == 3:
+        elif isinstance(value, tuple) and len(value) == _LENGTHS.get(what):
+            changed: dict[str, Any] = {what: value}
             here = pose_in(tx.view, element, frame) or Pose()
-            write_pose(tx, element, Pose((value[0], value[1], value[2]), here.orientation), frame)
-        elif what == "orientation" and isinstance(value, tuple) and len(value) == 4:
-            here = pose_in(tx.view, element, frame) or Pose()
-            write_pose(tx, element, Pose(here.position, (value[0], value[1], value[2], value[3])), frame)
+            write_pose(tx, element, replace(here, **changed), frame)
         else:
             raise UsageError(f"spatial stores no '{key}' from {value!r}: {_STORES}")
 
 
+_LENGTHS = {"position": 3, "orientation": 4}
 _READS = "it reads pose, position, orientation, each also '… in ELEMENT', frame and 'distance to ELEMENT'"
 _STORES = (
     "it stores pose (a Pose), position (x, y, z), orientation (x, y, z, w), each also '… in ELEMENT',"

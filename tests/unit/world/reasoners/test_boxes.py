@@ -1,10 +1,8 @@
-"""Boxes as read from worlds, and remembered while worlds change."""
+"""Boxes as read from worlds."""
 
 from __future__ import annotations
 
-import dataclasses
 import json
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -18,10 +16,7 @@ from skiros_py.world.element import Placement
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.poses import map_pose, write_pose
-from skiros_py.world.reasoners import boxes
-from skiros_py.world.reasoners.boxes import MAP, Boxes, BoxMemory, read_boxes
-from skiros_py.world.transaction import Transaction
-from skiros_py.world.view import WorldView
+from skiros_py.world.reasoners.boxes import MAP, read_boxes
 from skiros_py.world.world import World
 
 ONTOLOGY = Ontology.load([Path(__file__).parents[4] / "ontologies"])
@@ -121,60 +116,3 @@ def test_a_tower_of_a_thousand_frames_is_read() -> None:
             write_pose(tx, above, Pose.of(0, 0, 0.01), below)
 
     assert read_boxes(world, things[::-1]).centres[0] == pytest.approx([0, 0, 10.0])
-
-
-# ---------------------------------------------------------------- memory
-
-Write = Callable[[Transaction], None]
-names = st.sampled_from([f"t{number}" for number in range(6)])
-
-
-def hang(tx: Transaction, thing: str, frame: str, pose: Pose | None) -> None:
-    """Hangs it on a thing further up, so that no frames hang on each other; takes it down where that is not."""
-    if frame > thing:
-        tx.relate(thing, "sk:poseFrame", frame)
-        if pose is not None:
-            tx.set(thing, "sk:pose", pose)
-    else:
-        write_pose(tx, thing, pose)
-
-
-def add(tx: Transaction, pose: Pose) -> None:
-    tx.add("sk:Object", properties={"sk:pose": pose}, placement=Placement("sk:on", "floor"))
-
-
-writes = st.one_of(
-    st.builds(lambda n, f, p: lambda tx: hang(tx, n, f, p), names, names, st.none() | poses),
-    st.builds(lambda n, p: lambda tx: tx.set(n, "sk:pose", p), names, poses),
-    st.builds(lambda n, s: lambda tx: tx.set(n, "sk:solid", s), names, solids),
-    st.builds(lambda p: lambda tx: add(tx, p), poses),
-    st.builds(lambda a, b: lambda tx: tx.place(a, "sk:on", "floor"), names, names),
-)
-
-
-@settings(max_examples=60, deadline=None)
-@given(st.lists(writes, max_size=12))
-def test_remembered_boxes_are_those_that_are_read_whatever_is_written(changes: list[Write]) -> None:
-    world = empty_world(*[f"t{number}" for number in range(6)])
-    with world.transaction("test", "poses") as tx:
-        for number in range(6):
-            write_pose(tx, f"t{number}", Pose.of(number, 0, 0, yaw=number), "t5" if number == 0 else None)
-    memory = BoxMemory()
-    for change in changes:
-        with world.transaction("test", "a change") as tx:
-            change(tx)
-            assert_equal(memory, tx.view)
-        assert_equal(memory, world.snapshot())
-
-
-def assert_equal(memory: BoxMemory, state: WorldView) -> None:
-    ids = state.instances("sk:Object")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(boxes, "_MANY", 0)
-        found = memory.boxes(state, ids)
-    read = read_boxes(state, ids)
-    for field in dataclasses.fields(Boxes):
-        if field.name != "roots":
-            assert np.array_equal(getattr(found, field.name), getattr(read, field.name)), field
-    assert np.array_equal(found.roots == MAP, read.roots == MAP)
-    assert np.array_equal(found.roots[:, None] == found.roots, read.roots[:, None] == read.roots)

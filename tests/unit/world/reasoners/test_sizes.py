@@ -110,7 +110,7 @@ def test_similarity_is_from_0_to_1_symmetric_and_1_for_the_same_size_however_it_
     one: tuple[float, float, float], other: tuple[float, float, float], turn: list[int]
 ) -> None:
     world = world_of(a=part(one), b=part(other), c=part(tuple(one[axis] for axis in turn)))
-    alike = world.reasoners.named("sizes").similarity(world, "a", "b")
+    alike = SIZES.similarity(world, "a", "b")
 
     assert alike is not None
     assert 0.0 < alike <= 1.0
