@@ -6,8 +6,9 @@ import ast
 import json
 import os
 import shutil
+import tempfile
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -151,7 +152,7 @@ class Draft:
     def write(self) -> None:
         """Writes the new files first, so that changed files never refer to missing ones.
 
-        Missing folders are created.
+        Missing folders are created. A new root is renamed from a temporary folder: it is there as a whole, or not.
 
         Raises:
             UsageError: A file already exists, or cannot be written; nothing was changed.
@@ -160,6 +161,13 @@ class Draft:
         self.check()
         written: list[Path] = []
         try:
+            if not self.root.exists():
+                self.root.parent.mkdir(parents=True, exist_ok=True)
+                with tempfile.TemporaryDirectory(prefix=".skiros-new-", dir=self.root.parent) as folder:
+                    (inner := Path(folder) / self.root.name).mkdir()
+                    replace(self, root=inner).write()
+                    inner.rename(self.root)
+                return
             for path, text in self.new.items():
                 _write_new(self.root / path, text, written)
             for path, text in self.changed.items():
