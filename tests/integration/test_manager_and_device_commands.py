@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -12,7 +13,7 @@ from support.serving import Served, serving
 
 from skiros_py.cli.main import cli
 from skiros_py.client import Client, ProblemError
-from skiros_py.errors import DeviceError
+from skiros_py.errors import DeviceError, FileError, UsageError
 
 Ask = Callable[..., Any]
 
@@ -98,4 +99,41 @@ def test_signals_are_listed_read_and_refused_from_the_shell(said: Ask, served: S
     assert set(both["signals"]) == {"gripper_1.gap", "localiser_1.x"}
     assert "'gripper_1.gap' comes from gripper_1: only inputs can be set" in str(refused.exception)
     assert malformed.exit_code == 2
-    assert "wide is no number" in malformed.output
+    assert "wide is no finite number" in malformed.output
+
+
+@pytest.mark.parametrize("number", ["NaN", "1e999", "[Infinity]"])
+def test_a_signal_is_not_set_to_a_number_that_is_not_finite(served: Served, number: str) -> None:
+    result = CliRunner().invoke(cli, ("signal", "set", "gripper_1.gap", number, "--url", served.url))
+
+    assert result.exit_code == 2
+    assert "no finite number" in result.stderr
+
+
+def test_a_data_directory_and_an_address_are_not_given_together(served: Served, tmp_path: Path) -> None:
+    for command in (("stop",), ("job", "list"), ("signal", "list")):
+        result = CliRunner().invoke(cli, (*command, "--url", served.url, "--data", str(tmp_path)))
+
+        assert isinstance(result.exception, UsageError)
+        assert "--data and --url each name a server" in str(result.exception)
+
+
+def test_a_document_that_is_no_text_is_refused_by_its_file(served: Served, tmp_path: Path) -> None:
+    file = tmp_path / "tree.json"
+    file.write_bytes(b"\xff\xfe")
+
+    result = CliRunner().invoke(cli, ("document", "import", "tree", "odd", str(file), "--url", served.url))
+
+    assert isinstance(result.exception, FileError)
+    assert "tree.json" in str(result.exception)
+
+
+def test_an_id_that_no_address_can_hold_is_refused(client: Client) -> None:
+    with pytest.raises(UsageError, match="can be no id"):
+        client.jobs.get("a\udcff")
+
+
+def test_an_argument_that_is_nested_too_deeply_is_refused(served: Served) -> None:
+    result = CliRunner().invoke(cli, ("call", "goals.check", "order=" + "[" * 5000, "--url", served.url))
+
+    assert isinstance(result.exception, UsageError)

@@ -106,5 +106,5 @@ def _value(text: str, parameter: inspect.Parameter) -> Any:
         pass
     try:
         return adapter.validate_python(json.loads(text))
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise UsageError(f"{parameter.name}: {error}") from None

@@ -27,14 +27,12 @@ _POLLING = 0.1
 
 
 def _value(_context: click.Context, _parameter: click.Parameter, text: str) -> SignalValue:
-    from pydantic import TypeAdapter
-
-    from skiros_py.api.robots import SignalValue
+    from skiros_py.api.robots import SetSignal
 
     try:
-        return TypeAdapter[SignalValue](SignalValue).validate_json(text)
+        return SetSignal(value=json.loads(text)).value
     except ValueError:
-        raise click.BadParameter(f"{text} is no number, truth value or list of numbers") from None
+        raise click.BadParameter(f"{text} is no finite number, truth value or list of numbers") from None
 
 
 @click.group("manager")

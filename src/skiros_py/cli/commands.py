@@ -9,10 +9,12 @@ from pathlib import Path
 from typing import Any
 
 import click
+from click.core import ParameterSource
 
 from skiros_py.cli.options import JSON, combined, data_option
 from skiros_py.cli.output import REACHED, tell
 from skiros_py.cli.reaching import reach
+from skiros_py.errors import UsageError
 
 Found = tuple[Any, Iterable[str]] | tuple[Any, Iterable[str], int]
 """The result of a command: data, lines for people, and the exit status unless it succeeded."""
@@ -80,6 +82,9 @@ def served(
     def decorate(function: Callable[..., Found]) -> click.Command:
         @functools.wraps(function)
         def run(data: Path | None, url: str | None, key_file: Path | None, **arguments: Any) -> Found:
+            source = click.get_current_context().get_parameter_source("url")
+            if data is not None and source is ParameterSource.COMMANDLINE:
+                raise UsageError("--data and --url each name a server: give one of them")
             with opened(data, url, key_file, **(client or {})) as subject:
                 return function(subject, **arguments)
 

@@ -73,7 +73,7 @@ def adapter_of(kind: Any) -> TypeAdapter[Any]:
     return TypeAdapter(kind)
 
 
-_PART = re.compile(r"[^/\x00-\x1f]{1,300}")
+_PART = re.compile(r"[^/\x00-\x1f\ud800-\udfff]{1,300}")
 
 
 def path_of(*parts: str | int) -> str:

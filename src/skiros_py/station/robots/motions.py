@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import threading
 from collections import Counter, deque
 from dataclasses import dataclass
@@ -17,6 +18,8 @@ from skiros_py.ports.kinematics import Kinematics
 from skiros_py.ports.motion import NoMotion
 from skiros_py.station.requests import find
 from skiros_py.station.session import Session
+
+_log = logging.getLogger(__name__)
 
 _KEPT = 64
 """Number of requests kept that were not answered yet."""
@@ -43,9 +46,17 @@ class _Plan:
         """The plan; None if there is none."""
         try:
             answer = self.call.answer.result()
-        except SkirosError:  # reported by the caller of the request
+        except Exception:  # noqa: BLE001 - an adapter's code; reported by the caller of the request
             return None
         return None if isinstance(answer, NoMotion) else answer
+
+    @property
+    def is_answered(self) -> bool:
+        """Whether there is an answer, or the adapter fails, which the caller of the request reports."""
+        try:
+            return bool(self.call.answer.done())
+        except Exception:  # noqa: BLE001 - an adapter's code
+            return True
 
     def is_over(self, session: Session) -> bool:
         """Returns whether the device has reached the end, or the requesting module has abandoned the plan."""
@@ -111,10 +122,11 @@ class Motions:
         kinematics = session.runtime.context.ports.find(Kinematics, device)
         guard = session.cycle.board.guard
         try:
-            poses = guard.call(plan.device, "planned_poses", plan.call.request, plan.answer, kinematics)
-        except SkirosError:
-            poses = ()
-        return DeviceMotion(number=number, poses=tuple(poses))
+            poses = tuple(guard.call(plan.device, "planned_poses", plan.call.request, plan.answer, kinematics))
+            return DeviceMotion(number=number, poses=poses)
+        except Exception as error:  # noqa: BLE001 - a kind's code: the others are drawn
+            _log.error("%s: its planned motion is not drawn, planned_poses failed: %s", device, error)
+            return DeviceMotion(number=number, poses=())
 
     def _note(self, call: LibraryCall) -> None:
         """Records a request; called in the control thread."""
@@ -128,7 +140,7 @@ class Motions:
 
     def _update(self, session: Session) -> None:
         """Adopts new answers, and drops finished plans; the caller holds the lock."""
-        for plan in [plan for plan in self._asked if plan.call.answer.done()]:
+        for plan in [plan for plan in self._asked if plan.is_answered]:
             self._asked.remove(plan)
             if plan.answer is not None:
                 self._plans[plan.device.id] = plan

@@ -5,13 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from itertools import pairwise
+from types import SimpleNamespace
 
 import pytest
 
 from skiros_py.api.robots import DeviceMotion
-from skiros_py.devices.arm import ArmState
+from skiros_py.devices.arm import ArmSpec, ArmState
 from skiros_py.devices.mobile_base import BaseState
 from skiros_py.execution.running import RunningModule
+from skiros_py.execution.runtime import LibraryCall
 from skiros_py.geometry import Pose
 from skiros_py.station.robots.motions import Motions
 from skiros_py.station.session import Options, Session
@@ -89,3 +91,30 @@ def test_what_nobody_looks_at_is_not_piled_up(session, motions) -> None:
         deltas = (turn, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         session.run_module("jog_joints", {"arm": "arm_1", "deltas": deltas})
     assert 0 < motions.numbers()["arm_1"] <= 24
+
+
+@pytest.mark.parametrize("answer", [None, (1, 2)])
+def test_a_kind_whose_planned_poses_are_none_is_drawn_without_them(session, motions, monkeypatch, answer) -> None:
+    monkeypatch.setattr(ArmSpec, "planned_poses", lambda *_: answer)
+    running = session.start_module("jog_joints", {"arm": "arm_1", "deltas": (0.1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)})
+    session.cycle.step()
+    while not (motions.numbers()["arm_1"] or running.done):
+        session.cycle.step()
+
+    assert motions.numbers()["arm_1"]
+    assert motions.motion(session, "arm_1").poses == ()
+    session.runtime.finish(running)
+
+
+def test_an_adapter_whose_answer_raises_keeps_no_other_motion_from_being_shown(session, motions) -> None:
+    class Broken:
+        def done(self) -> bool:
+            raise ValueError("not ready, never was")
+
+        def result(self) -> object:
+            raise ValueError("nothing there")
+
+    session.runtime.asked._listeners.notify(LibraryCall(SimpleNamespace(device="arm_1"), Broken()))
+
+    assert motions.numbers()["arm_1"] == 0
+    assert motions.motion(session, "arm_1").poses == ()
