@@ -65,7 +65,7 @@ Tell = Callable[[Literal["written", "removed"], Document], None]
 """Listener, called with a document that was written or removed."""
 
 
-def _nobody(_what: str, _document: Document) -> None:
+def _ignore(_what: str, _document: Document) -> None:
     """Default listener; does nothing."""
 
 
@@ -80,7 +80,7 @@ class DocumentStore:
         FileError: It cannot be opened or created, or is damaged.
     """
 
-    def __init__(self, path: Path, tell: Tell = _nobody) -> None:
+    def __init__(self, path: Path, tell: Tell = _ignore) -> None:
         self._tell = tell
         self._database = Database(path, _SCHEMA, durable=True)
         self._path = path

@@ -28,11 +28,11 @@ from skiros_py.world.terms import End
 
 
 @rule(
-    "wrong-range", "Something is asked of a thing that can never have it.",
+    "wrong-range", "A condition or module gets an element that can never fit.",
     SkillDescription, Skill, Place, ConditionType,
 )  # fmt: skip
 def wrong_range(subject: Subject, known: Known) -> Iterator[str]:
-    """Yields what is asked of elements, or passed on to modules, that can never fit."""
+    """Yields conditions and arguments of modules with elements that can never fit."""
     for use in uses_of(subject):
         wrong = list(_roles(use.condition, use.classes, known.ontology)) if use.condition is not None else []
         yield from (f"{use.where}: {text}" for text in wrong or _wrong_ends(use, known.ontology))
