@@ -43,7 +43,7 @@ def _imported(tree: ast.Module) -> set[str]:
 
 
 @pytest.mark.parametrize("file", MODULES, ids=_name)
-def test_a_list_of_exports_is_sorted_and_says_more_than_the_underscores_do(file: Path) -> None:
+def test_export_lists_are_sorted_and_exist_only_where_underscores_do_not_suffice(file: Path) -> None:
     tree = ast.parse(file.read_text(encoding="utf-8"))
     exported = _exported(tree)
     if exported is None:

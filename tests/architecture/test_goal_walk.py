@@ -31,7 +31,7 @@ class Call:
     method: str
 
 
-def test_the_walk_of_one_goal_is_short_and_never_climbs() -> None:
+def test_handling_one_goal_needs_few_returns_and_never_calls_back_up() -> None:
     calls = joined(all_calls())
 
     assert calls[0] == Call("", "TaskManager", "begin")
@@ -39,7 +39,7 @@ def test_the_walk_of_one_goal_is_short_and_never_climbs() -> None:
     assert climbs(calls) == []
 
 
-def test_the_walk_meets_executor_planner_dispatcher_and_monitor_in_this_order() -> None:
+def test_one_goal_passes_executor_planner_dispatcher_and_monitor_in_this_order() -> None:
     met = dict.fromkeys(call.object for call in joined(all_calls()))
 
     assert [name for name in met if name in LEVELS] == [

@@ -70,13 +70,13 @@ def test_each_route_calls_one_use_case(tmp_path: Path) -> None:
     assert wrong == {}
 
 
-def test_one_route_is_marked_as_truth_and_calls_the_use_case_that_gives_it_away(tmp_path: Path) -> None:
+def test_exactly_one_route_is_marked_as_truth_and_calls_the_use_case_that_returns_the_truth(tmp_path: Path) -> None:
     marked = [route for route in routes(tmp_path) if (route.openapi_extra or {}).get("x-truth")]
 
     assert [calls(route.endpoint) for route in marked] == [["simulation.true_bodies"]]
 
 
-def test_the_exceptions_are_needed(tmp_path: Path) -> None:
+def test_every_listed_exception_is_still_needed(tmp_path: Path) -> None:
     single = {route.endpoint.__name__ for route in routes(tmp_path) if len(calls(route.endpoint)) == 1}
     names = {route.endpoint.__name__ for route in routes(tmp_path)}
 

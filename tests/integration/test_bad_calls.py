@@ -53,7 +53,7 @@ def demanding(evaluate: Any, when: str) -> SkillDescription:
 
 @pytest.mark.parametrize("when", ["pre", "hold"])
 @pytest.mark.parametrize(("evaluate", "told"), [(breaks, "no such shape"), (knows_nothing, "None")])
-def test_a_condition_that_breaks_fails_its_skill_and_nothing_else(evaluate: Any, told: str, when: str) -> None:
+def test_a_condition_that_raises_fails_only_its_skill(evaluate: Any, told: str, when: str) -> None:
     with Bench(tiny_world(), (pretend(demanding(evaluate, when)), pretend(DRIVE))) as bench:
         outcome = bench.run("place", Ball="ball_1", Slot="slot_1")
 
@@ -62,7 +62,7 @@ def test_a_condition_that_breaks_fails_its_skill_and_nothing_else(evaluate: Any,
         assert bench.run("drive", Location="box_a") == Success("pretended")
 
 
-def test_a_condition_that_breaks_while_it_is_planned_is_told_by_its_name() -> None:
+def test_a_condition_that_raises_during_planning_is_reported_by_name() -> None:
     description = replace(demanding(breaks, "pre"), pre=(*PLACE.pre, *demanding(breaks, "pre").pre))
     with (
         Bench(tiny_world(), (pretend(description), pretend(PICK), pretend(DRIVE))) as bench,
@@ -93,7 +93,7 @@ def commands_no_number(bad: Bad) -> Execution[Outcome]:
 
 
 @pytest.mark.parametrize("behaviour", [commands_nobody, commands_nonsense, commands_no_number])
-def test_a_command_that_makes_no_sense_fails_its_module_and_not_the_cell(behaviour: Behaviour) -> None:
+def test_an_invalid_command_fails_its_module_but_not_the_cell(behaviour: Behaviour) -> None:
     with Bench(tiny_world(), (), [bad(behaviour), Moving]) as bench:
         assert isinstance(bench.run("bad", base="base_1"), Failure)
         assert_others_go_on(bench)
@@ -123,7 +123,7 @@ def keeps_a_transaction_open(bad: Bad) -> Execution[Outcome]:
             yield
 
 
-def test_a_transaction_left_open_when_it_is_stopped_changes_nothing_and_others_write_meanwhile() -> None:
+def test_a_transaction_left_open_by_a_stopped_module_changes_nothing_and_does_not_block_writers() -> None:
     with Bench(tiny_world(), (pretend(DRIVE),), [bad(keeps_a_transaction_open)]) as bench:
         running = bench.start("bad", base="base_1")
         bench.advance(0.3)
@@ -153,7 +153,7 @@ def forgets_yield_from(bad: Bad) -> Execution[Any]:
 
 
 @pytest.mark.parametrize("behaviour", [calls_itself, calls_nobody, joins_nonsense, forgets_yield_from])
-def test_a_call_that_makes_no_sense_fails_its_module(behaviour: Behaviour) -> None:
+def test_an_invalid_call_fails_its_module(behaviour: Behaviour) -> None:
     with Bench(tiny_world(), (), [bad(behaviour), Moving]) as bench:
         outcome = bench.run("bad", base="base_1")
 
@@ -169,7 +169,7 @@ def asks(bad: Bad) -> Execution[Outcome]:
     return Success(question.answer)
 
 
-def test_who_listens_badly_hurts_neither_the_asker_nor_those_who_listen_well() -> None:
+def test_listeners_that_raise_affect_neither_the_question_nor_other_listeners() -> None:
     def breaks(heard: Any) -> None:
         raise ValueError("cannot listen")
 
@@ -181,7 +181,7 @@ def test_who_listens_badly_hurts_neither_the_asker_nor_those_who_listen_well() -
         assert bench.run("bad", base="base_1") == Success("yes")
 
 
-def test_a_device_that_never_reports_standstill_is_told_and_not_waited_for_for_ever() -> None:
+def test_a_device_that_never_reports_standstill_is_reported_and_not_waited_for_forever() -> None:
     def cell(spec: CellSpec) -> FaultyCell:
         return FaultyCell(FakeCell(spec), Frozen("base_1", after=0.05))
 
@@ -209,7 +209,7 @@ def test_a_device_that_never_reports_standstill_is_told_and_not_waited_for_for_e
     ],
     ids=str,
 )
-def test_a_skill_with_bad_parameters_does_not_start_and_says_which(
+def test_a_skill_with_bad_parameters_does_not_start_and_names_them(
     arguments: Mapping[str, Any], told: tuple[str, ...]
 ) -> None:
     trial = run_skill(pretend(replace(PICK, pre=())), tiny_world(), **arguments)
@@ -220,7 +220,7 @@ def test_a_skill_with_bad_parameters_does_not_start_and_says_which(
     assert trial.changes == ()
 
 
-def test_a_primitive_without_its_required_parameters_says_which_are_missing() -> None:
+def test_a_primitive_without_required_parameters_names_the_missing_ones() -> None:
     trial = run_primitive(Needy, tiny_world())
 
     assert not trial
@@ -267,13 +267,13 @@ def test_a_module_without_a_provider_is_unknown() -> None:
         bench.run("drove")
 
 
-def test_a_skill_that_names_a_module_that_is_not_there_fails_by_that_name() -> None:
+def test_a_skill_that_calls_a_missing_module_fails_and_names_it() -> None:
     trial = run_skill(Skill(DRIVE, Do.of("paddle")), tiny_world(), Location="box_a")
 
     assert "paddle" in trial.reason
 
 
-def test_skills_that_call_each_other_without_end_are_ended() -> None:
+def test_endlessly_recursive_skill_calls_are_ended() -> None:
     hop = replace(DRIVE, name="hop")
     there, back = Skill(DRIVE, Do.of("hop", Location=P("Location"))), Skill(hop, Do.of("drive", Location=P("Location")))
 
@@ -296,12 +296,12 @@ def test_skills_that_call_each_other_without_end_are_ended() -> None:
     ],
     ids=str,
 )
-def test_a_description_that_makes_no_sense_is_refused_where_it_is_written(change: dict[str, Any], told: str) -> None:
+def test_an_invalid_description_is_refused_at_its_definition(change: dict[str, Any], told: str) -> None:
     with pytest.raises((DescriptionError, UnknownName), match=told):
         replace(DRIVE, **change)
 
 
-def test_two_parameters_of_one_key_are_refused() -> None:
+def test_two_parameters_with_the_same_key_are_refused() -> None:
     with pytest.raises(DescriptionError, match="Base"):
         SkillDescription(
             "drive", "-", "Base", "Base", (*DRIVE.params[:1], *DRIVE.params), post=(AT_LOCATION("Robot", "Location"),)

@@ -77,7 +77,7 @@ def test_an_exception_in_a_run_is_a_failure_of_that_module(behaviour: Behaviour,
         assert_others_go_on(bench)
 
 
-def test_the_log_has_the_traceback_of_what_broke(caplog: pytest.LogCaptureFixture) -> None:
+def test_the_log_contains_the_traceback_of_an_exception(caplog: pytest.LogCaptureFixture) -> None:
     run_primitive(bad(raising(ValueError("no such gear"))), tiny_world())
 
     assert "no such gear" in caplog.text
@@ -181,7 +181,7 @@ def test_an_exception_before_the_run_is_a_failure_of_that_module(primitive: type
         assert_others_go_on(bench)
 
 
-def test_a_module_that_broke_within_a_skill_fails_the_skill_and_names_itself() -> None:
+def test_a_module_that_raises_inside_a_skill_fails_the_skill_which_names_the_module() -> None:
     skill = Skill(DRIVE, Do.of("bad", base=P("Base")))
 
     trial = run_skill(skill, tiny_world(), primitives=[bad(raising(ValueError("no such gear")))], Location="box_a")
@@ -284,7 +284,7 @@ CLOSING_BADLY = [
 
 
 @pytest.mark.parametrize("behaviour", CLOSING_BADLY)
-def test_regardless_of_its_reaction_to_a_stop_the_robot_halts(behaviour: Behaviour) -> None:
+def test_the_robot_halts_however_a_module_reacts_to_a_stop(behaviour: Behaviour) -> None:
     with Bench(tiny_world(), (), [bad(behaviour), Moving]) as bench:
         running = bench.start("bad", base="base_1")
         bench.advance(0.3)
@@ -296,7 +296,7 @@ def test_regardless_of_its_reaction_to_a_stop_the_robot_halts(behaviour: Behavio
 
 
 @pytest.mark.parametrize("behaviour", CLOSING_BADLY)
-def test_regardless_of_its_reaction_a_cancelled_skill_ends_and_the_robot_halts(behaviour: Behaviour) -> None:
+def test_a_cancelled_skill_ends_and_the_robot_halts_however_the_skill_reacts(behaviour: Behaviour) -> None:
     skill = Skill(DRIVE, Do.of("bad", base=P("Base")))
     with Bench(tiny_world(), (skill,), [bad(behaviour), Moving], driver="any") as bench:
         outcome = bench.run("drive", Location="box_a", cancel=lambda: "the world changed" if bench.time > 0.3 else "")
@@ -338,7 +338,7 @@ class RecoversNonsense(Bad):
 
 
 @pytest.mark.parametrize("primitive", [StopsBadly, RecoversForEver, RecoversNonsense])
-def test_bad_recovery_ends_and_the_robot_halts(primitive: type[Bad]) -> None:
+def test_a_faulty_recovery_is_ended_and_the_robot_halts(primitive: type[Bad]) -> None:
     skill = Skill(DRIVE, Do.of("bad", base=P("Base")))
     with Bench(tiny_world(), (skill,), [primitive, Moving], driver="any") as bench:
         running = bench.start("drive", Location="box_a")
@@ -449,7 +449,7 @@ def test_a_call_into_c_that_never_returns_loses_its_manager_and_the_world_stays_
 
 
 @pytest.mark.parametrize("where", ["__init__", "start", "stop", "recover"])
-def test_what_holds_the_cycle_outside_its_execution_is_interrupted_too(where: str) -> None:
+def test_code_that_blocks_the_cycle_outside_execute_is_interrupted_too(where: str) -> None:
     def hold(self: Any, *arguments: Any) -> None:
         while True:
             pass

@@ -131,7 +131,7 @@ def test_incomplete_primitives_are_reported_and_affect_no_other(install: Install
         assert session.run(["TinyAt(robot_1, box_a)"]).reached
 
 
-def test_two_modules_of_one_name_are_told_with_both_origins_and_neither_counts(
+def test_two_modules_with_the_same_name_are_reported_with_both_origins_and_neither_is_used(
     install: Install, tmp_path: Path
 ) -> None:
     install("sk_fine", {"skills": {"hop": "HOP"}, "conditions": {"TinyAt": "AT"}}, GOOD)
@@ -146,7 +146,7 @@ def test_two_modules_of_one_name_are_told_with_both_origins_and_neither_counts(
         assert session.run(["TinyAt(robot_1, box_a)"]).reached
 
 
-def test_a_skill_and_a_primitive_of_one_name_are_told_too(install: Install, tmp_path: Path) -> None:
+def test_a_skill_and_a_primitive_with_the_same_name_are_reported_too(install: Install, tmp_path: Path) -> None:
     install("sk_fine", {"skills": {"hop": "HOP"}, "conditions": {"TinyAt": "AT"}}, GOOD)
     primitive = """
 from dataclasses import dataclass
@@ -168,7 +168,7 @@ class Hop(Primitive):
         assert "sk_same 0.3" in told
 
 
-def test_a_primitive_of_a_plug_in_that_breaks_mid_run_fails_the_goal_in_words_and_the_session_goes_on(
+def test_a_plug_in_primitive_that_raises_mid_run_fails_the_goal_with_a_reason_and_the_session_continues(
     install: Install, tmp_path: Path
 ) -> None:
     install("sk_fine", {"skills": {"hop": "HOP"}, "conditions": {"TinyAt": "AT"}}, GOOD)

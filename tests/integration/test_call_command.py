@@ -30,7 +30,7 @@ def test_an_operation_prints_its_result_as_json(served: Served) -> None:
     assert [one["class"] for one in found["items"]] == ["kitting:Starter"]
 
 
-def test_arguments_are_numbers_lists_and_models_as_the_operation_takes_them(served: Served) -> None:
+def test_arguments_are_parsed_as_the_types_that_the_operation_declares(served: Served) -> None:
     added = call(
         served,
         "elements.add",
@@ -42,7 +42,7 @@ def test_arguments_are_numbers_lists_and_models_as_the_operation_takes_them(serv
     assert list(signals["signals"]) == ["gripper_1.gap"]
 
 
-def test_text_is_written_as_it_is_and_read_from_files(served: Served, tmp_path: Path) -> None:
+def test_text_results_are_printed_verbatim_and_arguments_are_read_from_files(served: Served, tmp_path: Path) -> None:
     turtle = call(served, "scenes.turtle").stdout
     assert "scene:this" in turtle
 
@@ -51,7 +51,7 @@ def test_text_is_written_as_it_is_and_read_from_files(served: Served, tmp_path: 
     assert json.loads(call(served, "scenes.upload", f"turtle=@{file}").stdout)["name"] == ""
 
 
-def test_without_an_operation_all_are_listed() -> None:
+def test_call_without_an_operation_lists_all_operations() -> None:
     listed = CliRunner().invoke(cli, ("call",), catch_exceptions=False).stdout.splitlines()
 
     assert "scenes.load name=… [version=…]" in listed

@@ -56,7 +56,7 @@ def test_the_built_in_plug_ins_keep_all_rules_and_their_skills_do_what_they_decl
     assert all(ran["where"] for ran in answer["ran"])
 
 
-def test_skills_for_real_robots_are_listed_as_not_run() -> None:
+def test_skills_for_real_robots_are_listed_as_skipped() -> None:
     told = run("skiros-skills").stdout
     answer = json.loads(run("skiros-skills", "--json").stdout)
 
@@ -100,7 +100,7 @@ def test_a_finding_says_file_line_and_rule_and_ends_the_command_with_1(tmp_path:
     assert "sk_skip 0.1: 2 parts, " in result.stdout
 
 
-def test_only_the_rules_asked_for_count(tmp_path: Path) -> None:
+def test_only_the_selected_rules_are_checked(tmp_path: Path) -> None:
     package = written(tmp_path, "sk_skip_2", BAD, skill("skip", "sk_skip_2:SKIP"))
 
     result = run(str(package), "--no-run", "--rule", "missing-unit")
@@ -108,7 +108,7 @@ def test_only_the_rules_asked_for_count(tmp_path: Path) -> None:
     assert (result.return_value, len(result.stdout.splitlines())) == (0, 1)
 
 
-def test_the_package_is_forgotten_afterwards(tmp_path: Path) -> None:
+def test_the_checked_package_is_unloaded_afterwards(tmp_path: Path) -> None:
     before = list(sys.path)
 
     run(str(written(tmp_path, "sk_gone", GOOD, skill("hop", "sk_gone:HOP"))), "--no-run")
@@ -128,7 +128,7 @@ def test_a_plug_in_that_does_not_load_is_a_finding_at_the_line_that_raised(tmp_p
     assert line.startswith(f"{package / 'src' / 'sk_boom.py'}:2: does-not-load: skill boom: ZeroDivisionError")
 
 
-def test_a_condition_on_a_missing_parameter_has_the_name_of_its_rule(tmp_path: Path) -> None:
+def test_a_condition_on_a_missing_parameter_is_reported_with_its_rule(tmp_path: Path) -> None:
     text = "from skiros_py.testing.tiny import *\nfrom dataclasses import replace\n"
     text += 'HOP = pretend(replace(DRIVE, name="hop", pre=(AT_LOCATION("Robbot", "Location"),)))\n'
     package = written(tmp_path, "sk_stray", text, skill("hop", "sk_stray:HOP"))
@@ -149,7 +149,9 @@ def test_a_condition_on_a_missing_parameter_has_the_name_of_its_rule(tmp_path: P
         ('[project.entry-points."skiros.skills"]\na = "b:c"\n', "names no plug-ins"),
     ],
 )
-def test_a_folder_that_is_no_package_is_refused_in_words(tmp_path: Path, project: str | None, said: str) -> None:
+def test_a_folder_that_is_not_a_package_is_refused_with_a_message(
+    tmp_path: Path, project: str | None, said: str
+) -> None:
     if project is not None:
         (tmp_path / "pyproject.toml").write_text(project, encoding="utf-8")
 
@@ -157,12 +159,12 @@ def test_a_folder_that_is_no_package_is_refused_in_words(tmp_path: Path, project
         run(f"{tmp_path}/")
 
 
-def test_the_page_of_every_rule_can_be_shown() -> None:
+def test_every_rule_has_a_page_that_can_be_shown() -> None:
     for rule in RULES.values():
         assert run("--explain", rule.name).stdout == rule.page
 
 
-def test_an_unknown_rule_is_named_with_the_one_it_is_like() -> None:
+def test_an_unknown_rule_is_answered_with_the_most_similar_rule() -> None:
     for option in ("--rule", "--explain"):
         with pytest.raises(Exception, match=r"unknown rule .unknown-wort.\. Did you mean .unknown-word.\?"):
             run(option, "unknown-wort")

@@ -53,7 +53,7 @@ def test_a_plan_is_written_as_three_files(tmp_path: Path) -> None:
     assert len(answer["steps"]) == 4
 
 
-def test_skills_are_listed_with_where_they_come_from() -> None:
+def test_skills_are_listed_with_their_origin() -> None:
     result = skiros("skills", "--json")
 
     answer = json.loads(result.stdout)
@@ -71,7 +71,7 @@ def test_skills_are_readable_by_people() -> None:
     assert "  post  not EmptyHanded(Gripper)" in lines
 
 
-def test_without_a_plan_none_is_written_and_one_of_an_earlier_goal_is_removed(tmp_path: Path) -> None:
+def test_without_a_plan_no_file_is_written_and_the_previous_plan_is_removed(tmp_path: Path) -> None:
     (tmp_path / "plan").write_text("pick(Object=starter_1)", encoding="utf-8")
     (tmp_path / "notes.txt").write_text("mine", encoding="utf-8")
 
@@ -82,7 +82,7 @@ def test_without_a_plan_none_is_written_and_one_of_an_earlier_goal_is_removed(tm
     assert "; no plan" in result.stdout
 
 
-def test_a_folder_that_cannot_be_written_ends_with_status_two_and_its_name(tmp_path: Path) -> None:
+def test_an_unwritable_folder_ends_with_status_two_and_is_named(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("in the way", encoding="utf-8")
     folder = tmp_path / "file" / "out"
 

@@ -88,7 +88,9 @@ IN_C = "ctypes.CDLL(None).sleep(100)"
 
 
 @pytest.mark.parametrize("call", ["time.sleep(100)", IN_C])
-def test_a_call_into_c_that_does_not_come_back_ends_the_command_soon_after_it_is_lost(run: Start, call: str) -> None:
+def test_a_call_into_c_that_never_returns_ends_the_command_soon_after_its_manager_is_lost(
+    run: Start, call: str
+) -> None:
     begun = time.monotonic()
     status, out, err = ended(run(call, "--json"))
 
@@ -99,7 +101,7 @@ def test_a_call_into_c_that_does_not_come_back_ends_the_command_soon_after_it_is
 
 
 @pytest.mark.parametrize("call", ["time.sleep(100)", IN_C])
-def test_a_polite_kill_ends_a_command_whose_control_thread_is_stuck(run: Start, call: str) -> None:
+def test_sigterm_ends_a_command_whose_control_thread_is_stuck(run: Start, call: str) -> None:
     process = run(f"print('stuck', flush=True); {call}")
     assert process.stdout is not None
     assert any("stuck" in line for line in process.stdout)
@@ -111,7 +113,7 @@ def test_a_polite_kill_ends_a_command_whose_control_thread_is_stuck(run: Start, 
     assert time.monotonic() - begun < 6.0
 
 
-def test_output_of_a_primitive_even_from_c_never_mixes_with_the_json_answer(run: Start) -> None:
+def test_output_of_a_primitive_even_from_c_is_not_mixed_into_the_json_answer(run: Start) -> None:
     chatter = "print('chatter'); os.write(1, b'more chatter'); sys.stdout.write('and more')"
     status, out, err = ended(run(chatter, "--json"))
 
@@ -121,7 +123,7 @@ def test_output_of_a_primitive_even_from_c_never_mixes_with_the_json_answer(run:
     assert "more chatter" in err
 
 
-def test_the_answer_of_a_module_run_by_itself_stays_one_object_too(start: Start, tmp_path: Path) -> None:
+def test_running_a_single_module_prints_exactly_one_json_object(start: Start, tmp_path: Path) -> None:
     scene = str(tiny_scene(tmp_path))
     status, out, err = ended(start("print('chatter')", "module", "run", "leap", "--scene", scene, "--fake", "--json"))
 
@@ -140,7 +142,7 @@ def test_a_thread_that_a_primitive_leaves_behind_is_named_and_does_not_hold_the_
     assert time.monotonic() - begun < 25.0
 
 
-def test_an_overrun_is_told_in_one_line_with_the_authors_own_line(run: Start) -> None:
+def test_an_overrun_is_reported_in_one_line_with_the_line_of_the_plug_in(run: Start) -> None:
     status, _, err = ended(run("exec('while True: pass')"))
 
     assert status == 1, err
@@ -167,7 +169,7 @@ EVIL_POINTS = (
 
 
 @pytest.mark.parametrize("command", ["plugins", "skills", "doctor", "check-plugin"])
-def test_an_object_that_ends_the_program_when_it_is_looked_at_ends_no_command(start: Start, command: str) -> None:
+def test_a_plug_in_object_that_raises_system_exit_does_not_end_the_command(start: Start, command: str) -> None:
     points = f"{EVIL_POINTS}\n[skiros.planners]\nliar = sk_leaping:LIAR"
     more = EVIL_CLASS.replace("class Evil(", "class Leap2(") + "\nLeap = Leap2\n"
     status, out, err = ended(start("pass", command, more=more, points=points), 60.0)
@@ -177,24 +179,24 @@ def test_an_object_that_ends_the_program_when_it_is_looked_at_ends_no_command(st
     assert "leap" in out + err
 
 
-def test_an_interrupt_that_a_plug_in_raises_by_itself_is_its_fault_and_not_the_users_wish(start: Start) -> None:
+def test_a_keyboard_interrupt_raised_by_a_plug_in_is_a_fault_and_not_a_request_of_the_user(start: Start) -> None:
     status, out, err = ended(start("pass", "plugins", more="raise KeyboardInterrupt\n"))
 
     assert status == 0, err
     assert "KeyboardInterrupt" in out
 
 
-def test_a_text_without_a_stack_stays_as_it_is() -> None:
+def test_a_text_without_a_stack_is_unchanged() -> None:
     assert brief("first\nsecond") == "first\nsecond"
 
 
-def test_a_text_with_a_stack_keeps_the_innermost_line_that_is_neither_ours_nor_pythons() -> None:
+def test_a_text_with_a_stack_keeps_the_innermost_line_outside_the_platform_and_python() -> None:
     stack = f'  File "/own/skill.py", line 3, in hop\n  File "{json.__file__}", line 9, in loads'
 
     assert brief(f"it broke\n{stack}") == "it broke (/own/skill.py:3 in hop)"
 
 
-def test_a_reader_that_leaves_ends_the_command_without_a_word() -> None:
+def test_a_closed_output_pipe_ends_the_command_silently() -> None:
     for arguments in (("scene", "show", "kitting"), ("world", "query", "kitting", "SELECT * {?a ?b ?c}")):
         with subprocess.Popen(
             [sys.executable, "-m", "skiros_py.cli", *arguments],

@@ -23,7 +23,9 @@ def sides(scene: Path) -> dict[str, set[str]]:
 
 
 @pytest.mark.parametrize("names", [("north", "south"), ("south", "north")])
-def test_robots_keep_to_their_side_whatever_docking_places_are_called(tmp_path: Path, names: tuple[str, str]) -> None:
+def test_robots_keep_to_their_side_regardless_of_the_names_of_docking_places(
+    tmp_path: Path, names: tuple[str, str]
+) -> None:
     scene = tmp_path / "two.ttl"
     text = SCENE.read_text().replace("_north", "_*").replace("_south", f"_{names[1]}").replace("_*", f"_{names[0]}")
     scene.write_text(text)

@@ -46,7 +46,7 @@ def test_python_examples_run_as_printed(page, tmp_path):
     assert checks or "goal reached" in done.stdout
 
 
-def test_the_record_of_a_run_is_read_as_the_manual_says(tmp_path):
+def test_the_recording_of_a_run_is_read_as_documented(tmp_path):
     cli.main(args=["run", "kitting", "--fake", "--data", str(tmp_path)], standalone_mode=False)
     example = {}
     exec("\n".join(blocks(ROOT / "docs" / "how-to" / "records.md", "python")), example)
@@ -60,7 +60,7 @@ def test_the_record_of_a_run_is_read_as_the_manual_says(tmp_path):
     assert all(len(place) == 2 for place in way)
 
 
-def test_the_small_scene_of_the_manual_plans_and_runs(tmp_path, monkeypatch, capsys):
+def test_the_small_scene_of_the_docs_is_planned_and_runs(tmp_path, monkeypatch, capsys):
     page = ROOT / "docs" / "scenes.md"
     (tmp_path / "small.ttl").write_text(blocks(page, "turtle")[0], encoding="utf-8")
     monkeypatch.chdir(tmp_path)
@@ -72,7 +72,7 @@ def test_the_small_scene_of_the_manual_plans_and_runs(tmp_path, monkeypatch, cap
     assert "goal reached" in capsys.readouterr().out
 
 
-def test_the_second_robot_of_the_manual_comes_into_the_small_scene(tmp_path, capsys):
+def test_the_second_robot_of_the_docs_can_be_added_to_the_small_scene(tmp_path, capsys):
     small, second, *_ = blocks(ROOT / "docs" / "scenes.md", "turtle")
     (tmp_path / "two.ttl").write_text(small + second, encoding="utf-8")
 
@@ -82,7 +82,7 @@ def test_the_second_robot_of_the_manual_comes_into_the_small_scene(tmp_path, cap
     assert "gripper_2" in capsys.readouterr().out
 
 
-def test_the_world_commands_of_the_manual_work(tmp_path, monkeypatch, capsys):
+def test_the_world_commands_of_the_docs_work(tmp_path, monkeypatch, capsys):
     from skiros_py.station.worlds import open_data
     from skiros_py.world.branches import learn
     from skiros_py.world.change import Writer
@@ -103,7 +103,7 @@ def test_the_world_commands_of_the_manual_work(tmp_path, monkeypatch, capsys):
         assert capsys.readouterr().out or "save" in line or "diff" in line, line
 
 
-def test_the_commands_of_the_manual_for_a_served_station_work(tmp_path, monkeypatch, capsys):
+def test_the_commands_of_the_docs_for_a_served_station_work(tmp_path, monkeypatch, capsys):
     page = ROOT / "docs" / "rest" / "commands.md"
     monkeypatch.chdir(tmp_path)
     lines = [line[2:] for block in blocks(page, "console") for line in block.splitlines()]
@@ -118,7 +118,7 @@ def test_the_commands_of_the_manual_for_a_served_station_work(tmp_path, monkeypa
 @pytest.mark.parametrize(
     "page", [p for p in PAGES if p.parent.name == "rest" and blocks(p, "python")], ids=lambda p: p.name
 )
-def test_what_the_examples_for_a_server_import_is_there(page):
+def test_everything_imported_by_the_server_examples_exists(page):
     statements = ast.parse("\n".join(blocks(page, "python"))).body
 
     exec(
@@ -126,7 +126,7 @@ def test_what_the_examples_for_a_server_import_is_there(page):
     )
 
 
-def test_the_client_of_the_manual_orders_a_job(tmp_path):
+def test_the_client_example_of_the_docs_orders_a_job(tmp_path):
     example = {}
     for block in blocks(ROOT / "docs" / "rest" / "client.md", "python"):
         exec(block, example)
@@ -137,7 +137,7 @@ def test_the_client_of_the_manual_orders_a_job(tmp_path):
     assert outcome == "succeeded"
 
 
-def test_the_part_of_the_manual_is_a_valid_class(tmp_path):
+def test_the_example_part_of_the_docs_is_a_valid_class(tmp_path):
     from skiros_py.config import ontology_paths
     from skiros_py.geometry import Solid
     from skiros_py.world.ontology import Ontology
@@ -158,7 +158,7 @@ def test_the_part_of_the_manual_is_a_valid_class(tmp_path):
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
-def test_links_between_pages_lead_somewhere(page):
+def test_links_between_pages_have_existing_targets(page):
     links = re.findall(r"\]\(([^)#:]+)\)", page.read_text(encoding="utf-8"))
 
     missing = [link for link in links if not (page.parent / link).exists()]

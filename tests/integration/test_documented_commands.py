@@ -115,13 +115,13 @@ def fault_of_file(file: str, options: list[str]) -> str:
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES if any(commands(page))], ids=lambda page: page.stem)
-def test_commands_that_a_reader_is_told_to_type_exist_with_their_options(page: Path) -> None:
+def test_documented_commands_and_their_options_exist(page: Path) -> None:
     faults = {command: said for command in commands(page) if (said := fault(command))}
 
     assert faults == {}
 
 
-def test_a_wrong_command_would_be_found() -> None:
+def test_the_check_of_documented_commands_finds_a_wrong_command() -> None:
     wrong = (
         "skiros rum kitting", "skiros run kitting --sead 1", "skiros world hystory", "uv run --group tests pytest",
         "uv run --group test pytest tests/no", "uv run python benchmarks/no.py", "pip install 'skiros-py[no]'",
@@ -131,7 +131,7 @@ def test_a_wrong_command_would_be_found() -> None:
     assert [command for command in wrong if not fault(command)] == []
 
 
-def test_the_first_commands_of_readme_are_the_two_that_ci_takes_from_it() -> None:
+def test_ci_takes_the_first_two_commands_of_the_readme() -> None:
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     run, test = re.findall(r"^    (.*uv run .*)$", text, re.MULTILINE)[:2]
 

@@ -36,7 +36,7 @@ def session(scene: Path) -> Iterator[Session]:
         yield opened
 
 
-def test_any_alternator_comes_into_some_compartment_of_the_kit_and_the_robot_ends_at_the_box(session: Session) -> None:
+def test_the_plan_puts_an_alternator_into_the_kit_and_ends_at_the_box(session: Session) -> None:
     outcome = session.plan().outcome
 
     assert isinstance(outcome, Plan)
@@ -46,7 +46,7 @@ def test_any_alternator_comes_into_some_compartment_of_the_kit_and_the_robot_end
     assert outcome.steps[-1].arguments["Location"] == "large_box_3"
 
 
-def test_the_robots_reach_it(session: Session) -> None:
+def test_the_robot_reaches_the_goal_of_figure_five(session: Session) -> None:
     report = session.run()
 
     assert report.reached
@@ -55,7 +55,7 @@ def test_the_robots_reach_it(session: Session) -> None:
     assert session.world.related("kit_9", "sk:hasA", compartment)
 
 
-def test_the_box_must_be_one_of_the_scene(scene: Path) -> None:
+def test_a_class_is_refused_where_a_box_of_the_scene_is_needed(scene: Path) -> None:
     needed = "Box is a class; RobotAtLocation needs one element of the scene: .*large_box_3"
 
     options = Options(fake=True, goal="RobotAtLocation(robot_1, Box)")

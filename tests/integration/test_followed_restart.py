@@ -45,7 +45,7 @@ def watching(data: Path) -> subprocess.Popen[str]:
     return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
 
-def test_a_job_is_followed_over_a_restart_at_another_address(tmp_path: Path) -> None:
+def test_a_job_is_followed_across_a_restart_at_another_address(tmp_path: Path) -> None:
     with ServerProcess("kitting", "--fake", data=tmp_path) as first:
         with first.client() as client:
             client.jobs.put("kept", JobOrder(goal="InKit(Starter, kit_1)"), start=False)

@@ -326,7 +326,7 @@ def test_a_cyclic_net_with_two_tokens_runs_as_a_document(cell: Cell) -> None:
     assert len(ids) == len(set(ids))
 
 
-def test_a_net_is_drawn_with_its_ring_and_labels(cell: Cell) -> None:
+def test_a_net_is_drawn_with_its_cycle_and_labels(cell: Cell) -> None:
     cell.write("net", "line", net())
 
     root, *_ = nodes_of(cell.session.managers.documents["net:line"].behaviour, "body")
@@ -380,7 +380,9 @@ DRIVE = {"type": "do", "module": "drive_base"}
         "unknown device",
     ],
 )
-def test_a_module_that_the_station_does_not_offer_is_refused_with_its_place(cell: Cell, wrong: Any, said: str) -> None:
+def test_a_document_that_calls_a_missing_module_is_refused_with_the_place_of_the_call(
+    cell: Cell, wrong: Any, said: str
+) -> None:
     tree = {"parameters": [MOVER], "body": {"type": "sequence", "children": [note("a"), wrong]}}
 
     faults = cell.faults("tree", tree)
@@ -392,7 +394,7 @@ def test_a_module_that_the_station_does_not_offer_is_refused_with_its_place(cell
     assert cell.documents.all("tree").documents == ()
 
 
-def test_a_document_may_call_itself_where_a_condition_ends_it(cell: Cell) -> None:
+def test_a_document_may_call_itself_if_a_condition_ends_the_recursion(cell: Cell) -> None:
     again = {"type": "sequence", "children": [note("again"), {"type": "do", "module": "tree:again"}]}
 
     assert cell.write("tree", "again", again).revision
@@ -434,7 +436,7 @@ def test_a_reactive_node_cancels_one_child_for_the_other(cell: Cell) -> None:
     assert "tree:watch/body/away" in cancelled
 
 
-def test_a_document_calls_another_one_and_a_removed_one_is_gone(cell: Cell) -> None:
+def test_a_document_calls_another_one_but_not_a_removed_one(cell: Cell) -> None:
     cell.write("tree", "inner", note("deep"))
     cell.write("tree", "outer", {"type": "do", "module": "tree:inner"})
     cell.run("tree:outer")
@@ -477,7 +479,7 @@ def test_a_run_keeps_its_revision_while_its_document_is_edited_and_the_recording
     assert [one["behaviour"]["wanted"] for one in kept] == [2, 1]
 
 
-def test_two_new_documents_that_call_each_other_are_written_one_after_the_other(cell: Cell) -> None:
+def test_two_new_documents_that_call_each_other_can_be_written_one_after_the_other(cell: Cell) -> None:
     calls = {"type": "sequence", "children": [note("there"), {"type": "do", "module": "tree:back"}]}
 
     first = cell.write("tree", "there", calls)
@@ -489,7 +491,7 @@ def test_two_new_documents_that_call_each_other_are_written_one_after_the_other(
     assert cell.run("tree:there") == Success("back")
 
 
-def test_a_call_of_a_document_that_was_removed_is_a_problem_of_those_that_call_it(cell: Cell) -> None:
+def test_removing_a_document_is_reported_as_a_problem_of_its_callers(cell: Cell) -> None:
     cell.write("tree", "inner", note("deep"))
     cell.write("tree", "outer", {"type": "do", "module": "tree:inner"})
     cell.documents.remove("tree", "inner")
@@ -498,7 +500,7 @@ def test_a_call_of_a_document_that_was_removed_is_a_problem_of_those_that_call_i
     assert [fault.place for fault in cell.faults("tree", {"type": "do", "module": "grove:inner"})] == [""]
 
 
-def test_documents_are_offered_again_by_the_next_session(cell: Cell) -> None:
+def test_the_next_session_offers_stored_documents(cell: Cell) -> None:
     cell.write("tree", "hello", note("hello"))
     cell.session.managers.documents.clear()
 
@@ -520,7 +522,7 @@ def test_a_document_is_exported_and_imported_as_text(cell: Cell) -> None:
     assert cell.documents.get("tree", "copy").revision == again.revision
 
 
-def test_the_palette_names_nodes_from_outside_with_their_fields(cell: Cell) -> None:
+def test_the_palette_lists_plug_in_nodes_with_their_fields(cell: Cell) -> None:
     kinds = {kind.kind: kind for kind in cell.documents.kinds().kinds}
     entries = {entry.kind: entry for entry in kinds["tree"].palette}
 
@@ -539,9 +541,7 @@ def test_the_palette_names_nodes_from_outside_with_their_fields(cell: Cell) -> N
         ("edges", r"its edges\(\) join itself \(''\) and its children, not 'nowhere'"),
     ],
 )
-def test_a_node_that_does_not_say_what_it_is_is_refused_with_its_place_and_not_stored(
-    cell: Cell, how: str, reason: str
-) -> None:
+def test_a_node_without_a_type_is_refused_with_its_place_and_not_stored(cell: Cell, how: str, reason: str) -> None:
     tree = {"type": "sequence", "children": [note("a"), {"type": "odd", "how": how}]}
 
     with pytest.raises(UsageError, match=rf"tree:bad: 1 \(odd\): .*{reason}"):
@@ -552,7 +552,7 @@ def test_a_node_that_does_not_say_what_it_is_is_refused_with_its_place_and_not_s
 
 
 @pytest.mark.parametrize(("how", "reason"), [("raises", "no kind today"), ("hangs", "did not end within 0.2 s")])
-def test_a_stored_document_that_cannot_be_read_any_more_is_set_aside_and_can_be_removed(
+def test_a_stored_document_that_is_no_longer_readable_is_set_aside_and_can_be_removed(
     cell: Cell, monkeypatch: pytest.MonkeyPatch, how: str, reason: str
 ) -> None:
     monkeypatch.setattr("skiros_py.station.documents._PATIENCE", 0.2)
@@ -584,7 +584,7 @@ def test_a_stored_document_that_cannot_be_read_any_more_is_set_aside_and_can_be_
         ({"how": 3}, ("children[0].how", "it must be str, not 3")),
     ],
 )
-def test_a_field_of_another_type_than_its_nodes_class_declares_is_refused_with_its_place(
+def test_a_field_with_the_wrong_type_is_refused_with_its_place(
     cell: Cell, fields: dict[str, Any], fault: tuple[str, str]
 ) -> None:
     tree = {"type": "sequence", "children": [{"type": "odd", "how": "fine", **fields}]}
@@ -595,7 +595,7 @@ def test_a_field_of_another_type_than_its_nodes_class_declares_is_refused_with_i
     assert cell.faults("tree", {"type": "odd", "how": "fine", "seconds": 2, "until": None}) == ()
 
 
-def test_events_of_nodes_and_of_called_documents_carry_the_run_around_them(cell: Cell) -> None:
+def test_events_of_nodes_and_called_documents_carry_the_enclosing_run(cell: Cell) -> None:
     cell.write("tree", "inner", {"type": "sequence", "children": [{"type": "odd", "how": "fine"}]})
     cell.write("tree", "outer", {"type": "sequence", "children": [{"type": "do", "module": "tree:inner"}]})
 

@@ -65,7 +65,7 @@ def faults_of(faults: tuple[PluginFault, ...], distribution: str) -> dict[str, s
     return {fault.name: fault.reason for fault in faults if fault.distribution == f"{distribution} 0.3"}
 
 
-def test_what_a_distribution_brings_is_used(install: Install, tmp_path: Path) -> None:
+def test_everything_that_a_distribution_provides_is_used(install: Install, tmp_path: Path) -> None:
     install("sk_good", {"skills": {"hop": "HOP"}, "conditions": {"TinyAt": "AT"}}, GOOD)
 
     with opened(tmp_path) as session:
@@ -75,9 +75,7 @@ def test_what_a_distribution_brings_is_used(install: Install, tmp_path: Path) ->
         assert session.run(["TinyAt(robot_1, box_a)"]).reached
 
 
-def test_skills_that_cannot_work_here_are_left_out_and_reported_and_the_rest_is_used(
-    install: Install, tmp_path: Path
-) -> None:
+def test_unusable_skills_are_reported_and_left_out_and_the_others_are_used(install: Install, tmp_path: Path) -> None:
     install("sk_good", {"skills": {"hop": "HOP"}, "conditions": {"TinyAt": "AT"}}, GOOD)
     install("sk_bad", {"skills": {"fly": "FLY", "swim": "SWIM"}}, BAD)
 
@@ -103,7 +101,7 @@ def test_a_module_that_raises_on_import_does_not_affect_others(install: Install,
 
 @pytest.mark.parametrize("kind", ["skills", "primitives", "conditions", "planners"])
 @pytest.mark.parametrize(("text", "type_"), [("X = 5", "int"), ("X = None", "NoneType"), ("X = 'drive'", "str")])
-def test_an_entry_point_that_names_something_else_is_refused_by_its_type(
+def test_an_entry_point_of_the_wrong_type_is_refused_and_names_the_type(
     install: Install, kind: str, text: str, type_: str
 ) -> None:
     install(f"sk_wrong_{kind}_{type_}", {kind: {"odd": "X"}}, text)
@@ -149,7 +147,7 @@ DROP = pretend(replace(PLACE, name="drop", pre=(*PLACE.pre, LUCKY("Ball", "Slot"
 """
 
 
-def test_worlds_are_opened_with_the_reasoners_of_a_distribution_and_the_others_are_reported(
+def test_worlds_use_the_working_reasoners_of_a_distribution_and_report_the_others(
     install: Install, tmp_path: Path
 ) -> None:
     install("sk_lucky", {"reasoners": {"luck": "Luck", "near": "Nearer"}}, REASONERS)
@@ -163,7 +161,7 @@ def test_worlds_are_opened_with_the_reasoners_of_a_distribution_and_the_others_a
         }
 
 
-def test_a_skill_that_asks_for_what_no_reasoner_computes_is_left_out_and_reported(
+def test_a_skill_that_needs_a_relation_without_a_reasoner_is_left_out_and_reported(
     install: Install, tmp_path: Path
 ) -> None:
     install("sk_asking", {"skills": {"drop": "DROP"}}, ASKING)
@@ -207,7 +205,7 @@ def test_opening_a_world_reports_failed_plug_ins_once_on_stderr(
     assert any("no ontology declares paint:likeColour below sk:computed" in line for line in told)
 
 
-def test_faults_are_listed_by_the_command_line(install: Install) -> None:
+def test_the_command_line_lists_faulty_plug_ins(install: Install) -> None:
     install("sk_typo", {"skills": {"dive": "DIVE"}}, "")
 
     answer = json.loads(CliRunner().invoke(cli, ["skills", "--json"]).output)

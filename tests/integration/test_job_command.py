@@ -33,7 +33,7 @@ def job(server: ServerProcess, *arguments: str) -> subprocess.CompletedProcess[s
     return skiros("job", *arguments, "--data", str(server.data))
 
 
-def test_a_watched_job_ends_with_the_status_of_what_came_of_it(server: ServerProcess) -> None:
+def test_watching_a_job_exits_with_the_status_of_its_outcome(server: ServerProcess) -> None:
     done = job(server, "submit", STARTER, "--id", "watched", "--watch", "--json")
 
     told = json.loads(done.stdout)
@@ -42,14 +42,14 @@ def test_a_watched_job_ends_with_the_status_of_what_came_of_it(server: ServerPro
     assert "place starter_1" in done.stderr
 
 
-def test_without_a_plan_the_status_is_three(server: ServerProcess) -> None:
+def test_a_job_without_a_plan_exits_with_status_three(server: ServerProcess) -> None:
     done = job(server, "submit", "ObjectAtLocation(starter_1, pallet_b)", "--watch")
 
     assert done.returncode == 3
     assert "pallet_b is not a Compartment" in done.stdout
 
 
-def test_a_held_back_job_takes_commands_until_it_is_removed(server: ServerProcess) -> None:
+def test_a_job_that_may_not_start_yet_accepts_commands_until_it_is_removed(server: ServerProcess) -> None:
     assert job(server, "submit", STARTER, "--id", "held", "--hold").returncode == 0
     assert "NotAllowedToStart" in job(server, "show", "held").stdout
     assert job(server, "cancel", "held", "--json").stdout.startswith('{"id": "held", "removed": true')
@@ -59,14 +59,14 @@ def test_a_held_back_job_takes_commands_until_it_is_removed(server: ServerProces
     assert "unknown job 'held'" in gone.stderr
 
 
-def test_a_goal_that_is_not_understood_is_shown_with_the_place(server: ServerProcess) -> None:
+def test_a_goal_that_does_not_parse_is_shown_with_the_place_of_the_error(server: ServerProcess) -> None:
     refused = job(server, "submit", "InKit(Starter", "--json")
 
     assert refused.returncode == json.loads(refused.stdout)["status"] == 2
     assert "column 14" in refused.stderr
 
 
-def test_a_preview_moves_nothing(server: ServerProcess) -> None:
+def test_a_preview_does_not_move_the_robot(server: ServerProcess) -> None:
     before = len(json.loads(job(server, "list", "--json").stdout)["jobs"])
     shown = job(server, "preview", "InKit(Alternator, kit_1)", "--json")
 
@@ -99,7 +99,7 @@ def test_a_stop_from_the_shell_holds_until_a_reset(server: ServerProcess) -> Non
     assert not json.loads(skiros("reset", *data, "--json").stdout)["halted"]
 
 
-def test_jobs_can_be_looked_at_when_the_server_is_gone_and_go_on_when_it_is_back(tmp_path: Path) -> None:
+def test_jobs_can_be_read_without_a_server_and_continue_when_it_is_back(tmp_path: Path) -> None:
     with ServerProcess("kitting", "--fake", data=tmp_path) as server:
         assert job(server, "submit", STARTER, "--id", "kept", "--hold").returncode == 0
         server.kill()

@@ -23,7 +23,7 @@ def order(id_: str, goal: str) -> JobOrder:
     return JobOrder(id=id_, goal=(goal,))
 
 
-def test_each_part_is_told_with_where_it_came_from_and_where_it_lies(tmp_path: Path) -> None:
+def test_each_part_is_reported_with_its_origin_and_its_final_place(tmp_path: Path) -> None:
     with Session("kitting", Options(fake=True, data=tmp_path / "data")) as session:
         session.jobs.submit(order("a", "InKit(Starter, kit_1) and InKit(Alternator, kit_1)"))
         session.run_jobs()
@@ -36,7 +36,7 @@ def test_each_part_is_told_with_where_it_came_from_and_where_it_lies(tmp_path: P
     assert [place for *_, place in told] == places
 
 
-def test_a_part_that_was_picked_in_an_earlier_life_is_told_from_where_it_lay_at_first(tmp_path: Path) -> None:
+def test_a_part_picked_before_a_restart_is_reported_with_its_original_place(tmp_path: Path) -> None:
     with Session("kitting", Options(fake=True, data=tmp_path / "data")) as session:
         session.jobs.submit(order("a", "InKit(Starter, kit_1)"))
         until(session, "pick")
@@ -49,7 +49,7 @@ def test_a_part_that_was_picked_in_an_earlier_life_is_told_from_where_it_lay_at_
         assert (origin, place) == ("pallet_a", session.world.placement("starter_1").place)
 
 
-def test_what_another_job_moves_after_one_was_halted_is_not_told_of_it(tmp_path: Path) -> None:
+def test_parts_moved_by_another_job_are_not_reported_for_a_halted_job(tmp_path: Path) -> None:
     with Session("kitting", Options(fake=True, data=tmp_path / "data")) as session:
         session.jobs.submit(order("a", "InKit(Starter, kit_1)"))
         until(session, "drive")

@@ -46,7 +46,7 @@ def step_until(session, reached, cycles=20_000):
     raise AssertionError("it was never reached")
 
 
-def test_a_job_is_done_and_says_what_became_of_each_condition(session):
+def test_a_finished_job_reports_the_result_of_each_condition(session):
     session.jobs.submit(order("a", f"{STARTER} and {ALTERNATOR}"))
     session.run_jobs()
     job = session.jobs.job("a")
@@ -55,7 +55,7 @@ def test_a_job_is_done_and_says_what_became_of_each_condition(session):
     assert len(job.plan) == 8
 
 
-def test_a_goal_that_holds_already_is_an_outcome_of_its_own(session):
+def test_a_goal_that_already_holds_has_its_own_outcome(session):
     session.jobs.submit(order("a"))
     session.jobs.submit(order("b"))
     session.run_jobs()
@@ -70,7 +70,7 @@ def test_a_job_without_a_plan_is_aborted_with_the_reasons(session):
     assert "starter_1" in job.reasons[0]
 
 
-def test_jobs_start_by_priority_then_deadline_then_order(session):
+def test_jobs_start_by_priority_then_deadline_then_time_of_order(session):
     begun = []
     session.jobs.subscribe(lambda job: job.detail == "planning" and job.id not in begun and begun.append(job.id))
     soon, later = (datetime.now(UTC) + timedelta(hours=hours) for hours in (1, 2))
@@ -85,13 +85,13 @@ def test_jobs_start_by_priority_then_deadline_then_order(session):
     assert begun == ["first", "soon", "later", "last"]
 
 
-def test_a_job_waits_behind_its_start_gate(session):
+def test_a_job_does_not_start_before_its_earliest_start_time(session):
     session.jobs.submit(order("a", not_before=datetime.now(UTC) + timedelta(hours=1)))
     session.run_jobs()
     assert session.jobs.job("a").state is JobState.ALLOWED_TO_START
 
 
-def test_a_job_that_expires_is_not_begun_after_its_deadline(session):
+def test_an_expiring_job_is_not_started_after_its_deadline(session):
     past = datetime.now(UTC) - timedelta(seconds=1)
     session.jobs.submit(order("a", deadline=past, expires=True))
     session.jobs.submit(order("b", deadline=past))
@@ -101,7 +101,7 @@ def test_a_job_that_expires_is_not_begun_after_its_deadline(session):
     assert session.jobs.job("b").late
 
 
-def test_the_same_order_twice_is_one_job(session):
+def test_ordering_the_same_job_twice_creates_one_job(session):
     first = session.jobs.submit(order("a"))
     assert session.jobs.submit(order("a")) == first
     assert len(session.jobs.store.page().jobs) == 1
@@ -119,7 +119,7 @@ def test_an_unparsable_goal_is_refused_and_not_stored(session):
     assert not session.jobs.store.page().jobs
 
 
-def test_without_leave_to_start_nothing_starts(session):
+def test_a_job_that_is_not_allowed_to_start_does_not_start(session):
     session.jobs.submit(order("a"), start=False)
     session.run_jobs()
     assert states(session)["a"] == (JobState.NOT_ALLOWED_TO_START, None)
@@ -132,7 +132,7 @@ def test_without_leave_to_start_nothing_starts(session):
     assert states(session)["a"] == (JobState.ENDED, Outcome.SUCCEEDED)
 
 
-def test_a_paused_job_stands_and_goes_on(session):
+def test_a_paused_job_stands_still_and_continues_after_resume(session):
     session.jobs.submit(order("a"))
     step_until(session, lambda: session.jobs.job("a").detail == "running")
     session.jobs.pause("a", "somebody walks by")
@@ -149,7 +149,7 @@ def test_a_paused_job_stands_and_goes_on(session):
     ("command", "state", "outcome"),
     [("stop", JobState.ENDED, Outcome.STOPPED), ("abort", JobState.ABORTED, Outcome.ABORTED)],
 )
-def test_a_running_job_can_be_ended_also_twice(session, command, state, outcome):
+def test_a_running_job_can_be_ended_and_ending_it_again_changes_nothing(session, command, state, outcome):
     session.jobs.submit(order("a"))
     step_until(session, lambda: session.jobs.job("a").detail == "running")
     getattr(session.jobs, command)("a", "enough")
@@ -159,7 +159,7 @@ def test_a_running_job_can_be_ended_also_twice(session, command, state, outcome)
     assert not session.tasks.active
 
 
-def test_a_job_that_has_not_begun_can_be_cancelled_and_one_that_is_over_cleared(session):
+def test_a_queued_job_can_be_cancelled_and_a_finished_one_cleared(session):
     session.jobs.submit(order("a"))
     session.jobs.cancel("a")
     session.jobs.submit(order("b"))
@@ -172,7 +172,7 @@ def test_a_job_that_has_not_begun_can_be_cancelled_and_one_that_is_over_cleared(
     assert not session.jobs.store.page().jobs
 
 
-def test_everything_is_still_there_after_a_restart(data):
+def test_jobs_and_their_details_survive_a_restart(data):
     with Session("kitting", Options(fake=True, data=data)) as session:
         session.jobs.submit(order("a"))
         session.run_jobs()
@@ -205,7 +205,7 @@ def run_until(data, module, status="started"):
                 break
 
 
-def test_after_a_kill_in_mid_motion_the_job_waits_for_a_person(data):
+def test_after_a_kill_during_a_motion_the_job_waits_for_a_person(data):
     run_until(data, "pick")
     with Session("kitting", Options(fake=True, data=data)) as session:
         job = session.jobs.job("a")
@@ -225,7 +225,7 @@ def test_after_a_kill_a_retry_succeeds_and_repeats_nothing(data):
         assert [i.skill for i in done] == ["drive", "pick", "drive", "place"]
 
 
-def test_after_a_kill_what_a_person_has_done_is_not_done_again(data):
+def test_after_a_kill_steps_done_by_a_person_are_not_repeated(data):
     run_until(data, "pick")
     with Session("kitting", Options(fake=True, data=data)) as session:
         session.jobs.answer("a", "done by hand", by="ann")
@@ -252,7 +252,7 @@ def test_an_answer_that_was_not_offered_is_refused(data):
         session.jobs.answer("a", "later", by="ann")
 
 
-def test_two_jobs_that_want_one_robot_are_done_one_after_the_other(session):
+def test_two_jobs_that_need_the_same_robot_run_one_after_the_other(session):
     session.jobs.submit(order("a", STARTER, policy=Policy(rest=False)))
     session.jobs.submit(order("b", ALTERNATOR))
     session.run_jobs()
@@ -261,7 +261,7 @@ def test_two_jobs_that_want_one_robot_are_done_one_after_the_other(session):
     assert (first.outcome, second.outcome) == (Outcome.SUCCEEDED, Outcome.SUCCEEDED)
 
 
-def test_a_job_says_how_it_went_in_sentences(session):
+def test_the_trace_of_a_job_can_be_read_as_sentences(session):
     session.jobs.submit(order("a"))
     session.run_jobs()
     texts = " ".join(entry["text"] for entry in session.jobs.trace("a"))

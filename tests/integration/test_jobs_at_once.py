@@ -56,7 +56,7 @@ def succeeded(job: Job) -> bool:
     return (job.state, job.outcome) == (JobState.ENDED, Outcome.SUCCEEDED)
 
 
-def test_two_jobs_run_side_by_side_each_by_a_robot_of_its_own(session: Session, jobs: JobManager) -> None:
+def test_two_jobs_run_in_parallel_each_on_its_own_robot(session: Session, jobs: JobManager) -> None:
     jobs.submit(order("a", NORTH))
     jobs.submit(order("b", SOUTH))
     until(session, lambda: jobs.idle)
@@ -67,7 +67,9 @@ def test_two_jobs_run_side_by_side_each_by_a_robot_of_its_own(session: Session, 
     assert times(jobs, "b", "started")[0] < times(jobs, "a", "ended")[0]
 
 
-def test_no_more_jobs_are_under_way_than_wanted_and_the_next_one_follows(session: Session, jobs: JobManager) -> None:
+def test_no_more_jobs_run_at_once_than_the_limit_and_the_next_one_starts_afterwards(
+    session: Session, jobs: JobManager
+) -> None:
     for id_, goal in (("a", NORTH), ("b", SOUTH), ("c", MORE)):
         jobs.submit(order(id_, goal))
     together: list[int] = []
@@ -77,7 +79,7 @@ def test_no_more_jobs_are_under_way_than_wanted_and_the_next_one_follows(session
     assert all(map(succeeded, jobs.store.page().jobs))
 
 
-def test_a_job_that_wants_the_part_of_another_one_waits_for_its_end_and_plans_with_what_is_so_then(
+def test_a_job_that_needs_a_part_of_another_job_waits_for_it_and_plans_with_the_resulting_world(
     session: Session, jobs: JobManager
 ) -> None:
     jobs.submit(order("a", NORTH))
@@ -91,7 +93,7 @@ def test_a_job_that_wants_the_part_of_another_one_waits_for_its_end_and_plans_wi
     assert any("(a)" in entry["text"] for entry in jobs.trace("b") if entry["what"] == "waits")
 
 
-def test_stopping_one_job_leaves_the_other_one_alone(session: Session, jobs: JobManager) -> None:
+def test_stopping_one_job_does_not_affect_the_other(session: Session, jobs: JobManager) -> None:
     jobs.submit(order("a", NORTH))
     jobs.submit(order("b", SOUTH))
     until(session, lambda: len(running(jobs)) == 2 and session.cycle.board.now > 7.0)
@@ -102,7 +104,7 @@ def test_stopping_one_job_leaves_the_other_one_alone(session: Session, jobs: Job
     assert succeeded(jobs.job("b"))
 
 
-def test_a_halt_in_the_cycle_in_which_a_job_begins_holds_it_for_a_person(session: Session, jobs: JobManager) -> None:
+def test_a_halt_in_the_first_cycle_of_a_job_holds_it_for_a_person(session: Session, jobs: JobManager) -> None:
     jobs.submit(order("a", NORTH))
     until(session, lambda: running(jobs))
     session.cycle.stop_all("somebody hit the button")
@@ -115,7 +117,7 @@ def test_a_halt_in_the_cycle_in_which_a_job_begins_holds_it_for_a_person(session
     assert succeeded(jobs.job("a"))
 
 
-def test_after_a_halt_both_jobs_are_held_and_both_are_done_after_a_retry(session: Session, jobs: JobManager) -> None:
+def test_after_a_halt_both_jobs_are_held_and_a_retry_finishes_both(session: Session, jobs: JobManager) -> None:
     jobs.submit(order("a", NORTH))
     jobs.submit(order("b", SOUTH))
     until(session, lambda: session.cycle.board.now > 7.0)

@@ -27,7 +27,7 @@ def _skiros(*arguments: str) -> subprocess.CompletedProcess[str]:
     )
 
 
-def test_a_key_made_in_the_shell_opens_the_server_and_one_revoked_there_shuts_it(tmp_path: Path) -> None:
+def test_a_key_created_in_the_shell_gives_access_until_it_is_revoked_there(tmp_path: Path) -> None:
     data = tmp_path / "data"
     with serving("kitting", data) as served, httpx2.Client(base_url=f"{served.url}/api/v1") as client:
         made = _skiros("create", "line 1", "--role", "mes", "--expires", "90d", "--data", str(data))
@@ -43,7 +43,7 @@ def test_a_key_made_in_the_shell_opens_the_server_and_one_revoked_there_shuts_it
         assert client.get("/session", headers=theirs).status_code == 401
 
 
-def test_a_key_can_be_made_before_there_is_anything_else_and_is_shown_once(tmp_path: Path) -> None:
+def test_the_first_key_can_be_created_in_an_empty_directory_and_is_shown_once(tmp_path: Path) -> None:
     made = _skiros("create", "anna", "--role", "admin", "--new", "--data", str(tmp_path / "new"))
     listed = _skiros("list", "--data", str(tmp_path / "new"))
 
@@ -70,7 +70,7 @@ def test_the_roles_are_those_of_the_server() -> None:
     assert set(option.type.choices) == {role.value for role in Role} == set(get_args(RoleName))
 
 
-def test_no_folder_is_made_for_a_key_by_mistake(tmp_path: Path) -> None:
+def test_creating_a_key_does_not_create_a_missing_folder(tmp_path: Path) -> None:
     missing = tmp_path / "mistyped" / "plant"
     told = _invoke(missing)
 
@@ -78,7 +78,7 @@ def test_no_folder_is_made_for_a_key_by_mistake(tmp_path: Path) -> None:
     assert not missing.parent.exists()
 
 
-def test_a_file_is_no_folder_for_a_key(tmp_path: Path) -> None:
+def test_a_file_is_refused_as_the_folder_for_a_key(tmp_path: Path) -> None:
     (tmp_path / "file").write_bytes(b"")
 
     assert "is not a folder" in str(_invoke(tmp_path / "file").exception)

@@ -49,7 +49,7 @@ def test_the_domain_is_typed_strips_and_printed_the_same_each_time(opened: Sessi
     assert re.findall(r"\(:requirements ([^)]*)\)", one.domain) == [":strips :typing"]
 
 
-def test_a_kit_on_the_table_is_driven_to_and_one_on_the_deck_is_not() -> None:
+def test_the_robot_drives_to_a_kit_on_the_table_but_not_to_one_on_its_deck() -> None:
     drives = {}
     for scene in SCENES:
         with Session(scene, Options(fake=True)) as session:
@@ -71,14 +71,14 @@ def test_a_kit_on_the_table_is_driven_to_and_one_on_the_deck_is_not() -> None:
         ("ObjectAtLocation(starter_1, pallet_b)", "pallet_b is not a Compartment, which skill 'place' needs"),
     ],
 )
-def test_an_impossible_goal_is_answered_in_the_operators_words(kitting: Session, goal: str, reason: str) -> None:
+def test_an_impossible_goal_is_explained_in_the_words_of_the_operator(kitting: Session, goal: str, reason: str) -> None:
     outcome = kitting.plan(kitting.parse([goal])).outcome
 
     assert isinstance(outcome, NoPlan)
     assert reason in outcome.reasons[0]
 
 
-def test_any_part_in_a_kit_is_one_pick_and_one_place(kitting: Session) -> None:
+def test_putting_any_part_into_a_kit_takes_one_pick_and_one_place(kitting: Session) -> None:
     outcome = kitting.plan(kitting.parse(["InKit(RelayBox, kit_1)"])).outcome
 
     assert isinstance(outcome, Plan)
@@ -86,7 +86,7 @@ def test_any_part_in_a_kit_is_one_pick_and_one_place(kitting: Session) -> None:
 
 
 @pytest.mark.parametrize("scene", SCENES)
-def test_the_scenes_own_goal_is_reached_by_a_robot_that_pretends(scene: str) -> None:
+def test_a_fake_robot_reaches_the_goal_of_the_scene(scene: str) -> None:
     with skiros_py.open(scene, fake=True) as session:
         report = session.run()
 
@@ -103,7 +103,7 @@ def test_equal_seeds_give_equal_digests() -> None:
     assert digest() == digest() != ""
 
 
-def test_a_stop_asked_for_beforehand_ends_the_run_in_its_first_cycle() -> None:
+def test_a_stop_requested_before_the_run_ends_it_in_its_first_cycle() -> None:
     with skiros_py.open("kitting", fake=True) as session:
         session.stop()
         report = session.run()
@@ -113,7 +113,7 @@ def test_a_stop_asked_for_beforehand_ends_the_run_in_its_first_cycle() -> None:
     assert report.steps == ()
 
 
-def test_a_fake_has_no_simulation() -> None:
+def test_a_fake_session_has_no_simulation() -> None:
     with skiros_py.open("kitting", fake=True) as session, pytest.raises(UsageError, match="leave out --fake"):
         _ = session.simulation
 
@@ -124,21 +124,21 @@ def test_a_session_may_be_closed_twice() -> None:
     session.close()
 
 
-def test_that_something_is_no_longer_so_is_planned_and_done(kitting: Session) -> None:
+def test_a_negated_goal_is_planned_and_reached(kitting: Session) -> None:
     report = kitting.run(["not ObjectAtLocation(relay_box_1, pallet_a)"])
 
     assert report.reached
     assert [step.skill for step in report.steps] == ["drive", "pick"]
 
 
-def test_that_something_is_not_so_may_be_asked_where_it_holds_already(kitting: Session) -> None:
+def test_a_negated_goal_that_already_holds_is_accepted(kitting: Session) -> None:
     report = kitting.run(["not InKit(Starter, kit_1)"])
 
     assert report.reached
     assert report.steps == ()
 
 
-def test_variants_of_one_skill_have_names_of_their_own() -> None:
+def test_variants_of_one_skill_have_distinct_names() -> None:
     with Session("kitting_carried", Options(fake=True)) as session:
         actions = session.plan().texts.actions
 
@@ -146,7 +146,7 @@ def test_variants_of_one_skill_have_names_of_their_own() -> None:
     assert len({action.name for action in actions.values()}) == len(actions)
 
 
-def test_each_condition_of_the_report_has_its_time() -> None:
+def test_each_condition_in_the_report_has_the_time_when_it_was_reached() -> None:
     with skiros_py.open("kitting", fake=True) as session:
         report = session.run()
 

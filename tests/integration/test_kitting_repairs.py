@@ -80,7 +80,7 @@ def unplanned(session: Session, goal: str) -> NoPlan:
         ),
     ],
 )
-def test_the_reason_is_told_and_the_smallest_repair_comes_first(
+def test_the_reason_is_given_and_the_smallest_repair_comes_first(
     case: tuple[Moves, str], reason: str, repair: str
 ) -> None:
     moves, goal = case
@@ -94,7 +94,7 @@ def test_the_reason_is_told_and_the_smallest_repair_comes_first(
 @pytest.mark.parametrize(
     "case", CASES, ids=["missing", "twice", "five parts", "kept places", "not in kit", "not there", "some not there"]
 )
-def test_each_repair_can_be_applied_and_moves_nothing_twice(case: tuple[Moves, str]) -> None:
+def test_each_repair_can_be_applied_and_moves_each_thing_at_most_once(case: tuple[Moves, str]) -> None:
     moves, goal = case
     with kitting(moves) as session:
         repairs = unplanned(session, goal).repairs
@@ -109,7 +109,7 @@ def test_each_repair_can_be_applied_and_moves_nothing_twice(case: tuple[Moves, s
             assert isinstance(session.plan([goal]).outcome, Plan), repair.text
 
 
-def test_of_a_full_kit_all_places_are_told_also_in_the_heart_of_it() -> None:
+def test_the_explanation_of_a_full_kit_names_all_its_compartments() -> None:
     taken = [("starter_1", "a"), ("alternator_1", "b"), ("compressor_1", "c"), ("relay_box_1", "d")]
     with kitting([(part, "sk:in", f"kit_1_{place}") for part, place in taken]) as session:
         (cause,) = unplanned(session, "InKit(relay_box_2, kit_1)").causes
@@ -119,7 +119,7 @@ def test_of_a_full_kit_all_places_are_told_also_in_the_heart_of_it() -> None:
     assert cause.text.endswith(heart)
 
 
-def test_what_somebody_has_to_see_to_is_not_offered_where_conditions_exclude_each_other_as_well() -> None:
+def test_no_manual_repair_is_offered_if_the_conditions_exclude_each_other() -> None:
     with kitting([("base_1",)]) as session:
         one = unplanned(session, "ObjectAtLocation(relay_box_1, kit_1_a)")
         both = unplanned(session, "ObjectAtLocation(relay_box_1, kit_1_a) and ObjectAtLocation(relay_box_2, kit_1_a)")
@@ -129,14 +129,14 @@ def test_what_somebody_has_to_see_to_is_not_offered_where_conditions_exclude_eac
     assert both.repairs == ()
 
 
-def test_one_robot_only_is_said_of_a_place_that_drivers_want_to_be_empty() -> None:
+def test_two_robots_at_one_docking_place_are_explained_by_its_room_for_one_robot() -> None:
     with skiros_py.open("kitting_two", fake=True) as session:
         found = unplanned(session, "RobotAtLocation(robot_1, pallet_a) and RobotAtLocation(robot_2, pallet_a)")
 
     assert "pallet_a takes one robot only" in found.reasons[0]
 
 
-def test_of_a_place_taken_by_what_the_same_goal_wants_there_it_is_said_that_it_takes_one_thing() -> None:
+def test_two_parts_in_one_compartment_are_explained_by_its_room_for_one_part() -> None:
     with kitting([("starter_1", "sk:in", "kit_1_a")]) as session:
         found = unplanned(session, "ObjectAtLocation(starter_1, kit_1_a) and ObjectAtLocation(relay_box_1, kit_1_a)")
 
@@ -145,7 +145,7 @@ def test_of_a_place_taken_by_what_the_same_goal_wants_there_it_is_said_that_it_t
     assert any(repair.without for repair in found.repairs)
 
 
-def test_where_there_is_no_robot_that_is_the_cause_and_not_the_parts():
+def test_without_a_robot_the_missing_robot_is_the_cause():
     with kitting([("robot_1",)]) as session:
         outcome = unplanned(session, "ObjectAtLocation(Alternator, kit_1_b)")
         assert outcome.reasons == ("ObjectAtLocation(Alternator, kit_1_b) cannot be reached: there is no Robot",)

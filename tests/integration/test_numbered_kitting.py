@@ -54,7 +54,7 @@ def test_pallets_are_visited_in_the_order_of_their_numbers(session: Session) -> 
     assert [place for place in visited(task) if place.startswith("pallet")] == ["pallet_a", "pallet_b"]
 
 
-def test_what_is_lost_after_a_higher_number_was_visited_is_given_up_and_the_reason_says_so(session: Session) -> None:
+def test_a_part_lost_after_a_higher_number_was_visited_is_given_up_with_that_reason(session: Session) -> None:
     task = session.tasks.begin(session.parse([STARTER, COMPRESSOR]))
     until(session, lambda: "pallet_b" in visited(task))
     move(session, "starter_1", "pallet_a")  # out of the kit again, where it lay
@@ -68,7 +68,7 @@ def test_what_is_lost_after_a_higher_number_was_visited_is_given_up_and_the_reas
     assert "pallet_a" not in visited(task)[visited(task).index("pallet_b") :]
 
 
-def test_what_is_lost_before_is_fetched_again_first(session: Session) -> None:
+def test_a_part_lost_before_a_higher_number_is_visited_is_fetched_again_first(session: Session) -> None:
     task = session.tasks.begin(session.parse([STARTER, COMPRESSOR]))
     until(session, lambda: session.world.related("starter_1", "sk:in", "kit_1_a"))
     move(session, "starter_1", "pallet_a")
@@ -79,7 +79,7 @@ def test_what_is_lost_before_is_fetched_again_first(session: Session) -> None:
     assert [place for place in visited(task) if place.startswith("pallet")] == ["pallet_a", "pallet_a", "pallet_b"]
 
 
-def test_the_next_task_may_begin_at_the_lowest_number_again(session: Session) -> None:
+def test_the_next_task_starts_again_at_the_lowest_number(session: Session) -> None:
     first = session.tasks.begin(session.parse([COMPRESSOR]))
     until(session, lambda: first.done)
     second = session.tasks.begin(session.parse([STARTER]))

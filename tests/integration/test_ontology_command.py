@@ -100,7 +100,7 @@ def test_files_are_listed_with_what_they_declare() -> None:
     assert core["statements"] > 300
 
 
-def test_constants_are_written_whole_and_compared(tmp_path: Path) -> None:
+def test_constants_are_written_completely_and_compared(tmp_path: Path) -> None:
     file = tmp_path / "words.py"
 
     assert skiros("constants", "--namespace", "kitting", "-o", str(file)).returncode == 0
@@ -115,7 +115,7 @@ def test_constants_are_written_whole_and_compared(tmp_path: Path) -> None:
     assert f"{file} is not current" in stale.stderr
 
 
-def test_a_folder_that_cannot_be_written_is_said_and_leaves_nothing(tmp_path: Path) -> None:
+def test_an_unwritable_folder_is_reported_and_leaves_no_files(tmp_path: Path) -> None:
     result = skiros("constants", "-o", str(tmp_path / "nowhere" / "words.py"))
 
     assert result.returncode == 2
@@ -131,7 +131,7 @@ def _mypy(folder: Path, text: str) -> tuple[str, int]:
     return out + errors, status
 
 
-def test_a_misspelt_word_and_a_relation_where_a_class_is_wanted_fail_at_type_check_time(tmp_path: Path) -> None:
+def test_misspelt_constants_and_relations_used_as_classes_fail_type_checking(tmp_path: Path) -> None:
     good = (
         "from skiros_py.world.vocabulary import ARM, HELD_BY\n"
         "from skiros_py.world.names import ClassName\n\nA: ClassName = {}\n"
@@ -146,7 +146,7 @@ def test_a_misspelt_word_and_a_relation_where_a_class_is_wanted_fail_at_type_che
     assert 'has type "RelationName"' in said
 
 
-def test_what_is_generated_of_an_odd_ontology_is_clean_for_linter_formatter_and_type_checker(tmp_path: Path) -> None:
+def test_constants_generated_from_an_unusual_ontology_pass_linter_formatter_and_type_checker(tmp_path: Path) -> None:
     source, target = tmp_path / "odd.ttl", tmp_path / "odd.py"
     long = "a" * 90
     source.write_text(

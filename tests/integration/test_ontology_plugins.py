@@ -122,7 +122,7 @@ def test_a_plugin_that_needs_a_broken_one_is_reported_too(install: Install) -> N
     assert "unknown class 'garden:Spade'" in found["sk_r"]
 
 
-def test_a_file_of_the_installation_that_is_wrong_is_no_plugins_fault(
+def test_a_faulty_file_of_the_installation_is_not_reported_as_a_plug_in_fault(
     install: Install, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     install("sk_t", {"sk_t/a.ttl": GARDEN})

@@ -193,20 +193,20 @@ def run(program: str, *arguments: str) -> str:
     return done.stdout + done.stderr
 
 
-def test_fast_downward_solves_it(texts: PddlTexts, fast_downward: FastDownward) -> None:
+def test_fast_downward_solves_the_exported_problem(texts: PddlTexts, fast_downward: FastDownward) -> None:
     answer = fast_downward.solve(texts.domain, texts.problem).result()
 
     assert isinstance(answer, Solved)
 
 
 @pytest.mark.filterwarnings("ignore:'parseString' deprecated")  # of its own parser, where it reads quantifiers
-def test_unified_planning_reads_it(texts: PddlTexts, files: tuple[str, str]) -> None:
+def test_unified_planning_reads_the_exported_problem(texts: PddlTexts, files: tuple[str, str]) -> None:
     problem = PDDLReader(Environment()).parse_problem(*files)
 
     assert {action.name for action in problem.actions} == set(texts.actions)
 
 
-def test_kairos_solves_it(texts: PddlTexts, files: tuple[str, str]) -> None:
+def test_kairos_solves_the_exported_problem(texts: PddlTexts, files: tuple[str, str]) -> None:
     told = run("kairos", "solve", *files, "--no-anytime", "--threads", "1")
 
     steps = re.findall(r"^\((\S+).*\)$", told, flags=re.MULTILINE)
@@ -214,18 +214,18 @@ def test_kairos_solves_it(texts: PddlTexts, files: tuple[str, str]) -> None:
 
 
 @pytest.mark.parametrize("name", [n for n in (*TASKS, *SCENES) if n not in QUANTIFIED])  # of those it knows nothing
-def test_pyperplan_solves_it_where_it_needs_nothing_but_strips(files: tuple[str, str]) -> None:
+def test_pyperplan_solves_exported_problems_that_need_only_strips(files: tuple[str, str]) -> None:
     assert "Plan length" in run("pyperplan", "-H", "hff", "-s", "gbf", *files)
 
 
-def test_only_typed_strips_is_asked_for_where_negations_can_be_compiled_away(name: str, texts: PddlTexts) -> None:
+def test_problems_whose_negations_compile_away_require_only_typed_strips(name: str, texts: PddlTexts) -> None:
     assert (texts.requirements == _STRIPS) == (name not in QUANTIFIED)
 
 
-def test_the_requirements_are_those_that_the_domain_says(texts: PddlTexts) -> None:
+def test_the_required_features_are_those_declared_in_the_domain(texts: PddlTexts) -> None:
     assert re.findall(r"\(:requirements ([^)]*)\)", texts.domain) == [" ".join(texts.requirements)]
 
 
-def test_no_requirement_is_named_that_is_not_used(texts: PddlTexts) -> None:
+def test_only_used_requirements_are_declared(texts: PddlTexts) -> None:
     assert ("(exists (" in texts.domain) == (":existential-preconditions" in texts.requirements)
     assert ("(not (exists" in texts.domain) == (":disjunctive-preconditions" in texts.requirements)

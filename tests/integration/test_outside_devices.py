@@ -402,7 +402,7 @@ def spec_of(world: World) -> CellSpec:
     return read_cell(world, ["robot_1"], simulated=False)
 
 
-def test_each_individual_is_read_by_the_kind_with_the_most_specific_class(world: World) -> None:
+def test_each_device_individual_is_read_by_the_kind_with_the_most_specific_class(world: World) -> None:
     kinds, faults = load_device_kinds()
     devices = {id_: device.kind for id_, device in spec_of(world).devices.items()}
 
@@ -418,7 +418,7 @@ def test_each_individual_is_read_by_the_kind_with_the_most_specific_class(world:
     }
 
 
-def test_a_kind_whose_ontology_is_not_loaded_does_not_matter(lab: Path) -> None:
+def test_a_device_kind_whose_ontology_is_not_loaded_is_ignored(lab: Path) -> None:
     world = world_of("", ontologies=(TINY_ONTOLOGY,))
 
     assert [device.kind for device in read_cell(world, ["robot_1"]).devices.values()] == ["arm", "gripper", "base"]
@@ -434,14 +434,14 @@ def test_a_device_without_a_robot_is_part_of_the_cell(world: World) -> None:
     }
 
 
-def test_a_robot_of_foreign_devices_is_planned_with_and_reaches_its_goal(world: World) -> None:
+def test_a_robot_with_plug_in_devices_is_planned_with_and_reaches_its_goal(world: World) -> None:
     with Bench(world, robots=["robot_1"]) as bench:
         report = bench.pursue("At(robot_1, box_a)")
 
     assert report.reached
 
 
-def test_foreign_devices_are_commanded_and_stop_where_they_are_told(world: World) -> None:
+def test_plug_in_devices_move_on_command_and_stop_on_request(world: World) -> None:
     lab = pytest.importorskip("lab_devices")
     with Bench(world, robots=["robot_1"]) as bench:
         board = bench.context.board
@@ -474,7 +474,7 @@ def test_a_body_on_a_turntable_moves_with_it(world: World) -> None:
     assert after.position == pytest.approx((2.0, 0.5, 0.5), abs=0.01)
 
 
-def test_states_and_targets_go_through_json_and_come_back_the_same(world: World) -> None:
+def test_states_and_targets_survive_a_round_trip_through_json(world: World) -> None:
     lab = pytest.importorskip("lab_devices")
     spec = spec_of(world)
     snapshot = FakeCell(spec).read()
@@ -499,7 +499,7 @@ def test_foreign_devices_are_faulted_like_any_other(world: World) -> None:
     assert any(now.devices["wrench_1"].force)
 
 
-def test_conditions_and_people_see_what_foreign_devices_offer(world: World) -> None:
+def test_values_of_plug_in_devices_are_available_to_conditions_and_users(world: World) -> None:
     with Bench(world, robots=["robot_1"]) as bench:
         verdict = Expression("device.pull < 1.0").evaluate(bench.world, {"device": "wrench_1"})
         offered = [signal.name for signal in bench.context.board.devices["wrench_1"].signals]
@@ -522,7 +522,7 @@ def test_the_rate_of_a_paused_run_slows_foreign_speeds_down(world: World) -> Non
     assert board.exchange().devices["table_1"].speed == 0.5
 
 
-def test_a_robot_that_nothing_moves_stands_where_its_own_pose_says(lab: Path) -> None:
+def test_a_robot_without_a_base_stands_at_its_declared_pose(lab: Path) -> None:
     scene = """
         scene:robot_1 a sk:Robot ; sk:model "tiny" ; sk:at scene:unknown_location ; sk:hasA scene:arm_1 ;
             sk:pose "1 2 0 0 0 0"^^sk:poseLiteral ; sk:footprint "0 0 1 0 1 1"^^sk:vectorLiteral .
@@ -539,7 +539,7 @@ def test_a_robot_that_nothing_moves_stands_where_its_own_pose_says(lab: Path) ->
         assert not isinstance(robot.devices[0], MobileSpec)
 
 
-def test_in_physics_a_wrist_feels_weight_and_a_camera_without_a_robot_sees(lab: Path) -> None:
+def test_in_physics_a_wrist_sensor_measures_weight_and_a_camera_without_a_robot_sees(lab: Path) -> None:
     scene = """
         scene:wrench_1 a lab:Wrench ; sk:joints "panda_joint7" .
         scene:robot_1 sk:hasA scene:wrench_1 .
@@ -757,7 +757,9 @@ def test_in_physics_foreign_devices_are_faulted_and_a_camera_without_a_robot_see
 
 
 @pytest.mark.physics
-def test_a_cell_without_a_robot_is_seen_whole_from_above(lab: Path, site: Any, tmp_path: Path) -> None:
+def test_the_overview_picture_of_a_cell_without_a_robot_shows_the_whole_cell(
+    lab: Path, site: Any, tmp_path: Path
+) -> None:
     install_cell(site, form=LINK.replace("</link>", BOX + "</link>"))
     scene = tmp_path / "lab_scene.ttl"
     scene.write_text(re.sub(r"scene:(robot|base|hand|wrench)_1 a .*?\n(?=scene:)", "", LAB, flags=re.DOTALL))
@@ -773,7 +775,7 @@ def test_a_cell_without_a_robot_is_seen_whole_from_above(lab: Path, site: Any, t
     assert (seen.max(axis=0) < np.array(picture.shape[:2]) - 1).all()
 
 
-def test_an_outside_base_is_planned_with_driven_and_jogged_by_the_skills_that_come_along(cell: Session) -> None:
+def test_a_plug_in_base_is_planned_with_driven_and_jogged_by_the_built_in_skills(cell: Session) -> None:
     lab = pytest.importorskip("lab_devices")
     planned = cell.plan("RobotAtLocation(robot_1, bench_1)")
     report = cell.run("RobotAtLocation(robot_1, bench_1)")
@@ -949,7 +951,7 @@ lab:Stereo a owl:Class ; rdfs:subClassOf sk:Device ; rdfs:label "stereo camera" 
 
 
 @pytest.mark.usefixtures("lab")
-def test_looks_of_cameras_without_a_robot_and_of_an_outside_kind_are_shown(site: Any, tmp_path: Path) -> None:
+def test_looks_of_robotless_and_plug_in_cameras_are_shown(site: Any, tmp_path: Path) -> None:
     install_cell(site, ontology=ONTOLOGY + CUBE + STEREO_CLASS)
     site.install("lab-stereo", {"devices": {"stereo": "lab_stereo:Stereo"}}, {"lab_stereo.py": STEREO})
     scene = tmp_path / "lab_scene.ttl"

@@ -30,21 +30,21 @@ def opened(scene: Path, **options: object) -> Session:
     return Session(str(scene), Options(fake=True, **options), catalogue=catalogue())  # type: ignore[arg-type]
 
 
-def test_the_goal_of_the_scene_is_pursued_where_none_is_given(tmp_path: Path) -> None:
+def test_without_an_explicit_goal_the_goal_of_the_scene_is_pursued(tmp_path: Path) -> None:
     with opened(tiny_scene(tmp_path, goals=("In(ball_1, slot_1)",))) as session:
         report = session.run()
 
     assert report.reached
 
 
-def test_the_goal_of_the_options_comes_before_that_of_the_scene(tmp_path: Path) -> None:
+def test_a_goal_in_the_options_takes_precedence_over_the_goal_of_the_scene(tmp_path: Path) -> None:
     scene = tiny_scene(tmp_path, goals=("In(ball_1, slot_1)",))
 
     with opened(scene, goal=("At(robot_1, box_b)",)) as session:
         assert [str(condition) for condition in session.goal] == ["At(robot_1, box_b)"]
 
 
-def test_a_scene_without_a_goal_asks_for_one(tmp_path: Path) -> None:
+def test_running_a_scene_without_a_goal_asks_for_a_goal(tmp_path: Path) -> None:
     with opened(tiny_scene(tmp_path)) as session, pytest.raises(UsageError, match="comes without a goal: state one"):
         session.run()
 
@@ -56,7 +56,7 @@ def test_a_goal_may_be_given_as_text_or_as_conditions(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["robot_2", "robot 2"])
-def test_a_robot_is_chosen_by_id_or_label_and_only_it_gets_managers(tmp_path: Path, name: str) -> None:
+def test_a_robot_is_chosen_by_id_or_label_and_only_its_subsystems_get_managers(tmp_path: Path, name: str) -> None:
     with opened(tiny_scene(tmp_path, robots=2), robot=name) as session:
         assert sorted(session.managers) == ["arm_2", "base_2"]
 
@@ -71,7 +71,7 @@ def test_an_unknown_robot_is_refused_before_anything_is_started(tmp_path: Path) 
         opened(tiny_scene(tmp_path), robot="robbie")
 
 
-def test_a_plugin_that_did_not_load_affects_no_other(tmp_path: Path) -> None:
+def test_a_plug_in_that_failed_to_load_does_not_affect_the_session(tmp_path: Path) -> None:
     scene = str(tiny_scene(tmp_path))
 
     with Session(scene, Options(fake=True), catalogue=catalogue(FAULT)) as session:
@@ -79,7 +79,7 @@ def test_a_plugin_that_did_not_load_affects_no_other(tmp_path: Path) -> None:
         assert session.run(["In(ball_1, slot_1)"]).reached
 
 
-def test_listeners_hear_of_every_plan(tmp_path: Path) -> None:
+def test_listeners_receive_every_plan(tmp_path: Path) -> None:
     heard: list[object] = []
     with opened(tiny_scene(tmp_path)) as session:
         session.on_plan(heard.append)
@@ -88,7 +88,7 @@ def test_listeners_hear_of_every_plan(tmp_path: Path) -> None:
     assert len(heard) == 1
 
 
-def test_the_next_goal_of_a_session_starts_with_a_clean_slate(tmp_path: Path) -> None:
+def test_the_next_goal_of_a_session_starts_without_state_of_the_previous_one(tmp_path: Path) -> None:
     with opened(tiny_scene(tmp_path)) as session:
         first = session.run(["In(ball_1, slot_1)"])
         second = session.run(["In(red_ball_1, slot_2)", "In(ball_1, slot_1)"])
@@ -98,7 +98,7 @@ def test_the_next_goal_of_a_session_starts_with_a_clean_slate(tmp_path: Path) ->
     assert second.simulated == pytest.approx(first.simulated, abs=0.02)
 
 
-def test_after_a_goal_that_is_refused_the_session_goes_on(tmp_path: Path) -> None:
+def test_a_session_continues_after_a_refused_goal(tmp_path: Path) -> None:
     with opened(tiny_scene(tmp_path)) as session:
         with pytest.raises(UsageError, match="In takes 2 arguments"):
             session.run(["In(ball_1)"])
@@ -106,7 +106,7 @@ def test_after_a_goal_that_is_refused_the_session_goes_on(tmp_path: Path) -> Non
         assert session.run(["In(ball_1, slot_1)"]).reached
 
 
-def test_a_run_after_one_that_was_stopped_is_not_stopped(tmp_path: Path) -> None:
+def test_a_stop_does_not_affect_the_next_run(tmp_path: Path) -> None:
     with opened(tiny_scene(tmp_path)) as session:
         session.stop()
 

@@ -12,7 +12,7 @@ def skiros(*arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
 
 
-def test_an_author_reads_what_was_added_to_each_skill_and_why() -> None:
+def test_the_explanation_lists_what_was_added_to_each_skill_and_why() -> None:
     result = skiros("plan", "kitting", "--explain-domain")
 
     assert result.returncode == 0, result.stderr
@@ -23,7 +23,7 @@ def test_an_author_reads_what_was_added_to_each_skill_and_why() -> None:
     assert "(define" not in told
 
 
-def test_a_program_gets_it_as_data_beside_domain_and_plan() -> None:
+def test_the_explanation_is_available_as_json_with_domain_and_plan() -> None:
     result = skiros("plan", "kitting", "--explain-domain", "--json")
 
     answer = json.loads(result.stdout)
@@ -35,14 +35,14 @@ def test_a_program_gets_it_as_data_beside_domain_and_plan() -> None:
     assert answer["domain"].startswith("(define")
 
 
-def test_a_plan_in_time_has_durative_actions() -> None:
+def test_a_temporal_plan_has_durative_actions() -> None:
     result = skiros("plan", "kitting", "--temporal")
 
     assert result.returncode == 0, result.stderr
     assert "(:requirements :strips :typing :durative-actions)" in result.stdout
 
 
-def test_a_planner_that_knows_no_time_is_refused_with_what_it_does_not_take() -> None:
+def test_a_planner_without_time_support_is_refused_with_the_unsupported_features() -> None:
     result = skiros("plan", "kitting", "--temporal", "--planner", "fast-downward")
 
     assert result.returncode == 1

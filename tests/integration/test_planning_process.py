@@ -68,7 +68,9 @@ def process(world: World) -> Iterator[PlanningProcess]:
     process.close()
 
 
-def test_it_plans_and_says_for_which_version_of_the_world(process: PlanningProcess, world: World) -> None:
+def test_an_answer_contains_the_plan_and_the_world_version_it_was_made_for(
+    process: PlanningProcess, world: World
+) -> None:
     answer = process.ask(request(world)).result()
 
     assert isinstance(answer.value.outcome, Plan)
@@ -76,7 +78,7 @@ def test_it_plans_and_says_for_which_version_of_the_world(process: PlanningProce
     assert answer.version == world.version
 
 
-def test_it_knows_what_was_written_meanwhile(process: PlanningProcess, world: World) -> None:
+def test_the_planning_process_sees_changes_written_before_the_request(process: PlanningProcess, world: World) -> None:
     with world.transaction("somebody", "moved it") as tx:
         tx.place("ball_1", "sk:in", "box_b")
     answer = process.ask(request(world)).result()
@@ -113,7 +115,7 @@ def test_a_process_that_is_killed_comes_back_and_the_request_is_answered(
 
 @pytest.mark.parametrize("moment", [0.0, 0.02, 0.05, 0.1])
 @pytest.mark.parametrize("victim", ["the replica", "its workers"])
-def test_a_goal_is_planned_for_though_the_process_is_killed_meanwhile(
+def test_a_goal_is_planned_even_if_the_process_is_killed_meanwhile(
     process: PlanningProcess, world: World, victim: str, moment: float
 ) -> None:
     process.ask(request(world)).result()
@@ -174,7 +176,7 @@ def _sleeping_programs() -> list[psutil.Process]:
     return [one for one in psutil.process_iter(["cmdline"]) if one.info["cmdline"] == ["sleep", "3601"]]
 
 
-def test_what_it_has_loaded_for_one_request_is_there_for_the_next(process: PlanningProcess) -> None:
+def test_consecutive_requests_are_answered_by_the_same_process(process: PlanningProcess) -> None:
     pids = {process.ask(Sleeping(0.0)).result().value for _ in range(5)}
 
     assert len(pids) == 1
@@ -193,7 +195,7 @@ class _Locked:
         """Never reached."""
 
 
-def test_what_is_made_in_memory_travels(process: PlanningProcess) -> None:
+def test_objects_defined_in_memory_reach_the_planning_process(process: PlanningProcess) -> None:
     class Local:
         def answer(self, state: Index, _planners: Planners, _stopped: Callable[[], bool]) -> bool:
             return state.has("ball_1")
@@ -201,7 +203,7 @@ def test_what_is_made_in_memory_travels(process: PlanningProcess) -> None:
     assert process.ask(Local()).result().value is True
 
 
-def test_an_exception_is_a_fault_of_planning(process: PlanningProcess) -> None:
+def test_an_exception_in_the_planning_process_is_a_planning_fault(process: PlanningProcess) -> None:
     class Broken:
         def answer(self, _state: Index, _planners: Planners, _stopped: Callable[[], bool]) -> None:
             raise ZeroDivisionError("of nothing")
@@ -210,7 +212,7 @@ def test_an_exception_is_a_fault_of_planning(process: PlanningProcess) -> None:
         process.ask(Broken()).result()
 
 
-def test_nothing_is_left_when_it_is_closed_in_the_middle_of_a_plan() -> None:
+def test_closing_during_planning_leaves_no_process_behind() -> None:
     world = tiny_world()
     process = PlanningProcess(world, partial(Planners, ("fast-downward",), _make))
     process.ask(Sleeping(0.0)).result()
@@ -275,7 +277,7 @@ class Thinking:
         """Nothing is under way."""
 
 
-def test_in_lockstep_simulated_time_stands_still_while_it_is_planned_and_a_stop_is_answered_at_once() -> None:
+def test_in_lockstep_simulated_time_stands_still_during_planning_and_a_stop_is_answered_at_once() -> None:
     world, wished = tiny_world(), list[float]()
     process = PlanningProcess(world, lambda: Planners.only(Thinking()))
     with closing(process), Bench(world, planning=process) as bench:

@@ -81,7 +81,7 @@ def test_every_plug_in_of_the_installation_works() -> None:
     assert all(line.rstrip().endswith("works") for line in result.stdout.splitlines()[1:])
 
 
-def test_each_is_listed_with_its_origin_and_what_is_wrong(zoo: Any) -> None:
+def test_each_plug_in_is_listed_with_its_origin_and_its_problems(zoo: Any) -> None:
     found = plugins()
 
     says = {key: p["faults"][0]["reason"] for key, p in found.items() if not p["works"]}
@@ -108,7 +108,7 @@ def test_each_is_listed_with_its_origin_and_what_is_wrong(zoo: Any) -> None:
 
 
 @pytest.mark.parametrize("kind", ["adapters", "documents", "pages", "signals", "topics"])
-def test_a_number_is_no_plug_in_of_any_kind(site: Any, kind: str) -> None:
+def test_an_entry_point_to_a_number_is_reported_in_every_group(site: Any, kind: str) -> None:
     site.install("sk-three", {kind: {"three": "sk_three:THREE"}}, {"sk_three.py": "THREE = 3"})
 
     three = plugins()[f"skiros.{kind} three"]
@@ -117,7 +117,7 @@ def test_a_number_is_no_plug_in_of_any_kind(site: Any, kind: str) -> None:
     assert f"it is a int, nothing for {kind}" in three["faults"][0]["reason"]
 
 
-def test_one_group_or_one_name_is_shown_by_itself(zoo: Any) -> None:
+def test_the_list_can_be_limited_to_one_group_or_one_name(zoo: Any) -> None:
     assert {p["group"] for p in plugins("--group", "primitives").values()} == {"skiros.primitives"}
     assert list(plugins("--group", "skiros.primitives", "wave")) == ["skiros.primitives wave"]
 
@@ -140,13 +140,13 @@ def test_unknown_names_are_answered_with_the_nearest(zoo: Any, arguments: list[s
     assert str(error).startswith(says)
 
 
-def test_broken_plug_ins_are_no_fault_of_the_command_unless_it_is_strict(zoo: Any) -> None:
+def test_broken_plug_ins_change_the_exit_status_only_with_strict(zoo: Any) -> None:
     assert invoke("plugins").return_value == 0
     assert invoke("plugins", "--strict").return_value == 1
     assert invoke("plugins", "wave", "--strict").return_value == 0
 
 
-def test_tracebacks_are_shown_when_asked_for(zoo: Any) -> None:
+def test_tracebacks_are_shown_on_request(zoo: Any) -> None:
     assert "Traceback" not in invoke("plugins").stdout
     assert "plug-in paddle of sk-bad 0.3 did not load: ZeroDivisionError" in invoke("plugins", "--tracebacks").stdout
 
@@ -159,7 +159,7 @@ def doctor(*arguments: str) -> tuple[int, dict[str, list[dict[str, str]]]]:
     return result.return_value, found
 
 
-def test_nothing_is_wrong_with_the_environment_of_the_tests() -> None:
+def test_the_doctor_finds_no_problem_in_the_test_environment() -> None:
     status, found = doctor()
 
     assert status == 0, [finding for own in found.values() for finding in own if finding["state"] == "wrong"]
@@ -167,9 +167,7 @@ def test_nothing_is_wrong_with_the_environment_of_the_tests() -> None:
     assert found["planner"][0]["text"] == "Fast Downward plans"
 
 
-def test_the_doctor_names_what_is_wrong_and_what_to_do(
-    zoo: Any, tmp_path: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_doctor_names_each_problem_and_its_remedy(zoo: Any, tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("SKIROS_SCENES", str(tmp_path / "nowhere"))
     status, found = doctor("--data", str(zoo.folder / "sk_zoo.py"))
 
@@ -188,7 +186,7 @@ def test_the_doctor_names_what_is_wrong_and_what_to_do(
     assert all(f["todo"] for own in wrong.values() for f in own)
 
 
-def test_scenes_and_ontologies_that_do_not_load_are_the_doctors_business(
+def test_the_doctor_reports_scenes_and_ontologies_that_do_not_load(
     tmp_path: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "torn.ttl").write_text("<> <http://www.w3.org/2002/07/owl#imports> <http://nowhere> .")
@@ -204,7 +202,7 @@ def test_scenes_and_ontologies_that_do_not_load_are_the_doctors_business(
     assert found["scenes"][0]["text"].startswith("the check itself broke: FileError")
 
 
-def test_a_check_that_breaks_is_itself_reported() -> None:
+def test_a_doctor_check_that_raises_is_reported() -> None:
     def check() -> Any:
         yield Finding("half-way")
         raise ImportError("no numbers")
@@ -216,14 +214,14 @@ def test_a_check_that_breaks_is_itself_reported() -> None:
     assert broken.text == "the check itself broke: ImportError: no numbers"
 
 
-def test_a_data_folder_may_be_missing_but_not_a_file(tmp_path: Any) -> None:
+def test_the_doctor_accepts_a_missing_data_folder_but_not_a_file_in_its_place(tmp_path: Any) -> None:
     (tmp_path / "file").touch()
 
     assert [finding.state for finding in data_folder(tmp_path / "a" / "b")] == ["ok"]
     assert [finding.state for finding in data_folder(tmp_path / "file" / "b")] == ["wrong"]
 
 
-def test_the_lines_of_the_doctor_are_for_people(zoo: Any) -> None:
+def test_the_doctor_prints_readable_lines(zoo: Any) -> None:
     lines = invoke("doctor").stdout.splitlines()
 
     assert "ok     planner             Fast Downward plans" in lines
@@ -238,7 +236,7 @@ def broken_catalogue(site: Any, name: str) -> Catalogue:
     return load_catalogue()
 
 
-def test_a_skill_that_calls_a_broken_primitive_says_so_by_name(site: Any) -> None:
+def test_a_skill_that_calls_a_broken_primitive_is_reported_with_the_name_of_the_primitive(site: Any) -> None:
     catalogue = broken_catalogue(site, "sk_mine_a")
     before = {fault.name for fault in catalogue.faults}
 
@@ -292,7 +290,7 @@ X = Skill(replace(DRIVE, name="ride"), Wait(1.0))
 """
 
 
-def test_a_skill_without_an_implementation_for_the_driver_is_said_to_be_there(site: Any, tmp_path: Any) -> None:
+def test_a_skill_without_an_implementation_for_the_driver_is_refused_with_that_reason(site: Any, tmp_path: Any) -> None:
     site.install("sk-words", {"conditions": {"TinyCarries": "skiros_py.testing.tiny:CARRIES"}})
     site.install("sk-real", {"skills": {"ride": "sk_real:X"}}, {"sk_real.py": REAL})
     scene = str(tiny_scene(tmp_path))
@@ -317,7 +315,7 @@ def test_a_session_runs_beside_broken_primitives_and_skills(site: Any, tmp_path:
         assert {"calls", "paddle"} <= {fault.name for fault in session.catalogue.faults}
 
 
-def test_a_planner_that_is_broken_says_why_when_it_is_asked_for(zoo: Any) -> None:
+def test_requesting_a_broken_planner_gives_the_reason(zoo: Any) -> None:
     zoo.install("sk-lic", {"planners": {"paid": "sk_zoo:planner"}})
     catalogue = load_catalogue()
 
@@ -333,7 +331,7 @@ def test_a_planner_that_is_broken_says_why_when_it_is_asked_for(zoo: Any) -> Non
         catalogue.driver("ur5")
 
 
-def test_faults_found_late_are_those_of_the_catalogue(zoo: Any) -> None:
+def test_faults_found_after_loading_are_added_to_the_catalogue(zoo: Any) -> None:
     catalogue = load_catalogue()
     (entry,) = (entry for entry in installation().entries if entry.name == "paddle")
     assert fault_of(entry, "x").name not in {fault.name for fault in catalogue.faults}
@@ -343,7 +341,7 @@ def test_faults_found_late_are_those_of_the_catalogue(zoo: Any) -> None:
     assert [fault.origin for fault in catalogue.faults if fault.name == "paddle"] == [str(zoo.folder / "sk_zoo_bad.py")]
 
 
-def test_a_catalogue_of_ones_own_needs_no_plug_ins() -> None:
+def test_a_catalogue_made_in_memory_needs_no_plug_ins() -> None:
     skills = {skill.description.name: skill for skill in SKILLS}
 
     fitted = fitting(Catalogue(skills, {}, CONDITIONS, {}, {}), tiny_ontology())

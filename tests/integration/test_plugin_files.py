@@ -97,7 +97,7 @@ def test_scenes_of_a_package_are_listed_and_opened_by_name_without_its_code(site
     assert listed["yard"].endswith("yard.owl")
 
 
-def test_a_scene_by_path_is_called_like_its_entry_point(site: Any, tmp_path: Any) -> None:
+def test_a_scene_opened_by_path_has_the_name_of_its_entry_point(site: Any, tmp_path: Any) -> None:
     files = {"sk_one.py": "import pathlib\nX = pathlib.Path(__file__).with_name('file.ttl')", "file.ttl": ""}
     site.install("sk-scenes", {"scenes": {"hall": "sk_one:X"}}, files)
 
@@ -106,13 +106,13 @@ def test_a_scene_by_path_is_called_like_its_entry_point(site: Any, tmp_path: Any
     assert named_scene("hall") == site.folder / "file.ttl"
 
 
-def test_ones_own_scene_comes_before_that_of_a_plugin(site: Any) -> None:
+def test_an_own_scene_takes_precedence_over_a_plug_in_scene(site: Any) -> None:
     site.install("sk-scenes", {"scenes": {"ours": "sk_hide"}}, {"sk_hide/kitting.ttl": ""})
 
     assert not named_scene("kitting").is_relative_to(site.folder)
 
 
-def test_a_scene_that_two_plugins_bring_is_refused_with_both_origins(site: Any) -> None:
+def test_a_scene_name_provided_by_two_plug_ins_is_refused_with_both_origins(site: Any) -> None:
     site.install("sk-a", {"scenes": {"a": "sk_sa"}}, {"sk_sa/hall.ttl": ""})
     site.install("sk-b", {"scenes": {"b": "sk_sb"}}, {"sk_sb/hall.ttl": ""})
 
@@ -132,7 +132,9 @@ def test_a_scene_that_two_plugins_bring_is_refused_with_both_origins(site: Any) 
         ),
     ],
 )
-def test_a_scene_of_a_broken_plugin_says_why(site: Any, value: str, files: dict[str, str], says: str) -> None:
+def test_opening_a_scene_of_a_broken_plug_in_gives_the_reason(
+    site: Any, value: str, files: dict[str, str], says: str
+) -> None:
     site.install("sk-scenes", {"scenes": {"hall": value}}, files)
 
     with pytest.raises(UsageError, match="hall") as caught:
@@ -141,7 +143,7 @@ def test_a_scene_of_a_broken_plugin_says_why(site: Any, value: str, files: dict[
     assert says in str(caught.value)
 
 
-def test_an_unknown_scene_is_answered_with_those_of_plugins_too(site: Any) -> None:
+def test_an_unknown_scene_is_answered_with_all_scenes_including_those_of_plug_ins(site: Any) -> None:
     site.install("sk-scenes", {"scenes": {"ours": "sk_near"}}, {"sk_near/assembly_hall.ttl": ""})
 
     with pytest.raises(UnknownName, match="Did you mean 'assembly_hall'"):

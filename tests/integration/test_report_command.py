@@ -28,7 +28,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_each_run_has_a_recording_and_the_world_outlives_both(folder: Path) -> None:
+def test_each_run_has_its_recording_and_the_world_is_kept_between_runs(folder: Path) -> None:
     first, second = sorted((folder / "data" / "runs").iterdir())
     data = [json.loads(skiros(folder, "report", str(record), "--json").stdout) for record in (first, second)]
 
@@ -48,7 +48,7 @@ def test_a_data_directory_gives_the_page_of_its_latest_run(folder: Path) -> None
     assert "InKit(Starter, kit_1)" not in page.split("Changes of the world")[0]
 
 
-def test_a_page_goes_into_the_present_folder_under_the_name_of_its_recording(folder: Path) -> None:
+def test_a_report_page_is_written_to_the_current_folder_and_named_after_its_recording(folder: Path) -> None:
     record = min((folder / "data" / "runs").iterdir())
     made = skiros(folder, "report", str(record))
 
@@ -65,7 +65,7 @@ def test_a_page_goes_into_the_present_folder_under_the_name_of_its_recording(fol
         (".", None, "there is no recording of a run in it"),
     ],
 )
-def test_a_file_that_is_no_recording_ends_with_status_two_and_one_message(
+def test_reporting_on_a_file_that_is_not_a_recording_ends_with_status_two_and_one_message(
     folder: Path, name: str, content: bytes | None, said: str
 ) -> None:
     if content is not None:
@@ -77,7 +77,7 @@ def test_a_file_that_is_no_recording_ends_with_status_two_and_one_message(
     assert "Traceback" not in result.stderr
 
 
-def test_a_recording_is_exported_with_its_index_even_where_it_was_cut_off(folder: Path) -> None:
+def test_a_truncated_recording_is_exported_with_an_index(folder: Path) -> None:
     first = min((folder / "data" / "runs").iterdir())
     (folder / "cut.mcap").write_bytes(first.read_bytes()[:-100])
     made = skiros(folder, "report", "cut.mcap", "--mcap", "whole.mcap")
@@ -95,14 +95,14 @@ def test_a_recording_is_exported_with_its_index_even_where_it_was_cut_off(folder
     assert "there is a recording already" in again.stderr
 
 
-def test_a_page_that_cannot_be_written_is_said(folder: Path) -> None:
+def test_an_unwritable_report_page_is_reported(folder: Path) -> None:
     result = skiros(folder, "report", "data", "--output", "no/such/folder.html")
 
     assert result.returncode == 2
     assert "no/such/folder.html: cannot be written (No such file or directory)" in result.stderr
 
 
-def test_a_run_says_that_the_file_of_its_scene_was_changed_since(tmp_path: Path) -> None:
+def test_a_run_reports_that_its_scene_file_was_changed_since_loading(tmp_path: Path) -> None:
     scene = tmp_path / "mine.ttl"
     skiros(tmp_path, "scene", "save", "kitting", "mine.ttl")
     run = ("run", "mine.ttl", "--fake", "--data", "data", "--goal", "EmptyHanded(gripper_1)")

@@ -163,7 +163,7 @@ def test_a_planner_that_dies_or_answers_garbage_fails_the_job_in_words_and_the_n
 # ------------------------------------------------------------------ case 16: two jobs that want one robot
 
 
-def test_two_jobs_that_want_one_robot_are_done_one_after_the_other(api: httpx2.Client) -> None:
+def test_two_jobs_that_need_the_same_robot_run_one_after_the_other(api: httpx2.Client) -> None:
     api.put("/jobs/first", json=STARTER).raise_for_status()
     api.put("/jobs/second", json=ALTERNATOR).raise_for_status()
     until(lambda: moves(api, "first"))

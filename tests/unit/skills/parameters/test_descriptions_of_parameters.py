@@ -64,7 +64,7 @@ def test_an_unknown_type_is_answered_with_the_nearest() -> None:
         replace(DRIVE, params=(*DRIVE.params, Param("Speed", "nubmer", "How fast.")))
 
 
-def test_two_parameters_of_one_key_are_refused() -> None:
+def test_two_parameters_with_the_same_key_are_refused() -> None:
     with pytest.raises(DescriptionError, match="two parameters of skill 'drive' are called 'Base'"):
         replace(DRIVE, params=(*DRIVE.params, DRIVE.params[0]))
 
