@@ -16,8 +16,7 @@ from skiros_py.skills.conditions import ConditionType
 from skiros_py.skills.plain import Reader
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.station.document_store import TEMPLATE
-from skiros_py.tasks.goals.data import GOALS
-from skiros_py.tasks.goals.forms import Joined, Name, Negation, Quantification, Said, Word
+from skiros_py.tasks.goals.forms import FORMS, AllOf, AnyOf, Exists, ForAll, Form, Implication, Name, Negation, Word
 from skiros_py.world.names import local_name
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.view import WorldView
@@ -38,7 +37,7 @@ def goal_texts(goal: object) -> tuple[str, ...]:
         UsageError: The structure is wrong; the text gives the path to the fault.
     """
     several = goal if isinstance(goal, list | tuple) else [goal]
-    structured = iter(_said([one for one in several if not isinstance(one, str)], "goal", alone=several is not goal))
+    structured = iter(_forms([one for one in several if not isinstance(one, str)], "goal", alone=several is not goal))
     return tuple(one if isinstance(one, str) else _text(next(structured), frozenset(), 0) for one in several)
 
 
@@ -52,19 +51,18 @@ def check_structure(data: dict[str, Any], where: str) -> None:
     Raises:
         DocumentError: It cannot.
     """
-    (said,) = _said([data], where, alone=True)
+    (form,) = _forms([data], where, alone=True)
     try:
-        _text(said, frozenset(), 0)
+        _text(form, frozenset(), 0)
     except UsageError as error:
         raise DocumentError([DocumentFault(where, str(error))]) from None
 
 
-def _said(data: Sequence[object], where: str, *, alone: bool) -> list[Said]:
+def _forms(data: Sequence[object], where: str, *, alone: bool) -> list[Form]:
     try:
-        fields = GOALS.validate_python(list(data))
+        return FORMS.validate_python(list(data))
     except ValidationError as error:
         raise DocumentError(_pydantic_faults(where, error, skip=int(alone))) from None
-    return [one.said() for one in fields]
 
 
 def _pydantic_faults(where: str, error: ValidationError, *, skip: int) -> list[DocumentFault]:
@@ -78,22 +76,24 @@ def _path(loc: Sequence[int | str]) -> str:
     return "".join(fields[:20])[:200]
 
 
-def _text(said: Said, variables: frozenset[str], depth: int) -> str:
+def _text(form: Form, variables: frozenset[str], depth: int) -> str:
     """Returns the text of a condition; everything joined or negated is in parentheses."""
     if depth > _DEEPEST:
         raise UsageError(f"the goal is nested deeper than {_DEEPEST} levels: say it in several conditions")
-    match said:
-        case Word(word, arguments):
+    match form:
+        case Word(condition=word, arguments=arguments):
             return f"{_word(word)}({', '.join(_name(argument, variables) for argument in arguments)})"
-        case Negation(part):
+        case Negation(part=part):
             return f"not ({_text(part, variables, depth + 1)})"
-        case Joined(word, parts):
-            return f" {word} ".join(f"({_text(part, variables, depth + 1)})" for part in parts)
-        case Quantification(quantifier, variable, class_, part):
+        case AllOf(parts=parts) | AnyOf(parts=parts):
+            return f" {form.word} ".join(f"({_text(part, variables, depth + 1)})" for part in parts)
+        case Implication(premise=premise, then=then):
+            return f"({_text(premise, variables, depth + 1)}) implies ({_text(then, variables, depth + 1)})"
+        case ForAll(variable=variable, holds=holds) | Exists(variable=variable, holds=holds):
             if not _VARIABLE.fullmatch(variable):
                 raise UsageError(f"'{variable[:100]}' cannot be a variable: letters, digits and _ only")
-            inner = _text(part, variables | {variable}, depth + 1)
-            return f"{quantifier} {variable}: {_quoted(class_)} ({inner})"
+            inner = _text(holds, variables | {variable}, depth + 1)
+            return f"{form.quantifier} {variable}: {_quoted(form.class_)} ({inner})"
 
 
 def _word(word: str) -> str:

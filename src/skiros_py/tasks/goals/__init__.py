@@ -11,7 +11,6 @@ PDDL::
     (and (in_kit starter kit_1) (forall (?c - compartment) (imply (has_part kit_1 ?c) (not (location_empty ?c)))))
 """
 
-from skiros_py.tasks.goals.data import goal_as_data, goal_from_data
-from skiros_py.tasks.goals.parsing import goal_as_text, parse_goal
+from skiros_py.tasks.goals.parsing import goal_as_data, goal_as_text, goal_from_data, parse_goal
 
 __all__ = ["goal_as_data", "goal_as_text", "goal_from_data", "parse_goal"]

@@ -1,4 +1,11 @@
-"""The two written forms of goals, each with its own grammar, and a parsed goal with words not yet looked up."""
+"""A parsed goal with words not yet looked up, which is also its form as plain data; and its two written forms.
+
+As plain data, for programs: dictionaries and lists, as JSON has them, checked by pydantic::
+
+    {"condition": "InKit", "arguments": ["Starter", "kit_1"]}
+    {"not": GOAL}   {"all_of": [GOAL, …]}   {"any_of": [GOAL, …]}   {"if": GOAL, "then": GOAL}
+    {"for_all": "c", "class": "Compartment", "holds": GOAL}   {"exists": "p", "class": "Starter", "holds": GOAL}
+"""
 
 from __future__ import annotations
 
@@ -7,10 +14,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, ClassVar
 
 from lark import Lark, Token, Transformer
 from lark.exceptions import UnexpectedCharacters, UnexpectedInput, UnexpectedToken
+from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, GetPydanticSchema, Tag, TypeAdapter
 
 from skiros_py.errors import GoalSyntaxError
 from skiros_py.world.vocabulary import ELEMENT
@@ -30,48 +38,94 @@ class Name:
     variable: bool | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Word:
+_Argument = Annotated[
+    Name, GetPydanticSchema(lambda _, schema_of: schema_of(Annotated[str, AfterValidator(lambda text: Name(text))]))
+]
+
+
+class _Form(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+
+
+class Word(_Form):
     """A condition's word with its arguments."""
 
-    word: str
-    arguments: tuple[Name, ...]
+    condition: str
+    arguments: list[_Argument]
 
 
-@dataclass(frozen=True, slots=True)
-class Negation:
+class Negation(_Form):
     """It must not hold."""
 
-    part: Said
+    part: Form = Field(alias="not")
 
 
-@dataclass(frozen=True, slots=True)
-class Joined:
-    """All of them, or any of them."""
+class AllOf(_Form):
+    """All of them hold."""
 
-    word: Literal["and", "or"]
-    parts: tuple[Said, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Quantification:
-    """For all elements of a class, or for some."""
-
-    quantifier: Literal["for all", "exists"]
-    variable: str
-    class_: str
-    part: Said
+    word: ClassVar[str] = "and"
+    parts: list[Form] = Field(alias="all_of", min_length=1)
 
 
-Said = Word | Negation | Joined | Quantification
+class AnyOf(_Form):
+    """At least one of them holds."""
+
+    word: ClassVar[str] = "or"
+    parts: list[Form] = Field(alias="any_of", min_length=1)
 
 
-def implication(premises: Sequence[Said]) -> Said:
-    """Returns "a implies b implies c", that is "not a or (not b or c)"; a single one is returned as it is."""
-    result = premises[-1]
-    for premise in reversed(premises[:-1]):
-        result = Joined("or", (Negation(premise), result))
-    return result
+class Implication(_Form):
+    """If one condition holds, so does the other."""
+
+    premise: Form = Field(alias="if")
+    then: Form
+
+
+class ForAll(_Form):
+    """It holds for all elements of a class."""
+
+    quantifier: ClassVar[str] = "for all"
+    variable: str = Field(alias="for_all")
+    class_: str = Field(alias="class")
+    holds: Form
+
+
+class Exists(_Form):
+    """It holds for some element of a class."""
+
+    quantifier: ClassVar[str] = "exists"
+    variable: str = Field(alias="exists")
+    class_: str = Field(alias="class")
+    holds: Form
+
+
+_KINDS = ("condition", "not", "all_of", "any_of", "if", "for_all", "exists")
+
+
+def _kind(value: object) -> str | None:
+    """Returns the kind of a goal as plain data, from the first field that determines it."""
+    if not isinstance(value, Mapping):
+        return None
+    return next((f"<{kind}>" for kind in _KINDS if kind in value), None)
+
+
+Form = Annotated[
+    Annotated[Word, Tag("<condition>")]
+    | Annotated[Negation, Tag("<not>")]
+    | Annotated[AllOf, Tag("<all_of>")]
+    | Annotated[AnyOf, Tag("<any_of>")]
+    | Annotated[Implication, Tag("<if>")]
+    | Annotated[ForAll, Tag("<for_all>")]
+    | Annotated[Exists, Tag("<exists>")],
+    Discriminator(
+        _kind,
+        custom_error_type="goal",
+        custom_error_message=f"expected an object with one of the fields {', '.join(_KINDS)}",
+    ),
+]
+
+FORMS: TypeAdapter[list[Form]] = TypeAdapter(list[Form])
+"""A list of goals as plain data."""
 
 
 _WORDS: Mapping[str, str] = {
@@ -98,7 +152,7 @@ _WORDS: Mapping[str, str] = {
 
 
 @lru_cache(maxsize=128)
-def read(text: str) -> Said:
+def read(text: str) -> Form:
     """Reads a goal written as text or, in parentheses, as PDDL; cached, since a factory repeats the same few goals.
 
     Raises:
@@ -115,12 +169,12 @@ def read(text: str) -> Said:
             raise max(other, error, key=lambda fault: fault.column) from None
 
 
-def _read(text: str, form: str) -> Said:
+def _read(text: str, form: str) -> Form:
     try:
-        said: Said = _grammar(form).parse(text)  # type: ignore[assignment]  # the transformer's result
+        parsed: Form = _grammar(form).parse(text)  # type: ignore[assignment]  # the transformer's result
     except UnexpectedInput as error:
         raise GoalSyntaxError(re.sub(r"\s", " ", text), _column(error, text), _reason(error)) from error
-    return said
+    return parsed
 
 
 @cache
@@ -147,42 +201,45 @@ def _reason(error: UnexpectedInput) -> str:
     return f"expected {', '.join(most)}{' or ' if most else ''}{last}"
 
 
-class _Form(Transformer[Token, Said]):
-    """The common part of both forms; called by the parser from the inside out, so depth does not matter."""
+class _Common(Transformer[Token, Form]):
+    """What both grammars share; called by the parser from the inside out, so depth does not matter."""
 
-    def start(self, parts: Sequence[Said]) -> Said:
+    def start(self, parts: Sequence[Form]) -> Form:
         return parts[0]
 
     def condition(self, parts: Sequence[Token]) -> Word:
-        return Word(str(parts[0]), tuple(map(_name, parts[1:])))
+        return Word.model_construct(condition=str(parts[0]), arguments=[*map(_name, parts[1:])])
 
-    def conjunction(self, parts: Sequence[Said]) -> Joined:
-        return Joined("and", tuple(parts))
+    def conjunction(self, parts: Sequence[Form]) -> AllOf:
+        return AllOf.model_construct(parts=[*parts])
 
-    def disjunction(self, parts: Sequence[Said]) -> Joined:
-        return Joined("or", tuple(parts))
+    def disjunction(self, parts: Sequence[Form]) -> AnyOf:
+        return AnyOf.model_construct(parts=[*parts])
 
-    def negation(self, parts: Sequence[Said]) -> Negation:
-        return Negation(parts[0])
+    def negation(self, parts: Sequence[Form]) -> Negation:
+        return Negation.model_construct(part=parts[0])
 
-    def implication(self, parts: Sequence[Said]) -> Said:
-        return implication(parts)
+    def implication(self, parts: Sequence[Form]) -> Form:
+        *premises, result = parts
+        for premise in reversed(premises):
+            result = Implication.model_construct(premise=premise, then=result)
+        return result
 
-    def for_all(self, parts: Sequence[Any]) -> Said:
-        return _quantified("for all", parts)
+    def for_all(self, parts: Sequence[Any]) -> Form:
+        return _quantified(ForAll, parts)
 
-    def exists(self, parts: Sequence[Any]) -> Said:
-        return _quantified("exists", parts)
+    def exists(self, parts: Sequence[Any]) -> Form:
+        return _quantified(Exists, parts)
 
 
-class _Text(_Form):
+class _Text(_Common):
     """Goals in text form."""
 
     def declaration(self, parts: Sequence[Token]) -> list[tuple[str, str]]:
         return [(str(parts[0]), _name(parts[1]).text)]
 
 
-class _Pddl(_Form):
+class _Pddl(_Common):
     """Goals in PDDL form."""
 
     def declaration(self, parts: Sequence[Token]) -> list[tuple[str, str]]:
@@ -202,8 +259,8 @@ def _name(token: Token) -> Name:
     return Name(str(token), variable=False if token.type == "SYMBOL" else None)
 
 
-def _quantified(quantifier: Literal["for all", "exists"], parts: Sequence[Any]) -> Said:
-    said: Said = parts[-1]
-    for variable, class_ in reversed([one for declaration in parts[:-1] for one in declaration]):
-        said = Quantification(quantifier, variable, class_, said)
-    return said
+def _quantified(kind: type[ForAll | Exists], parts: Sequence[Any]) -> Form:
+    *declarations, result = parts
+    for variable, class_ in reversed([one for declaration in declarations for one in declaration]):
+        result = kind.model_construct(variable=variable, class_=class_, holds=result)
+    return result  # type: ignore[no-any-return]  # the last part is the inner goal

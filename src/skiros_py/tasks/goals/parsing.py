@@ -1,4 +1,4 @@
-"""Goals as text: reading, looking up words, and writing such that reading gives the same goal."""
+"""Goals as text and as plain data: reading, looking up words, and writing such that reading gives the same goal."""
 
 from __future__ import annotations
 
@@ -6,11 +6,26 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from math import prod
+from typing import Any
+
+from pydantic import ValidationError
 
 from skiros_py.errors import DescriptionError, UnknownName, UsageError
 from skiros_py.planning.domain.pddl import NameMap
 from skiros_py.skills.conditions import Condition, ConditionType, Junction, Quantified, all_of, any_of, exists, for_all
-from skiros_py.tasks.goals.forms import Joined, Name, Negation, Quantification, Said, Word, read
+from skiros_py.tasks.goals.forms import (
+    FORMS,
+    AllOf,
+    AnyOf,
+    Exists,
+    ForAll,
+    Form,
+    Implication,
+    Name,
+    Negation,
+    Word,
+    read,
+)
 from skiros_py.world.element import is_abstract
 from skiros_py.world.names import local_name
 from skiros_py.world.view import WorldView
@@ -29,11 +44,11 @@ _Scope = Mapping[str, str]
 """Class by variable."""
 
 
-def goal_of(said: Iterable[Said], view: WorldView, conditions: Mapping[str, ConditionType]) -> tuple[Condition, ...]:
+def goal_of(forms: Iterable[Form], view: WorldView, conditions: Mapping[str, ConditionType]) -> tuple[Condition, ...]:
     """Returns the conditions that must hold together, each once; what "and" joins becomes several.
 
     Args:
-        said: The parsed goals.
+        forms: The parsed goals.
         view: The world, for elements and classes.
         conditions: The known condition words.
 
@@ -42,7 +57,7 @@ def goal_of(said: Iterable[Said], view: WorldView, conditions: Mapping[str, Cond
         UsageError: An argument is of the wrong class, abstract where that is not allowed, or a variable out of place.
     """
     meaning = Meaning(view, conditions)
-    found = (condition for one in said for condition in _split(meaning.of(one, {})))
+    found = (condition for one in forms for condition in _split(meaning.of(one, {})))
     goal = tuple(dict.fromkeys(found))
     _check_work(sum(_work(condition, view) for condition in goal))
     return goal
@@ -89,11 +104,11 @@ class Meaning:
         self._spelt_classes: dict[str, NameMap] = {}
         self._spelt_elements: dict[str, NameMap] = {}
 
-    def of(self, said: Said, scope: _Scope, depth: int = 0) -> Condition:
+    def of(self, form: Form, scope: _Scope, depth: int = 0) -> Condition:
         """Returns the condition.
 
         Args:
-            said: The parsed goal.
+            form: The parsed goal.
             scope: Class by variable bound in the enclosing goal.
             depth: Its nesting depth.
 
@@ -103,44 +118,46 @@ class Meaning:
         """
         if depth > DEEPEST:
             raise UsageError(f"the goal is nested deeper than {DEEPEST} levels: say it in several conditions")
-        match said:
+        match form:
             case Word():
-                return self._word(said, scope)
-            case Negation(part):
+                return self._word(form, scope)
+            case Negation(part=part):
                 return ~self.of(part, scope, depth + 1)
-            case Joined(word, parts):
+            case Implication(premise=premise, then=then):
+                return any_of(~self.of(premise, scope, depth + 1), self.of(then, scope, depth + 1))
+            case AllOf(parts=parts) | AnyOf(parts=parts):
                 if not parts:
-                    raise UsageError(f"'{word}' joins nothing: give at least one condition")
+                    raise UsageError(f"'{form.word}' joins nothing: give at least one condition")
                 conditions = [self.of(part, scope, depth + 1) for part in parts]
-                return all_of(*conditions) if word == "and" else any_of(*conditions)
-            case Quantification():
-                return self._quantified(said, scope, depth)
+                return (all_of if isinstance(form, AllOf) else any_of)(*conditions)
+            case ForAll() | Exists():
+                return self._quantified(form, scope, depth)
 
-    def _quantified(self, said: Quantification, scope: _Scope, depth: int) -> Condition:
-        where = f"in '{said.quantifier} {said.variable}'"
-        class_ = self._class_of(said.class_, ELEMENT)
+    def _quantified(self, form: ForAll | Exists, scope: _Scope, depth: int) -> Condition:
+        where = f"in '{form.quantifier} {form.variable}'"
+        class_ = self._class_of(form.class_, ELEMENT)
         if class_ is None:
             raise UnknownName(
-                "class", said.class_, map(local_name, self._view.ontology.subclasses(ELEMENT)), where=where
+                "class", form.class_, map(local_name, self._view.ontology.subclasses(ELEMENT)), where=where
             )
-        if said.variable in scope:
-            raise UsageError(f"{where}: {said.variable} is bound already around it; call one of the two otherwise")
-        if self._is_taken(said.variable):
-            raise UsageError(f"{where}: something else is called {said.variable}; call the variable otherwise")
-        inner = {**scope, said.variable: class_}
-        part = self.of(said.part, inner, depth + 1)
-        make = for_all if said.quantifier == "for all" else exists
+        if form.variable in scope:
+            raise UsageError(f"{where}: {form.variable} is bound already around it; call one of the two otherwise")
+        if self._is_taken(form.variable):
+            raise UsageError(f"{where}: something else is called {form.variable}; call the variable otherwise")
+        inner = {**scope, form.variable: class_}
+        part = self.of(form.holds, inner, depth + 1)
+        make = for_all if isinstance(form, ForAll) else exists
         try:
-            return make(said.variable, class_, part)
+            return make(form.variable, class_, part)
         except DescriptionError as error:
             raise UsageError(f"goal: {error}") from error
 
-    def _word(self, said: Word, scope: _Scope) -> Condition:
-        type_ = self._type(said.word)
-        if len(said.arguments) != len(type_.roles):
+    def _word(self, form: Word, scope: _Scope) -> Condition:
+        type_ = self._type(form.condition)
+        if len(form.arguments) != len(type_.roles):
             roles = ", ".join(f"{role.name}: {local_name(role.class_)}" for role in type_.roles)
-            raise UsageError(f"{type_.name} takes {len(type_.roles)} arguments ({roles}), got {len(said.arguments)}")
-        return type_(*(self._argument(name, index, type_, scope) for index, name in enumerate(said.arguments)))
+            raise UsageError(f"{type_.name} takes {len(type_.roles)} arguments ({roles}), got {len(form.arguments)}")
+        return type_(*(self._argument(name, index, type_, scope) for index, name in enumerate(form.arguments)))
 
     def _argument(self, name: Name, index: int, type_: ConditionType, scope: _Scope) -> str:
         role = type_.roles[index]
@@ -309,3 +326,56 @@ def _quoted(name: str) -> str:
     if _PLAIN.fullmatch(name):
         return name
     return '"' + re.sub(r'(["\\])', r"\\\1", name) + '"'
+
+
+_LONGEST_PATH = 20
+
+
+def goal_from_data(data: object, view: WorldView, conditions: Mapping[str, ConditionType]) -> tuple[Condition, ...]:
+    """Creates a goal from plain data.
+
+    Args:
+        data: One condition, or a list of them that must hold together; see :mod:`skiros_py.tasks.goals.forms`.
+        view: The world, for elements and classes; an element may be given by id or by its label.
+        conditions: The known condition words.
+
+    Returns:
+        Conditions that must hold together, each once; what "all_of" joins becomes several.
+
+    Raises:
+        UnknownName: A word is unknown; the message gives the nearest that exists.
+        UsageError: A field is wrong, and the message gives its path; or the goal makes no sense.
+    """
+    several = isinstance(data, list | tuple)
+    try:
+        forms = FORMS.validate_python(data if several else [data])
+    except ValidationError as error:
+        problems = [(one["loc"] if several else one["loc"][1:], one["msg"]) for one in error.errors()]
+        lines = (f"goal{_path(loc)}: {message[:1].lower()}{message[1:]}" for loc, message in problems)
+        raise UsageError("\n".join(lines)) from None
+    return goal_of(forms, view, conditions)
+
+
+def goal_as_data(goal: Sequence[Condition]) -> list[dict[str, Any]]:
+    """Returns a goal as plain data that :func:`goal_from_data` turns back into the same goal."""
+    return [_data(condition) for condition in goal]
+
+
+def _data(condition: Condition) -> dict[str, Any]:
+    if condition.negated:
+        return {"not": _data(~condition)}
+    match condition:
+        case Junction(word=word, parts=parts):
+            return {"all_of" if word == "and" else "any_of": [_data(part) for part in parts]}
+        case Quantified(quantifier=quantifier, variable=variable, class_=class_, part=part):
+            return {quantifier.replace(" ", "_"): variable, "class": class_, "holds": _data(part)}
+        case _:
+            return {"condition": condition.type.name, "arguments": list(condition.arguments)}
+
+
+def _path(loc: Sequence[int | str]) -> str:
+    """Formats the path to a field ("[0].not.arguments[1]"); names in angle brackets are kinds, not fields."""
+    fields = [f"[{name}]" if isinstance(name, int) else f".{name}" for name in loc if not str(name).startswith("<")]
+    if len(fields) > _LONGEST_PATH:
+        fields[_LONGEST_PATH // 2 : -_LONGEST_PATH // 2] = ["…"]
+    return "".join(fields)
