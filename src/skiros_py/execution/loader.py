@@ -17,53 +17,35 @@ from skiros_py.skills.primitive import Primitive
 from skiros_py.world.view import WorldView
 
 
-def configuration_of(
-    module: str, cls: type[Primitive[Any]], given: Mapping[str, Any], view: WorldView
-) -> dict[str, Any]:
-    """Reads what is given for the configuration parameters of a primitive.
-
-    Args:
-        module: Name of the primitive.
-        cls: The primitive.
-        given: All values that were given, by "module.key".
-        view: The world, for elements and classes.
-
-    Raises:
-        UnknownName: It has no such configuration parameter.
-        UsageError: A value is not of the parameter's type.
-    """
-    params = {p.key: p for p in params_of(cls.Params) if p.kind is Kind.CONFIG}
-    own = {key: value for of, key, value in _split(given) if of == module}
-    for key in own:
-        if key not in params:
-            raise UnknownName("configuration parameter", key, params, where=f"of {module}")
-    return {key: read_value(params[key], value, view) for key, value in own.items()}
-
-
-def check_configuration(
+def read_configuration(
     given: Mapping[str, Any], primitives: Mapping[str, type[Primitive[Any]]], view: WorldView
-) -> None:
-    """Refuses what no module would ever read: a slip of the pen must not leave a robot with the values it had.
+) -> dict[str, dict[str, Any]]:
+    """Reads the values that are given for configuration parameters of primitives.
+
+    A value that no module would ever read is refused: a typing error must not leave a robot with the values it had.
 
     Args:
-        given: All values that were given, by "module.key".
+        given: All values, by "module.key".
         primitives: All primitives by name; those that something is given for are loaded.
         view: The world, for elements and classes.
+
+    Returns:
+        The values by module and key.
 
     Raises:
         UnknownName: There is no such module, or it has no such configuration parameter.
         UsageError: A value is not of the parameter's type.
     """
-    for module in dict.fromkeys(module for module, _, _ in _split(given)):
+    read: dict[str, dict[str, Any]] = {}
+    for name, value in given.items():
+        module, _, key = name.partition(".")  # names of modules have no dot
         if module not in primitives:
             raise UnknownName("primitive", module, primitives, where="in the configuration")
-        configuration_of(module, primitives[module], given, view)
-
-
-def _split(given: Mapping[str, Any]) -> list[tuple[str, str, Any]]:
-    """Takes "module.key" apart; names of modules have no dot."""
-    parts = {name: name.partition(".") for name in given}
-    return [(module, key, given[name]) for name, (module, _, key) in parts.items()]
+        params = {p.key: p for p in params_of(primitives[module].Params) if p.kind is Kind.CONFIG}
+        if key not in params:
+            raise UnknownName("configuration parameter", key, params, where=f"of {module}")
+        read.setdefault(module, {})[key] = read_value(params[key], value, view)
+    return read
 
 
 _log = logging.getLogger(__name__)
@@ -92,23 +74,19 @@ class Loader:
 
     Args:
         primitives: Classes by name; may load themselves when they are looked up.
-        config: Values of configuration parameters by "module.key".
+        config: Values of configuration parameters by module and key.
         activity: What the watchdog looks at: loading has a limit of its own, longer than that of a tick.
-        limit: That limit, wall time [s]; generous where left out.
     """
 
     def __init__(
         self,
         primitives: Mapping[str, type[Primitive[Any]]],
-        config: Mapping[str, Any],
+        config: Mapping[str, Mapping[str, Any]],
         activity: Activity,
-        *,
-        limit: float | None = None,
     ) -> None:
         self._primitives = primitives
         self._config = config
         self._activity = activity
-        self._limit = _LIMIT if limit is None else limit
         self._known: dict[str, Loaded | Failure] = {}
 
     def prepare(self, module: str, context: RunContext) -> None:
@@ -142,7 +120,7 @@ class Loader:
         except KeyboardInterrupt:
             raise
         except CycleOverrun:  # the watchdog has reported it and halted everything
-            return Failure(f"{module} did not load within {self._limit:g} s", BROKEN)
+            return Failure(f"{module} did not load within {_LIMIT:g} s", BROKEN)
         except BaseException as error:  # noqa: BLE001 - an author's mistake makes runs of this one fail, and no other
             _log.exception("primitive %s did not load", module)
             return Failure(f"{module} did not load: {words(error)}", BROKEN)
@@ -150,9 +128,8 @@ class Loader:
     def _watched(self, module: str, context: RunContext) -> Loaded:
         outer = self._activity.enter(Chore(f"the loading of {module}", interruptible=True))
         try:
-            with self._activity.allowing(self._limit):
+            with self._activity.allowing(_LIMIT):
                 cls = self._primitives[module]
-                config = configuration_of(module, cls, self._config, context.world)
-                return Loaded(cls, config, cls.load(context))
+                return Loaded(cls, self._config.get(module, {}), cls.load(context))
         finally:
             self._activity.leave(outer)

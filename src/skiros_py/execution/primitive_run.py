@@ -10,7 +10,7 @@ from typing import Any
 from skiros_py.errors import UnknownName, UsageError
 from skiros_py.execution.claims import Claim, complete, devices_of, standstill
 from skiros_py.execution.containment import broken, contained
-from skiros_py.execution.loader import Loaded
+from skiros_py.execution.loader import Loaded, Loader
 from skiros_py.execution.monitor import Status
 from skiros_py.execution.scope import ModuleRun, Scope, Unfinished, failed, run_recovery
 from skiros_py.interruptions import CycleOverrun
@@ -30,16 +30,20 @@ class PrimitiveRun(ModuleRun):
     next call begins and before the run ends.
 
     Args:
-        loaded: The primitive.
+        name: The primitive.
+        loader: Loads it.
         given: Its parameters; devices that are left out are those of the subsystem, where there is only one.
         scope: What it runs in.
         take: Asks for its devices.
         run: Id of this run; a new one where left out.
     """
 
-    def __init__(self, loaded: Loaded, given: Mapping[str, Any], scope: Scope, take: Take, run: str = "") -> None:
-        super().__init__("primitive", loaded.cls.name, scope, run)
-        self._loaded = loaded
+    def __init__(
+        self, name: str, loader: Loader, given: Mapping[str, Any], scope: Scope, take: Take, run: str = ""
+    ) -> None:
+        super().__init__("primitive", name, given, scope, run)
+        self._loader = loader
+        self._loaded: Loaded
         self._values = given
         self._take = take
         self._claim: Claim | None = None
@@ -56,6 +60,10 @@ class PrimitiveRun(ModuleRun):
 
     def run(self) -> Execution[Outcome]:
         """Specifies it and waits for its devices, then runs it."""
+        loaded = self._loader.get(self.name, self._outer.context)
+        if isinstance(loaded, Failure):
+            return loaded
+        self._loaded = loaded
         claim = contained(self.name, self._specify)
         if isinstance(claim, Failure):
             return claim

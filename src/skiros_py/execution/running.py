@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections import ChainMap
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Any, Protocol
 
 from skiros_py.behaviours.children import run_until
@@ -52,14 +51,9 @@ class BehaviourRun(ModuleRun):
     """
 
     def __init__(
-        self,
-        name: str,
-        document: RunnableDocument,
-        arguments: Mapping[str, Any],
-        scope: Scope,
-        run: str = "",
+        self, name: str, document: RunnableDocument, arguments: Mapping[str, Any], scope: Scope, run: str = ""
     ) -> None:
-        super().__init__("document", name, scope, run)
+        super().__init__("document", name, arguments, scope, run)
         self._document = document
         self._arguments = dict(arguments)
         values: dict[str, Any] = {}
@@ -155,37 +149,28 @@ class RunningModule:
     """A module that runs in this process's control cycle.
 
     Args:
-        name: The module.
-        id: Id of this run.
+        run: What runs.
         task: Its task.
         scope: Its outermost scope; its devices are kept until all stands.
-        cancel: Ends it so that what must follow is still done; None for what can only be stopped.
-        arguments: Its parameters; those that are inferred come in the first cycle.
-        account: Gives what it was run with and what was found of its conditions; None where it has none.
 
     Attributes:
+        name: The module.
+        id: Id of this run.
         changes: Numbers of its changes of the world; filled in by its skill manager.
     """
 
-    def __init__(
-        self,
-        name: str,
-        id: str,  # noqa: A002 - as in module events
-        task: Task[Outcome],
-        scope: Scope,
-        cancel: Callable[[str], None] | None = None,
-        *,
-        arguments: Mapping[str, Any] = MappingProxyType({}),
-        account: Callable[[], Mapping[str, Any]] | None = None,
-    ) -> None:
-        self.name = name
-        self.id = id
+    def __init__(self, run: ModuleRun, task: Task[Outcome], scope: Scope) -> None:
+        self.name = run.name
+        self.id = run.id
+        self.run = run
         self.task = task
         self.scope = scope
-        self.arguments = arguments
         self.changes: list[int] = []
-        self._cancel = cancel
-        self._account = account
+
+    @property
+    def arguments(self) -> Mapping[str, Any]:
+        """Its parameters; those that are inferred come in the first cycle."""
+        return self.run.arguments
 
     @property
     def breakpoints(self) -> set[str]:
@@ -195,8 +180,7 @@ class RunningModule:
     @property
     def account(self) -> Mapping[str, Any]:
         """What it was run with, what was found of its conditions, and what it changed, as plain data."""
-        said = self._account() if self._account is not None else {"inputs": dict(self.arguments), "conditions": []}
-        return {**said, "changes": list(self.changes)}
+        return {**self.run.account(), "changes": list(self.changes)}
 
     @property
     def done(self) -> bool:
@@ -231,11 +215,10 @@ class RunningModule:
 
     def cancel(self, reason: str) -> None:
         """Cancels it because the world changed; finishing motion, such as stowing the arm, still runs."""
-        if self._cancel is None:
-            self.task.stop(reason)
-        else:
-            self._cancel(reason)
+        if self.run.cancel(reason):
             self.task.resume()  # what was paused must be able to end
+        else:
+            self.task.stop(reason)
 
     def pause(self) -> None:
         """Lets it come to a standstill where it is; its devices stay its own."""

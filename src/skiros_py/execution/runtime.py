@@ -14,11 +14,10 @@ import numpy as np
 from skiros_py.errors import UnknownName, UsageError, WrongState
 from skiros_py.execution.cycle import ControlCycle
 from skiros_py.execution.floor import FloorAreas
-from skiros_py.execution.loader import check_configuration
-from skiros_py.execution.modules import CellModules
+from skiros_py.execution.loader import read_configuration
 from skiros_py.execution.monitor import Monitor
 from skiros_py.execution.signals import Signals
-from skiros_py.execution.skill_manager import SkillManager
+from skiros_py.execution.skill_manager import CellModules, SkillManager
 from skiros_py.execution.watchdog import Watchdog
 from skiros_py.interruptions import Watched
 from skiros_py.listeners import Listeners
@@ -303,7 +302,7 @@ class Runtime:
         primitives: Mapping[str, type[Primitive[Any]]],
         options: RuntimeOptions = RuntimeOptions(),
     ) -> None:
-        check_configuration(options.config, primitives, world)
+        config = read_configuration(options.config, primitives, world)
         board = DeviceBoard(driver)
         world.clock = lambda: board.snapshot.time
         self.world = world
@@ -330,7 +329,7 @@ class Runtime:
         kind = driver.kind if options.kind is None else options.kind
         watches = Watches(world)
         cell = CellModules(
-            skills, primitives, self.context, self.cycle, self.monitor, watches, driver=kind, config=options.config
+            skills, primitives, self.context, self.cycle, self.monitor, watches, driver=kind, config=config
         )
         self.managers = Managers(cell)
         self.managers.open_all()

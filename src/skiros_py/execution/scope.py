@@ -278,17 +278,20 @@ class ModuleRun(ABC):
     Args:
         kind: "skill", "primitive" or "document".
         name: The module.
+        arguments: Its parameters.
         scope: What it runs in.
         run: Id of this run; a new one where left out.
 
     Attributes:
         name: The module.
+        arguments: Its parameters, as far as they are known.
         id: Id of this run.
         started: True when the monitor has heard of it.
     """
 
-    def __init__(self, kind: str, name: str, scope: Scope, run: str = "") -> None:
+    def __init__(self, kind: str, name: str, arguments: Mapping[str, Any], scope: Scope, run: str = "") -> None:
         self.name = name
+        self.arguments = arguments
         self.id = run or scope.monitor.new_id()
         self.started = False
         self._kind = kind
@@ -327,6 +330,14 @@ class ModuleRun(ABC):
         outer = self._outer
         callers = (*outer.callers, self.name)
         return replace(outer, unfinished=[], callers=callers, id=self.id, parent=outer.id, **changes)
+
+    def cancel(self, reason: str) -> bool:  # noqa: ARG002 - for those that can
+        """Ends it in the coming tick, with what must follow; returns False for what can only be stopped."""
+        return False
+
+    def account(self) -> dict[str, Any]:
+        """Returns what it was run with, and what was found last of its conditions, as plain data."""
+        return {"inputs": dict(self.arguments), "conditions": []}
 
     @property
     def target(self) -> str:

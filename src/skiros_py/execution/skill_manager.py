@@ -6,25 +6,32 @@ It is reached through a small interface of plain data, so that it may one day li
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import chain
 from typing import Any, Protocol
 
-from skiros_py.errors import UnknownName, UsageError
-from skiros_py.execution.claims import pieces
-from skiros_py.execution.modules import CellModules, ModuleInfo, Modules
-from skiros_py.execution.monitor import Status
+from skiros_py.errors import DescriptionError, UnknownName, UsageError
+from skiros_py.execution.claims import Claim, Claims, pieces
+from skiros_py.execution.cycle import ControlCycle
+from skiros_py.execution.loader import Loader
+from skiros_py.execution.modules import ModuleInfo, choose
+from skiros_py.execution.monitor import Monitor, Status
 from skiros_py.execution.panel import Panel, primitive_panel, skill_panel
+from skiros_py.execution.primitive_run import PrimitiveRun
 from skiros_py.execution.registration import Registration
-from skiros_py.execution.running import RunnableDocument, Running, RunningModule
-from skiros_py.execution.scope import Scope
+from skiros_py.execution.running import BehaviourRun, RunnableDocument, Running, RunningModule
+from skiros_py.execution.scope import ModuleRun, Scope
 from skiros_py.execution.skill_run import SkillRun
 from skiros_py.execution.task import RunClock, Task
 from skiros_py.interruptions import Watched
+from skiros_py.skills.behaviour import calls_of
 from skiros_py.skills.conditions import Condition
+from skiros_py.skills.conditions.watch import Watches
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import BROKEN, Failure, Outcome
-from skiros_py.skills.parameters import Kind, params_of
+from skiros_py.skills.parameters import Access, Kind, Output, params_of
+from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.skills.surroundings import owner
 from skiros_py.world.change import Change
@@ -69,6 +76,53 @@ class Transport(Protocol):
         """
 
 
+@dataclass(frozen=True, slots=True)
+class CellModules:
+    """What the skill managers of a cell share.
+
+    Attributes:
+        skills: All skills found.
+        primitives: All primitives found, by name; they may load themselves when they are looked up.
+        context: World, devices, adapters.
+        cycle: Runs everything.
+        monitor: Takes module events.
+        watches: Conditions under watch.
+        driver: Kind of cell driver; a fake one gets the implementations that only pretend.
+        config: Values of configuration parameters by module and key.
+        claims: Who may use which device.
+        documents: Documents that every manager runs as modules, by name; they may be exchanged at any time.
+        offers: The skill manager of each subsystem that is there, by its id; for any thread.
+    """
+
+    skills: Sequence[Skill]
+    primitives: Mapping[str, type[Primitive[Any]]]
+    context: RunContext
+    cycle: ControlCycle
+    monitor: Monitor
+    watches: Watches
+    driver: str
+    config: Mapping[str, Mapping[str, Any]]
+    claims: Claims = field(default_factory=Claims)
+    documents: dict[str, RunnableDocument] = field(default_factory=dict)
+    offers: dict[str, SkillManager] = field(default_factory=dict)
+
+    def who_runs(self, module: str, arguments: Mapping[str, Any], caller: SkillManager) -> SkillManager:
+        """Returns the skill manager that runs a called module.
+
+        That is the one of the subsystem that the arguments name, else the caller itself, else one of the caller's
+        robot, else the first by its id; the caller for a module that is offered nowhere as a skill.
+        """
+        view = self.context.world
+        able = [offer for offer in tuple(self.offers.values()) if module in offer.skills]
+        robot = owner(view, caller.agent)
+
+        def far(offer: SkillManager) -> tuple[bool, bool, bool, str]:
+            named = arguments.get(offer.skills[module][0].description.agent) == offer.agent
+            return not named, offer is not caller, owner(view, offer.agent) != robot, offer.agent
+
+        return min(able, key=far, default=caller)
+
+
 class SkillManager:
     """Offers the modules that fit one subsystem and runs them in the control cycle.
 
@@ -80,6 +134,7 @@ class SkillManager:
 
     Attributes:
         agent: Id of the subsystem.
+        skills: Implementations of each skill by its name, in the order in which they are tried.
         lost: Why it is lost; empty while it is there.
     """
 
@@ -89,33 +144,33 @@ class SkillManager:
         self._cell = cell
         self._context = cell.context
         self._cycle = cell.cycle
-        self._modules = cell.offers[agent] = Modules(
-            agent, _choose(cell.skills, cell.context, agent, cell.driver), cell
-        )
+        self.skills = choose(cell.skills, cell.context, agent, cell.driver)
+        self._loader = Loader(cell.primitives, cell.config, cell.cycle.activity)
         self._running: dict[str, RunningModule] = {}
         self._watching: dict[str, Task[Outcome]] = {}
         self._registration = Registration(cell.context.world, agent)
         self._leave_cycle = cell.cycle.observe(self._attend)
         self._leave_world = cell.context.world.subscribe(self._note_change)
         self._retired = False
+        cell.offers[agent] = self
 
     # ------------------------------------------------------------------ what it offers
 
     @property
     def descriptions(self) -> Mapping[str, SkillDescription]:
         """The skills it offers, by name; none when it is lost."""
-        return {} if self.lost else {name: ways[0].description for name, ways in self._modules.skills.items()}
+        return {} if self.lost else {name: ways[0].description for name, ways in self.skills.items()}
 
     @property
     def alternatives(self) -> Mapping[str, Sequence[Sequence[Condition]]]:
         """What each implementation of a skill asks for besides what the description does, by the skill's name."""
-        return {name: [way.when for way in ways] for name, ways in self._modules.skills.items()}
+        return {name: [way.when for way in ways] for name, ways in self.skills.items()}
 
     @property
     def modules(self) -> tuple[str, ...]:
         """Names of all modules it can run: its skills, and the primitives whose hardware it has."""
-        fitting = [name for name in sorted(self._modules.primitives) if self._has_hardware_for(name)]
-        return (*sorted(self._modules.skills), *fitting)
+        fitting = [name for name in sorted(self._cell.primitives) if self._has_hardware_for(name)]
+        return (*sorted(self.skills), *fitting)
 
     def info(self, module: str) -> ModuleInfo:
         """Describes one module.
@@ -123,26 +178,34 @@ class SkillManager:
         Raises:
             UnknownName: There is no such module.
         """
-        return self._modules.info(module)
+        kind = self._kind(module)
+        if kind == "document":
+            found = self._cell.documents[module]
+            outputs = tuple(Output(name, "", "") for name in found.outputs)
+            return ModuleInfo(module, kind, found.help, found.params, str(found.revision), outputs=outputs)
+        if kind == "skill":
+            ways = self.skills[module]
+            first, labels = ways[0], tuple(skill.label for skill in ways)
+            return ModuleInfo(module, kind, first.description.help, first.description.params, first.version, labels)
+        cls = self._cell.primitives[module]
+        help_ = (cls.__doc__ or "").strip().partition("\n")[0]
+        return ModuleInfo(module, kind, help_, params_of(cls.Params), cls.version, outputs=cls.outputs)
 
-    def implementations(self, skill: str) -> Sequence[Skill]:
-        """Returns the ways of doing a skill, in the order in which they are tried.
-
-        Raises:
-            UnknownName: It does not offer that skill.
-        """
-        if skill not in self._modules.skills:
-            raise UnknownName("skill", skill, self._modules.skills, where=f"of {self.agent}")
-        return self._modules.skills[skill]
+    def _kind(self, module: str) -> str:
+        offered = {"skill": self.skills, "primitive": self._cell.primitives, "document": self._cell.documents}
+        for kind, modules in offered.items():
+            if module in modules:
+                return kind
+        raise UnknownName("module", module, [*chain.from_iterable(offered.values())], where=f"of {self.agent}")
 
     @property
     def documents(self) -> tuple[str, ...]:
         """Names of the documents that run as modules, by any manager."""
-        return () if self.lost else tuple(sorted(self._modules.documents))
+        return () if self.lost else tuple(sorted(self._cell.documents))
 
     def document(self, module: str) -> RunnableDocument | None:
         """Returns the document that a module runs; None for skills and primitives."""
-        return self._modules.documents.get(module)
+        return self._cell.documents.get(module)
 
     def panel(self, module: str, given: Mapping[str, Any]) -> Panel:
         """Tells what a module would be run with now, and which of its conditions hold.
@@ -154,10 +217,10 @@ class SkillManager:
         info, world = self.info(module), self._context.world
         if info.kind != "skill":
             return primitive_panel(info.params, given, world, self.agent)
-        return skill_panel(self._modules.skills[module][0].description, given, world, self.agent)
+        return skill_panel(self.skills[module][0].description, given, world, self.agent)
 
     def _has_hardware_for(self, primitive: str) -> bool:
-        cls, view = self._modules.primitives[primitive], self._context.world
+        cls, view = self._cell.primitives[primitive], self._context.world
         if cls.watches is not None:
             return False
         there = [view.element(e).type for e in pieces(view, self.agent)]
@@ -211,21 +274,16 @@ class SkillManager:
         Each runs at most once for each device of its class.
         """
         self._watching = {name: task for name, task in self._watching.items() if not task.done}
-        for primitive, device in self._watched():
-            name = f"{primitive} of {device}"
-            if name not in self._watching:
-                run = self._modules.run(primitive, {"device": device}, self._scope(name))
-                self._watching[name] = self._cycle.start(run, name=name)
-
-    def _watched(self) -> Iterator[tuple[str, str]]:
         view = self._context.world
-        for name, primitive in sorted(self._modules.primitives.items()):
-            for device in view.objects(self.agent, HAS_A) if primitive.watches else ():
-                if view.ontology.is_a(view.element(device).type, primitive.watches or ""):
-                    yield name, device
+        for primitive, cls in sorted(self._cell.primitives.items()):
+            for device in view.objects(self.agent, HAS_A) if cls.watches else ():
+                name = f"{primitive} of {device}"
+                if name not in self._watching and view.ontology.is_a(view.element(device).type, cls.watches or ""):
+                    run = self.run(primitive, {"device": device}, self._scope(name))
+                    self._watching[name] = self._cycle.start(run, name=name)
 
     def _withdraw_offer(self) -> None:
-        if self._cell.offers.get(self.agent) is self._modules:
+        if self._cell.offers.get(self.agent) is self:
             del self._cell.offers[self.agent]
 
     # ------------------------------------------------------------------ running
@@ -259,8 +317,7 @@ class SkillManager:
             raise UsageError(f"the skill manager of {self.agent} is lost: {self.lost}")
         if module in self._running:
             raise UsageError(f"{module} of {self.agent} is running already: wait for its end, or stop it")
-        kind = self._modules.kind(module)
-        self._modules.prepare(module, self._context)
+        self._prepare(module, {}, set())
         clock, run_id = RunClock(self._cycle.board), self._cell.monitor.new_id()
         scope = replace(
             self._scope(module),
@@ -269,16 +326,10 @@ class SkillManager:
             id=parent,
             root=parent or run_id,
         )
-        cancel, account = None, None
-        if kind == "skill":
-            skill = SkillRun(self._modules.skills[module], arguments, scope, self._modules.take, run_id)
-            run, arguments, cancel, account = skill.execute(), skill.arguments, skill.cancel, skill.account
-        else:
-            run = self._modules.run(module, arguments, scope, run_id)
-        task_of_run = self._cycle.start(run, name=f"{module} of {self.agent}", clock=clock)
-        started = RunningModule(module, run_id, task_of_run, scope, cancel, arguments=arguments, account=account)
-        self._running[module] = started
-        return started
+        run = self._module_run(module, arguments, scope, run_id)
+        task_of_run = self._cycle.start(run.execute(), name=f"{module} of {self.agent}", clock=clock)
+        self._running[module] = RunningModule(run, task_of_run, scope)
+        return self._running[module]
 
     def stop(self) -> None:
         """Stops everything it runs, in this cycle."""
@@ -292,14 +343,77 @@ class SkillManager:
             UnknownName: It does not offer that module.
             UsageError: The module runs.
         """
-        self._modules.kind(module)
+        self._kind(module)
         if module in self._running:
             raise UsageError(f"{module} of {self.agent} is running: stop it first")
-        self._modules.reset(module, self._context)
+        self._loader.reset(module, self._context)
+
+    def run(self, module: str, arguments: Mapping[str, Any], scope: Scope) -> Execution[Outcome]:
+        """Returns the run of a module within a scope; ticked to its end, or closed.
+
+        A skill that another subsystem does runs as by the skill manager of that one.
+
+        Args:
+            module: Its name.
+            arguments: Its parameters.
+            scope: What it runs in.
+
+        Raises:
+            UnknownName: There is no such module.
+        """
+        able = self._cell.who_runs(module, arguments, self)
+        if able is not self:
+            scope = replace(scope, agent=able.agent, modules=able)
+        return able._module_run(module, arguments, scope).execute()  # noqa: SLF001 - one of the same class
+
+    def _module_run(self, module: str, arguments: Mapping[str, Any], scope: Scope, run: str = "") -> ModuleRun:
+        match self._kind(module):
+            case "document":
+                return BehaviourRun(module, self._cell.documents[module], arguments, scope, run)
+            case "skill":
+                return SkillRun(self.skills[module], arguments, scope, self._take, run)
+            case _:
+                return PrimitiveRun(module, self._loader, arguments, scope, self._take, run)
+
+    def _take(self, owner: str, devices: Mapping[str, Access], within: Claim | None) -> Claim:
+        """Asks for devices, out of those of the module around it.
+
+        Raises:
+            DescriptionError: A device is to be shared whose kind has no mix rule, or the module around has not declared
+                a device.
+        """
+        board = self._cell.context.board
+        shared = [device for device, access in devices.items() if access is Access.SHARED]
+        for spec in (board.devices[device] for device in shared if device in board.devices):
+            if not spec.mixes():
+                raise DescriptionError(f"{owner} shares {spec.id}, but kind '{spec.kind}' has no mix rule")
+        claim = self._cell.claims.request(owner, devices, shared=shared, within=within)
+        task = board.owner
+        if within is None and task is not None:
+            task.devices = claim.devices
+        return claim
+
+    def _prepare(self, module: str, arguments: Mapping[str, Any], seen: set[tuple[str, str]]) -> None:
+        """Loads the primitives that a module is made of, as far as its composition names them.
+
+        Those that a primitive calls by itself are loaded when it does.
+        """
+        able = self._cell.who_runs(module, arguments, self)
+        if (able.agent, module) in seen:
+            return
+        seen.add((able.agent, module))
+        if module not in able.skills and module in self._cell.primitives:
+            able._loader.prepare(module, self._context)  # noqa: SLF001 - one of the same class
+        bodies = [skill.nodes for skill in able.skills.get(module, ())]
+        if module in self._cell.documents:
+            bodies.append((self._cell.documents[module].behaviour,))
+        for nodes in bodies:
+            for call in calls_of(*nodes):
+                able._prepare(call.module, call.arguments, seen)  # noqa: SLF001 - one of the same class
 
     def _scope(self, name: str) -> Scope:
         cell = self._cell
-        return Scope(cell.context, self._modules, cell.watches, cell.monitor, self.agent, path=name)
+        return Scope(cell.context, self, cell.watches, cell.monitor, self.agent, path=name)
 
     def _attend(self) -> None:
         """Removes ended runs at the end of each cycle; reports stopped ones when their devices stand."""
@@ -326,20 +440,5 @@ class SkillManager:
     def _report_stopped(self, running: RunningModule) -> None:
         broke = running.task.fault is not None
         status, code = (Status.ERROR, BROKEN) if broke else (Status.PREEMPTED, 0)
-        result, kind = running.result, self._modules.kind(running.name)
-        text = result.reason if isinstance(result, Failure) else result.message
-        running.scope.publish(kind, running.name, status, code, text, id=running.id, parent=running.scope.id)
-
-
-def _choose(skills: Sequence[Skill], context: RunContext, agent: str, driver: str) -> dict[str, tuple[Skill, ...]]:
-    """Takes the implementations that fit the subsystem and its robot, by skill, in the order of trying."""
-    view = context.world
-    robot = owner(view, agent) or agent
-    there = [view.element(e).type for e in pieces(view, robot)]
-    chosen: dict[str, list[Skill]] = {}
-    for skill in skills:
-        wanted = skill.driver == driver if driver == "fake" else skill.driver in (None, driver)
-        equipped = all(any(view.ontology.is_a(t, class_) for t in there) for class_ in skill.requires)
-        if wanted and equipped and view.ontology.is_a(view.element(agent).type, skill.description.agent_class):
-            chosen.setdefault(skill.description.name, []).append(skill)
-    return {name: tuple(sorted(ways, key=lambda s: (s.order, s.label))) for name, ways in chosen.items()}
+        result = running.result
+        running.run.tell(status, code, result.reason if isinstance(result, Failure) else result.message)

@@ -37,15 +37,14 @@ class SkillRun(ModuleRun):
 
     Attributes:
         description: What is promised.
-        arguments: The parameters, as far as they are known.
     """
 
     def __init__(
         self, implementations: Sequence[Skill], given: Mapping[str, Any], scope: Scope, take: Take, run: str = ""
     ) -> None:
         self.description: SkillDescription = implementations[0].description
-        super().__init__("skill", self.description.name, scope, run)
         self.arguments: dict[str, Any] = {p.key: p.default for p in self.description.params} | dict(given)
+        super().__init__("skill", self.description.name, self.arguments, scope, run)
         self._implementations = implementations
         self._given = given
         self._take = take
@@ -59,9 +58,10 @@ class SkillRun(ModuleRun):
         context = replace(scope.context, effects=effects)
         self._scope = self.inner_scope(context=context, arguments=ChainMap(self.arguments, values), values=values)
 
-    def cancel(self, reason: str) -> None:
+    def cancel(self, reason: str) -> bool:
         """Ends it in the coming tick; what must follow (recovery, finishing motion) is done all the same."""
         self._cancelled = reason
+        return True
 
     def account(self) -> dict[str, Any]:
         """Returns how it was done, with what, and what was found last of its conditions, as plain data."""

@@ -175,7 +175,7 @@ def test_an_implementation_whose_hardware_the_robot_lacks_is_not_offered() -> No
     blind = way(note("blind", goes="box_a"), label="b", requires=("sk:Gripper",))
 
     with bench_of(seeing, blind) as bench:
-        assert [skill.label for skill in bench.managers["base_1"].implementations("drive")] == ["b"]
+        assert [skill.label for skill in bench.managers["base_1"].skills["drive"]] == ["b"]
         assert isinstance(bench.run("drive", Location="box_a"), Success)
     assert texts() == ["blind"]
 

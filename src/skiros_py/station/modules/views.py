@@ -64,7 +64,7 @@ def module(manager: SkillManager, name: str) -> api.ModuleDetails:
         UnknownName: It has none with this name.
     """
     info = manager.info(name)
-    ways = manager.implementations(name) if info.kind == "skill" else ()
+    ways = manager.skills[name] if info.kind == "skill" else ()
     description = ways[0].description if ways else None
     document = manager.document(name)
     return api.ModuleDetails.view_of(
