@@ -19,54 +19,65 @@ from skiros_py.tasks.trace import StepRun, TraceEventKind, describe_step, step_i
 from skiros_py.world.stock import take
 
 
+@dataclass(slots=True, eq=False)
+class Active:
+    """A running step.
+
+    Attributes:
+        run: The step, its number and the agent that runs it.
+        robot: Id of that agent's robot.
+        running: Handle of the running skill.
+        leaving: Why it was cancelled; empty if it was not.
+    """
+
+    run: StepRun
+    robot: str
+    running: Running
+    leaving: str = ""
+
+    @property
+    def step(self) -> Step:
+        """The skill with its arguments."""
+        return self.run.step
+
+
 class Agenda:
     """The steps of one plan and their progress. Steps are identified by index.
 
     Args:
         steps: The steps, in a feasible order.
         after: For each step the indices of the steps that must have ended before it starts.
+
+    Attributes:
+        steps: The steps, in this order.
+        running: The running steps. One that is removed from here is waiting again, unless it is ended.
     """
 
     def __init__(self, steps: Sequence[Step], after: Sequence[Collection[int]]) -> None:
         self.steps = list(steps)
+        self.running: dict[int, Active] = {}
         self._after = [set(before) for before in after]
-        self._waiting = dict.fromkeys(range(len(self.steps)))
-        self._running: dict[int, None] = {}
+        self._ended: set[int] = set()
 
     @property
     def waiting(self) -> tuple[int, ...]:
         """The steps that have not started, in order."""
-        return tuple(self._waiting)
-
-    @property
-    def running(self) -> tuple[int, ...]:
-        """The running steps."""
-        return tuple(self._running)
+        return tuple(i for i in range(len(self.steps)) if i not in self._ended and i not in self.running)
 
     @property
     def done(self) -> bool:
         """True when every step has ended."""
-        return not self._waiting and not self._running
+        return len(self._ended) == len(self.steps)
 
     @property
     def ready(self) -> tuple[int, ...]:
         """The steps that no unfinished step precedes, in order."""
-        open_ = self._waiting.keys() | self._running.keys()
-        return tuple(index for index in self._waiting if open_.isdisjoint(self._after[index]))
-
-    def start(self, index: int) -> None:
-        """Marks a step as running."""
-        del self._waiting[index]
-        self._running[index] = None
+        return tuple(index for index in self.waiting if self._after[index] <= self._ended)
 
     def end(self, index: int) -> None:
-        """Marks a step as successfully ended."""
-        del self._running[index]
-
-    def again(self, index: int) -> None:
-        """Marks a step as ended and to be repeated."""
-        del self._running[index]
-        self._waiting = dict.fromkeys(sorted((*self._waiting, index)))
+        """Marks a running step as successfully ended."""
+        del self.running[index]
+        self._ended.add(index)
 
     def rename(self, names: Mapping[str, str]) -> None:
         """Renames elements in the steps' arguments."""
@@ -83,45 +94,21 @@ class Agenda:
             open_ += before
         return False
 
-    def with_running(self, running: Sequence[Step], shared: Collection[tuple[int, int]]) -> Agenda:
-        """Returns the agenda preceded by steps of another plan that are already running.
+    def with_running(self, running: Sequence[Active], shared: Collection[tuple[int, int]]) -> Agenda:
+        """Returns the agenda, of which no step has ended, preceded by steps of another plan that are already running.
 
         Args:
-            running: These steps; they get the first indices and are marked as running.
+            running: These steps; they get the first indices.
             shared: Pairs of a running step and the step of this agenda, by its index here, that has to wait for it.
         """
         more = len(running)
         after = [{one + more for one in before} for before in self._after]
         for earlier, later in shared:
             after[later].add(earlier)
-        joined = Agenda((*running, *self.steps), (*(set[int]() for _ in running), *after))
-        for index in range(more):
-            joined.start(index)
+        joined = Agenda((*(one.step for one in running), *self.steps), (*(set[int]() for _ in running), *after))
+        both = [*enumerate(running), *((index + more, one) for index, one in self.running.items())]
+        joined.running = dict(sorted(both, key=lambda pair: pair[1].run.number))
         return joined
-
-
-@dataclass(slots=True, eq=False)
-class Active:
-    """A running step.
-
-    Attributes:
-        index: Its index in the current agenda.
-        run: The step, its number and the agent that runs it.
-        robot: Id of that agent's robot.
-        running: Handle of the running skill.
-        leaving: Why it was cancelled; empty if it was not.
-    """
-
-    index: int
-    run: StepRun
-    robot: str
-    running: Running
-    leaving: str = ""
-
-    @property
-    def step(self) -> Step:
-        """The skill with its arguments."""
-        return self.run.step
 
 
 @dataclass(frozen=True, slots=True)
@@ -181,7 +168,6 @@ class Dispatcher:
         self._trace = task.trace
         self._skills: Mapping[str, SkillDescription] = {}
         self._agenda = Agenda((), ())
-        self._active: list[Active] = []
         self._coming: dict[int, tuple[StepRun, tuple[Future[None], ...]]] = {}  # steps whose intent is being saved
         self._used: tuple[frozenset[str], frozenset[str]] | None = None  # by all steps, and by the running ones
         self._waits: set[str] = set()
@@ -191,6 +177,10 @@ class Dispatcher:
         self._mode = Mode.RUN
         self._round_began = False
         self._granted = True
+
+    @property
+    def _active(self) -> tuple[Active, ...]:
+        return tuple(self._agenda.running.values())
 
     # ------------------------------------------------------------------ the plan
 
@@ -205,24 +195,19 @@ class Dispatcher:
             cancelled: Running steps to cancel unless they are part of the new plan, too.
             why: The reason for that.
         """
-        agenda = Agenda(plan.steps, plan.order)
-        kept: dict[int, Active] = {}
+        active, agenda = self._active, Agenda(plan.steps, plan.order)
         for one in cancelled:
-            same = [i for i in agenda.ready if i not in kept and agenda.steps[i] == one.step]
-            if same and one in self._active:
-                kept[same[0]] = one
-        self.cancel([one for one in cancelled if one not in kept.values()], why)
+            same = [index for index in agenda.ready if agenda.steps[index] == one.step]
+            if same and one in active:
+                agenda.running[same[0]] = one
+        kept = agenda.running.values()
+        self.cancel([one for one in cancelled if one not in kept], why)
         self._skills = skills
         self._forget_coming()
-        before = [one for one in self._active if one not in kept.values()]
-        later = [index for index in agenda.waiting if index not in kept]
+        before = [one for one in active if one not in kept]
+        later = agenda.waiting
         shared = {(n, i) for n, one in enumerate(before) for i in later if self._meet(one, agenda.steps[i])}
-        self._agenda = agenda.with_running([one.step for one in before], shared)
-        for index, one in enumerate(before):
-            one.index = index
-        for index, one in kept.items():
-            one.index = index + len(before)
-            self._agenda.start(one.index)
+        self._agenda = agenda.with_running(before, shared)
         self._waits.clear()
         self._used = None
         return self._progress()
@@ -236,7 +221,7 @@ class Dispatcher:
         if step is None:
             return ()
         later = self._agenda.waiting[step]
-        return tuple(one for one in self._active if self._agenda.leads_to(one.index, later))
+        return tuple(one for index, one in self._agenda.running.items() if self._agenda.leads_to(index, later))
 
     def cancel(self, steps: Collection[Active], reason: str) -> None:
         """Cancels steps that are no longer useful; they still run their cleanup, such as stowing the arm."""
@@ -259,7 +244,7 @@ class Dispatcher:
         if self._granted and self._mode is not Mode.PAUSE:
             for index in self._agenda.ready:
                 if index in self._coming:
-                    self._start_prepared(index)
+                    self._start(index)
                 elif self._goes_on and self._may_start(index):
                     self._prepare(index)
             self._round_began = self._round_began or bool(self._coming)
@@ -286,13 +271,13 @@ class Dispatcher:
             self._trace.write(TraceEventKind.CANCELLED, f"{self._said(one.step)} is cancelled: {why}", data, one.run)
         braking = tuple(one.running for one in self._active)
         moving = {id_ for one in self._active for id_ in (one.robot, *one.step.arguments.values())}
-        self._active.clear()
+        self._agenda.running.clear()
         stands = lambda: all(running.done for running in braking)  # noqa: E731
         self._context.reservations.release(self._task.name, moving, stands)
 
     def _progress(self) -> Progress:
         """Returns how the steps stand; what has just ended is returned only once."""
-        agenda, running = self._agenda, tuple(self._active)
+        agenda, running = self._agenda, self._active
         rest = tuple(agenda.steps[index] for index in agenda.waiting)
         idle = self._mode is Mode.PAUSE or not (self._granted or running)
         ended, failed = tuple(self._ended), tuple(self._failed)
@@ -350,38 +335,31 @@ class Dispatcher:
         self._started += 1
         run = StepRun(self._started, step, self._agent(step), self._context.now)
         self._coming[index] = run, self._task.starts(run)
-        self._start_prepared(index)
+        self._start(index)
 
-    def _start_prepared(self, index: int) -> None:
+    def _start(self, index: int) -> None:
         run, waits = self._coming[index]
         if not (self._context.lockstep or all(one.done() for one in waits)):
             return
         del self._coming[index]
         for one in waits:
             one.result()
-        self._start(index, replace(run, start=self._context.now))
-
-    def _start(self, index: int, run: StepRun) -> None:
+        run = replace(run, start=self._context.now)
         self._round_began = True
-        self._agenda.start(index)
         self._used = None
         self._trace.write(TraceEventKind.STARTED, f"{self._said(run.step)} starts", {}, run)
+        managers, task = self._context.managers, self._task.name
         try:
-            running = self._begin(run)
+            if run.agent not in managers:
+                raise UsageError(f"the skill manager of {run.agent} is gone")
+            parent = step_id(task, run.number)
+            running = managers[run.agent].start(run.step.skill, run.step.arguments, task=task, parent=parent)
         except UsageError as refusal:
             failure = Failure(str(refusal), CANCELLED)  # not the target's fault
-            self._agenda.again(index)
             self._note_end(run, failure, {})
             self._failed.append((run.step, failure))
             return
-        self._active.append(Active(index, run, robot_of(self._context.world, run.agent), running))
-
-    def _begin(self, run: StepRun) -> Running:
-        managers = self._context.managers
-        if run.agent not in managers:
-            raise UsageError(f"the skill manager of {run.agent} is gone")
-        task, parent = self._task.name, step_id(self._task.name, run.number)
-        return managers[run.agent].start(run.step.skill, run.step.arguments, task=task, parent=parent)
+        self._agenda.running[index] = Active(run, robot_of(self._context.world, run.agent), running)
 
     def _forget_coming(self) -> None:
         """Drops the steps that wait for the disk; they were never started."""
@@ -408,23 +386,22 @@ class Dispatcher:
         return None
 
     def _collect(self) -> None:
-        for one in tuple(self._active):
+        for index, one in tuple(self._agenda.running.items()):
             if not one.running.done and not self._context.offers(one.run.agent, one.step.skill):
                 one.running.stop()
             if one.running.done:
-                self._end(one)
+                self._end(index, one)
 
-    def _end(self, one: Active) -> None:
+    def _end(self, index: int, one: Active) -> None:
         outcome = one.running.result
-        self._active.remove(one)
         self._used = None
-        if isinstance(outcome, Failure) and one.leaving:
-            outcome = Failure(outcome.reason, CANCELLED)
         if isinstance(outcome, Failure) and not one.leaving:
-            self._agenda.again(one.index)
+            del self._agenda.running[index]
             self._failed.append((one.step, outcome))
         else:
-            self._agenda.end(one.index)
+            self._agenda.end(index)
+        if isinstance(outcome, Failure) and one.leaving:
+            outcome = Failure(outcome.reason, CANCELLED)
         self._note_end(one.run, outcome, one.running.account)
 
     def _note_end(self, run: StepRun, outcome: Outcome, account: Mapping[str, object]) -> None:

@@ -14,8 +14,8 @@ from skiros_py.tasks.context import TaskContext
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.record import TaskRecord
 
-_AGAIN = 4
-"""How often planning is repeated if there is no plan but the world changed meanwhile."""
+_TRIES = 5
+"""How often planning is tried if there is no plan but the world changed meanwhile."""
 
 
 class Replanner:
@@ -47,27 +47,20 @@ class Replanner:
         Raises:
             PlanningError: The planner failed before any step was run.
         """
-        try:
-            return (yield from self._up_to_date(goal, running))
-        except PlanningError as error:
-            if not self._record.steps:
-                raise
-            return Planned(NoPlan((str(error),)), None, 0.0)
-
-    def _up_to_date(self, goal: Sequence[Condition], running: Sequence[Step]) -> Execution[Planned]:
-        """Plans until there is a plan or an up-to-date negative answer; a bounded number of times."""
         world = self._context.world
-        for _ in range(_AGAIN):
+        for tries_left in reversed(range(_TRIES)):
             before = world.version
             try:
                 planned = yield from self._plan(goal, running)
-            except PlanningError:
-                if world.version == before:
+            except PlanningError as error:
+                if tries_left and world.version != before:
+                    continue
+                if not self._record.steps:
                     raise
-            else:
-                if isinstance(planned.outcome, Plan) or world.version == before:
-                    return planned
-        return (yield from self._plan(goal, running))
+                return Planned(NoPlan((str(error),)), None, 0.0)
+            if isinstance(planned.outcome, Plan) or not tries_left or world.version == before:
+                break
+        return planned
 
     def _plan(self, goal: Sequence[Condition], running: Sequence[Step]) -> Execution[Planned]:
         busy = self._context.reservations.of_others(self._task.name)
