@@ -25,11 +25,12 @@ class Policy(enum.Enum):
     """When all have ended; a failure among them is its failure."""
 
 
-_UNTIL = {
-    Policy.FIRST_FAILURE: "one fails",
-    Policy.FIRST_SUCCESS: "one succeeds",
-    Policy.ALL: "all have ended",
+_ENDS: Mapping[Policy, tuple[str, tuple[type[Outcome], ...]]] = {
+    Policy.FIRST_FAILURE: ("one fails", (Failure,)),
+    Policy.FIRST_SUCCESS: ("one succeeds", (Success,)),
+    Policy.ALL: ("all have ended", ()),
 }
+"""When it is over, in words, and the outcome of one child that ends all."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +62,7 @@ class Parallel(Composite):
     @property
     def title(self) -> str:
         """Its kind and policy."""
-        return f"parallel, until {_UNTIL[self.policy]}"
+        return f"parallel, until {_ENDS[self.policy][0]}"
 
     def uses(self) -> Uses:
         """Its children share devices in time."""
@@ -70,11 +71,12 @@ class Parallel(Composite):
     def run(self, scope: Scope) -> Execution[Outcome]:
         """Runs the children until the policy says that it is over."""
         ended: dict[int, Outcome] = {}
+        decisive = _ENDS[self.policy][1]
         with scope.apart() as inner:
             branches = [inner.run(child, str(number)) for number, child in enumerate(self.children)]
             running = tuple(enumerate(branches))
             try:
-                while running and not _tick_all(running, ended, self.policy):
+                while running and not _tick_all(running, ended, decisive):
                     if len(ended) + len(running) > len(branches):
                         running = tuple(one for one in running if one[0] not in ended)
                     if running:
@@ -83,41 +85,25 @@ class Parallel(Composite):
                 for branch in branches:
                     branch.close()
             yield from inner.recover()
-        return _together(ended, self.policy)
+        in_order = [ended[number] for number in sorted(ended)]
+        good = [outcome for outcome in in_order if isinstance(outcome, Success)]
+        bad = [outcome for outcome in in_order if isinstance(outcome, Failure)]
+        if good and self.policy is Policy.FIRST_SUCCESS:
+            return good[0]
+        if bad:
+            return Failure("; ".join(failure.reason for failure in bad), bad[0].code)
+        return Success("; ".join(outcome.message for outcome in good if outcome.message))
 
 
-def _tick_all(running: tuple[tuple[int, Execution[Outcome]], ...], ended: dict[int, Outcome], policy: Policy) -> bool:
+def _tick_all(
+    running: tuple[tuple[int, Execution[Outcome]], ...], ended: dict[int, Outcome], decisive: tuple[type[Outcome], ...]
+) -> bool:
     """Ticks the branches in turn; returns whether the outcome of one of them ends all."""
     for number, branch in running:
         try:
             next(branch)
         except StopIteration as end:
-            outcome: Outcome = end.value
-            ended[number] = outcome
-            if _decided(outcome, policy):
+            ended[number] = end.value
+            if isinstance(end.value, decisive):
                 return True
     return False
-
-
-def _decided(outcome: Outcome, policy: Policy) -> bool:
-    """Tells whether one outcome ends all."""
-    match policy:
-        case Policy.FIRST_FAILURE:
-            return isinstance(outcome, Failure)
-        case Policy.FIRST_SUCCESS:
-            return isinstance(outcome, Success)
-        case Policy.ALL:
-            return False
-
-
-def _together(ended: Mapping[int, Outcome], policy: Policy) -> Outcome:
-    in_order = [ended[number] for number in sorted(ended)]
-    good = [outcome for outcome in in_order if isinstance(outcome, Success)]
-    bad = [outcome for outcome in in_order if isinstance(outcome, Failure)]
-    if policy is Policy.FIRST_SUCCESS:
-        return good[0] if good else _all_of(bad)
-    return _all_of(bad) if bad else Success("; ".join(o.message for o in good if o.message))
-
-
-def _all_of(failures: list[Failure]) -> Failure:
-    return Failure("; ".join(failure.reason for failure in failures), failures[0].code)
