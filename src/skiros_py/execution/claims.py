@@ -33,7 +33,7 @@ class Claim:
     """
 
     def __init__(
-        self, owner: str, devices: frozenset[str], shared: frozenset[str], parent: Claim | None, level: _Level
+        self, owner: str, devices: frozenset[str], shared: frozenset[str], parent: Claim | None, level: Claims
     ) -> None:
         self.owner = owner
         self.devices = devices
@@ -41,7 +41,7 @@ class Claim:
         self.parent = parent
         self.granted = False
         self.released = False
-        self.within = _Level()
+        self.within = Claims()
         self._level = level
         level.add(self)
 
@@ -68,10 +68,15 @@ class Claim:
 
 
 class Claims:
-    """All claims of a control cycle; used in its thread only."""
+    """Claims that may exclude each other: for each device a queue, in the order of asking. For the control thread only.
+
+    A claim is granted when no earlier claim in its queues excludes it. The oldest claim is never excluded, so nothing
+    can deadlock.
+    """
 
     def __init__(self) -> None:
-        self._level = _Level()
+        self._claims: dict[Claim, None] = {}
+        self._queues: dict[str, deque[Claim]] = {}
 
     def request(
         self, owner: str, devices: Iterable[str], *, shared: Iterable[str] = (), within: Claim | None = None
@@ -94,9 +99,10 @@ class Claims:
         """
         wanted, open_ = frozenset(devices), frozenset(shared)
         if within is None:
-            return Claim(owner, wanted, open_, None, self._level)
+            return Claim(owner, wanted, open_, None, self)
         if not within.granted:
-            raise UsageError(f"{owner}: {within.owner} itself has {_state(within)}")
+            state = "given its devices back" if within.released else f"to wait for {', '.join(within.waits_for())}"
+            raise UsageError(f"{owner}: {within.owner} itself has {state}")
         missing = sorted(wanted - within.devices)
         if missing:
             has = ", ".join(sorted(within.devices)) or "none"
@@ -109,25 +115,15 @@ class Claims:
             raise DescriptionError(f"{owner} takes {', '.join(alone)} exclusively, but {within.owner} shares it")
         return Claim(owner, wanted, open_, within, within.within)
 
-
-class _Level:
-    """Claims that may exclude each other: for each device a queue, in the order of asking.
-
-    A claim is granted when no earlier claim in its queues excludes it. The oldest claim is never excluded, so nothing
-    can deadlock.
-    """
-
-    def __init__(self) -> None:
-        self._claims: dict[Claim, None] = {}
-        self._queues: dict[str, deque[Claim]] = {}
-
     def add(self, claim: Claim) -> None:
+        """Appends a claim to the queues of its devices."""
         self._claims[claim] = None
         for device in claim.devices:
             self._queues.setdefault(device, deque()).append(claim)
         self._grant(claim)
 
     def remove(self, claim: Claim) -> None:
+        """Removes a claim, and grants those that it excluded."""
         del self._claims[claim]
         for device in claim.devices:
             self._queues[device].remove(claim)
@@ -147,17 +143,12 @@ class _Level:
         return next((other for other in earlier if alone or device not in other.shared), None)
 
     def release_all(self) -> None:
+        """Gives all devices back."""
         for claim in reversed(tuple(self._claims)):  # the youngest first, so that none is granted in between
             claim.release()
 
     def _grant(self, claim: Claim) -> None:
         claim.granted = all(self.before(device, claim) is None for device in claim.devices)
-
-
-def _state(claim: Claim) -> str:
-    if claim.released:
-        return "given its devices back"
-    return f"to wait for {', '.join(claim.waits_for())}"
 
 
 def devices_of(
