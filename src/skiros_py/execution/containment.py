@@ -61,3 +61,8 @@ def words(error: BaseException) -> str:
 def _where(error: BaseException) -> str:
     notes = getattr(error, "__notes__", ())
     return f" ({'; '.join(notes)})" if notes else ""
+
+
+def off_words(error: BaseException) -> str:
+    """Describes in words why a part of a plug-in is switched off: what it raised, or that it held the cycle."""
+    return str(error) if isinstance(error, CycleOverrun) else f"it raised {type(error).__name__}: {error}"

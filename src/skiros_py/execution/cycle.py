@@ -13,6 +13,7 @@ from contextlib import contextmanager
 from typing import Any, TypeVar
 
 from skiros_py.errors import SkirosError, UsageError
+from skiros_py.execution.containment import off_words
 from skiros_py.execution.mix import Mix
 from skiros_py.execution.signals import Signals
 from skiros_py.execution.task import RunClock, Task
@@ -42,8 +43,7 @@ class _Observer:
         """Switches it off where it is a plug-in's; the cycle cannot do without its own."""
         if self.interruptible:
             self.done = True
-            words = str(fault) if isinstance(fault, CycleOverrun) else f"it raised {type(fault).__name__}: {fault}"
-            _log.warning("%s was switched off: %s", self.name, words)
+            _log.warning("%s was switched off: %s", self.name, off_words(fault))
 
 
 class ControlCycle:

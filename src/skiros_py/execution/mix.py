@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from typing import Any
 
-from skiros_py.interruptions import CycleOverrun
+from skiros_py.execution.containment import off_words
 from skiros_py.ports.board import DeviceBoard
 from skiros_py.ports.device import Contribution, DeviceSpec
 
@@ -26,8 +26,7 @@ class _Rule:
     def fail(self, fault: BaseException) -> None:
         """Switches the rule off until the next reset."""
         self.done = True
-        words = str(fault) if isinstance(fault, CycleOverrun) else f"it raised {type(fault).__name__}: {fault}"
-        why = f"{self.name} was switched off in cycle {self._board.snapshot.cycle}: {words}"
+        why = f"{self.name} was switched off in cycle {self._board.snapshot.cycle}: {off_words(fault)}"
         self._board.unmixed[self._kind] = why
         _log.error("%s", why)
 

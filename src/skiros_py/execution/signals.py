@@ -11,6 +11,7 @@ from graphlib import CycleError, TopologicalSorter
 from typing import Any
 
 from skiros_py.errors import DescriptionError, DeviceError, UnknownName, UsageError
+from skiros_py.execution.containment import off_words
 from skiros_py.ports.board import DeviceBoard
 from skiros_py.ports.device import DeviceSignal
 from skiros_py.ports.kinds import load_device_kinds
@@ -43,18 +44,16 @@ class _Node:
         self.provider = provider
         self.title = title or (f"{provider.name} of {source}" if source else provider.name)
         self.name = title or f"signal provider {self.title}"
-        self.order = 0
         self.cycle = -1
         self.values: Mapping[str, Value] = {}
         self.lost = ""
         self.off = ""
         self.left_out = False
-        self.used = False
         self.done = False
 
     def fail(self, fault: BaseException) -> None:
-        """Switches it off because it held the cycle for too long; for the watchdog."""
-        self.switch_off(str(fault))
+        """Switches it off because of what it raised, or because it held the cycle for too long."""
+        self.switch_off(off_words(fault))
 
     def switch_off(self, why: str) -> None:
         """Computes it no more until :meth:`restart`."""
@@ -121,12 +120,10 @@ class Signals:
         self._board = board
         self._missing = missing
         self._activity = board.guard.activity
-        self._offers: dict[str, _Node] = {}
         nodes = map(_Node, providers, sources or [""] * len(providers))
         self._nodes = self._ordered(list(nodes))
         self._of = {signal.name: node for node in self._nodes for signal in node.provider.provides}
-        for order, node in enumerate(self._nodes):
-            node.order = order
+        for node in self._nodes:
             self._require_inputs(node)
         self._steady: list[_Node] = []
         self._set: dict[str, Value] = {}
@@ -137,7 +134,7 @@ class Signals:
     def names(self) -> tuple[str, ...]:
         """The names of all signals."""
         offered = (f"{id_}.{one.name}" for id_, device in self._board.devices.items() for one in device.signals)
-        return (*offered, *self._of)
+        return tuple(dict.fromkeys((*offered, *self._of)))
 
     def describe(self, name: str) -> Signal:
         """Describes a signal.
@@ -162,7 +159,7 @@ class Signals:
     @property
     def faults(self) -> Mapping[str, str]:
         """Why providers were switched off or left out, by provider."""
-        return {node.provider.name: node.off for node in (*self._nodes, *self._offers.values()) if node.off}
+        return {node.provider.name: node.off for node in tuple(self._nodes) if node.off}
 
     # ------------------------------------------------------------------ values
 
@@ -200,8 +197,8 @@ class Signals:
 
     def current(self) -> Mapping[str, Value]:
         """Returns the values of the signals that were read in this cycle; reads and computes none."""
-        cycle, nodes = self._board.snapshot.cycle, (*self._nodes, *self._offers.values())
-        return {name: value for node in nodes if node.cycle == cycle for name, value in node.values.items()}
+        cycle = self._board.snapshot.cycle
+        return {name: value for node in self._nodes if node.cycle == cycle for name, value in node.values.items()}
 
     def set(self, name: str, value: Value) -> None:
         """Sets an input from outside, for any thread; it counts from the next cycle on.
@@ -225,13 +222,13 @@ class Signals:
             assert isinstance(provider, Input)
             provider.value = value
         snapshot = self._board.snapshot
-        for node in self._steady:
+        for node in tuple(self._steady):  # one that another reads joins meanwhile
             if node.cycle != snapshot.cycle:
                 self._update(node, snapshot)
 
     def restart(self) -> None:
         """Gives the providers that were switched off another try, after everything was halted and looked at."""
-        for node in (*self._nodes, *self._offers.values()):
+        for node in self._nodes:
             node.restart()
 
     # ------------------------------------------------------------------ parts
@@ -244,20 +241,18 @@ class Signals:
 
     def _known(self, name: str) -> _Node:
         """Returns what computes a signal; for one of a device it is made when it is first read."""
-        node = self._of.get(name) or self._offers.get(name)
-        if node is None:
+        if name not in self._of:
             device, offered = self._offered(name)
             if offered is None:
                 raise UnknownName("signal", name, self.names)
-            node = self._offers[name] = _Node(_OfDevice(self._board, device, name, offered), "", f"signal '{name}'")
-        return node
+            node = self._of[name] = _Node(_OfDevice(self._board, device, name, offered), "", f"signal '{name}'")
+            self._nodes.append(node)
+        return self._of[name]
 
     def _update(self, node: _Node, snapshot: Snapshot) -> None:
         node.cycle, node.values, node.lost = snapshot.cycle, {}, ""
-        if not node.used:
-            node.used = True
-            if node.provider.every_cycle:
-                self._steady = sorted([*self._steady, node], key=lambda one: one.order)
+        if node.provider.every_cycle and node not in self._steady:
+            self._steady.append(node)
         if node.off:
             return
         if isinstance(node.provider, _OfDevice) and (why := node.provider.why_not()):
@@ -284,7 +279,7 @@ class Signals:
                 if signal.name in values and (wrong := _wrong(values[signal.name], _shaped(signal, provider, values)))
             ]
         except Exception as error:  # noqa: BLE001 - an author's code: whatever it raises switches it off
-            node.switch_off(f"it raised {type(error).__name__}: {error}")
+            node.fail(error)
             return
         if faults:
             node.switch_off("; ".join(faults))
@@ -325,18 +320,19 @@ class Signals:
             device, _, own = name.rpartition(".")
             if request.optional or self._offered(name)[1] is not None:
                 continue
-            if name in self._of:
-                if self._of[name].left_out:
-                    node.leave_out(f"it reads '{name}', and {self._of[name].off}")
-                    return
+            source = self._of.get(name)
+            if source is not None and not source.left_out:
+                continue
+            if source is not None:
+                why = source.off
             elif device and device not in self._board.devices and own in load_device_kinds()[0].signal_names():
-                node.leave_out(f"it reads '{name}', and this cell has no {device}")
-                return
+                why = f"this cell has no {device}"
             elif self._missing:
-                node.leave_out(f"it reads '{name}', which none provides ({self._missing})")
-                return
+                why = f"none provides it ({self._missing})"
             else:
                 raise DescriptionError(f"{node.title}: {UnknownName('signal', name, sorted(self.names))}")
+            node.leave_out(f"it reads '{name}', and {why}")
+            return
 
 
 def _shaped(signal: Signal, provider: SignalProvider, values: Mapping[str, Value]) -> Signal:

@@ -313,4 +313,4 @@ def test_a_provider_that_reads_a_missing_signal_of_a_plug_in_is_left_out_and_nam
     signals = Signals(board, providers, missing="signals 'soft' of lab 1.0: KeyError: 'no'")
 
     assert signals.value("fine") == 5.0
-    assert "reads 'soft', which none provides (signals 'soft' of lab 1.0: KeyError: 'no')" in signals.why_not("softer")
+    assert "reads 'soft', and none provides it (signals 'soft' of lab 1.0: KeyError: 'no')" in signals.why_not("softer")
