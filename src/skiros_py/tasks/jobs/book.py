@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import heapq
 import math
 import threading
+from bisect import bisect_left, bisect_right, insort
 from collections.abc import Callable, Iterable, Iterator, Mapping, ValuesView
 from contextlib import contextmanager
 from functools import partial
+from operator import itemgetter
 from typing import Any
 
 from skiros_py.listeners import Listeners
@@ -64,12 +65,11 @@ class Guard:
 
 
 _Rank = tuple[int, float, int]
-_Mark = tuple[int, int]
-_Ready = tuple[_Rank, float, str, _Mark]
-_Gated = tuple[float, _Rank, str, _Mark]
+_Entry = tuple[float, _Rank, str]
+"""When a job may start [s since 1970], its rank, its id."""
 
-_SPARE = 100
-"""How many stale entries are tolerated before the heap is cleaned up."""
+_opening: Callable[[_Entry], float] = itemgetter(0)
+_rank: Callable[[_Entry], _Rank] = itemgetter(1)
 
 
 class JobQueue:
@@ -77,34 +77,31 @@ class JobQueue:
 
     The higher priority comes first; of equal priority the earlier deadline; then the earlier order.
 
-    Replaced or removed jobs leave a stale entry behind that is dropped when it reaches the top.
-
     Args:
         jobs: The jobs that are already waiting.
     """
 
     def __init__(self, jobs: Iterable[Job] = ()) -> None:
         self._guard = threading.Lock()
-        self._marks: dict[str, _Mark] = {}
-        self._ready: list[_Ready] = []
-        self._gated: list[_Gated] = []
+        self._entries: dict[str, _Entry] = {}
+        self._ready: list[_Entry] = []  # in the order of their ranks
+        self._gated: list[_Entry] = []  # in the order in which they may start
         for job in jobs:
             self.put(job)
 
     def put(self, job: Job) -> None:
         """Updates a job with its current version, whether it is waiting or not."""
         with self._guard:
-            if job.state is not JobState.ALLOWED_TO_START:
-                self._marks.pop(job.id, None)
-                return
-            mark = self._marks[job.id] = (job.number, job.version)
-            heapq.heappush(self._gated, (_opening(job), rank(job), job.id, mark))
-            self._tidy()
+            self._remove(job.id)
+            if job.state is JobState.ALLOWED_TO_START:
+                gate = job.order.not_before
+                entry = self._entries[job.id] = -math.inf if gate is None else gate.timestamp(), rank(job), job.id
+                insort(self._gated, entry)
 
     def remove(self, job: str) -> None:
         """Forgets a job."""
         with self._guard:
-            self._marks.pop(job, None)
+            self._remove(job)
 
     def next(self, now: float) -> str | None:
         """Returns the id of the job that comes next, or None when none may start now.
@@ -113,33 +110,20 @@ class JobQueue:
             now: Wall time [s since 1970].
         """
         with self._guard:
-            self._open_gates(now)
-            while self._ready:
-                rank, opening, job, mark = self._ready[0]
-                if self._marks.get(job) == mark and opening <= now:
-                    return job
-                heapq.heappop(self._ready)
-                if self._marks.get(job) == mark:  # the clock was set back
-                    heapq.heappush(self._gated, (opening, rank, job, mark))
-            return None
+            due = bisect_right(self._gated, now, key=_opening)
+            for entry in self._gated[:due]:
+                insort(self._ready, entry, key=_rank)
+            del self._gated[:due]
+            return next((job for opening, _, job in self._ready if opening <= now), None)  # the clock may be set back
 
-    def _open_gates(self, now: float) -> None:
-        while self._gated and self._gated[0][0] <= now:
-            opening, rank, job, mark = heapq.heappop(self._gated)
-            if self._marks.get(job) == mark:
-                heapq.heappush(self._ready, (rank, opening, job, mark))
-
-    def _tidy(self) -> None:
-        if len(self._ready) + len(self._gated) > 2 * len(self._marks) + _SPARE:
-            self._ready = [entry for entry in self._ready if self._marks.get(entry[2]) == entry[3]]
-            self._gated = [entry for entry in self._gated if self._marks.get(entry[2]) == entry[3]]
-            heapq.heapify(self._ready)
-            heapq.heapify(self._gated)
-
-
-def _opening(job: Job) -> float:
-    gate = job.order.not_before
-    return -math.inf if gate is None else gate.timestamp()
+    def _remove(self, job: str) -> None:
+        entry = self._entries.pop(job, None)
+        if entry is not None:
+            at = bisect_left(self._gated, entry)
+            if self._gated[at : at + 1] == [entry]:
+                del self._gated[at]
+            else:
+                del self._ready[bisect_left(self._ready, entry[1], key=_rank)]
 
 
 def rank(job: Job) -> _Rank:
@@ -160,14 +144,16 @@ class JobBook:
         clock: Gives the wall time [s since 1970].
 
     Attributes:
+        store: Where the jobs are stored.
+        clock: Gives the wall time [s since 1970].
         open: The jobs that are not over, by id, in the order in which they were ordered.
         queue: Those that wait for their turn.
         unseen: Ids of those that were cut off (by the end of the program) or halted, and not reviewed since.
     """
 
     def __init__(self, store: JobStore, clock: Callable[[], float]) -> None:
-        self._store = store
-        self._clock = clock
+        self.store = store
+        self.clock = clock
         self._open = {job.id: job for job in store.open()}
         self._listeners = Listeners[[Job]]("jobs")
         self.open = OpenJobs(self._open)
@@ -185,20 +171,20 @@ class JobBook:
 
     def find(self, job: str) -> Job | None:
         """Returns a job, open or over; None if there is none with that id."""
-        return self.open.get(job) or self._store.job(job)
+        return self.open.get(job) or self.store.job(job)
 
     def add(self, order: JobOrder, *, start: bool, comment: str, receipt: Receipt | None = None) -> Job:
         """Adds a job for a new order."""
         state = JobState.ALLOWED_TO_START if start else JobState.NOT_ALLOWED_TO_START
         detail = "queued" if start else "waits for leave to start"
-        now = self._clock()
+        now = self.clock()
         job = Job(order=order, number=0, state=state, detail=detail, ordered=now, changed=now)
         trigger = Trigger.START if start else Trigger.STORE
-        return self._show(self._store.add(job, trigger, comment, receipt))
+        return self._show(self.store.add(job, trigger, comment, receipt))
 
     def note(self, receipt: Receipt, job: Job) -> None:
         """Records that a request led to an existing job."""
-        self._store.note(receipt, job, self._clock())
+        self.store.note(receipt, job, self.clock())
 
     def move(self, job: Job, trigger: Trigger, comment: str = "", **changes: Any) -> Job:
         """Changes a job's state and related fields.
@@ -207,7 +193,7 @@ class JobBook:
             WrongState: The trigger is not allowed in its state.
         """
         state = next_state(job.state, trigger)
-        ended = {} if state.is_open else {"ended": self._clock(), "seen": None}
+        ended = {} if state.is_open else {"ended": self.clock(), "seen": None}
         return self._keep(job.but(**{"state": state, **changes, **ended}), trigger, comment)
 
     def change(self, job: Job) -> Job:
@@ -216,17 +202,17 @@ class JobBook:
 
     def remove(self, job: Job) -> Job:
         """Removes a job and returns its last version."""
-        last = job.but(changed=self._clock())
-        self._store.forget(last, CANCELLED if job.state.is_open else CLEARED)
+        last = job.but(changed=self.clock())
+        self.store.forget(last, CANCELLED if job.state.is_open else CLEARED)
         self._open.pop(job.id, None)
         self.queue.remove(job.id)
         self.unseen.discard(job.id)
-        self._store.after_sync(partial(self._on_remove.notify, last))
+        self.store.after_sync(partial(self._on_remove.notify, last))
         return last
 
     def _keep(self, job: Job, trigger: Trigger | None, comment: str) -> Job:
-        stamped = job.model_copy(update={"changed": self._clock()})
-        self._store.keep(stamped, trigger, comment)
+        stamped = job.model_copy(update={"changed": self.clock()})
+        self.store.keep(stamped, trigger, comment)
         return self._show(stamped)
 
     def _show(self, job: Job) -> Job:
@@ -239,7 +225,7 @@ class JobBook:
             self.unseen.add(job.id)
         else:
             self.unseen.discard(job.id)
-        self._store.after_sync(partial(self._listeners.notify, job))
+        self.store.after_sync(partial(self._listeners.notify, job))
         return job
 
 

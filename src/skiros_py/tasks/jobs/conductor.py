@@ -13,7 +13,6 @@ from skiros_py.skills.conditions import Condition
 from skiros_py.tasks.jobs.book import Guard, JobBook, rank
 from skiros_py.tasks.jobs.job import Intent, Job, JobState, Outcome, Trigger
 from skiros_py.tasks.jobs.run import BY_HAND, CUT_OFF, WAITS, JobRun, done_by_hand, hold_what_was_halted, moved
-from skiros_py.tasks.jobs.store import JobStore
 from skiros_py.tasks.task_manager import TaskManager
 
 P = ParamSpec("P")
@@ -35,35 +34,22 @@ class Conductor:
     Args:
         tasks: Plans and executes.
         runtime: Where jobs run.
-        store: Where jobs are stored.
         book: The current jobs.
         parse: Reads goal texts.
         guard: Held while a job changes. A command holds it while it waits for the disk, so the control cycle acquires
             it only when there is something to write.
         at_once: How many jobs may run at the same time.
-        clock: Gives the wall time [s since 1970].
     """
 
     def __init__(
-        self,
-        tasks: TaskManager,
-        runtime: Runtime,
-        store: JobStore,
-        book: JobBook,
-        parse: ReadGoal,
-        guard: Guard,
-        *,
-        at_once: int,
-        clock: Callable[[], float],
+        self, tasks: TaskManager, runtime: Runtime, book: JobBook, parse: ReadGoal, guard: Guard, *, at_once: int
     ) -> None:
         self._tasks = tasks
         self._runtime = runtime
-        self._store = store
         self._book = book
         self._parse = parse
         self._guard = guard
         self._at_once = at_once
-        self._clock = clock
         self._runs: dict[str, JobRun] = {}
         self._back: dict[str, None] = {}  # started jobs that wait like any other: others may use their robots by now
         self._requests: deque[Callable[[], None]] = deque()
@@ -119,12 +105,12 @@ class Conductor:
             try:
                 for intent in self._cut_off(id_):
                     done_by_hand(self._runtime.world, self._tasks.capabilities, intent, by)
-                    self._store.settle(id_, intent.number, f"done by hand, says {by}")
+                    self._book.store.settle(id_, intent.number, f"done by hand, says {by}")
             except SkirosError as error:
                 detail = f"that it was done by hand cannot be believed: {error}; answer again"
                 self._book.change(job.but(detail=detail))
                 return
-            materials = moved(self._runtime.world, job.but(seen=before), self._store.intents(id_))
+            materials = moved(self._runtime.world, job.but(seen=before), self._book.store.intents(id_))
             goes_on = {"detail": WAITS, "choices": (), "question": None, "materials": materials}
             self._book.move(job, Trigger.RESUME, f"{BY_HAND}, says {by}", **goes_on)
             self._back[id_] = None
@@ -144,7 +130,7 @@ class Conductor:
         While a cut-off or halted job has not been reviewed, no new one is started: where the robot is and what it
         holds is equally uncertain for that one. Jobs that have their answer continue.
         """
-        new = None if self._book.unseen else self._book.queue.next(self._clock())
+        new = None if self._book.unseen else self._book.queue.next(self._book.clock())
         first = None if new is None else self._book.open.get(new)
         back = min(self._coming_back, key=rank, default=None)
         if back is None or first is None:
@@ -188,10 +174,10 @@ class Conductor:
                 return
             if job.state is JobState.RUNNING:
                 self._begin(self._book.change(job.but(**self._begun(job))))
-            elif job.order.expires and job.order.deadline and job.order.deadline.timestamp() < self._clock():
+            elif job.order.expires and job.order.deadline and job.order.deadline.timestamp() < self._book.clock():
                 self._book.move(job, Trigger.FAIL, "its deadline has passed", outcome=Outcome.EXPIRED, detail="")
             else:
-                self._begin(self._book.move(job, Trigger.DISPATCH, started=self._clock(), **self._begun(job)))
+                self._begin(self._book.move(job, Trigger.DISPATCH, started=self._book.clock(), **self._begun(job)))
 
     def _begun(self, job: Job) -> dict[str, Any]:
         """Returns the fields that change when a job starts; they are written together to wait for the disk once."""
@@ -209,15 +195,15 @@ class Conductor:
             hold_what_was_halted(self._book, job, self._runtime.cycle.halted)
             return
         for intent in self._cut_off(job.id):
-            self._store.settle(job.id, intent.number, CUT_OFF)
+            self._book.store.settle(job.id, intent.number, CUT_OFF)
         try:
             goal = self._parse(job.order.goal)
             task = self._tasks.begin(goal, name=job.id, policy=job.order.policy)
         except SkirosError as error:
             self._book.move(job, Trigger.FAIL, outcome=Outcome.FAILED, reasons=(str(error),), detail="")
             return
-        self._runs[job.id] = JobRun(task, self._runtime, self._book, self._store)
+        self._runs[job.id] = JobRun(task, self._runtime, self._book)
 
     def _cut_off(self, job: str) -> tuple[Intent, ...]:
         """Returns the steps whose outcome is unknown."""
-        return tuple(intent for intent in self._store.intents(job) if intent.ended is None)
+        return tuple(intent for intent in self._book.store.intents(job) if intent.ended is None)

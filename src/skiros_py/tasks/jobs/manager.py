@@ -64,10 +64,10 @@ class JobManager:
         self._guard = Guard(store.flush, lockstep=runtime.cycle.pace is None)
         self._book = JobBook(store, clock)
         self.open: Mapping[str, Job] = self._book.open
-        self._conductor = Conductor(tasks, runtime, store, self._book, parse, self._guard, at_once=at_once, clock=clock)
+        self._conductor = Conductor(tasks, runtime, self._book, parse, self._guard, at_once=at_once)
         self.limit = limit
         self._parse = parse
-        hold_what_was_cut_off(self._book, store, runtime.world)
+        hold_what_was_cut_off(self._book, runtime.world)
         runtime.cycle.observe(self._conductor.attend)
 
     @property
@@ -157,10 +157,8 @@ class JobManager:
             Removed: The same order came before, and its job was removed.
             Busy: Too many jobs are open.
         """
-        known = self._known(
-            order, receipt, again=again
-        )  # a known order is not parsed again: the world has changed since
-        if known is not None:
+        known = self._known(order, receipt, again=again)
+        if known is not None:  # its goal is not parsed again: the world has changed since
             return known
         self._parse(order.goal)
         with self._guard.command():

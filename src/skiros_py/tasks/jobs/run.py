@@ -17,7 +17,6 @@ from skiros_py.skills.outcome import Outcome as StepOutcome
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.jobs.book import JobBook
 from skiros_py.tasks.jobs.job import Actual, Intent, Job, MaterialActual, Outcome, Trigger
-from skiros_py.tasks.jobs.store import JobStore
 from skiros_py.tasks.person import write_by_hand
 from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.trace import StepRun, TraceEntry
@@ -82,14 +81,14 @@ WAITS = "waits for its turn"
 """Detail text of a resumed job while others are running."""
 
 
-def hold_what_was_cut_off(book: JobBook, store: JobStore, world: World) -> None:
+def hold_what_was_cut_off(book: JobBook, world: World) -> None:
     """Holds every job that was started but not finished when the program ended, until the user answers.
 
     Jobs that already wait for the user are unchanged: nothing was running for them.
     """
     for job in book.open.values():
         if job.state.has_begun:
-            intents = store.intents(job.id)
+            intents = book.store.intents(job.id)
             moving = [intent for intent in intents if intent.ended is None]
             if job.id in book.unseen and (not moving or BY_HAND in job.choices):
                 continue
@@ -144,7 +143,6 @@ class JobRun:
         task: Pursues the goal.
         runtime: Where the task runs.
         book: Records the job's progress.
-        store: Stores intents and trace.
 
     Attributes:
         ending: How the job ends once it is at rest, if it was ended by a command; None otherwise.
@@ -152,14 +150,14 @@ class JobRun:
         aside: True while it is set aside without a slot: nothing of it moves.
     """
 
-    def __init__(self, task: TaskHandle, runtime: Runtime, book: JobBook, store: JobStore) -> None:
+    def __init__(self, task: TaskHandle, runtime: Runtime, book: JobBook) -> None:
         self.ending: Outcome | None = None
         self.paused = False
         self.aside = False
         self._task = task
         self._runtime = runtime
         self._book = book
-        self._store = store
+        self._store = book.store
         self._trigger, self._comment = Trigger.STOP, ""
         self._numbers: dict[int, int] = {}
         self._entries: list[TraceEntry] = []

@@ -78,7 +78,7 @@ def test_when_the_end_is_told_all_of_the_trace_is_written(bench, tmp_path):
         book.add(order("a"), start=True, comment="")
         job = book.move(book.open["a"], Trigger.DISPATCH)
         task = bench.tasks.begin(bench.goal(*job.order.goal), name="a")
-        run = JobRun(task, bench.runtime, book, store)
+        run = JobRun(task, bench.runtime, book)
         bench.until(lambda: task.done)
         written: list[int] = []
         book.subscribe(lambda each: written.append(len(store.trace(each.id))))
