@@ -61,7 +61,7 @@ class Managers(Mapping[str, SkillManager]):
         self.documents = cell.documents
         self._cell = cell
         self._watching = False
-        self._managers: dict[str, SkillManager] = {}
+        self._managers = cell.managers
         self._seen: set[str] = set()
 
     def __getitem__(self, agent: str) -> SkillManager:

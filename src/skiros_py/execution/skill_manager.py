@@ -91,7 +91,7 @@ class CellModules:
         config: Values of configuration parameters by module and key.
         claims: Who may use which device.
         documents: Documents that every manager runs as modules, by name; they may be exchanged at any time.
-        offers: The skill manager of each subsystem that is there, by its id; for any thread.
+        managers: The skill managers that are there or lost, by the id of their subsystem; for any thread.
     """
 
     skills: Sequence[Skill]
@@ -104,7 +104,7 @@ class CellModules:
     config: Mapping[str, Mapping[str, Any]]
     claims: Claims = field(default_factory=Claims)
     documents: dict[str, RunnableDocument] = field(default_factory=dict)
-    offers: dict[str, SkillManager] = field(default_factory=dict)
+    managers: dict[str, SkillManager] = field(default_factory=dict)
 
     def who_runs(self, module: str, arguments: Mapping[str, Any], caller: SkillManager) -> SkillManager:
         """Returns the skill manager that runs a called module.
@@ -113,12 +113,12 @@ class CellModules:
         robot, else the first by its id; the caller for a module that is offered nowhere as a skill.
         """
         view = self.context.world
-        able = [offer for offer in tuple(self.offers.values()) if module in offer.skills]
+        able = [one for one in tuple(self.managers.values()) if module in one.skills and not one.lost]
         robot = owner(view, caller.agent)
 
-        def far(offer: SkillManager) -> tuple[bool, bool, bool, str]:
-            named = arguments.get(offer.skills[module][0].description.agent) == offer.agent
-            return not named, offer is not caller, owner(view, offer.agent) != robot, offer.agent
+        def far(one: SkillManager) -> tuple[bool, bool, bool, str]:
+            named = arguments.get(one.skills[module][0].description.agent) == one.agent
+            return not named, one is not caller, owner(view, one.agent) != robot, one.agent
 
         return min(able, key=far, default=caller)
 
@@ -152,7 +152,6 @@ class SkillManager:
         self._leave_cycle = cell.cycle.observe(self._attend)
         self._leave_world = cell.context.world.subscribe(self._note_change)
         self._retired = False
-        cell.offers[agent] = self
 
     # ------------------------------------------------------------------ what it offers
 
@@ -244,7 +243,6 @@ class SkillManager:
         """
         self._retired = True
         self.lost = self.lost or "it was let go"
-        self._withdraw_offer()
         self.stop()
         for task in self._watching.values():
             task.stop("its skill manager goes")
@@ -258,7 +256,6 @@ class SkillManager:
         if self.lost:
             return
         self.lost = reason
-        self._withdraw_offer()
         leaving = threading.Thread(
             target=self._registration.withdraw,
             args=(f"is lost: {reason}",),
@@ -281,10 +278,6 @@ class SkillManager:
                 if name not in self._watching and view.ontology.is_a(view.element(device).type, cls.watches or ""):
                     run = self.run(primitive, {"device": device}, self._scope(name))
                     self._watching[name] = self._cycle.start(run, name=name)
-
-    def _withdraw_offer(self) -> None:
-        if self._cell.offers.get(self.agent) is self:
-            del self._cell.offers[self.agent]
 
     # ------------------------------------------------------------------ running
 

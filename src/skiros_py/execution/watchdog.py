@@ -21,6 +21,7 @@ from typing import ParamSpec, Self
 
 from skiros_py.execution.cycle import ControlCycle
 from skiros_py.interruptions import Overrun, Watched
+from skiros_py.listeners import Listeners
 from skiros_py.ports.guard import described
 from skiros_py.skills.primitive import Primitive
 
@@ -58,8 +59,8 @@ class Watchdog:
         self._cycle = cycle
         self._again = again
         self._patience = patience
-        self._overrun_listeners: list[Callable[[Overrun], None]] = []
-        self._lost_listeners: list[Callable[[Watched], None]] = []
+        self._overruns = Listeners[[Overrun]]("overruns")
+        self._losses = Listeners[[Watched]]("lost tasks")
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._watch, name="skiros-watchdog", daemon=True)
         self._interval = min(self.limit, again) / _LOOKS
@@ -74,11 +75,11 @@ class Watchdog:
 
     def on_overrun(self, listener: Callable[[Overrun], None]) -> None:
         """Calls a function, in the watchdog's thread, once for each tick that takes too long."""
-        self._overrun_listeners.append(listener)
+        self._overruns.add(listener)
 
     def on_lost(self, listener: Callable[[Watched], None]) -> None:
         """Calls a function, in the watchdog's thread, once for a task that does not end although it was interrupted."""
-        self._lost_listeners.append(listener)
+        self._losses.add(listener)
 
     def start(self) -> None:
         """Begins to watch."""
@@ -137,8 +138,7 @@ class Watchdog:
         elif self._held > limit + self._patience and not self._lost:
             self._lost = True
             _log.error("%s is lost: it does not come back from where it is", task.name)
-            for listener in self._lost_listeners:
-                _surely(listener, task)
+            self._losses.notify(task)
         elif now - self._interrupted > self._again:
             self._interrupted = now
             self._cycle.activity.interrupt(self._overrun)
@@ -151,8 +151,7 @@ class Watchdog:
         self._cycle.activity.interrupt(overrun)
         _surely(self._cycle.board.halt)
         _log.error("%s\n%s", overrun, overrun.stack)
-        for listener in self._overrun_listeners:
-            _surely(listener, overrun)
+        self._overruns.notify(overrun)
 
     def _describe(self, task: Watched, tick: int, seconds: float, limit: float) -> Overrun:
         frame = sys._current_frames().get(self._cycle.activity.thread)  # noqa: SLF001 - documented, for debugging

@@ -25,26 +25,19 @@ class Staleness:
 
     Args:
         world: The live world model.
+
+    Attributes:
+        stale: True if something has changed that the answer depends on, or there is no answer. False is set before
+            a check is requested, so that later changes count.
     """
 
     def __init__(self, world: World) -> None:
+        self.stale = True
         self._world = world
         self._keys: frozenset[Key] = frozenset()
-        self._stale = True
         self._heard = world.version
         self._guard = threading.Lock()
         self._unsubscribe = world.subscribe(self._hear)
-
-    def __bool__(self) -> bool:
-        return self._stale
-
-    def again(self) -> None:
-        """Discards the pending request: no answer to it will come."""
-        self._stale = True
-
-    def asked(self) -> None:
-        """Records that a check was requested: only later changes count."""
-        self._stale = False
 
     def read(self, keys: frozenset[Key], version: int) -> None:
         """Records what the answer depends on.
@@ -55,7 +48,7 @@ class Staleness:
         """
         with self._guard:
             self._keys = keys
-            self._stale = self._stale or self._heard > version
+            self.stale = self.stale or self._heard > version
 
     def close(self) -> None:
         """Unsubscribes from world changes."""
@@ -66,7 +59,7 @@ class Staleness:
         with self._guard:
             self._heard = change.number
             touched = (key for edit in change.edits for key in touched_by(edit, self._world.ontology))
-            self._stale = self._stale or any(key in self._keys for key in touched)
+            self.stale = self.stale or any(key in self._keys for key in touched)
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,7 +101,7 @@ class PlanMonitor:
         self._context = context
         self._control = control
         self._skills = skills
-        self._stale = Staleness(context.world)
+        self._staleness = Staleness(context.world)
         self._asked: tuple[Asked[Checked], tuple[Step, ...]] | None = None
 
     def check(self, progress: Progress, reached: Mapping[str, int]) -> PlanState:
@@ -123,7 +116,7 @@ class PlanMonitor:
         if progress.is_idle:
             return PlanState()
         flaw = self._lost(progress) or self._look(progress, reached)
-        return PlanState(flaw, self._asked is None and not self._stale)
+        return PlanState(flaw, self._asked is None and not self._staleness.stale)
 
     def recheck(self, progress: Progress, reached: Mapping[str, int]) -> Execution[bool]:
         """Returns True if the rest of the plan, with failed steps repeated, still leads to the goal."""
@@ -137,14 +130,14 @@ class PlanMonitor:
     def close(self) -> None:
         """Stops monitoring the world."""
         self._drop()
-        self._stale.close()
+        self._staleness.close()
 
     def _look(self, progress: Progress, reached: Mapping[str, int]) -> Flaw | None:
         """Returns the flaw known so far; requests a new check if something changed."""
         if self._asked is not None and self._asked[1] != progress.rest:
             self._drop()
-            self._stale.again()
-        if self._asked is None and self._stale:
+            self._staleness.stale = True
+        if self._asked is None and self._staleness.stale:
             self._asked = self._ask(progress, reached), progress.rest
             self._context.wait_in_lockstep(self._asked[0], self._control)
         if self._asked is None or not self._asked[0].done():
@@ -155,7 +148,7 @@ class PlanMonitor:
     def _ask(self, progress: Progress, reached: Mapping[str, int]) -> Asked[Checked]:
         running = tuple(one.step for one in progress.running)
         skills = {step.skill: self._skills[step.skill] for step in (*running, *progress.rest)}
-        self._stale.asked()
+        self._staleness.stale = False
         return self._context.planning.ask(Check(self.goal, running, progress.rest, skills, reached))
 
     def _flaw(self, asked: Asked[Checked]) -> Flaw | None:
@@ -164,7 +157,7 @@ class PlanMonitor:
             answer = asked.result()
         except SkirosError as error:
             return Flaw(None, Verdict(False, f"the replay: {error}"))
-        self._stale.read(answer.value.keys, answer.version)
+        self._staleness.read(answer.value.keys, answer.version)
         return answer.value.flaw
 
     def _drop(self) -> None:

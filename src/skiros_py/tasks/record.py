@@ -121,7 +121,10 @@ class TaskRecord:
         no_plan = () if steps else self.no_plan
         why = "; ".join(no_plan) or self.fault or ("stopped before it was reached" if self.stopped else "")
         given_up = (dict.fromkeys(self._goal, why) if why else {}) | self.given_up
-        conditions = tuple(self._condition(c, given_up) for c in self._goal)
+        holds = {c: bool(believed(c, self._view)) for c in self._goal}
+        conditions = tuple(
+            self._condition(c, holds=h, reason="" if h else self.why_missing(c, given_up)) for c, h in holds.items()
+        )
         stopped = self.stopped and not (conditions and all(c.believed for c in conditions))
         return GoalReport(
             conditions, steps, *self._used(), no_plan, stopped=stopped, fault=self.fault, forgotten=self.forgotten
@@ -130,19 +133,14 @@ class TaskRecord:
     def report_cut_off(self) -> GoalReport:
         """Returns the report without further queries: the state when the world was last evaluated."""
         why = self._context.cycle.halted
-        conditions = tuple(self._as_last_seen(c, why or "stopped") for c in self._goal)
+        held = {c: c in self._since for c in self._goal}
+        conditions = tuple(self._condition(c, holds=h, reason="" if h else why or "stopped") for c, h in held.items())
         return GoalReport(conditions, tuple(self.steps), *self._used(), stopped=not why, fault=why)
 
-    def _condition(self, c: Condition, given_up: Mapping[Condition, str]) -> ConditionReport:
-        holds = bool(believed(c, self._view))
-        reason = "" if holds else self.why_missing(c, given_up)
-        return ConditionReport(
-            str(c), holds, None, self._tries(c, holds=holds), reason, *self._since.get(c, (None, None))
-        )
-
-    def _as_last_seen(self, c: Condition, why: str) -> ConditionReport:
-        holds = c in self._since
-        return ConditionReport(str(c), holds, None, self._tries(c, holds=holds), "" if holds else why)
+    def _condition(self, c: Condition, *, holds: bool, reason: str) -> ConditionReport:
+        """Returns the report of a condition; since when it holds is known if the world was evaluated then."""
+        since = self._since.get(c, (None, None))
+        return ConditionReport(str(c), holds, None, self._tries(c, holds=holds), reason, *since)
 
     def _tries(self, condition: Condition, *, holds: bool) -> int:
         """Counts the attempts at this condition: each failed step made for it, and the success."""

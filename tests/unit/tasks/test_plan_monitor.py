@@ -30,10 +30,10 @@ class Watch:
 
     @property
     def stale(self) -> bool:
-        return bool(self._stale)
+        return self._stale.stale
 
     def look(self, running: Sequence[Step], rest: Sequence[Step]) -> Flaw | None:
-        self._stale.asked()
+        self._stale.stale = False
         version, state = self._world.state()
         check = Check((IN_CONTAINER("ball_1", "slot_1"),), tuple(running), tuple(rest), SKILLS)
         found = check.answer(state, Planners.only(GivenPlanner()), lambda: False)
