@@ -118,6 +118,9 @@ def test_what_does_not_load_fails_its_run_and_is_loaded_again_for_the_next() -> 
         assert bench.run("roll") == Failure("roll did not load: it tried to end the program: sys.exit(3)", BROKEN)
         assert bench.run("roll") == Success("at last")
 
+        failed = next(event for event in bench.events if event.status is Status.ERROR)
+        assert (failed.module, failed.text) == ("roll", "roll did not load: it tried to end the program: sys.exit(3)")
+
 
 def test_a_configuration_is_fixed_when_it_is_loaded() -> None:
     with bench_of(Roll, config={"roll.speed": 0.4}) as bench:

@@ -59,6 +59,11 @@ def test_texts_stay_as_they_are_and_the_order_is_kept():
     assert goal_texts(["In(x, y)", structured, "On(a,b)"]) == ("In(x, y)", 'On("a b", c)', "On(a,b)")
 
 
+def test_an_implication_is_written_as_one():
+    full, empty = ({"condition": word, "arguments": ["box"]} for word in ("Full", "Empty"))
+    assert goal_texts({"if": full, "then": {"not": empty}}) == ("(Full(box)) implies (not (Empty(box)))",)
+
+
 @pytest.mark.parametrize(
     ("goal", "said"),
     [
