@@ -631,7 +631,7 @@ def test_changes_that_were_forgotten_are_told_to_be_so(tmp_path: Path) -> None:
         one = add(api)
         live = served.services.station.session.world
         assert isinstance(live.log, Journal)
-        live.log.compact(*live.state(), keep=1)
+        live.log.compact(live.snapshot(), keep=1)
 
         for path in ("/world/changes/1", "/world/changes?since=1"):
             assert problem(api.get(path), 410)["remembered_from"] == one["version"]

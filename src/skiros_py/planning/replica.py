@@ -71,13 +71,13 @@ class PlanningReplica(Replica):
     """The replica and its workers.
 
     Args:
-        version, index: The state of the world.
+        index: The state of the world.
         make_planners: Pickled; makes the planners of a worker.
         mark: Identifies the programs of this process.
     """
 
-    def __init__(self, version: int, index: Index, make_planners: bytes, mark: str) -> None:
-        super().__init__(version, index)
+    def __init__(self, index: Index, make_planners: bytes, mark: str) -> None:
+        super().__init__(index)
         self._make_planners: Callable[[], Planners] = pickle.loads(make_planners)  # noqa: S301  from our own parent
         self._marks = (f"{mark}.{number}." for number in count())
         self._workers: list[_Worker] = []

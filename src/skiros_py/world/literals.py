@@ -62,16 +62,11 @@ def check_string(value: object) -> str:
     if not isinstance(value, str):
         raise ValueError
     text = check_length(str.__str__(value))  # of a subclass only the text is kept
-    if not text.isascii():
-        _check_characters(text)
-    return text
-
-
-def _check_characters(text: str) -> None:
     try:
         text.encode()
     except UnicodeEncodeError as error:
         raise ValueError(f"character {error.start + 1} is one half of a character") from None
+    return text
 
 
 def check_number(value: object) -> float:
@@ -111,27 +106,6 @@ def _parse_boolean(text: str) -> bool:
     if text not in ("true", "1", "false", "0"):
         raise ValueError
     return text in ("true", "1")
-
-
-def _whole_number_between(least: int, most: int) -> Callable[[object], int]:
-    def check(value: object) -> int:
-        if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
-            raise ValueError
-        return int(value)
-
-    return check
-
-
-def _text_like(form: str) -> Callable[[object], str]:
-    pattern = re.compile(form)
-
-    def check(value: object) -> str:
-        text = check_string(value)
-        if not pattern.fullmatch(text):
-            raise ValueError
-        return text
-
-    return check
 
 
 _SIGNED = {"xsd:byte": 8, "xsd:short": 16, "xsd:int": 32, "xsd:long": 64}
@@ -182,14 +156,27 @@ _STRING = Datatype("a text", _TEXTS, check_string, str)
 
 def _whole_number(name: str) -> Datatype:
     least, most = _LIMITS[name]
+
+    def check(value: object) -> int:
+        if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
+            raise ValueError
+        return int(value)
+
     says = "a whole number" if name == "xsd:integer" else f"a whole number from {least} to {most}"
-    return Datatype(says, _WHOLE, _whole_number_between(least, most), _parse_whole_number)
+    return Datatype(says, _WHOLE, check, _parse_whole_number)
 
 
 def _formed_text(name: str) -> Datatype:
     says, form = _FORMS[name]
+
+    def check(value: object) -> str:
+        text = check_string(value)
+        if not re.fullmatch(form, text):
+            raise ValueError
+        return text
+
     # Texts are often left untyped by hand, or typed more precisely than the property asks.
-    return Datatype(says, frozenset(_FORMS) | {"xsd:string"}, _text_like(form), str)
+    return Datatype(says, frozenset(_FORMS) | {"xsd:string"}, check, str)
 
 
 XSD_DATATYPES: Mapping[str, Datatype] = MappingProxyType(
@@ -259,16 +246,12 @@ def literal_type(value: Value, range_: str) -> str:
 
 def shown(value: object) -> str:
     """Returns a value as shown in messages: in quotes, and truncated if long."""
-    text = value if isinstance(value, str) else _written(value)
+    try:
+        text = value if isinstance(value, str) else repr(value)
+    except ValueError:
+        text = "a number of thousands of digits"
     cut = text if len(text) <= _LONGEST_SHOWN else f"{text[:_LONGEST_SHOWN]}…"
     return f"'{cut}'" if isinstance(value, str) else cut
-
-
-def _written(value: object) -> str:
-    try:
-        return repr(value)
-    except ValueError:
-        return "a number of thousands of digits"
 
 
 def _type_of(value: object) -> tuple[str, Callable[[Any], str]]:

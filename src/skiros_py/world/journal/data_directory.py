@@ -60,17 +60,13 @@ class DirectoryLock:
     def _sign(self) -> None:
         assert self._file is not None
         since = time.strftime("%Y-%m-%d %H:%M:%S %z")
-        text = json.dumps({"pid": os.getpid(), "command": _command(), "since": since})
+        command = " ".join([Path("".join(sys.argv[:1]) or sys.executable).name, *sys.argv[1:]])[:200]
+        text = json.dumps({"pid": os.getpid(), "command": command, "since": since})
         try:
             os.ftruncate(self._file, 0)
             os.pwrite(self._file, text.encode(), 0)
         except OSError:
             return  # a full disk: the lock holds, but others do not see who has it
-
-
-def _command() -> str:
-    name = Path(sys.argv[0] or sys.executable).name if sys.argv else "python"
-    return " ".join([name, *sys.argv[1:]])[:200]
 
 
 def _owner(file: int, folder: Path) -> str:
@@ -178,7 +174,7 @@ class DataDirectory:
             FileError: There is no room for it; nothing was changed.
             UsageError: The number is negative.
         """
-        self.journal.compact(*self.world.state(), keep=keep)
+        self.journal.compact(self.world.snapshot(), keep=keep)
 
     def discard(self) -> None:
         """Closes it as if it had not been opened: a world created by opening it is deleted, an older one is kept."""
@@ -217,6 +213,6 @@ def _shorten(journal: Journal, world: World) -> None:
     if journal.since_snapshot <= _LONG:
         return
     try:
-        journal.compact(*world.state())
+        journal.compact(world.snapshot())
     except FileError as error:
         _log.warning("no snapshot was made, opening takes longer and longer: %s", error)

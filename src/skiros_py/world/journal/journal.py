@@ -56,7 +56,8 @@ class Journal:
         self._process = os.getpid()
         self._database = Database(path, SCHEMA)
         try:
-            self._snapshot_version = self._stored_snapshot_version()
+            stored = self._database.rows("SELECT version FROM snapshot WHERE part = 0")
+            self._snapshot_version = int(stored[0][0]) if stored else 0
             ((first, last),) = self._database.rows("SELECT min(number), max(number) FROM changes")
         except BaseException:
             self._database.close()
@@ -216,7 +217,11 @@ class Journal:
             index = beginning.copy()
             self._read_snapshot(index)
             for entry in select_after(self._database, self._snapshot_version):
-                self._take(index, entry.change)
+                try:
+                    index.take(entry.change)
+                except KeyError as error:
+                    reason = f"the file is damaged: change {entry.change.number} is about {error}, which was not there"
+                    raise FileError(self._database.path, f"{reason} then") from None
             problems = list(unfit(index))
             if problems:
                 says = "does not fit the ontology, which was another when it was written:"
@@ -235,13 +240,12 @@ class Journal:
         """How many changes must be done again when the file is opened."""
         return self.version - self._snapshot_version
 
-    def compact(self, version: int, state: Index, keep: int | None = None) -> None:
+    def compact(self, state: Index, keep: int | None = None) -> None:
         """Keeps a state as a whole, so that opening is quick, and forgets old changes.
 
         Where a later state is kept already, as another thread may have done just now, nothing happens.
 
         Args:
-            version: Number of the last change that led to the state.
             state: The state.
             keep: How many changes up to that one are still remembered; None for as many as now.
 
@@ -252,6 +256,7 @@ class Journal:
         if keep is not None and keep < 0:
             raise UsageError(f"keep: how many changes are remembered, a number from 0, not {keep}")
         with self._database.reading():  # readers must not see the file and the in-memory state out of step
+            version = state.version
             if version < self._snapshot_version:
                 return
             with self._database.transaction() as connection:
@@ -263,7 +268,10 @@ class Journal:
             self._snapshot_version = version
             if keep is not None:
                 self._first = max(self._first, version - keep + 1)
-                self._shrink()
+                try:
+                    self._database.shrink()
+                except FileError as error:
+                    _log.warning("compacted, but the file is as long as before: %s", error)
 
     def close(self) -> None:
         """Closes the file; may be called twice."""
@@ -272,16 +280,6 @@ class Journal:
     def _select(self, condition: str, values: Sequence[object] = ()) -> list[Entry]:
         with self._database.reading():  # a change may lie in several tables
             return select(self._database, condition, values)
-
-    def _shrink(self) -> None:
-        try:
-            self._database.shrink()
-        except FileError as error:
-            _log.warning("compacted, but the file is as long as before: %s", error)
-
-    def _stored_snapshot_version(self) -> int:
-        rows = self._database.rows("SELECT version FROM snapshot WHERE part = 0")
-        return int(rows[0][0]) if rows else 0
 
     def _read_snapshot(self, index: Index) -> None:
         ((pieces,),) = self._database.rows("SELECT count(*) FROM snapshot")
@@ -292,10 +290,3 @@ class Journal:
             except (ValueError, IndexError) as error:
                 reason = f"the file is damaged: piece {part} of the snapshot cannot be understood: {error}"
                 raise FileError(self._database.path, reason) from None
-
-    def _take(self, index: Index, change: Change) -> None:
-        try:
-            index.take(change)
-        except KeyError as error:
-            reason = f"the file is damaged: change {change.number} is about {error}, which was not there then"
-            raise FileError(self._database.path, reason) from None

@@ -16,88 +16,58 @@ from skiros_py.world.ontology.formats import check_turtle, outline_xml, parse_tu
 
 
 @dataclass(frozen=True, slots=True)
-class TurtleSpelling:
-    """How a Turtle file writes IRIs.
+class Spelling:
+    """How a file writes IRIs.
 
     Attributes:
         prefixes: IRI by prefix.
+        is_turtle: True for Turtle, False for RDF/XML and OWL/XML.
+        base: What relative IRIs start with in XML.
+        entities: Text by name of entity in XML.
     """
 
     prefixes: Mapping[str, str]
-
-    def line(self, text: str, subject: str | None, term: str | None) -> int | None:
-        """Returns the line of the statements about ``subject``, at ``term`` (IRIs) where it occurs, or None."""
-        start = _find(text, self._pattern(subject, r"^[ \t]*"), 0)
-        if start is None:
-            start = _find(text, self._pattern(subject), 0)
-        return _line_at(text, start, _find(text, self._pattern(term), start or 0))
-
-    def _pattern(self, iri: str | None, before: str = r"(?<![\w:.-])") -> str | None:
-        # A comment's words are skipped by taking it as one match of its own.
-        return rf"^[ \t]*#.*$|{before}({_any(self._spellings(iri))})(?![\w-])" if iri else None
-
-    def _spellings(self, iri: str) -> Iterator[str]:
-        yield f"<{iri}>"
-        for prefix, namespace in self.prefixes.items():
-            if iri.startswith(namespace):
-                yield f"{prefix}:{iri.removeprefix(namespace)}"
-
-
-@dataclass(frozen=True, slots=True)
-class XmlSpelling:
-    """How an RDF/XML or OWL/XML file writes IRIs.
-
-    Attributes:
-        prefixes: IRI by prefix.
-        base: What its relative IRIs start with.
-        entities: Text by name of entity.
-    """
-
-    prefixes: Mapping[str, str]
+    is_turtle: bool = True
     base: str = ""
     entities: Mapping[str, str] = field(default_factory=dict)
 
     def line(self, text: str, subject: str | None, term: str | None) -> int | None:
         """Returns the line of the statements about ``subject``, at ``term`` (IRIs) where it occurs, or None."""
-        named = r"(?:\bI[DR]I?|:ID|:about|\babbreviatedIRI)\s*=\s*[\"']"
-        start = _find(text, self._pattern(subject, named), 0)
-        found = _find(text, self._pattern(term), start or 0)
-        return _line_at(text, start, found if found is not None else _find(text, self._pattern(term), 0))
+        before = r"(?<![\w:.-])" if self.is_turtle else r"[\"'</>]"
+        starts = (r"^[ \t]*", before) if self.is_turtle else (_XML_NAMED,)
+        found = (self._find(text, subject, named) for named in starts)
+        start = next((offset for offset in found if offset is not None), None)
+        offset = self._find(text, term, before, start or 0)
+        if offset is None:
+            offset = start if self.is_turtle else self._find(text, term, before)
+        if offset is None:
+            offset = start
+        return None if offset is None else text.count("\n", 0, offset) + 1
 
-    def _pattern(self, iri: str | None, before: str = r"[\"'</>]") -> str | None:
-        return rf"<!--.*?-->|{before}({_any(self._spellings(iri))})(?![\w-])" if iri else None
+    def _find(self, text: str, iri: str | None, before: str, start: int = 0) -> int | None:
+        """The offset of an IRI after a pattern; a comment's words are skipped by taking it as one match of its own."""
+        if not iri:
+            return None
+        spellings = "|".join(re.escape(spelling) for spelling in dict.fromkeys(self._spellings(iri)) if spelling)
+        comment, flags = (r"^[ \t]*#.*$", re.MULTILINE) if self.is_turtle else ("<!--.*?-->", re.MULTILINE | re.DOTALL)
+        matches = re.compile(rf"{comment}|{before}({spellings})(?![\w-])", flags).finditer(text, start)
+        return next((match.start(1) for match in matches if match.group(1) is not None), None)
 
     def _spellings(self, iri: str) -> Iterator[str]:
-        yield iri
+        yield f"<{iri}>" if self.is_turtle else iri
         if self.base and iri.startswith(self.base):
             yield iri.removeprefix(self.base)
             yield iri.removeprefix(self.base).lstrip("#/")
         for prefix, namespace in self.prefixes.items():
             if namespace and iri.startswith(namespace):
-                yield f"{prefix}:{iri.removeprefix(namespace)}" if prefix else iri.removeprefix(namespace)
+                local = iri.removeprefix(namespace)
+                yield f"{prefix}:{local}" if prefix or self.is_turtle else local
         for entity, value in self.entities.items():
             if iri.startswith(value):
                 yield f"&{entity};{iri.removeprefix(value)}"
 
 
-def _any(spellings: Iterator[str]) -> str:
-    return "|".join(re.escape(spelling) for spelling in dict.fromkeys(spellings) if spelling)
-
-
-def _find(text: str, pattern: str | None, start: int) -> int | None:
-    if pattern is None:
-        return None
-    for match in re.compile(pattern, re.MULTILINE | (re.DOTALL if "<!--" in pattern else 0)).finditer(text, start):
-        if match.group(1) is not None:
-            return match.start(1)
-    return None
-
-
-def _line_at(text: str, start: int | None, found: int | None) -> int | None:
-    offset = found if found is not None else start
-    return None if offset is None else text.count("\n", 0, offset) + 1
-
-
+_XML_NAMED = r"(?:\bI[DR]I?|:ID|:about|\babbreviatedIRI)\s*=\s*[\"']"
 _TYPE = ox.NamedNode(STANDARD_PREFIXES["rdf"] + "type")
 _ONTOLOGY = ox.NamedNode(STANDARD_PREFIXES["owl"] + "Ontology")
 _IMPORTS = ox.NamedNode(STANDARD_PREFIXES["owl"] + "imports")
@@ -125,12 +95,12 @@ class Document:
     iri: str
     prefixes: Mapping[str, str]
     triples: tuple[ox.Triple, ...]
-    spelling: TurtleSpelling | XmlSpelling
+    spelling: Spelling
 
     @property
     def is_turtle(self) -> bool:
         """True for Turtle, which people write by hand; False for XML, which tools write."""
-        return isinstance(self.spelling, TurtleSpelling)
+        return self.spelling.is_turtle
 
     def imports(self) -> tuple[str, ...]:
         """Returns the IRIs that it imports, sorted."""
@@ -162,11 +132,11 @@ def read_document(path: Path) -> Document:
         prefixes, triples = parse_turtle(path, text, base)
         if not triples and path.suffix in _XML_SUFFIXES:
             raise FileError(path, "says nothing: it should be RDF/XML or OWL/XML")
-        spelling: TurtleSpelling | XmlSpelling = TurtleSpelling(prefixes)
+        spelling = Spelling(prefixes)
     else:
         outline = outline_xml(path, text)
         prefixes, triples = outline.prefixes, parse_xml(path, text, base, outline)
-        spelling = XmlSpelling(prefixes, outline.base or base, outline.entities)
+        spelling = Spelling(prefixes, is_turtle=False, base=outline.base or base, entities=outline.entities)
     document = Document(path, text, _declared_iri(triples) or base, prefixes, triples, spelling)
     _check_literals(document)
     return document
@@ -214,7 +184,7 @@ def _declared_iri(triples: tuple[ox.Triple, ...]) -> str | None:
 
 
 def _unpacked(
-    path: Path, text: str, iri: str, prefixes: Mapping[str, str], packed: bytes, spelling: TurtleSpelling | XmlSpelling
+    path: Path, text: str, iri: str, prefixes: Mapping[str, str], packed: bytes, spelling: Spelling
 ) -> Document:
     triples = tuple([quad.triple for quad in ox.parse(packed, format=ox.RdfFormat.N_TRIPLES)])
     return Document(path, text, iri, prefixes, triples, spelling)

@@ -43,7 +43,11 @@ class Ontology:
         self._ancestors = {name: closure(above, name) for name in above}
         self._above = {name: frozenset(line) for name, line in self._ancestors.items()}
         self._subclasses = inverse(self._ancestors)
-        self._class_values = {name: _inherited(line, declarations) for name, line in self._ancestors.items()}
+        given = declarations.class_values  # a class's own values count before those of the nearest above it
+        self._class_values = {
+            name: {property_: value for above in reversed(line) for property_, value in given[above].items()}
+            for name, line in self._ancestors.items()
+        }
         relations = {name: relation.parents for name, relation in self.relations.items()}
         self._sub_relations = inverse({name: closure(relations, name) for name in relations})
 
@@ -214,14 +218,6 @@ class Ontology:
     def _known_class(self, class_: str) -> None:
         if class_ not in self.classes:
             raise UnknownName("class", class_, self.classes)
-
-
-def _inherited(line: Sequence[str], declarations: Declarations) -> Mapping[str, Value]:
-    """Values that a class gives, its own before those of the nearest above it."""
-    values: dict[str, Value] = {}
-    for above in reversed(line):
-        values.update(declarations.class_values[above])
-    return values
 
 
 def _resolve(kind: str, name: str, known: Iterable[str]) -> str:

@@ -6,7 +6,6 @@ External queries go through :class:`~skiros_py.world.queries.outside.OutsideQuer
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from decimal import Decimal
 from typing import TYPE_CHECKING
@@ -178,16 +177,13 @@ class Question:
         Raises:
             UsageError: It cannot be answered; the text says why.
         """
-        with self._worked_out(store, view):
-            return store.query(self.sparql, functions=called_functions(view, self.iris), limits=limits)
-
-    def _worked_out(self, store: QuadStore, view: Index) -> AbstractContextManager[None]:
-        relations = mentioned_relations(view.ontology, self.iris)
+        relations, functions = mentioned_relations(view.ontology, self.iris), called_functions(view, self.iris)
         if not relations:
-            return nullcontext()
+            return store.query(self.sparql, functions=functions, limits=limits)
         from skiros_py.world.queries.computed import worked_out  # with rdflib, which most queries do without
 
-        return worked_out(store, view, self.sparql, relations)
+        with worked_out(store, view, self.sparql, relations):
+            return store.query(self.sparql, functions=functions, limits=limits)
 
 
 def mentioned_relations(ontology: Ontology, iris: frozenset[str]) -> frozenset[str]:

@@ -14,6 +14,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import count
+from typing import Any
 
 import pyoxigraph as ox
 from pyparsing import ParseException
@@ -217,7 +218,7 @@ def _inline(values: CompValue) -> tuple[Known, ...]:
 
 def _steps(group: CompValue) -> tuple[Step, ...]:
     fresh = (Variable(f"_between_{id(group)}_{number}") for number in count())
-    return tuple(step for s, p, o in group.triples for step in _taken_apart(_end(s), _predicate(p), _end(o), fresh))
+    return tuple(step for s, p, o in group.triples for step in _taken_apart(_named(s), _named(p), _named(o), fresh))
 
 
 def _taken_apart(subject: End, predicate: Predicate, object_: End, fresh: Iterator[Variable]) -> Iterator[Step]:
@@ -231,18 +232,9 @@ def _taken_apart(subject: End, predicate: Predicate, object_: End, fresh: Iterat
         yield Step(subject, predicate, object_)
 
 
-def _end(term: object) -> End:
-    if isinstance(term, BNode):
-        return Variable("_blank_" + re.sub(r"\W", "_", str(term)))
-    assert isinstance(term, URIRef | Literal | Variable)
-    return term
-
-
-def _predicate(term: object) -> Predicate:
-    if isinstance(term, BNode):
-        return Variable("_blank_" + re.sub(r"\W", "_", str(term)))
-    assert isinstance(term, URIRef | Variable | Path)
-    return term
+def _named(term: Any) -> Any:
+    """The term; for a blank node, a variable."""
+    return Variable("_blank_" + re.sub(r"\W", "_", str(term))) if isinstance(term, BNode) else term
 
 
 MOST_PAIRS = 1_000_000

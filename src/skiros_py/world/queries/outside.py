@@ -209,8 +209,9 @@ class FollowingReplica:
         if self._running is not None and self._running[0].poll() is None:
             return self._running
         self._drop()
-        self._version, index = self._world.state()
-        state = _packed(self._version, index, *self._more)
+        index = self._world.snapshot()
+        self._version = index.version
+        state = _packed(index, *self._more)
         process, control = start_python("skiros_py.world.queries.replica:main", self._program)
         try:
             control.settimeout(_LONGEST_START)

@@ -55,7 +55,7 @@ class Replica(ABC):
         index: The world.
     """
 
-    def __init__(self, version: int, index: Index) -> None:  # noqa: ARG002 - for subclasses
+    def __init__(self, index: Index) -> None:
         self.index = index
 
     def follow(self, changes: Sequence[Change]) -> None:
@@ -115,11 +115,11 @@ class Order:
 class QueryReplica(Replica):
     """Answers external queries."""
 
-    def __init__(self, version: int, index: Index) -> None:
+    def __init__(self, index: Index) -> None:
+        super().__init__(index)
         _warm_up()
-        self._projection = Projection(version, index)
+        self._projection = Projection(index)
         self._selector = selectors.DefaultSelector()
-        super().__init__(version, index)
 
     def follow(self, changes: Sequence[Change]) -> None:
         """Applies changes, to the triples too."""

@@ -59,20 +59,16 @@ def write_atomically(path: Path, text: str) -> None:
 def _replace(path: Path, content: bytes) -> None:
     new = path.with_name(f".{path.name[:40]}.{secrets.token_hex(4)}.tmp")
     try:
-        _write(new, content)
+        with new.open("xb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
         if path.exists():
             new.chmod(stat.S_IMODE(path.stat().st_mode))
         new.replace(path)
     except BaseException:
         new.unlink(missing_ok=True)
         raise
-
-
-def _write(path: Path, content: bytes) -> None:
-    with path.open("xb") as file:
-        file.write(content)
-        file.flush()
-        os.fsync(file.fileno())
 
 
 def _flush_folder(folder: Path) -> None:

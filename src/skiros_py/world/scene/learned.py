@@ -126,12 +126,8 @@ class LearnedFile:
 
 def _kept(path: Path, content: bytes) -> Path:
     """Copies a file under the next free name, unless such a copy exists."""
-    for number in itertools.count(1):
-        copy = path.with_name(f"{path.name}.kept-{number}")
-        if not copy.exists():
-            with copy.open("xb") as file:
-                file.write(content)
-            return copy
-        if copy.read_bytes() == content:
-            return copy
-    raise AssertionError("numbers do not end")
+    copies = (path.with_name(f"{path.name}.kept-{number}") for number in itertools.count(1))
+    copy = next(copy for copy in copies if not copy.exists() or copy.read_bytes() == content)
+    if not copy.exists():
+        copy.write_bytes(content)
+    return copy

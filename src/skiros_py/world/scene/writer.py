@@ -47,7 +47,6 @@ class TurtleWriter:
         self._ontology = index.ontology
         self._names = index.ontology.names
         self._tokens: dict[str, str] = {}
-        self._keys: dict[str, tuple[int, str]] = {}
 
     def file(self, graph: str, paragraphs: Iterable[str]) -> str:
         """Returns the whole file.
@@ -106,15 +105,11 @@ class TurtleWriter:
         return f"{subject} a {class_} ;\n{''.join(lines)}    .\n"
 
     def _key(self, statement: tuple[str, str]) -> tuple[int, str, str]:
-        predicate, said = statement
-        key = self._keys.get(predicate) or self._keys.setdefault(predicate, self._rank(predicate))
-        return *key, said
-
-    def _rank(self, predicate: str) -> tuple[int, str]:
         """The most important first: label, placement, parts."""
+        predicate, said = statement
         relation = self._ontology.relations.get(predicate)
         family = _OTHERS if relation is None else _FAMILIES.get(relation.family, _OTHERS)
-        return _FIRST.get(predicate, family), predicate
+        return _FIRST.get(predicate, family), predicate, said
 
     def _token(self, name: str) -> str:
         if not is_abstract(name):

@@ -7,7 +7,7 @@ inferred triples.
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
@@ -143,19 +143,12 @@ class Projection:
         version: Number of the last change in it.
     """
 
-    def __init__(self, version: int, index: Index, store: Callable[[], QuadStore] = QuadStore) -> None:
-        """Writes a state into a new store, in bulk.
-
-        Args:
-            version: The number of the last change that led to the state.
-            index: The state.
-            store: Creates an empty store.
-        """
-        self.version = version
-        self._new = store
+    def __init__(self, index: Index) -> None:
+        """Writes a state into a new store, in bulk."""
+        self.version = index.version
         self._triples = Triples(index.ontology)
         self._entailed: tuple[int, QuadStore] | None = None
-        self.store = store()
+        self.store = QuadStore()
         self.store.bulk_load(self._triples.ontology())
         self.store.bulk_load(self._triples.state(index))
 
@@ -171,14 +164,14 @@ class Projection:
         """Returns a separate store that also contains entailed triples; the same one until the version changes."""
         if self._entailed is None or self._entailed[0] != self.version:
             self._entailed = None  # the old one need not be in memory while the new one is made
-            self._entailed = (self.version, entailed_store(self.store, self._new))
+            self._entailed = (self.version, entailed_store(self.store))
         return self._entailed[1]
 
 
-def entailed_store(stated: QuadStore, new: Callable[[], QuadStore]) -> QuadStore:
+def entailed_store(stated: QuadStore) -> QuadStore:
     """Returns a new store with the stated triples, and the entailed ones in the graph of inferred triples."""
     quads = stated.quads()
-    store = new()
+    store = QuadStore()
     store.bulk_load(quads)
     store.bulk_load(_entailed(quads))
     return store
@@ -202,18 +195,12 @@ def _entailed(quads: Iterable[ox.Quad]) -> Iterator[ox.Quad]:
 
 
 class TripleStore:
-    """The projection of a live world; it follows the world's changes whenever it is opened.
+    """The projection of a live world; it follows the world's changes whenever it is opened."""
 
-    Args:
-        world: The world.
-        store: Creates an empty store.
-    """
-
-    def __init__(self, world: World, store: Callable[[], QuadStore] = QuadStore) -> None:
+    def __init__(self, world: World) -> None:
         self._world = world
-        self._new = store
         self._lock = threading.Lock()
-        self._projection = Projection(*world.state(), store)
+        self._projection = Projection(world.snapshot())
 
     @property
     def version(self) -> int:
@@ -228,10 +215,10 @@ class TripleStore:
             entailed: Whether to lend the store that also contains entailed triples.
         """
         with self._lock:
-            version, index = self._world.state()
+            index = self._world.snapshot()
             try:
                 changes = self._world.changes_since(self.version)
-                self._projection.follow(change for change in changes if change.number <= version)
+                self._projection.follow(change for change in changes if change.number <= index.version)
             except WorldError:  # they are no longer kept
-                self._projection = Projection(version, index, self._new)
+                self._projection = Projection(index)
             yield (self._projection.entailed() if entailed else self._projection.store), index

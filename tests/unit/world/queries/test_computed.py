@@ -22,7 +22,7 @@ from skiros_py.world.ontology import Ontology
 from skiros_py.world.queries import Table, ask, construct, select
 from skiros_py.world.queries.answering import Question, mentioned_relations, typed
 from skiros_py.world.reasoners.registry import Answer, Reasoner, Reasoners
-from skiros_py.world.store import Projection, QuadStore
+from skiros_py.world.store import Projection, QuadStore, projection
 from skiros_py.world.store.store import COMPUTED_GRAPH, Rows
 from skiros_py.world.view import WorldView
 from skiros_py.world.world import World
@@ -93,7 +93,9 @@ def all_pairs(world: World, store: QuadStore, relations: frozenset[str]) -> None
 
 def oracle(world: World, sparql: str, make: Callable[[], QuadStore] = QuadStore) -> object:
     """The answer where every pair of the relations that the query mentions is stored."""
-    store = Projection(*world.state(), make).store
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(projection, "QuadStore", make)
+        store = Projection(world.snapshot()).store
     question = Question.of(world.ontology.names, sparql, {})
     mentioned = mentioned_relations(world.ontology, question.iris)
     all_pairs(world, store, frozenset(r for r in mentioned if r in RELATIONS or r == "sk:computed"))

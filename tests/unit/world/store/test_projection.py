@@ -21,7 +21,7 @@ from skiros_py.world.names import LEARNED_GRAPH, SCENE_GRAPH
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.past import MemoryLog, Past
 from skiros_py.world.scene import load_scene
-from skiros_py.world.store import Projection, QuadStore, TripleStore
+from skiros_py.world.store import Projection, QuadStore, TripleStore, projection
 from skiros_py.world.store.projection import entailed_store
 from skiros_py.world.store.store import INFERRED_GRAPH
 from skiros_py.world.world import World
@@ -32,7 +32,14 @@ ROOT = Path(__file__).parents[4]
 ONTOLOGY = Ontology.load([ROOT / "ontologies"])
 SCENE = ox.NamedNode(SCENE_GRAPH)
 LEARNED = ox.NamedNode(LEARNED_GRAPH)
-STORES = pytest.mark.parametrize("make", [QuadStore, RdflibStore])
+
+
+@pytest.fixture(params=[QuadStore, RdflibStore])
+def make(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> type:
+    """The store that projections are written to: the one that serves, or the naive one."""
+    monkeypatch.setattr(projection, "QuadStore", request.param)
+    store: type = request.param
+    return store
 
 
 def a_world() -> World:
@@ -58,15 +65,15 @@ def said_of(triples: TripleStore, subject: str) -> dict[str, list[str]]:
 
 
 def fresh(world: World) -> set[ox.Quad]:
-    return set(Projection(*world.state()).store.quads())
+    return set(Projection(world.snapshot()).store.quads())
 
 
 # ---------------------------------------------------------------- graphs
 
 
-@STORES
-def test_there_is_a_graph_for_each_ontology_file_and_for_the_scene(make: type) -> None:
-    store: QuadStore = Projection(*a_world().state(), make).store
+@pytest.mark.usefixtures("make")
+def test_there_is_a_graph_for_each_ontology_file_and_for_the_scene() -> None:
+    store = Projection(a_world().snapshot()).store
 
     assert set(store.graphs()) == {source.iri for source in ONTOLOGY.sources} | {SCENE_GRAPH}
 
@@ -90,10 +97,10 @@ def test_what_is_learned_is_in_its_own_graph_until_it_is_forgotten() -> None:
 # ---------------------------------------------------------------- change by change
 
 
-@STORES
-def test_the_store_follows_a_world_change_by_change(make: type) -> None:
+@pytest.mark.usefixtures("make")
+def test_the_store_follows_a_world_change_by_change() -> None:
     world = a_world()
-    triples = TripleStore(world, make)
+    triples = TripleStore(world)
     with world.transaction("test", "a new part") as tx:
         tx.add("kitting:Starter", "late", id="late_1", placement=Placement("sk:in", "pallet_a"))
     assert said_of(triples, "late_1")["sk:in"] == [node("pallet_a").value]
@@ -235,10 +242,9 @@ def entailments(make: type) -> QuadStore:
     stated: QuadStore = make()
     parsed = ox.parse(FAMILY.encode(), format=ox.RdfFormat.TURTLE)
     stated.bulk_load(ox.Quad(q.subject, q.predicate, q.object, SCENE) for q in parsed)
-    return entailed_store(stated, make)
+    return entailed_store(stated)
 
 
-@STORES
 @pytest.mark.parametrize(
     ("subject", "predicate", "object_"),
     [

@@ -160,16 +160,13 @@ _MANY: Mapping[str, str] = {
     "owl:AllDisjointProperties": "no two of {o} hold between the same two",
     "owl:AllDifferent": "{o} are all different things",
 }
-_COUNTS: Mapping[str, str] = {
-    **{f"owl:{w}": "at least" for w in ("minCardinality", "minQualifiedCardinality")},
-    **{f"owl:{w}": "at most" for w in ("maxCardinality", "maxQualifiedCardinality")},
-    **{f"owl:{w}": "exactly" for w in ("cardinality", "qualifiedCardinality")},
-}
-_FILLERS: Mapping[str, str] = {
-    "owl:someValuesFrom": "something with {p} to some {o}",
-    "owl:allValuesFrom": "something with {p} to nothing but {o}",
-    "owl:hasValue": "something with {p} {o}",
-    "owl:hasSelf": "something with {p} to itself",
+_RESTRICTIONS: Mapping[str, str] = {
+    "owl:someValuesFrom": "some {o}",
+    "owl:allValuesFrom": "nothing but {o}",
+    "owl:hasSelf": "itself",
+    **{f"owl:{w}": "at least {o}" for w in ("minCardinality", "minQualifiedCardinality")},
+    **{f"owl:{w}": "at most {o}" for w in ("maxCardinality", "maxQualifiedCardinality")},
+    **{f"owl:{w}": "exactly {o}" for w in ("cardinality", "qualifiedCardinality")},
 }
 _JOINED: Mapping[str, str] = {"owl:unionOf": " or ", "owl:intersectionOf": " and ", "owl:oneOf": " or "}
 _DEEP = 6
@@ -235,14 +232,13 @@ class _Words:
 
     def _restriction(self, about: Mapping[str, Node], depth: int) -> str:
         property_ = self._node(about.get("owl:onProperty"), depth)
-        for word, pattern in _FILLERS.items():
-            if word in about:
-                return pattern.format(p=property_, o=self._node(about[word], depth))
-        for word, says in _COUNTS.items():
+        if "owl:hasValue" in about:
+            return f"something with {property_} {self._node(about['owl:hasValue'], depth)}"
+        for word, pattern in _RESTRICTIONS.items():
             if word in about:
                 of = about.get("owl:onClass", about.get("owl:onDataRange"))
                 what = f" {self._node(of, depth)}" if of is not None else ""
-                return f"something with {property_} to {says} {self._node(about[word])}{what}"
+                return f"something with {property_} to {pattern.format(o=self._node(about[word], depth))}{what}"
         return "something unnamed"
 
     def _list(self, node: Node, joint: str, depth: int = 0) -> str:

@@ -175,17 +175,8 @@ def read_material(paths: Iterable[Path]) -> tuple[Material, list[Finding]]:
         names = common_names(documents)
     except FileError as fault:
         findings.append(finding_of(fault, FindingKind.UNREADABLE, fault.path.name))
-        names = _first_wins(documents)
+        names = Names({p: iri for one in documents[::-1] for p, iri in one.prefixes.items() if p})  # the first counts
     return Material(documents, names), [*findings, *_twins(documents), *_absent_imports(documents)]
-
-
-def _first_wins(documents: Sequence[Document]) -> Names:
-    prefixes: dict[str, str] = {}
-    for document in documents:
-        for prefix, iri in document.prefixes.items():
-            if prefix:
-                prefixes.setdefault(prefix, iri)
-    return Names(prefixes)
 
 
 def _twins(documents: Sequence[Document]) -> Iterator[Finding]:

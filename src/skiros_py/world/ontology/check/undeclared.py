@@ -61,18 +61,18 @@ def _is_standard_word(name: str) -> bool:
 
 def undeclared_terms(material: Material) -> Iterator[Finding]:
     """Finds terms that no file declares, or that are used as another kind."""
+    members = {s.triple.subject: kinds for s in material.of("rdf:type") if (kinds := _MEMBERS.get(s.object or ""))}
     for statement in material.all:
+        word = statement.predicate
         yield from _predicate(material, statement)
         yield from _literal(material, statement)
-    for statement in material.of("rdf:type"):
-        yield from _type(material, statement)
-    for word, kinds in _SUBJECTS.items():
-        for statement in material.of(word):
-            yield from _used(material, statement, statement.subject, kinds)
-    for word, kinds in _OBJECTS.items():
-        for statement in material.of(word):
-            yield from _objects(material, statement, kinds)
-    yield from _all_disjoint(material)
+        if word == "rdf:type":
+            yield from _type(material, statement)
+        if word in _SUBJECTS:
+            yield from _used(material, statement, statement.subject, _SUBJECTS[word])
+        wanted = members.get(statement.triple.subject) if word == "owl:members" else _OBJECTS.get(word)
+        if wanted is not None:
+            yield from _objects(material, statement, wanted)
     yield from _foreign_words(material)
     yield from _two_kinds(material)
 
@@ -108,18 +108,6 @@ def _objects(material: Material, statement: Statement, kinds: tuple[Kind, ...]) 
     for member in (node, *material.members(node)):
         if isinstance(member, ox.NamedNode):
             yield from _used(material, statement, material.key(member), kinds)
-
-
-def _all_disjoint(material: Material) -> Iterator[Finding]:
-    kinds = {
-        s.triple.subject: _MEMBERS[s.object]
-        for s in material.of("rdf:type")
-        if s.object is not None and s.object in _MEMBERS
-    }
-    for statement in material.of("owl:members"):
-        wanted = kinds.get(statement.triple.subject)
-        if wanted is not None:
-            yield from _objects(material, statement, wanted)
 
 
 def _used(material: Material, statement: Statement, name: str | None, kinds: tuple[Kind, ...]) -> Iterator[Finding]:
