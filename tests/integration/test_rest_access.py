@@ -49,7 +49,7 @@ def _raw(served: Served, request: bytes) -> bytes:
         return connection.recv(65_536)
 
 
-def test_an_administrator_makes_lists_and_revokes_a_key(admin: httpx2.Client, stranger: httpx2.Client) -> None:
+def test_an_administrator_creates_lists_and_revokes_a_key(admin: httpx2.Client, stranger: httpx2.Client) -> None:
     made = admin.post("/keys", json={"name": "line 1", "role": "mes", "expires": "2099-01-01T00:00:00Z"})
     key, secret = made.json()["key"], made.json()["secret"]
     theirs = {"X-API-Key": secret}
@@ -64,7 +64,7 @@ def test_an_administrator_makes_lists_and_revokes_a_key(admin: httpx2.Client, st
     assert admin.delete("/keys/nothing").status_code == 404
 
 
-def test_the_client_makes_and_revokes_keys(served: Served) -> None:
+def test_the_client_creates_and_revokes_keys(served: Served) -> None:
     from skiros_py.client.topics import Audit, Keys, Session
 
     with Client(served.url, served.services.keys.local_token) as client:
@@ -92,14 +92,14 @@ def test_the_client_makes_and_revokes_keys(served: Served) -> None:
         [],
     ],
 )
-def test_a_wish_for_a_key_that_makes_no_sense_is_refused(admin: httpx2.Client, order: object) -> None:
+def test_an_invalid_request_for_a_key_is_refused(admin: httpx2.Client, order: object) -> None:
     answer = admin.post("/keys", json=order)
 
     assert answer.status_code == 422
     assert answer.json()["detail"]
 
 
-def test_a_page_logs_in_with_a_cookie_that_no_script_reads(
+def test_a_page_logs_in_with_a_cookie_that_scripts_cannot_read(
     served: Served, admin: httpx2.Client, stranger: httpx2.Client
 ) -> None:
     made = admin.post("/keys", json={"name": "anna", "role": "operator"}).json()
@@ -117,7 +117,7 @@ def test_a_page_logs_in_with_a_cookie_that_no_script_reads(
     assert stranger.get("/session").status_code == 401
 
 
-def test_a_page_that_logged_out_is_a_stranger_again(admin: httpx2.Client, stranger: httpx2.Client) -> None:
+def test_a_page_has_no_access_after_logging_out(admin: httpx2.Client, stranger: httpx2.Client) -> None:
     secret = admin.post("/keys", json={"name": "anna", "role": "operator"}).json()["secret"]
     stranger.post("/session", json={"key": secret})
     kept = dict(stranger.cookies)
@@ -127,7 +127,9 @@ def test_a_page_that_logged_out_is_a_stranger_again(admin: httpx2.Client, strang
     assert stranger.get("/session", headers={"Cookie": f"{name}={text}"}).status_code == 401
 
 
-def test_a_page_is_told_what_it_need_not_offer(admin: httpx2.Client, stranger: httpx2.Client) -> None:
+def test_a_session_lists_only_the_operations_that_its_role_may_use(
+    admin: httpx2.Client, stranger: httpx2.Client
+) -> None:
     secret = admin.post("/keys", json={"name": "anna", "role": "viewer"}).json()["secret"]
 
     theirs = stranger.get("/session", headers={"X-API-Key": secret}).json()
@@ -143,7 +145,7 @@ def test_the_access_log_with_urls_is_off(served: Served) -> None:
     assert not logging.getLogger("uvicorn.access").propagate
 
 
-def test_keys_stand_in_no_log(served: Served, admin: httpx2.Client, caplog: pytest.LogCaptureFixture) -> None:
+def test_keys_appear_in_no_log(served: Served, admin: httpx2.Client, caplog: pytest.LogCaptureFixture) -> None:
     secret = admin.post("/keys", json={"name": "anna", "role": "viewer"}).json()["secret"]
     with caplog.at_level(logging.DEBUG), httpx2.Client(base_url=served.url) as client:
         for path in ("/api/v1/session", f"/{secret}", f"/api/v1/session?api_key={secret}", f"/api/v1/keys/{secret}"):
@@ -154,7 +156,7 @@ def test_keys_stand_in_no_log(served: Served, admin: httpx2.Client, caplog: pyte
     assert secret[12:] not in admin.get("/audit?limit=1000").text
 
 
-def test_guessing_is_slowed_down_without_affecting_others(served: Served, admin: httpx2.Client) -> None:
+def test_guessing_keys_is_slowed_down_without_affecting_other_callers(served: Served, admin: httpx2.Client) -> None:
     with httpx2.Client(base_url=f"{served.url}/api/v1") as guesser:
         answers = [guesser.post("/session", json={"key": f"sk_12345678_{number:043}"}) for number in range(15)]
 
@@ -176,24 +178,24 @@ def test_the_audit_log_is_read_page_by_page(admin: httpx2.Client) -> None:
     assert admin.get("/audit", params={"cursor": "x"}).status_code == 422
 
 
-def test_two_names_at_once_are_no_name(served: Served) -> None:
+def test_a_request_with_two_host_headers_is_refused(served: Served) -> None:
     answer = _raw(served, b"GET /healthz HTTP/1.1\r\nHost: localhost\r\nHost: evil.example\r\n\r\n")
 
     assert answer.startswith(b"HTTP/1.1 40")
 
 
-def test_a_name_that_a_stranger_leads_here_is_not_answered(served: Served) -> None:
+def test_a_request_for_a_foreign_host_name_is_refused(served: Served) -> None:
     answer = _raw(served, b"GET /healthz HTTP/1.1\r\nHost: evil.example\r\n\r\n")
 
     assert answer.startswith(b"HTTP/1.1 403")
     assert b"HostRefused" in answer
 
 
-def test_a_request_without_a_name_is_not_answered(served: Served) -> None:
+def test_a_request_without_a_host_name_is_refused(served: Served) -> None:
     assert _raw(served, b"GET /healthz HTTP/1.0\r\n\r\n").split()[1] in {b"400", b"403"}
 
 
-def test_a_body_that_is_longer_than_it_says_is_cut_off(served: Served, admin: httpx2.Client) -> None:
+def test_a_body_longer_than_its_content_length_is_cut_off(served: Served, admin: httpx2.Client) -> None:
     token = served.services.keys.local_token.encode()
     head = (
         b"POST /api/v1/keys HTTP/1.1\r\nHost: localhost\r\nX-API-Key: "
@@ -208,7 +210,7 @@ def test_a_body_that_is_longer_than_it_says_is_cut_off(served: Served, admin: ht
     assert len(admin.get("/keys").json()) == keys
 
 
-def test_strangers_who_log_in_slowly_take_no_places_of_others(served: Served, admin: httpx2.Client) -> None:
+def test_slow_logins_of_strangers_take_no_slots_of_other_callers(served: Served, admin: httpx2.Client) -> None:
     address = urlsplit(served.url)
     head = (
         b"POST /api/v1/session HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
@@ -228,12 +230,12 @@ def test_strangers_who_log_in_slowly_take_no_places_of_others(served: Served, ad
     assert b"503" in answers
 
 
-def test_a_login_longer_than_any_key_is_not_read(served: Served) -> None:
+def test_a_login_body_longer_than_any_key_is_refused(served: Served) -> None:
     with httpx2.Client(base_url=f"{served.url}/api/v1") as client:
         assert client.post("/session", json={"key": "x" * 5000}).status_code == 413
 
 
-def test_health_and_what_needs_no_turn_are_answered_while_very_many_wait_for_the_cycle(
+def test_health_and_cycle_free_requests_are_answered_while_many_requests_wait_for_the_cycle(
     served: Served, admin: httpx2.Client
 ) -> None:
     held, go_on = threading.Event(), threading.Event()
@@ -256,7 +258,7 @@ def test_health_and_what_needs_no_turn_are_answered_while_very_many_wait_for_the
     assert statuses == {200, 503}
 
 
-def test_two_people_of_one_name_do_not_share_their_locks(admin: httpx2.Client, served: Served) -> None:
+def test_two_keys_with_the_same_name_do_not_share_locks(admin: httpx2.Client, served: Served) -> None:
     made = [admin.post("/keys", json={"name": "anna", "role": "engineer"}).json()["secret"] for _ in range(2)]
     with ExitStack() as stack:
         one, other = [
@@ -277,14 +279,14 @@ def test_two_people_of_one_name_do_not_share_their_locks(admin: httpx2.Client, s
     assert admin.get("/locks").json()["items"] == []
 
 
-def test_two_versions_in_one_condition_are_refused_as_such(admin: httpx2.Client) -> None:
+def test_if_match_with_two_versions_is_refused(admin: httpx2.Client) -> None:
     answer = admin.post("/jobs/nothing/start", headers={"If-Match": '"1", "7"'})
 
     assert (answer.status_code, answer.json()["code"]) == (400, "InvalidRequest")
     assert admin.post("/jobs/nothing/start", headers={"If-Match": '"1"'}).status_code == 404
 
 
-def test_a_body_that_is_announced_as_too_long_is_not_waited_for(served: Served) -> None:
+def test_a_body_declared_too_long_is_refused_without_being_read(served: Served) -> None:
     token = served.services.keys.local_token.encode()
     head = (
         b"POST /api/v1/keys HTTP/1.1\r\nHost: localhost\r\nX-API-Key: "
@@ -297,7 +299,7 @@ def test_a_body_that_is_announced_as_too_long_is_not_waited_for(served: Served) 
     assert answer.split()[1] in {b"400", b"413"}
 
 
-def test_a_stream_without_a_key_is_not_begun(stranger: httpx2.Client) -> None:
+def test_a_stream_without_a_key_is_refused(stranger: httpx2.Client) -> None:
     assert stranger.get("/events", headers={"Accept": "text/event-stream"}).status_code == 401
 
 
@@ -310,7 +312,7 @@ def test_a_websocket_is_refused(served: Served) -> None:
     assert _raw(served, handshake).split()[1] in {b"401", b"403"}
 
 
-def test_without_keys_programs_of_this_machine_are_let_in_and_pages_of_others_are_not(tmp_path: Path) -> None:
+def test_without_keys_local_programs_have_access_and_foreign_pages_do_not(tmp_path: Path) -> None:
     with serving("kitting", tmp_path / "data") as open_, httpx2.Client(base_url=f"{open_.url}/api/v1") as client:
         me = client.get("/session", headers={"X-Skiros-User": "anna"}).json()
         page = {"Origin": "https://evil.example"}

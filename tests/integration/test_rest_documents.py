@@ -31,7 +31,7 @@ def written(api: httpx2.Client, id_: str, data: Any = TREE, **headers: str) -> h
     return api.put(f"/documents/tree/{id_}", json={"data": data}, headers=headers)
 
 
-def test_a_document_is_written_with_revisions_and_only_over_what_was_seen(api: httpx2.Client) -> None:
+def test_a_document_has_revisions_and_is_overwritten_only_with_its_latest_version(api: httpx2.Client) -> None:
     first = written(api, "twice")
     blind = written(api, "twice")
     second = written(api, "twice", {"type": "wait", "seconds": 1}, **{"If-Match": first.headers["ETag"]})
@@ -44,7 +44,7 @@ def test_a_document_is_written_with_revisions_and_only_over_what_was_seen(api: h
     assert [one["id"] for one in api.get("/documents/tree").json()["documents"]] == ["twice"]
 
 
-def test_a_fault_is_answered_with_its_place(api: httpx2.Client) -> None:
+def test_a_fault_in_a_document_is_answered_with_its_place(api: httpx2.Client) -> None:
     answer = written(api, "wrong", {"type": "sequence", "children": [{"type": "wait"}]})
 
     assert answer.status_code == 422
@@ -111,7 +111,7 @@ def test_a_fault_of_an_imported_text_is_answered_with_its_place_and_nothing_is_w
     assert api.get("/documents/tree/half/revisions").json()["documents"] == []
 
 
-def test_a_removed_document_runs_no_more(api: httpx2.Client) -> None:
+def test_a_removed_document_can_no_longer_be_run(api: httpx2.Client) -> None:
     seen = written(api, "gone").headers["ETag"]
 
     assert api.delete("/documents/tree/gone", headers={"If-Match": seen}).status_code == 204
@@ -119,7 +119,7 @@ def test_a_removed_document_runs_no_more(api: httpx2.Client) -> None:
     assert api.post("/modules/base_1/tree:gone/runs", json={}).status_code == 404
 
 
-def test_the_kinds_tell_the_nodes_that_an_editor_offers(api: httpx2.Client) -> None:
+def test_document_kinds_list_the_nodes_that_an_editor_can_offer(api: httpx2.Client) -> None:
     kinds = {kind["kind"]: kind for kind in api.get("/documents").json()["kinds"]}
 
     offered = {node["kind"]: node for node in kinds["tree"]["palette"]}

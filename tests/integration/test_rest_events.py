@@ -73,7 +73,7 @@ def run_job(served, id_, goal="InKit(Starter, kit_1)"):
 # ---------------------------------------------------------------------- what is told
 
 
-def test_a_change_of_the_scene_is_told_with_author_and_edits(served, http):
+def test_a_world_change_is_an_event_with_author_and_edits(served, http):
     after = now(http)
     rename(served, "kit_1", "the kit")
     (event,) = islice(follow(http, stream_events(kinds=["world"], element="kit_1"), after=after), 1)
@@ -82,7 +82,7 @@ def test_a_change_of_the_scene_is_told_with_author_and_edits(served, http):
     assert event.data["edits"][0]["new"] == "the kit"
 
 
-def test_what_was_learned_is_told_apart(served, http):
+def test_learned_facts_have_their_own_event_type(served, http):
     after = now(http)
     with served.services.station.session.world.transaction("anna", "taught", writer=Writer.PERSON) as tx:
         tx.add(TAUGHT_POSE, "a lesson", learned=True)
@@ -90,7 +90,7 @@ def test_what_was_learned_is_told_apart(served, http):
     assert event.type == "learned"
 
 
-def test_of_a_great_change_the_first_edits_are_told_and_where_the_rest_is(served, http):
+def test_a_large_change_is_an_event_with_the_first_edits_and_a_link_to_the_rest(served, http):
     after = now(http)
     with served.services.station.session.world.transaction("anna", "many parts", writer=Writer.PERSON) as tx:
         parts = [tx.add("kitting:Starter", placement=Placement(IN, "pallet_a")) for _ in range(200)]
@@ -103,7 +103,7 @@ def test_of_a_great_change_the_first_edits_are_told_and_where_the_rest_is(served
             tx.remove(part)
 
 
-def test_a_job_is_told_from_its_order_to_its_end_with_all_its_steps(served, http):
+def test_the_events_of_a_job_cover_its_order_all_steps_and_its_end(served, http):
     run_job(served, "told")
     seen = []
     for event in follow(http, stream_job_events("told")):
@@ -119,7 +119,7 @@ def test_a_job_is_told_from_its_order_to_its_end_with_all_its_steps(served, http
     assert happenings.count("started") == happenings.count("ended") == 4
 
 
-def test_what_modules_tell_belongs_to_the_job_for_which_they_run_and_says_how_a_skill_is_done(served, http):
+def test_module_events_name_their_job_and_the_implementation_of_the_skill(served, http):
     after = now(http)
     run = http.post("/modules/arm_1/confirm/runs", json={"arguments": {"question": "Is it so?"}}).json()
     run_job(served, "moved", "RobotAtLocation(robot_1, pallet_a)")
@@ -135,7 +135,7 @@ def test_what_modules_tell_belongs_to_the_job_for_which_they_run_and_says_how_a_
     assert not any(event["job"] for event in told if event["subject"] == "confirm")
 
 
-def test_the_events_of_a_job_that_is_not_there_are_not_found(http):
+def test_events_of_an_unknown_job_are_answered_with_404(http):
     response = http.get("/jobs/never/events")
     assert (response.status_code, response.json()["code"]) == (404, "UnknownJobOrderID")
 
@@ -143,7 +143,7 @@ def test_the_events_of_a_job_that_is_not_there_are_not_found(http):
 # ---------------------------------------------------------------------- resuming
 
 
-def test_a_page_goes_on_where_the_one_before_ended(served, http):
+def test_each_page_of_events_continues_where_the_previous_one_ended(served, http):
     after = now(http)
     for n in range(25):
         rename(served, "kit_1", f"kit {n}")
@@ -157,7 +157,7 @@ def test_a_page_goes_on_where_the_one_before_ended(served, http):
 
 
 @pytest.mark.parametrize("header", [True, False])
-def test_a_stream_is_resumed_after_the_last_event_that_was_seen(served, http, header):
+def test_a_stream_resumes_after_the_last_received_event(served, http, header):
     after = now(http)
     for n in range(3):
         rename(served, "kit_1", f"resumed {n} {header}")
@@ -182,7 +182,7 @@ def test_an_unknown_position_gets_a_reset_and_then_new_events(served, http, give
     assert (page["items"], page["reset"]["code"]) == ([], code)
 
 
-def test_a_place_that_is_too_long_ago_gets_a_reset(served, http):
+def test_a_position_whose_events_are_gone_gets_a_reset(served, http):
     after = now(http)
     for _ in range(KEPT + 1):
         served.services.station.events.append(Kind.SYSTEM, "reset")
@@ -194,11 +194,11 @@ def test_a_place_that_is_too_long_ago_gets_a_reset(served, http):
 
 
 @pytest.mark.parametrize("query", ["kind=weather", "limit=0", "limit=1001", "after=" + "x" * 200, "job=" + "x" * 300])
-def test_a_wrong_request_is_refused(http, query):
+def test_an_invalid_query_for_recent_events_is_refused(http, query):
     assert http.get(f"/events/recent?{query}").status_code == 422
 
 
-def test_more_streams_than_allowed_are_refused_and_places_come_back(served, http):
+def test_streams_over_the_limit_are_refused_until_others_are_closed(served, http):
     sockets = [_open(served, "/api/v1/events") for _ in range(STREAMS // 2)]
     response = http.get("/events")
     assert (response.status_code, response.json()["code"]) == (503, "Busy")
@@ -229,7 +229,7 @@ def _until(reached, patience=30.0):
         time.sleep(0.005)
 
 
-def test_a_stream_ends_when_its_key_is_revoked_and_is_refused_from_then_on(tmp_path):
+def test_a_stream_ends_when_its_key_is_revoked_and_cannot_be_reopened(tmp_path):
     with serving("kitting", tmp_path, settings=ServerSettings(authentication="keys")) as served:
         keys = served.services.keys
         keys.create("chief", Role.ADMIN)
@@ -246,7 +246,7 @@ def test_a_stream_ends_when_its_key_is_revoked_and_is_refused_from_then_on(tmp_p
         assert served.services.streams.open == 0
 
 
-def test_a_factory_system_hears_of_jobs_and_alarms_and_of_the_rest_only_for_its_jobs(tmp_path):
+def test_a_factory_system_receives_jobs_and_alarms_and_other_events_only_of_its_jobs(tmp_path):
     with serving("kitting", tmp_path, settings=ServerSettings(authentication="keys")) as served:
         _, text = served.services.keys.create("mes", Role.MES)
         with httpx2.Client(base_url=f"{served.url}/api/v1", headers={"Authorization": f"Bearer {text}"}) as http:
@@ -336,7 +336,7 @@ def test_streams_end_at_once_when_the_server_shuts_down(tmp_path):
 # ---------------------------------------------------------------------- the robots' state
 
 
-def test_the_state_says_what_the_robots_do(http):
+def test_the_live_state_contains_the_activity_of_the_robots(http):
     state = http.get("/state").json()
     robot = http.get("/robots/robot_1/state").json()
     assert len(state["devices"]["arm_1"]["state"]["positions"]) == 7
@@ -346,14 +346,14 @@ def test_the_state_says_what_the_robots_do(http):
     assert (state["halted"], state["tasks"], state["modules"]) == ("", [], [])
 
 
-def test_the_state_stream_has_no_places_for_it_is_never_replayed(http):
+def test_the_state_stream_has_no_event_ids_because_it_is_never_replayed(http):
     with http.sse("/robots/state/stream?rate=20") as source:
         first, second = islice(source, 2)
     assert (first.event, first.id) == ("state", "")
     assert json.loads(first.data)["cycle"] < json.loads(second.data)["cycle"]
 
 
-def test_the_state_is_built_once_for_all_who_look_on_and_never_for_nobody(served, http):
+def test_the_live_state_is_built_once_for_all_readers_and_never_without_readers(served, http):
     live = served.services.station.live
     before = live.built
     time.sleep(0.2)
@@ -374,7 +374,7 @@ def test_the_state_is_built_once_for_all_who_look_on_and_never_for_nobody(served
 # ---------------------------------------------------------------------- the client
 
 
-def test_the_client_goes_on_over_a_restart_of_the_server_and_hears_of_the_gap(tmp_path):
+def test_the_client_continues_after_a_server_restart_and_is_notified_of_the_gap(tmp_path):
     port = [0]
 
     def redirect(request):
@@ -405,7 +405,7 @@ def test_the_client_goes_on_over_a_restart_of_the_server_and_hears_of_the_gap(tm
         assert second.code == "restarted"
 
 
-def test_a_server_that_was_killed_tells_its_clients_of_the_gap_and_where_to_read_and_then_goes_on(tmp_path):
+def test_a_killed_server_notifies_its_clients_of_the_gap_and_what_to_read_and_continues(tmp_path):
     def stream(http, last):
         return http.sse("/events?kind=world", headers={"Last-Event-ID": last})
 
@@ -439,7 +439,7 @@ def test_a_server_that_was_killed_tells_its_clients_of_the_gap_and_where_to_read
             assert next(frame.id for frame in source if frame.event == "world") == told.id
 
 
-def test_a_broken_connection_is_made_again_and_nothing_is_missed_or_comes_twice(served, http):
+def test_a_broken_connection_is_restored_without_lost_or_repeated_events(served, http):
     """A go-between cuts the connection every few hundred bytes."""
     with _cutting(served, every=900) as url, httpx2.Client(base_url=f"{url}/api/v1") as shaky:
         items = follow(shaky, stream_events(kinds=["task"]), after=now(http))
@@ -449,7 +449,7 @@ def test_a_broken_connection_is_made_again_and_nothing_is_missed_or_comes_twice(
         items.close()
 
 
-def test_the_client_gives_up_without_an_answer_and_names_the_address():
+def test_the_client_gives_up_without_an_answer_and_names_the_server_address():
     with (
         httpx2.Client(base_url="http://127.0.0.1:9/api/v1") as http,
         pytest.raises(Unreachable, match=r"127\.0\.0\.1:9"),
@@ -457,12 +457,12 @@ def test_the_client_gives_up_without_an_answer_and_names_the_address():
         next(follow(http, stream_events(), patience=0.1))
 
 
-def test_the_client_is_told_when_the_server_refuses(http):
+def test_a_refusal_by_the_server_is_raised_in_the_client(http):
     with pytest.raises(ProblemError, match="never"):
         next(follow(http, stream_job_events("never")))
 
 
-def test_the_asynchronous_client_follows_as_well(served):
+def test_the_asynchronous_client_follows_events_too(served):
     async def run():
         async with httpx2.AsyncClient(base_url=f"{served.url}/api/v1") as http:
             items = follow_later(

@@ -28,7 +28,7 @@ _STREAMS = "events$|stream$"
 """Paths of answers that never end; they have tests of their own."""
 
 
-def test_no_request_makes_the_server_fail_or_say_what_is_not_documented(tmp_path: Path) -> None:
+def test_no_request_causes_a_server_error_or_an_undocumented_answer(tmp_path: Path) -> None:
     """Examples, edge cases, random requests and sequences of requests, made of the API's own description."""
     with serving("kitting", tmp_path / "data", settings=ServerSettings(rate=1_000_000)) as server:
         _, key = server.services.keys.create("fuzzer", Role.ADMIN)

@@ -39,7 +39,7 @@ def problem(response, status):
 # ------------------------------------------------------------------ goals
 
 
-def test_a_goal_is_checked_and_nothing_is_ordered(api):
+def test_checking_a_goal_orders_no_job(api):
     checked = api.post("/goals/check", json={"goal": f"not {KIT} and EmptyHanded(gripper_1)"}).json()
     assert checked["text"] == "not InKit(kitting:Starter, kit_1) and EmptyHanded(gripper_1)"
     assert checked["holds"] is True
@@ -52,7 +52,7 @@ def test_a_goal_is_checked_and_nothing_is_ordered(api):
     assert api.get("/jobs").json()["items"] == []
 
 
-def test_a_checked_goal_is_understood_again_as_data_and_as_text(api):
+def test_a_checked_goal_is_accepted_again_as_data_and_as_text(api):
     goal = 'for all c: Compartment (HasPart(kit_1, c) implies not ObjectAtLocation("alternator_1", c))'
     first = api.post("/goals/check", json={"goal": goal}).json()
     for form in (first["text"], [one["data"] for one in first["conditions"]]):
@@ -68,12 +68,12 @@ def test_a_checked_goal_is_understood_again_as_data_and_as_text(api):
         ({"not": {}}, "InvalidRequest", {}),
     ],
 )
-def test_a_goal_that_cannot_be_understood_says_what_would_be_right(api, goal, code, more):
+def test_an_invalid_goal_is_answered_with_what_would_be_valid(api, goal, code, more):
     refused = problem(api.post("/goals/check", json={"goal": goal}), 422)
     assert {"code": code, "return_status": 1 << 32, **more}.items() <= refused.items()
 
 
-def test_a_word_says_what_the_robots_can_bring_about_where_that_is_narrower_than_what_it_may_speak_of(
+def test_a_condition_lists_the_narrower_class_that_robots_can_reach_for_a_role(
     api: httpx2.Client,
 ) -> None:
     words = {word["name"]: word for word in api.get("/goals/conditions").json()["conditions"]}
@@ -82,7 +82,7 @@ def test_a_word_says_what_the_robots_can_bring_about_where_that_is_narrower_than
     assert all(role["reached"] == role["class"] for role in words["InKit"]["roles"])
 
 
-def test_the_words_are_those_that_present_robots_can_fulfil(api):
+def test_the_listed_conditions_are_those_that_the_robots_can_fulfil(api):
     words = {word["name"]: word for word in api.get("/goals/conditions").json()["conditions"]}
     assert words["InKit"]["skills"] == ["place"]
     assert words["InKit"]["roles"][1] == {"name": "kit", "class": "kitting:Kit", "reached": "kitting:Kit"}
@@ -93,7 +93,7 @@ def test_the_words_are_those_that_present_robots_can_fulfil(api):
     assert every > set(words)
 
 
-def test_goals_of_the_scene_are_replaced_by_who_has_seen_them(api):
+def test_goals_of_the_scene_are_replaced_only_with_their_latest_version(api):
     seen = api.get("/goals")
     assert problem(api.put("/goals", json={"goals": [KIT]}), 428)["code"] == "VersionMissing"
     head = {"If-Match": seen.headers["etag"]}
@@ -108,7 +108,7 @@ def test_goals_of_the_scene_are_replaced_by_who_has_seen_them(api):
 # ------------------------------------------------------------------ templates
 
 
-def test_a_template_is_written_by_who_has_seen_it(api):
+def test_a_template_is_overwritten_only_with_its_latest_version(api):
     first = api.put("/documents/template/fill a kit", json={"data": FILL})
     assert first.status_code == 201
     problem(api.put("/documents/template/fill a kit", json={"data": FILL}), 428)
@@ -125,7 +125,7 @@ def test_a_template_is_written_by_who_has_seen_it(api):
     problem(api.get("/documents/template/fill a kit"), 404)
 
 
-def test_a_template_that_can_make_no_goal_is_refused_with_the_path(api):
+def test_an_invalid_template_is_refused_with_the_path_of_the_fault(api):
     wrong = {"goal": [{"not": {"condition": "InKit", "arguments": [{"parameter": "kt"}, "kit_1"]}}]}
     assert (
         "goal[0].not.arguments[0]: unknown parameter 'kt'"
@@ -162,7 +162,7 @@ def test_a_job_is_ordered_by_template_parameters_and_materials(api):
 @pytest.mark.parametrize(
     "name", ['kit_1") or EmptyHanded("gripper_1', "kit_1) and not InKit(Starter, kit_1", '"', "a\nb"]
 )
-def test_a_parameter_is_a_name_whatever_it_looks_like(api, name):
+def test_a_template_parameter_is_always_taken_as_a_name(api, name):
     api.put("/documents/template/inject", json={"data": FILL}, headers={"If-Match": "*"})
     order = {"work_master": "inject", "parameters": {"kit": name}, "materials": [{"class": "Starter"}]}
     refused = problem(api.post("/goals/check", json=order), 422)
@@ -178,7 +178,7 @@ def planned(api, goal):
     return api.get(asked.headers["location"].removeprefix("/api/v1"), params={"wait": 30}).json()
 
 
-def test_a_preview_shows_the_plan_and_nothing_is_done(api, served):
+def test_a_preview_shows_the_plan_without_executing_it(api, served):
     before = served.services.station.session.world.version
     asked = api.post("/previews", json={"goal": KIT})
     assert asked.status_code == 202
@@ -191,12 +191,12 @@ def test_a_preview_shows_the_plan_and_nothing_is_done(api, served):
     assert served.services.station.session.world.version == before == preview["world"]
 
 
-def test_what_holds_already_is_a_plan_without_steps(api):
+def test_previewing_a_goal_that_already_holds_gives_a_plan_without_steps(api):
     preview = planned(api, "EmptyHanded(gripper_1)")
     assert (preview["state"], preview["steps"]) == ("planned", [])
 
 
-def test_a_preview_without_a_plan_offers_repairs_that_make_one(api, served):
+def test_a_preview_without_a_plan_offers_repairs_that_make_a_plan_possible(api, served):
     world = served.services.station.session.world
     with world.transaction("ann", "somebody took it") as tx:
         tx.remove("starter_1")
@@ -211,7 +211,7 @@ def test_a_preview_without_a_plan_offers_repairs_that_make_one(api, served):
     assert planned(api, KIT)["state"] == "planned"
 
 
-def test_a_repair_that_changes_the_goal_is_left_to_who_ordered(api, served):
+def test_a_repair_that_only_changes_the_goal_cannot_be_applied(api, served):
     before = served.services.station.session.world.version
     preview = planned(api, f"{KIT} and not {KIT}")
     assert preview["state"] == "no plan"
@@ -221,7 +221,7 @@ def test_a_repair_that_changes_the_goal_is_left_to_who_ordered(api, served):
     assert served.services.station.session.world.version == before
 
 
-def test_of_a_repair_that_changes_world_and_goal_only_the_world_is_told_as_done(api, served):
+def test_applying_a_repair_of_world_and_goal_reports_only_the_world_change_as_done(api, served):
     with served.services.station.session.world.transaction("ann", "it is taken") as tx:
         tx.place("alternator_1", "sk:in", "kit_1_a")
     boxes = " and ".join(f"ObjectAtLocation({box}, kit_1_a)" for box in ("relay_box_1", "relay_box_2"))
@@ -234,13 +234,13 @@ def test_of_a_repair_that_changes_world_and_goal_only_the_world_is_told_as_done(
     assert applied["text"] == " and ".join(repair["edits"])
 
 
-def test_a_repair_that_is_not_there_says_so(api):
+def test_an_unknown_repair_is_refused(api):
     preview = planned(api, "EmptyHanded(gripper_1)")
     problem(api.post(f"/previews/{preview['id']}/repairs/0/apply"), 404)
     problem(api.post("/previews/99/repairs/0/apply"), 404)
 
 
-def test_no_more_than_two_are_planned_at_once_and_the_others_are_told_when_to_come_again(api, served):
+def test_at_most_two_previews_are_planned_at_once_and_others_get_a_retry_time(api, served):
     def ask(_):
         return api.post("/previews", json={"goal": KIT})
 
@@ -257,11 +257,11 @@ def test_no_more_than_two_are_planned_at_once_and_the_others_are_told_when_to_co
         assert api.get(path, params={"wait": 30}).json()["state"] == "planned"
 
 
-def test_a_preview_that_is_not_there_says_so(api):
+def test_an_unknown_preview_is_refused(api):
     problem(api.get("/previews/4711"), 404)
 
 
-def test_who_listens_hears_that_a_template_was_written_and_removed(api):
+def test_listeners_receive_written_and_removed_templates(api):
     place = {"after": api.get("/events/recent", params={"limit": 1000}).json()["next"]}
     tag = api.put("/documents/template/told", json={"data": FILL}).headers["etag"]
     api.delete("/documents/template/told", headers={"If-Match": tag})
@@ -277,7 +277,7 @@ def test_who_listens_hears_that_a_template_was_written_and_removed(api):
 # ------------------------------------------------------------------ the client
 
 
-def test_the_client_says_the_same(served):
+def test_the_client_reads_and_writes_goals_templates_and_previews(served):
     with Client(served.url) as client:
         written = client.documents.put("template", "by client", FILL)
         assert client.documents.get("template", "by client") == written
@@ -293,7 +293,7 @@ def test_the_client_says_the_same(served):
         assert asked.id in {preview.id for preview in client.send(Previews.list()).items}
 
 
-def test_a_server_that_ends_waits_for_no_plan(tmp_path):
+def test_a_server_shuts_down_without_waiting_for_plans(tmp_path):
     with serving("kitting", tmp_path) as served:
         httpx2.post(f"{served.url}/api/v1/previews", json={"goal": KIT}).raise_for_status()
         (preview,) = served.services.station.previews._previews.values()

@@ -57,7 +57,7 @@ def test_expired_and_revoked_keys_give_no_access(locked: Served, monkeypatch: py
 @pytest.mark.parametrize(
     "type_", ["text/plain", "application/x-www-form-urlencoded", "multipart/form-data; boundary=x"]
 )
-def test_a_form_of_a_foreign_page_changes_nothing_though_the_browser_sends_the_cookie(
+def test_a_form_on_a_foreign_page_changes_nothing_even_with_the_cookie_of_the_browser(
     locked: Served, type_: str
 ) -> None:
     _, secret = locked.services.keys.create("anna", Role.ADMIN)

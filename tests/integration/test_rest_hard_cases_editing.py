@@ -44,7 +44,7 @@ def api(engineers: tuple[httpx2.Client, httpx2.Client]) -> httpx2.Client:
 # ------------------------------------------------------------------ case 7: two engineers
 
 
-def test_of_two_engineers_who_saw_the_same_the_second_looks_again_and_one_who_saw_nothing_must_look_first(
+def test_an_edit_with_an_outdated_version_or_without_a_version_is_refused(
     api: httpx2.Client, engineers: tuple[httpx2.Client, httpx2.Client]
 ) -> None:
     _, bert = engineers
@@ -89,7 +89,7 @@ def test_an_element_locked_by_one_engineer_cannot_be_changed_by_another(
     assert bert.patch("/elements/kit_1", json={"label": "bert's"}, headers=ANYHOW).status_code == 200
 
 
-def test_while_a_job_runs_no_scene_takes_the_place_of_this_one_and_an_edit_of_something_else_does_not_disturb_it(
+def test_while_a_job_runs_the_scene_cannot_be_replaced_and_unrelated_edits_do_not_disturb_the_job(
     api: httpx2.Client, engineers: tuple[httpx2.Client, httpx2.Client]
 ) -> None:
     _, bert = engineers
@@ -103,7 +103,7 @@ def test_while_a_job_runs_no_scene_takes_the_place_of_this_one_and_an_edit_of_so
     assert over(api, "kit")["outcome"] == "succeeded"
 
 
-def test_twenty_engineers_who_save_one_scene_at_once_overwrite_no_unseen_version(
+def test_twenty_engineers_saving_one_scene_at_once_never_overwrite_an_unseen_version(
     api: httpx2.Client,
 ) -> None:
     seen = {"If-Match": api.post("/scenes", json={"name": "shared"}).headers["etag"]}
@@ -152,7 +152,7 @@ UPLOADS: dict[str, tuple[bytes, str]] = {
 
 
 @pytest.mark.parametrize("how", UPLOADS)
-def test_an_upload_that_would_hurt_is_refused_at_once_and_the_old_scene_stays(api: httpx2.Client, how: str) -> None:
+def test_a_harmful_upload_is_refused_at_once_and_the_old_scene_stays(api: httpx2.Client, how: str) -> None:
     content, type_ = UPLOADS[how]
     before = api.get("/scene.ttl").text
     headers = ANYHOW | ({"Content-Type": type_} if type_ else {})
@@ -167,7 +167,7 @@ def test_an_upload_that_would_hurt_is_refused_at_once_and_the_old_scene_stays(ap
 # ------------------------------------------------------------------ case 11: worlds that make no sense
 
 
-def test_no_edit_makes_a_circle_of_places_however_long(api: httpx2.Client) -> None:
+def test_no_edit_creates_a_cycle_of_places_of_any_length(api: httpx2.Client) -> None:
     pallets = []
     for number in range(5):
         new = {
@@ -196,7 +196,7 @@ def test_no_edit_makes_a_circle_of_places_however_long(api: httpx2.Client) -> No
 
 
 @pytest.mark.parametrize("value", ["NaN", "Infinity", "-Infinity", "1e309", "1e308"])
-def test_a_pose_that_is_no_place_in_the_world_is_refused_whatever_way_it_comes(api: httpx2.Client, value: str) -> None:
+def test_an_invalid_pose_is_refused_in_every_request_that_takes_one(api: httpx2.Client, value: str) -> None:
     body = f'{{"properties": {{"sk:pose": {{"position": [{value}, 0, 0], "orientation": [0, 0, 0, 1]}}}}}}'
     before = api.get("/elements/rack_1").json()
 
@@ -214,7 +214,7 @@ def test_a_pose_that_is_no_place_in_the_world_is_refused_whatever_way_it_comes(a
 
 
 @pytest.mark.parametrize("name", ["CON", "nul", "con", "aux.ttl", "../../x", "a\\b", "x" * 300, ".", "..", "Kitting"])
-def test_a_scene_name_that_a_file_system_takes_for_something_else_leaves_nothing_outside_its_folder(
+def test_a_scene_name_with_special_meaning_to_the_file_system_writes_nothing_outside_its_folder(
     served: Served, api: httpx2.Client, name: str
 ) -> None:
     before = {
@@ -238,7 +238,7 @@ def files_beside_scenes(data: Path) -> set[Path]:
     return beside | {one for one in data.rglob("*") if one.parent.name != "scenes" and ".db" not in one.name}
 
 
-def test_names_that_differ_in_case_only_are_never_two_scenes(api: httpx2.Client) -> None:
+def test_scene_names_that_differ_only_in_case_never_make_two_scenes(api: httpx2.Client) -> None:
     assert api.post("/scenes", json={"name": "cased"}).status_code == 201
     assert api.post("/scenes", json={"name": "Cased"}).status_code == 422
     assert api.get("/scenes/CASED").status_code in (404, 422)

@@ -50,7 +50,7 @@ def in_kit(part: Any) -> dict[str, Any]:
 @example("and")
 @example("not (InKit(x, y))")
 @example('"} ; DROP ALL #')
-def test_a_part_is_meant_by_its_label_whatever_that_looks_like(api: httpx2.Client, label: str) -> None:
+def test_a_goal_names_a_part_by_a_label_of_any_form(api: httpx2.Client, label: str) -> None:
     called(api, f"~{label}")  # which is no name of anything else
     answer = api.post("/goals/check", json={"goal": in_kit(f"~{label}")})
 
@@ -62,7 +62,9 @@ def test_a_part_is_meant_by_its_label_whatever_that_looks_like(api: httpx2.Clien
 
 
 @pytest.mark.parametrize("label", NASTY)
-def test_a_nasty_label_is_one_in_goals_templates_and_questions(api: httpx2.Client, label: str) -> None:
+def test_a_label_with_special_characters_finds_its_element_in_goals_templates_and_queries(
+    api: httpx2.Client, label: str
+) -> None:
     called(api, label)
 
     by_goal = api.post("/goals/check", json={"goal": in_kit(label)}).json()
@@ -78,7 +80,7 @@ def test_a_nasty_label_is_one_in_goals_templates_and_questions(api: httpx2.Clien
     assert {"e": "relay_box_2"} in rows
 
 
-def test_ids_that_pddl_reserves_or_takes_for_equal_are_planned_with_and_the_right_parts_are_moved(
+def test_ids_that_are_reserved_or_equal_in_pddl_are_planned_with_correctly(
     api: httpx2.Client,
 ) -> None:
     begin_anew(api)
@@ -100,7 +102,7 @@ def test_ids_that_pddl_reserves_or_takes_for_equal_are_planned_with_and_the_righ
 
 
 @pytest.mark.parametrize("id_", ["x;y", "a(b", "über", "x.y", "x\\;y", "x\\)", "1", "a-b", "_:x", "x> } #"])
-def test_an_id_that_could_be_anything_but_a_name_comes_into_no_scene(api: httpx2.Client, id_: str) -> None:
+def test_an_unusual_id_in_a_scene_is_either_an_ordinary_name_or_refused(api: httpx2.Client, id_: str) -> None:
     before = api.get("/scene.ttl").text
     spoilt = before + f'\nscene:{id_} a kitting:Starter ; rdfs:label "x" ; sk:in scene:pallet_a .\n'
 
@@ -118,7 +120,7 @@ def test_an_id_that_could_be_anything_but_a_name_comes_into_no_scene(api: httpx2
 @given(st.text(st.characters(codec="utf-8", exclude_characters="\0"), max_size=60))
 @example('" . scene:floor sk:on scene:kit_1 . #')
 @example('"""\n. \\" \r')
-def test_a_label_comes_back_from_a_scene_file_as_it_was(api: httpx2.Client, label: str) -> None:
+def test_a_label_is_unchanged_after_saving_and_loading_a_scene(api: httpx2.Client, label: str) -> None:
     api.patch("/elements/rack_1", json={"label": label or "x"}, headers=ANYHOW).raise_for_status()
     text = api.get("/scene.ttl").text
 
@@ -128,7 +130,7 @@ def test_a_label_comes_back_from_a_scene_file_as_it_was(api: httpx2.Client, labe
     assert api.get("/scene.ttl").text == text
 
 
-def test_a_goal_of_a_template_is_filled_with_names_and_never_with_goals(api: httpx2.Client) -> None:
+def test_template_parameters_are_inserted_as_names_and_never_as_goal_text(api: httpx2.Client) -> None:
     template = {"parameters": [{"name": "part"}], "goal": [in_kit({"parameter": "part"})]}
     api.put("/documents/template/put away", json={"data": template}, headers=ANYHOW).raise_for_status()
     for injected in ("relay_box_1, kit_1_a) and InKit(Starter", "x) or (", json.dumps({"not": {}})):

@@ -104,7 +104,7 @@ HOPELESS = "InKit(Starter, kit_1) and LocationEmpty(kit_1_a) and LocationEmpty(k
         ("Holding(gripper_1, starter_1) and Holding(gripper_1, alternator_1)", "no plan"),
     ],
 )
-def test_a_goal_that_holds_and_one_that_cannot_are_outcomes_of_their_own(
+def test_goals_that_already_hold_and_unreachable_goals_have_distinct_outcomes(
     api: httpx2.Client, goal: str, outcome: str
 ) -> None:
     answer = api.put("/jobs/goal", json={"goal": goal})
@@ -140,7 +140,7 @@ BROKEN_PLANNERS = {
 }
 
 
-def test_a_planner_that_dies_or_answers_garbage_fails_the_job_in_words_and_the_next_job_is_taken(
+def test_a_planner_that_crashes_or_answers_garbage_fails_the_job_and_the_next_job_runs(
     tmp_path: Path,
 ) -> None:
     script = tmp_path / "planner.py"
@@ -177,7 +177,7 @@ def test_two_jobs_that_need_the_same_robot_run_one_after_the_other(api: httpx2.C
     assert first["ended"] <= second["started"]
 
 
-def test_a_job_that_is_aborted_gives_its_robot_to_the_next(api: httpx2.Client) -> None:
+def test_an_aborted_job_releases_its_robot_to_the_next_job(api: httpx2.Client) -> None:
     api.put("/jobs/first", json=STARTER).raise_for_status()
     api.put("/jobs/second", json=ALTERNATOR).raise_for_status()
     until(lambda: moves(api, "first"))
@@ -201,7 +201,7 @@ def test_jogging_a_robot_used_by_a_job_is_refused_and_the_job_continues(api: htt
 # ------------------------------------------------------------------ case 20: many orders, and clocks that jump
 
 
-def test_behind_ten_thousand_queued_jobs_an_urgent_one_is_begun_and_done(tmp_path: Path) -> None:
+def test_an_urgent_job_is_done_despite_ten_thousand_queued_jobs(tmp_path: Path) -> None:
     with serving("kitting", tmp_path / "data", SLOWLY) as served, api_of(served) as api:
         jobs = served.services.station.session.jobs
         ordered = [JobOrder(id=f"q-{n}", goal=(HOLDS["goal"],), not_before=4e9) for n in range(10_000)]
@@ -227,9 +227,7 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> list[float]:
     return wrong
 
 
-def test_a_wall_clock_that_jumps_an_hour_back_and_forth_stops_nothing_and_starts_nothing_too_often(
-    clock: list[float], tmp_path: Path
-) -> None:
+def test_a_wall_clock_that_jumps_by_an_hour_neither_stops_nor_repeats_jobs(clock: list[float], tmp_path: Path) -> None:
     with serving("kitting", tmp_path / "data", SLOWLY) as served, api_of(served) as api:
         api.put("/jobs/kit", json=STARTER).raise_for_status()
         until(lambda: moves(api, "kit"))
@@ -249,7 +247,7 @@ def test_a_wall_clock_that_jumps_an_hour_back_and_forth_stops_nothing_and_starts
         assert (again.status_code, again.json()["outcome"]) == (200, "succeeded")
 
 
-def test_an_order_in_another_time_zone_is_the_same_order(api: httpx2.Client) -> None:
+def test_an_order_with_times_in_another_time_zone_is_the_same_order(api: httpx2.Client) -> None:
     first = api.put("/jobs/zone", json={**HOLDS, "not_before": "2100-01-01T00:00:00Z"})
     again = api.put("/jobs/zone", json={**HOLDS, "not_before": "2100-01-01T05:30:00+05:30"})
     naive = api.put("/jobs/naive", json={**HOLDS, "not_before": "2100-01-01T00:00:00"})

@@ -33,7 +33,7 @@ def api(served: Served) -> Iterator[httpx2.Client]:
         yield api
 
 
-def test_a_thousand_requests_and_two_hundred_closed_streams_leave_no_file_and_no_thread_behind(
+def test_many_requests_and_closed_streams_leave_no_open_file_and_no_thread_behind(
     served: Served, api: httpx2.Client
 ) -> None:
     def ask(many: int) -> None:
@@ -56,7 +56,7 @@ def test_a_thousand_requests_and_two_hundred_closed_streams_leave_no_file_and_no
     assert threading.active_count() <= threads + 5
 
 
-def test_edits_and_jobs_leave_little_on_the_disk_and_the_event_log_is_bounded(tmp_path: Path) -> None:
+def test_edits_and_jobs_use_little_disk_space_and_the_event_log_is_bounded(tmp_path: Path) -> None:
     left = []
     for _ in range(2):
         with serving("kitting", tmp_path) as served, api_of(served) as api:
@@ -94,7 +94,7 @@ def test_sigterm_during_a_job_with_open_streams_ends_cleanly_and_the_job_is_held
         assert over(client.http, "kit")["outcome"] == "aborted"
 
 
-def test_an_old_file_of_jobs_is_brought_up_to_date_by_the_server_and_one_of_a_later_version_is_left_alone(
+def test_the_server_upgrades_an_old_job_file_and_leaves_one_of_a_later_version_alone(
     tmp_path: Path,
 ) -> None:
     old, later = tmp_path / "old", tmp_path / "later"

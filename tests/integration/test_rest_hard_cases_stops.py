@@ -85,7 +85,7 @@ def ends(api: httpx2.Client, id_: str) -> list[str]:
 
 
 @pytest.mark.parametrize("command", ["stop", "abort"])
-def test_a_job_that_is_ended_while_it_is_planned_ends_once_and_takes_all_of_the_planner_along(
+def test_a_job_ended_during_planning_ends_once_and_kills_all_planner_processes(
     held: httpx2.Client, planner: HeldPlanner, command: str
 ) -> None:
     order(held)
@@ -102,9 +102,7 @@ def test_a_job_that_is_ended_while_it_is_planned_ends_once_and_takes_all_of_the_
     assert held.put("/jobs/next", json=HOLDS, headers={"Prefer": "wait=30"}).json()["outcome"]
 
 
-def test_a_frozen_fast_downward_is_gone_with_its_whole_group_when_its_job_is_aborted(
-    served: Served, api: httpx2.Client
-) -> None:
+def test_aborting_a_job_kills_a_frozen_fast_downward_with_its_process_group(served: Served, api: httpx2.Client) -> None:
     with ThreadPoolExecutor(1) as pool:
         freezing = pool.submit(freeze_planner, os.getpid())
         for id_ in map("kit-{}".format, range(100)):  # a plan takes so little time that it may be missed
@@ -125,7 +123,7 @@ def test_a_frozen_fast_downward_is_gone_with_its_whole_group_when_its_job_is_abo
     until(lambda: moves(api, "next"))
 
 
-def test_a_stop_of_everything_while_a_job_is_planned_holds_it_and_no_plan_is_begun_afterwards(
+def test_a_stop_during_planning_holds_the_job_and_no_plan_starts_afterwards(
     held: httpx2.Client, planner: HeldPlanner
 ) -> None:
     order(held)
@@ -140,7 +138,7 @@ def test_a_stop_of_everything_while_a_job_is_planned_holds_it_and_no_plan_is_beg
     assert steps(held, "kit") == []
 
 
-def test_a_job_that_is_ended_by_many_at_once_in_mid_motion_ends_once_and_the_robot_stands(
+def test_a_job_ended_by_many_callers_during_a_motion_ends_once_and_the_robot_stands(
     served: Served, api: httpx2.Client
 ) -> None:
     order(api)
@@ -158,7 +156,7 @@ def test_a_job_that_is_ended_by_many_at_once_in_mid_motion_ends_once_and_the_rob
     assert api.get("/state").json()["platforms"]["base_1"] == pose
 
 
-def test_stops_at_the_moment_of_natural_completion_leave_one_end_that_is_true(
+def test_a_stop_at_the_moment_of_completion_leaves_exactly_one_correct_outcome(
     served: Served, api: httpx2.Client
 ) -> None:
     jobs = served.services.station.session.jobs
@@ -217,7 +215,7 @@ def test_a_compartment_filled_during_the_plan_is_left_alone(api: httpx2.Client) 
     assert place != wanted
 
 
-def test_a_world_that_somebody_changes_again_and_again_ends_the_job_after_a_bounded_number_of_plans(
+def test_a_job_in_a_constantly_changing_world_ends_after_a_bounded_number_of_plans(
     served: Served, api: httpx2.Client
 ) -> None:
     session = served.services.station.session

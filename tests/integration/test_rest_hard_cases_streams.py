@@ -52,7 +52,7 @@ def reader(served: Served, buffer: int = 4096) -> socket.socket:
 
 
 @pytest.mark.parametrize(("length", "count"), [(1000, 400), (60_000, 50)])
-def test_two_hundred_readers_that_take_a_little_now_and_then_stop_neither_job_nor_those_who_read(
+def test_two_hundred_slow_readers_affect_neither_the_job_nor_other_readers(
     served: Served, api: httpx2.Client, length: int, count: int
 ) -> None:
     events, process = served.services.station.events, psutil.Process()
@@ -72,7 +72,7 @@ def test_two_hundred_readers_that_take_a_little_now_and_then_stop_neither_job_no
     until(lambda: served.services.streams.open == 0)
 
 
-def test_a_slow_reader_gets_a_reset_and_still_learns_the_end_of_the_job(served: Served, api: httpx2.Client) -> None:
+def test_a_slow_reader_gets_a_reset_and_still_receives_the_end_of_the_job(served: Served, api: httpx2.Client) -> None:
     with api.sse("/events?kind=job&kind=task") as source:
         first = next(event for event in source if event.id)
     for _ in range(6000):
@@ -92,7 +92,7 @@ def test_a_slow_reader_gets_a_reset_and_still_learns_the_end_of_the_job(served: 
     ["", "0", "-1", "1e308", "x" * 60, "00000000-1", "ffffffff-99999999999999999999", "💥".encode().decode("latin-1"),
      "1-2-3", "null", "../../etc/passwd", "-", "%0d%0aSet-Cookie: a=b"],
 )  # fmt: skip
-def test_no_last_event_id_breaks_a_stream(api: httpx2.Client, place: str) -> None:
+def test_no_value_of_last_event_id_breaks_a_stream(api: httpx2.Client, place: str) -> None:
     with api.sse("/events", headers={b"Last-Event-ID": place.encode("latin-1")}) as source:
         first = next(iter(source))
         assert source.response.status_code == 200
@@ -100,7 +100,7 @@ def test_no_last_event_id_breaks_a_stream(api: httpx2.Client, place: str) -> Non
     assert first.event in ("reset", "message", "")
 
 
-def test_a_reader_learns_the_end_of_its_job_despite_a_kill_of_the_server(tmp_path: Path) -> None:
+def test_a_reader_receives_the_end_of_its_job_despite_a_kill_of_the_server(tmp_path: Path) -> None:
     port = [0]
 
     def redirect(request: httpx2.Request) -> None:

@@ -66,7 +66,7 @@ def state(job):
 # ------------------------------------------------------------------ ordering
 
 
-def test_an_order_is_taken_at_once_done_and_accounted_for(api):
+def test_an_order_is_accepted_at_once_executed_and_reported(api):
     taken = api.put("/jobs/kit-1", json={"goal": "InKit(Starter, kit_1)", "description": "the first"})
     assert taken.status_code == 202
     assert taken.headers["location"] == "/api/v1/jobs/kit-1"
@@ -102,7 +102,7 @@ def test_an_order_is_taken_at_once_done_and_accounted_for(api):
     assert (rest["entries"][-1]["what"], rest["next"]) == ("finished", None)
 
 
-def test_the_same_order_fifty_times_at_once_is_one_job(api):
+def test_sending_the_same_order_fifty_times_at_once_creates_one_job(api):
     def put(_):
         return api.put("/jobs/once", json={**HOLDS, **LATER})
 
@@ -113,7 +113,7 @@ def test_the_same_order_fifty_times_at_once_is_one_job(api):
     assert answers[0].json()["attempts"] == 0
 
 
-def test_one_idempotency_key_fifty_times_at_once_is_one_job(api):
+def test_sending_one_idempotency_key_fifty_times_at_once_creates_one_job(api):
     def post(_):
         return api.post("/jobs", json={**HOLDS, **LATER}, headers={"Idempotency-Key": '"fifty"'})
 
@@ -124,7 +124,7 @@ def test_one_idempotency_key_fifty_times_at_once_is_one_job(api):
     assert post(51).status_code == 200
 
 
-def test_a_key_counts_for_one_order_only_and_also_after_the_job_is_gone(api):
+def test_an_idempotency_key_belongs_to_one_order_even_after_its_job_is_removed(api):
     head = {"Idempotency-Key": "key-1"}
     first = api.post("/jobs", json=HOLDS, params=STORE, headers=head)
     again = api.post("/jobs", json=HOLDS, params=STORE, headers={"Idempotency-Key": '"key-1"'})
@@ -140,11 +140,11 @@ def test_a_key_counts_for_one_order_only_and_also_after_the_job_is_gone(api):
 
 
 @pytest.mark.parametrize("key", ["", '""', "a" * 201, "a b", 'a"b'])
-def test_what_is_no_idempotency_key_is_refused(api, key):
+def test_an_invalid_idempotency_key_is_refused(api, key):
     problem(api.post("/jobs", json=HOLDS, headers={"Idempotency-Key": key}), 422)
 
 
-def test_another_order_under_the_same_id_needs_the_version_that_was_seen(api):
+def test_another_order_under_the_same_id_needs_the_latest_version_of_the_job(api):
     first = api.put("/jobs/change", json={**HOLDS, **LATER})
     refused = problem(api.put("/jobs/change", json={**OTHER, **LATER}), 409)
     assert (refused["code"], refused["return_status"]) == ("UnableToAcceptJobOrder", 1 << 4)
@@ -157,19 +157,19 @@ def test_another_order_under_the_same_id_needs_the_version_that_was_seen(api):
     assert api.put("/jobs/change", json={**OTHER, **LATER}).json() == changed.json()
 
 
-def test_a_started_job_takes_no_other_order(api):
+def test_a_started_job_refuses_another_order(api):
     done = api.put("/jobs/over", json=HOLDS, headers=DONE)
     refused = problem(api.put("/jobs/over", json=OTHER, headers={"If-Match": done.headers["etag"]}), 409)
     assert (refused["code"], refused["return_status"]) == ("InvalidJobOrderStatus", 1 << 3)
     assert api.get("/jobs/over").json() | TAKEN == done.json()
 
 
-def test_who_has_seen_a_job_that_is_gone_orders_no_new_one(api):
+def test_an_order_with_the_version_of_a_removed_job_creates_no_job(api):
     problem(api.put("/jobs/never-was", json=HOLDS, headers={"If-Match": '"3"'}), 412)
     problem(api.get("/jobs/never-was"), 404)
 
 
-def test_a_finished_order_is_known_again_although_the_world_has_gone_on(api, served):
+def test_repeating_a_finished_order_returns_its_job_even_after_the_world_changed(api, served):
     world = served.services.station.session.world
     with world.transaction("ann", "a place for a while") as tx:
         place = tx.add("kitting:Starter", "short-lived", placement=Placement("sk:in", "pallet_a"))
@@ -197,14 +197,14 @@ def test_a_finished_order_is_known_again_although_the_world_has_gone_on(api, ser
         ({"goal": "InKit(\x7f, kit_1)"}, "GoalSyntax", {}),
     ],
 )
-def test_an_order_that_cannot_be_understood_is_refused_with_what_would_be_right(api, order, code, more):
+def test_an_invalid_order_is_refused_with_what_would_be_valid(api, order, code, more):
     refused = problem(api.put("/jobs/wrong", json=order), 422)
     assert refused["code"] == code
     assert more.items() <= refused.items()
     problem(api.get("/jobs/wrong"), 404)
 
 
-def test_a_structured_goal_is_the_same_as_its_text(api):
+def test_a_structured_goal_equals_its_text(api):
     goal = {"not": {"condition": "Holding", "arguments": ["gripper_1", "Starter"]}}
     job = api.put("/jobs/structured", json={"goal": goal}, headers=DONE).json()
     assert job["order"]["goal"] == ["not (Holding(gripper_1, Starter))"]
@@ -212,7 +212,7 @@ def test_a_structured_goal_is_the_same_as_its_text(api):
 
 
 @pytest.mark.parametrize("id_", ["line:1;kit?4711#a", "100%", "Ünïcode-漢字", "a+b&c=d", "%2F", "{x}", '"quoted"'])
-def test_any_id_survives_the_address(api, id_):
+def test_any_job_id_can_be_used_in_the_url(api, id_):
     job = api.put(f"/jobs/{quote(id_, safe='')}", json={**HOLDS, **LATER})
     assert job.json()["id"] == id_
     assert httpx2.get(api.base_url.join(job.headers["location"])).json() | TAKEN == job.json()
@@ -220,13 +220,13 @@ def test_any_id_survives_the_address(api, id_):
 
 
 @pytest.mark.parametrize("id_", ["a b", "a\tb", "x" * 201, "%2E%2E"])
-def test_what_is_no_id_is_refused(api, id_):
+def test_an_invalid_job_id_is_refused(api, id_):
     answer = api.put(f"/jobs/{id_ if '%' in id_ else quote(id_)}", json=HOLDS)
     assert answer.status_code in (404, 405, 422)
     assert answer.headers["content-type"] == "application/problem+json"
 
 
-def test_a_full_queue_takes_no_more_and_what_is_there_stands(api, served):
+def test_a_full_queue_refuses_new_jobs_and_keeps_the_queued_ones(api, served):
     jobs = served.services.station.session.jobs
     before = jobs.limit
     api.put("/jobs/stands", json={**HOLDS, **LATER}).raise_for_status()
@@ -243,12 +243,12 @@ def test_a_full_queue_takes_no_more_and_what_is_there_stands(api, served):
 # ------------------------------------------------------------------ states and commands
 
 
-def test_a_start_gate_and_a_missing_leave_are_seen_in_the_state(api):
+def test_a_start_time_and_a_missing_start_permission_are_shown_in_the_state(api):
     assert state(api.put("/jobs/gate", json={**HOLDS, **LATER}).json()) == ("AllowedToStart", ("Waiting",))
     assert state(api.put("/jobs/leave", json=HOLDS, params=STORE).json()) == ("NotAllowedToStart", ("Ready",))
 
 
-def test_commands_may_be_sent_again_and_say_where_they_do_not_fit(api):
+def test_commands_can_be_repeated_and_are_refused_in_states_that_do_not_allow_them(api):
     api.put("/jobs/commands", json={**HOLDS, **LATER}, params=STORE)
     started = api.post("/jobs/commands/start", json={"comment": "go"})
     assert (state(started.json())[0], api.post("/jobs/commands/start").json()) == ("AllowedToStart", started.json())
@@ -269,19 +269,19 @@ def test_commands_may_be_sent_again_and_say_where_they_do_not_fit(api):
 
 
 @pytest.mark.parametrize("command", ["start", "revoke-start", "pause", "resume", "stop", "abort", "cancel", "clear"])
-def test_a_command_to_a_job_that_is_not_there_says_so(api, command):
+def test_a_command_to_an_unknown_job_is_refused(api, command):
     refused = problem(api.post(f"/jobs/nobody/{command}", json={"comment": "x"}), 404)
     assert (refused["code"], refused["return_status"]) == ("UnknownJobOrderID", 1 << 1)
 
 
-def test_a_command_for_a_version_that_is_no_more_is_refused(api):
+def test_a_command_with_an_outdated_version_is_refused(api):
     first = api.put("/jobs/stale", json={**HOLDS, **LATER})
     api.post("/jobs/stale/revoke-start")
     refused = problem(api.post("/jobs/stale/start", headers={"If-Match": first.headers["etag"]}), 412)
     assert refused["code"] == "StaleVersion"
 
 
-def test_removing_cancels_what_has_not_begun_and_clears_what_is_over(api):
+def test_removing_a_job_cancels_it_if_queued_and_clears_it_if_finished(api):
     api.put("/jobs/remove", json={**HOLDS, **LATER})
     assert state(api.delete("/jobs/remove").json())[0] == "AllowedToStart"
     problem(api.delete("/jobs/remove"), 404)
@@ -289,7 +289,7 @@ def test_removing_cancels_what_has_not_begun_and_clears_what_is_over(api):
     assert state(api.delete("/jobs/remove-2").json())[0] == "Ended"
 
 
-def test_why_somebody_commands_is_in_the_audit_log_also_when_the_job_is_gone(api):
+def test_the_reason_of_a_command_stays_in_the_audit_log_after_the_job_is_removed(api):
     api.put("/jobs/audited", json=HOLDS | LATER)
     api.post("/jobs/audited/cancel", json={"comment": "the customer went away"})
     newest = api.get("/audit", params={"limit": 1}).json()["items"][0]
@@ -306,7 +306,7 @@ def test_the_audit_log_names_the_job_that_was_ordered_without_an_id_and_why_one_
 
 
 @pytest.mark.parametrize("by", ["cancel", "clear"])
-def test_an_order_that_comes_late_brings_no_removed_job_back_to_life(api, by):
+def test_a_late_repeat_of_an_order_does_not_restore_a_removed_job(api, by):
     id_ = f"late-{by}"
     order = HOLDS | (LATER if by == "cancel" else {})
     first = api.put(f"/jobs/{id_}", json=order, headers=DONE if by == "clear" else None).json()
@@ -325,20 +325,20 @@ def test_an_order_that_comes_late_brings_no_removed_job_back_to_life(api, by):
     assert api.put(f"/jobs/{id_}", json=OTHER | LATER, params={"again": "true"}).status_code == 200
 
 
-def test_the_same_order_once_more_with_leave_to_start_gives_it(api):
+def test_repeating_an_order_with_start_permission_grants_the_permission(api):
     assert state(api.put("/jobs/stored", json=HOLDS | LATER, params=STORE).json())[0] == "NotAllowedToStart"
     assert state(api.put("/jobs/stored", json=HOLDS | LATER, params=STORE).json())[0] == "NotAllowedToStart"
     assert state(api.put("/jobs/stored", json=HOLDS | LATER).json())[0] == "AllowedToStart"
 
 
-def test_leave_that_was_taken_back_is_not_given_by_an_order_that_comes_late(api):
+def test_a_late_repeat_of_an_order_does_not_restore_a_revoked_start_permission(api):
     api.put("/jobs/revoked", json=HOLDS | LATER)
     api.post("/jobs/revoked/revoke-start").raise_for_status()
     assert state(api.put("/jobs/revoked", json=HOLDS | LATER).json())[0] == "NotAllowedToStart"
     assert state(api.post("/jobs/revoked/start").json())[0] == "AllowedToStart"
 
 
-def test_a_goal_that_nobody_could_look_at_in_time_is_refused_at_every_door(api, served):
+def test_a_goal_too_large_to_evaluate_is_refused_by_every_operation(api, served):
     variables = "abcdefg"
     declared = ", ".join(f"{variable}: Manipulatable" for variable in variables)
     words = " and ".join(f"InKit({variable}, kit_1)" for variable in variables)
@@ -355,14 +355,14 @@ def test_a_goal_that_nobody_could_look_at_in_time_is_refused_at_every_door(api, 
         served.services.station.session.jobs.submit(Order(id="endless", goal=(endless["goal"],)))
 
 
-def test_an_order_may_be_so_long_only(api):
+def test_an_order_over_the_size_limit_is_refused(api):
     goal = ["LocationEmpty(kit_1_a) or " * 700 + "LocationEmpty(kit_1_b)"] * 4
     assert "65536 are allowed" in problem(api.put("/jobs/long", json={"goal": goal}), 422)["detail"]
     wide = [{"class": "Starter", "id": "x" * 200, "use": "y" * 200}] * 200
     assert "65536 are allowed" in problem(api.put("/jobs/wide", json=HOLDS | {"materials": wide}), 422)["detail"]
 
 
-def test_what_was_ordered_of_material_comes_back_as_it_was_said(api):
+def test_ordered_materials_are_returned_unchanged(api):
     wanted = [
         {"class": "Starter", "definition": "ST-4", "lot": "L 7", "quantity": 2, "properties": {"colour": "red"}},
         {"class": "Starter", "quantity": "0.25", "units": "kg", "use": "Consumed"},
@@ -374,14 +374,14 @@ def test_what_was_ordered_of_material_comes_back_as_it_was_said(api):
         problem(api.put("/jobs/odd", json=HOLDS | {"materials": [{"class": "Starter", "quantity": quantity}]}), 422)
 
 
-def test_a_factory_system_learns_what_it_may_order(api):
+def test_a_factory_system_can_list_what_it_may_order(api):
     told = api.get("/capabilities").json()
     assert "kitting:Starter" in told["material_class_ids"]
     assert told["equipment_ids"] == ["robot_1"]
     assert told["max_downloadable_job_orders"] == 50_000
 
 
-def test_orders_and_commands_that_were_taken_say_so_as_the_standard_does(api):
+def test_accepted_orders_and_commands_have_the_return_status_of_the_standard(api):
     assert api.put("/jobs/status", json=HOLDS | LATER).json()["return_status"] == 1
     assert api.post("/jobs/status/revoke-start").json()["return_status"] == 1
     assert "return_status" not in api.get("/jobs/status").json()
@@ -411,7 +411,7 @@ def test_a_trace_is_read_page_by_page(api):
     assert seen == whole["entries"]
 
 
-def test_a_job_that_asks_is_held_until_it_is_answered(api, served):
+def test_a_job_with_an_open_question_is_held_until_it_is_answered(api, served):
     held = api.put("/jobs/asks", json={**HOPELESS, "policy": {"ask": True}}, headers=DONE).json()
     assert state(held) == ("Interrupted", ("Held",))
     assert "abort" in held["choices"]
@@ -423,7 +423,7 @@ def test_a_job_that_asks_is_held_until_it_is_answered(api, served):
     assert over(served, "asks").outcome is Outcome.STOPPED
 
 
-def test_an_alarm_is_answered_as_long_as_it_asks_what_was_seen(api, served):
+def test_an_alarm_is_answered_only_with_the_question_that_was_shown(api, served):
     held = api.put("/jobs/alarming", json={**HOPELESS, "policy": {"ask": True}}, headers=DONE).json()
     alarms = api.get("/alarms", params={"active": True}).json()["items"]
     (alarm,) = [alarm for alarm in alarms if alarm["job"] == "alarming"]
@@ -438,7 +438,7 @@ def test_an_alarm_is_answered_as_long_as_it_asks_what_was_seen(api, served):
     assert problem(api.post(f"/alarms/{alarm['id']}/answer", json=seen), 409)["code"] == "WrongState"
 
 
-def test_a_missing_plan_is_explained_as_data_and_in_sentences(api):
+def test_an_unplannable_goal_is_explained_as_data_and_in_sentences(api):
     job = api.put("/jobs/hopeless", json=HOPELESS, headers=DONE).json()
     assert (state(job)[0], job["outcome"]) == ("Aborted", "no plan")
     explained = api.get("/jobs/hopeless/explanation").json()
@@ -466,7 +466,7 @@ def test_jobs_are_listed_page_by_page_and_by_state(api):
 
 
 @pytest.mark.parametrize("path", ["/jobs", "/job-responses"])
-def test_jobs_are_listed_back_from_the_newest_page_by_page(api, path):
+def test_jobs_are_listed_from_the_newest_backwards_page_by_page(api, path):
     for n in range(3):
         api.put(f"/jobs/back-{n}", json={**HOLDS, **LATER}, params=STORE).raise_for_status()
     whole = api.get(path, params={"limit": 100}).json()["items"]
@@ -493,14 +493,14 @@ def test_jobs_are_listed_back_from_the_newest_page_by_page(api, path):
         {"newest_first": "maybe"},
     ],
 )
-def test_what_cannot_be_listed_is_refused(api, query):
+def test_an_invalid_query_for_jobs_is_refused(api, query):
     problem(api.get("/jobs", params=query), 422)
 
 
 # ------------------------------------------------------------------ the client
 
 
-def test_the_client_says_the_same(served):
+def test_the_client_reads_all_parts_of_a_job(served):
     with Client(served.url) as client:
         job = client.send(Jobs.order(JobOrder(goal="EmptyHanded(gripper_1)"), wait=30))
         assert job.outcome == "goal already satisfied"
@@ -520,7 +520,7 @@ def test_the_client_says_the_same(served):
         assert client.send(Jobs.start(kept.id, "go")).state.number in (2, 3, 5)
 
 
-def test_an_unknown_query_parameter_is_refused_before_anything_is_ordered(api):
+def test_an_unknown_query_parameter_is_refused_without_ordering_a_job(api):
     answer = problem(api.put("/jobs/mistyped", params={"strt": "false"}, json=HOLDS), 422)
 
     assert "did you mean 'start'" in answer["detail"].lower()

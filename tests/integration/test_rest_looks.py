@@ -57,7 +57,7 @@ def points_of(look: Look) -> np.ndarray[Any, Any]:
     return np.frombuffer(base64.b64decode(look.points), "<f4").reshape(-1, 3)
 
 
-def test_where_nobody_has_looked_yet_a_look_is_empty_and_numbered_zero(pretending: Served) -> None:
+def test_before_the_first_look_the_look_is_empty_and_has_number_zero(pretending: Served) -> None:
     with Client(pretending.url) as client:
         look, motion = client.devices.look("camera_1"), client.devices.motion("base_1")
         state = client.send(Events.state())
@@ -74,7 +74,7 @@ def test_unknown_devices_are_not_found(pretending: Served, what: str) -> None:
 
 
 @pytest.mark.physics
-def test_the_points_of_a_look_lie_on_what_is_on_the_pallet_in_truth(worked) -> None:
+def test_the_points_of_a_look_lie_on_the_true_parts_of_the_pallet(worked) -> None:
     server, _ = worked
     with Client(server.url) as client:
         look = client.devices.look("camera_1")
@@ -92,7 +92,7 @@ def test_the_points_of_a_look_lie_on_what_is_on_the_pallet_in_truth(worked) -> N
 
 
 @pytest.mark.physics
-def test_a_look_says_what_was_made_out_in_it_and_where(worked) -> None:
+def test_a_look_contains_its_detections_with_their_poses(worked) -> None:
     server, _ = worked
     with Client(server.url) as client:
         look, state = client.devices.look("camera_1"), client.send(Events.state())
@@ -107,7 +107,7 @@ def test_a_look_says_what_was_made_out_in_it_and_where(worked) -> None:
 
 
 @pytest.mark.physics
-def test_a_motion_is_there_while_it_is_about_to_be_done_and_gone_when_the_device_stands(worked) -> None:
+def test_a_planned_motion_is_shown_until_the_device_stands_still(worked) -> None:
     server, motions = worked
     with Client(server.url) as client:
         last = client.devices.motion("base_1")

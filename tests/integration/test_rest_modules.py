@@ -60,7 +60,7 @@ def followed(api: httpx2.Client, run: ModuleRunInfo) -> ModuleRunInfo:
     return run
 
 
-def test_each_subsystem_says_what_it_can_do_and_whose_it_is(api) -> None:
+def test_each_subsystem_lists_its_modules_and_its_robot(api) -> None:
     managers = {manager.agent: manager for manager in done(api, Modules.managers())}
 
     assert managers.keys() == {"arm_1", "base_1"}
@@ -69,14 +69,14 @@ def test_each_subsystem_says_what_it_can_do_and_whose_it_is(api) -> None:
     assert {manager.robot for manager in managers.values()} == {"robot_1"}
 
 
-def test_a_module_is_listed_once_with_all_who_can_run_it(api) -> None:
+def test_a_module_is_listed_once_with_all_subsystems_that_can_run_it(api) -> None:
     listed = {module.name: module for module in done(api, Modules.list())}
 
     assert [place.agent for place in listed["confirm"].agents] == ["arm_1", "base_1"]
     assert (listed["pick"].kind, listed["move_arm"].kind) == ("skill", "primitive")
 
 
-def test_a_module_is_described_with_what_a_form_and_a_panel_need(api) -> None:
+def test_a_module_description_contains_everything_that_a_form_needs(api) -> None:
     pick: ModuleDetails = done(api, Modules.get("arm_1", "pick"))
 
     by_key = {parameter.key: parameter for parameter in pick.parameters}
@@ -91,7 +91,7 @@ def test_a_module_is_described_with_what_a_form_and_a_panel_need(api) -> None:
     assert pick.post
 
 
-def test_a_module_is_described_with_the_values_that_it_finds_out(api) -> None:
+def test_a_module_description_lists_its_output_values(api) -> None:
     (answer,) = done(api, Modules.get("arm_1", "choose")).outputs
 
     assert (answer.name, answer.type, answer.unit, answer.help) == ("answer", "text", "", "What the person chose.")
@@ -99,7 +99,7 @@ def test_a_module_is_described_with_the_values_that_it_finds_out(api) -> None:
     assert done(api, Modules.get("arm_1", "pick")).outputs == []
 
 
-def test_a_skill_is_told_as_planners_see_it(api) -> None:
+def test_a_skill_description_contains_its_planning_action(api) -> None:
     drive = done(api, Modules.skill("drive"))
 
     assert drive in done(api, Modules.skills())
@@ -108,7 +108,7 @@ def test_a_skill_is_told_as_planners_see_it(api) -> None:
     assert [place.agent for place in drive.agents] == ["base_1"]
 
 
-def test_what_does_not_exist_is_not_found(api) -> None:
+def test_unknown_subsystems_modules_and_runs_are_answered_with_404(api) -> None:
     answers = {
         "/modules/nix/pick": "UnknownAgent",
         "/modules/arm_1/nix": "UnknownModule",
@@ -121,7 +121,7 @@ def test_what_does_not_exist_is_not_found(api) -> None:
         assert (response.status_code, response.json()["code"]) == (404, code)
 
 
-def test_a_panel_infers_and_says_what_does_not_hold_and_runs_nothing(api) -> None:
+def test_checking_a_call_infers_arguments_and_lists_failed_conditions_without_running_it(api) -> None:
     before = api.get("/module-runs").json()
 
     panel = done(api, Modules.panel("arm_1", "pick", {"Object": "starter_1"}))
@@ -155,14 +155,14 @@ def test_wrong_arguments_are_refused_before_anything_starts(api, arguments) -> N
 
 
 @pytest.mark.parametrize("value", ["NaN", "1e999", '"\\ud800"'])
-def test_what_json_cannot_carry_back_is_refused(api, value) -> None:
+def test_arguments_that_json_cannot_represent_are_refused(api, value) -> None:
     text = f'{{"arguments": {{"Location": {value}}}}}'
     response = api.post("/modules/base_1/drive/runs", content=text, headers={"Content-Type": "application/json"})
 
     assert response.status_code in (400, 422)
 
 
-def test_a_run_is_followed_to_its_end_with_what_was_inferred_reported_and_written(api) -> None:
+def test_the_details_of_a_run_contain_inferred_arguments_events_and_changes(api) -> None:
     response = api.post("/modules/base_1/drive/runs", json={"arguments": {"Location": "pallet_a"}})
     assert response.status_code == 202
     run = followed(api, ModuleRunInfo.model_validate(response.json()))
@@ -175,7 +175,7 @@ def test_a_run_is_followed_to_its_end_with_what_was_inferred_reported_and_writte
     assert {"relation": "sk:at", "place": "pallet_a"} in [edit["new"] for edit in edits]
 
 
-def test_a_run_that_fails_says_why(api) -> None:
+def test_a_failed_run_gives_its_reason(api) -> None:
     with_nothing = followed(api, done(api, Modules.run("arm_1", "place", {"Object": "alternator_1"})))
 
     assert with_nothing.status == "failed"
@@ -183,7 +183,7 @@ def test_a_run_that_fails_says_why(api) -> None:
     assert with_nothing.changes == []
 
 
-def test_a_module_is_done_so_often_as_wanted_and_its_successes_are_counted(api) -> None:
+def test_a_module_is_repeated_as_requested_and_its_successes_are_counted(api) -> None:
     run = followed(api, done(api, Modules.run("base_1", "drive", {"Location": "kit_1"}, repeat=3)))
 
     assert (run.status, run.repeat, run.done, run.succeeded) == ("succeeded", 3, 3, 3)
@@ -191,7 +191,7 @@ def test_a_module_is_done_so_often_as_wanted_and_its_successes_are_counted(api) 
     assert all(a.end <= b.start for a, b in zip(run.rounds, run.rounds[1:], strict=False))
 
 
-def test_a_run_can_be_paused_stepped_resumed_and_stopped_for_good(api, services) -> None:
+def test_a_run_can_be_paused_stepped_resumed_and_finally_stopped(api, services) -> None:
     run = done(api, Modules.run("arm_1", "confirm", {"question": "Is it so?"}, repeat=5))
     paused = done(api, Modules.command(run.id, "pause"))
     stepped = done(api, Modules.command(run.id, "step"))
@@ -206,7 +206,7 @@ def test_a_run_can_be_paused_stepped_resumed_and_stopped_for_good(api, services)
     assert not any(m.running for m in services.station.session.managers.values())
 
 
-def test_a_run_that_comes_to_a_standstill_and_goes_on_tells_so_once_each_time(api) -> None:
+def test_a_run_publishes_each_pause_and_each_resume_once(api) -> None:
     run = done(api, Modules.run("arm_1", "confirm", {"question": "Is it so?"}))
     told = []
     for command, turn in (("pause", "paused"), ("step", None), ("resume", "resumed"), ("pause", "paused")):
@@ -222,7 +222,7 @@ def test_a_run_that_comes_to_a_standstill_and_goes_on_tells_so_once_each_time(ap
     assert {(event["data"]["agent"], event["data"]["kind"]) for event in told} == {("arm_1", "primitive")}
 
 
-def test_the_same_module_runs_once_at_a_time_and_is_not_reset_meanwhile(api) -> None:
+def test_a_module_runs_once_at_a_time_and_cannot_be_reset_meanwhile(api) -> None:
     run = done(api, Modules.run("arm_1", "confirm", {"question": "Is it so?"}))
     again = api.post("/modules/arm_1/confirm/runs", json={"arguments": {"question": "Is it so?"}})
     reset = api.post("/modules/arm_1/confirm/reset")
@@ -234,7 +234,7 @@ def test_the_same_module_runs_once_at_a_time_and_is_not_reset_meanwhile(api) -> 
     assert api.post("/modules/arm_1/confirm/reset").status_code == 204
 
 
-def test_runs_are_listed_youngest_first_by_whether_they_are_over(api) -> None:
+def test_runs_are_listed_newest_first_and_filtered_by_whether_they_are_finished(api) -> None:
     first = followed(api, done(api, Modules.run("base_1", "drive", {"Location": "pallet_a"})))
     second = done(api, Modules.run("arm_1", "confirm", {"question": "Is it so?"}))
 
@@ -248,7 +248,7 @@ def test_runs_are_listed_youngest_first_by_whether_they_are_over(api) -> None:
     assert [run.id for run in done(api, Modules.runs(limit=2)).items] == [second.id, first.id]
 
 
-def test_nothing_starts_while_everything_is_halted(api, services) -> None:
+def test_no_module_starts_while_everything_is_halted(api, services) -> None:
     services.station.session.cycle.halt("somebody pressed the button")
     try:
         refused = api.post("/modules/base_1/drive/runs", json={"arguments": {"Location": "pallet_a"}})
@@ -259,14 +259,14 @@ def test_nothing_starts_while_everything_is_halted(api, services) -> None:
     assert "somebody pressed the button" in refused.json()["detail"]
 
 
-def test_of_a_run_that_is_done_many_times_the_last_rounds_are_kept(api) -> None:
+def test_only_the_last_rounds_of_a_repeated_run_are_kept(api) -> None:
     run = followed(api, done(api, Modules.run("base_1", "drive", {"Location": "pallet_a"}, repeat=110)))
 
     assert run.done == 110
     assert len(run.rounds) == 100
 
 
-def test_plug_ins_are_listed_with_where_they_are_from_and_whether_they_work(api) -> None:
+def test_plug_ins_are_listed_with_their_origin_and_status(api) -> None:
     plugins = api.get("/plugins").json()
 
     drive = next(one for one in plugins["items"] if (one["group"], one["name"]) == ("skiros.skills", "drive"))

@@ -24,7 +24,7 @@ def _figures(served: Served) -> dict[str, dict[tuple, float]]:
     return found
 
 
-def test_a_server_that_runs_is_alive_and_ready(served):
+def test_a_running_server_is_alive_and_ready(served):
     assert httpx2.get(f"{served.url}/healthz").json() == {"alive": True, "why": ""}
     assert httpx2.get(f"{served.url}/readyz").json() == {"ready": True, "halted": False, "why": ""}
 
@@ -42,7 +42,7 @@ def test_requests_are_counted_by_the_template_of_their_path(served):
     assert "BREW" not in {one["method"] for one in labels}
 
 
-def test_the_figures_follow_the_station(served):
+def test_the_metrics_follow_the_station(served):
     before = _figures(served)
     session = served.services.station.session
     with session.world.transaction("ann", "for the figures") as tx:
@@ -55,7 +55,7 @@ def test_the_figures_follow_the_station(served):
     assert after["skiros_halted"][()] == 0.0
 
 
-def test_a_halted_station_is_ready_and_says_that_it_is_halted(served):
+def test_a_halted_station_is_ready_and_reports_that_it_is_halted(served):
     served.services.station.session.cycle.halt("a test")
     try:
         assert httpx2.get(f"{served.url}/readyz").json()["halted"]
@@ -64,7 +64,7 @@ def test_a_halted_station_is_ready_and_says_that_it_is_halted(served):
         served.services.station.control.call(lambda session: session.reset())
 
 
-def test_a_control_cycle_that_does_not_come_round_is_dead_though_the_server_answers(tmp_path, monkeypatch):
+def test_a_stuck_control_cycle_is_reported_as_dead_even_if_the_server_answers(tmp_path, monkeypatch):
     monkeypatch.setattr("skiros_py.server.routes.health._LONGEST_CYCLE", 0.2)
     free = threading.Event()
     with serving("kitting", tmp_path) as server:

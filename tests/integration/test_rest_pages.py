@@ -41,7 +41,7 @@ def browser(served: Served) -> Iterator[httpx2.Client]:
         yield client
 
 
-def test_pages_need_no_key_and_what_they_read_does(browser: httpx2.Client) -> None:
+def test_pages_need_no_key_but_their_data_does(browser: httpx2.Client) -> None:
     assert browser.get("/").text == browser.get("/goal").text == INDEX
     assert browser.get("/assets/index-1.js").status_code == 200
     assert browser.get("/", headers={"Authorization": "Bearer wrong"}).status_code == 200
@@ -49,19 +49,19 @@ def test_pages_need_no_key_and_what_they_read_does(browser: httpx2.Client) -> No
     assert browser.get("/metrics").status_code == 401
 
 
-def test_a_page_with_many_files_is_loaded_at_once(browser: httpx2.Client) -> None:
+def test_page_files_are_not_limited_by_the_request_rate(browser: httpx2.Client) -> None:
     answers = {browser.get("/assets/index-1.js").status_code for _ in range(10 * WITH_KEYS.rate)}
 
     assert answers == {200}
 
 
-def test_pages_of_somebody_else_cannot_call_the_server_by_a_name_of_theirs(browser: httpx2.Client) -> None:
+def test_foreign_pages_cannot_reach_the_server_under_their_own_host_name(browser: httpx2.Client) -> None:
     answer = browser.get("/", headers={"Host": "evil.example"})
 
     assert (answer.status_code, answer.json()["code"]) == (403, "HostRefused")
 
 
-def test_addresses_below_the_api_are_no_pages(served: Served) -> None:
+def test_unknown_api_paths_are_not_answered_with_a_page(served: Served) -> None:
     headers = {"X-API-Key": served.services.keys.local_token}
     with httpx2.Client(base_url=served.url, headers=headers) as client:
         for path in ("/api/v1/nothing", "/api/nothing", "/metrics/x"):
@@ -71,7 +71,7 @@ def test_addresses_below_the_api_are_no_pages(served: Served) -> None:
         assert client.post("/goal").status_code == 404
 
 
-def test_answers_of_pages_are_safe_to_show(browser: httpx2.Client) -> None:
+def test_responses_for_pages_have_security_headers(browser: httpx2.Client) -> None:
     headers = browser.get("/").headers
 
     assert headers["x-content-type-options"] == "nosniff"
@@ -79,7 +79,7 @@ def test_answers_of_pages_are_safe_to_show(browser: httpx2.Client) -> None:
     assert "script-src 'self';" in headers["content-security-policy"]
 
 
-def test_logins_at_two_ports_of_one_host_do_not_end_each_other(served: Served, tmp_path: Path) -> None:
+def test_logins_at_two_ports_of_one_host_do_not_replace_each_other(served: Served, tmp_path: Path) -> None:
     with (
         serving("kitting", tmp_path, Options(fake=True), replace(WITH_KEYS, rate=100)) as other,
         httpx2.Client() as browser,  # which keeps cookies by host, as browsers do
@@ -91,7 +91,7 @@ def test_logins_at_two_ports_of_one_host_do_not_end_each_other(served: Served, t
         assert [browser.get(f"{server.url}/api/v1/session").status_code for server in (served, other)] == [200, 200]
 
 
-def test_where_no_pages_are_installed_one_says_so(tmp_path: Path) -> None:
+def test_without_installed_pages_the_root_explains_how_to_install_them(tmp_path: Path) -> None:
     settings = replace(WITH_KEYS, pages=None)
     with serving("kitting", tmp_path, Options(fake=True), settings) as server, httpx2.Client() as browser:
         page = browser.get(server.url)

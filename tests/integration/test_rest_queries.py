@@ -45,7 +45,7 @@ def goes_on(api: httpx2.Client) -> None:
 # ------------------------------------------------------------------ answers
 
 
-def test_a_select_answers_rows_of_names_and_values(api: httpx2.Client) -> None:
+def test_a_select_returns_rows_of_names_and_values(api: httpx2.Client) -> None:
     told = ask(api, PARTS, bindings={"place": "pallet_a"}).json()
     poses = ask(api, "SELECT ?pose ?nothing { scene:pallet_a sk:pose ?pose }").json()
 
@@ -56,7 +56,7 @@ def test_a_select_answers_rows_of_names_and_values(api: httpx2.Client) -> None:
     ]
 
 
-def test_rows_come_as_csv_and_triples_as_turtle_where_these_are_wanted(api: httpx2.Client) -> None:
+def test_rows_are_available_as_csv_and_triples_as_turtle(api: httpx2.Client) -> None:
     rows = ask(api, PARTS, "text/csv", bindings={"place": "pallet_a"})
     triples = ask(api, "CONSTRUCT WHERE { ?part sk:in scene:pallet_a }", "text/turtle")
     plain = ask(api, "CONSTRUCT WHERE { ?part sk:in scene:pallet_a }").json()
@@ -69,7 +69,7 @@ def test_rows_come_as_csv_and_triples_as_turtle_where_these_are_wanted(api: http
     assert refused(ask(api, PARTS, "text/turtle", bindings={"place": "pallet_a"}), 406)
 
 
-def test_computed_and_entailed_relations_count(api: httpx2.Client) -> None:
+def test_queries_include_computed_and_entailed_relations(api: httpx2.Client) -> None:
     graspable = ask(api, "SELECT ?part { ?part sk:graspableBy scene:gripper_1 }").json()["rows"]
     placed = "ASK { scene:starter_1 sk:placement ?where }"
 
@@ -78,14 +78,14 @@ def test_computed_and_entailed_relations_count(api: httpx2.Client) -> None:
     assert ask(api, placed, entailed=True).json()["answer"] is True
 
 
-def test_a_question_sees_what_was_written_just_before(api: httpx2.Client) -> None:
+def test_a_query_sees_changes_written_just_before(api: httpx2.Client) -> None:
     for number in range(3):
         api.patch("/elements/kit_1", json={"label": f"kit {number}"}, headers={"If-Match": "*"})
         rows = ask(api, "SELECT ?label { scene:kit_1 rdfs:label ?label }").json()["rows"]
         assert rows == [{"label": f"kit {number}"}]
 
 
-def test_any_name_may_be_that_of_a_parameter(api: httpx2.Client) -> None:
+def test_a_query_parameter_may_have_any_name(api: httpx2.Client) -> None:
     for name in ("sparql", "entailed", "time_limit", "self", "form"):
         told = ask(api, f"SELECT ?part {{ ?part sk:in ${name} }}", bindings={name: "pallet_a"}).json()
         assert {"part": "starter_1"} in told["rows"]
@@ -119,12 +119,12 @@ def test_a_query_changes_nothing(api: httpx2.Client, update: str) -> None:
 @pytest.mark.parametrize(
     "deep", ["{" * 5000, "ASK " + "{" * 5000 + "}" * 5000, "ASK { FILTER(" + "!" * 10000 + "true) }"]
 )
-def test_a_question_nested_thousands_deep_is_refused(api: httpx2.Client, deep: str) -> None:
+def test_a_query_nested_thousands_deep_is_refused(api: httpx2.Client, deep: str) -> None:
     assert refused(ask(api, deep))
     goes_on(api)
 
 
-def test_no_other_endpoint_is_queried(api: httpx2.Client) -> None:
+def test_a_query_cannot_reach_another_endpoint(api: httpx2.Client) -> None:
     asked: list[str] = []
 
     class Listener(BaseHTTPRequestHandler):
@@ -189,14 +189,14 @@ def test_too_many_queries_at_once_are_refused_with_a_retry_time(api: httpx2.Clie
     "text",
     ['"} ; DROP ALL #', "x\n} INSERT DATA { sk:a sk:b sk:c", "> } #", "\\", '"""', "a'b", "\u2028", "$other ?x"],
 )
-def test_a_bound_text_stays_a_text(api: httpx2.Client, text: str) -> None:
+def test_a_bound_text_is_never_parsed_as_sparql(api: httpx2.Client, text: str) -> None:
     told = ask(api, "SELECT ?same { BIND($text AS ?same) }", bindings={"text": {"text": text}}).json()
 
     assert told["rows"] == [{"same": text}]
 
 
 @pytest.mark.parametrize("name", ["x> } ; DROP ALL #", "a b", "scene:x}", "x\n", "nowhere:x", "<http://x>", "\u0000"])
-def test_a_bound_name_stays_a_name_or_is_refused(api: httpx2.Client, name: str) -> None:
+def test_a_bound_name_is_never_parsed_as_sparql(api: httpx2.Client, name: str) -> None:
     response = ask(api, "SELECT ?x { ?x sk:in $place }", bindings={"place": name})
 
     assert response.status_code in (200, 400, 422)
@@ -207,5 +207,5 @@ def test_a_bound_name_stays_a_name_or_is_refused(api: httpx2.Client, name: str) 
 @pytest.mark.parametrize(
     "body", [{"query": ""}, {"query": "ASK {}", "time_limit": 0}, {"query": "ASK {}", "time_limit": 1e9}]
 )
-def test_a_question_that_is_none_is_refused(api: httpx2.Client, body: dict[str, Any]) -> None:
+def test_an_invalid_query_request_is_refused(api: httpx2.Client, body: dict[str, Any]) -> None:
     assert refused(api.post("/queries", json=body))

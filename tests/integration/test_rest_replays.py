@@ -59,7 +59,7 @@ def replay(server: Served) -> Replay:
         return written(http, "kit")
 
 
-def test_a_replay_begins_with_the_world_before_the_job_and_lists_visible_changes(replay: Replay) -> None:
+def test_a_replay_starts_with_the_world_before_the_job_and_lists_visible_changes(replay: Replay) -> None:
     places = [{element.id: element.place for element in replay.beginning.elements}["starter_1"]]
     for change in replay.changes:
         places += [element.place for element in change.view.elements if element.id == "starter_1"]
@@ -71,7 +71,7 @@ def test_a_replay_begins_with_the_world_before_the_job_and_lists_visible_changes
     assert times[-1] <= replay.end
 
 
-def test_a_replay_has_all_devices_at_the_same_ascending_moments(replay: Replay) -> None:
+def test_a_replay_samples_all_devices_at_the_same_ascending_times(replay: Replay) -> None:
     frames = replay.frames
     assert list(frames.times) == sorted(set(frames.times))
     assert 2 <= len(frames.times) <= 5000
@@ -83,7 +83,7 @@ def test_a_replay_has_all_devices_at_the_same_ascending_moments(replay: Replay) 
     assert {len(pose) for pose in frames.frames["base_1"]} == {7}
 
 
-def test_a_replay_is_read_by_ranges_of_time(server: Served, replay: Replay) -> None:
+def test_a_replay_can_be_read_by_time_range(server: Served, replay: Replay) -> None:
     middle = (replay.start + replay.end) / 2.0
     with Client(server.url) as client:
         first, second = client.jobs.replay("kit", end=middle), client.jobs.replay("kit", middle)
@@ -94,7 +94,7 @@ def test_a_replay_is_read_by_ranges_of_time(server: Served, replay: Replay) -> N
     assert first.beginning == replay.beginning != second.beginning
 
 
-def test_a_replay_is_compressed_for_those_who_take_that(server: Served, replay: Replay) -> None:
+def test_a_replay_is_compressed_for_clients_that_accept_it(server: Served, replay: Replay) -> None:
     with api(server) as http:
         plain = http.get("/jobs/kit/replay", headers={"Accept-Encoding": "identity"})
         refused = http.get("/jobs/kit/replay", headers={"Accept-Encoding": "br, gzip;q=0"})
@@ -108,7 +108,9 @@ def test_a_replay_is_compressed_for_those_who_take_that(server: Served, replay: 
     assert Replay.model_validate_json(plain.content) == replay
 
 
-def test_the_recording_itself_is_downloaded_whole_or_in_ranges(server: Served, replay: Replay, tmp_path: Path) -> None:
+def test_the_recording_file_can_be_downloaded_completely_or_in_ranges(
+    server: Served, replay: Replay, tmp_path: Path
+) -> None:
     with api(server) as http:
         whole = http.get("/jobs/kit/recording")
         part = http.get("/jobs/kit/recording", headers={"Range": "bytes=0-7"})
@@ -125,7 +127,7 @@ def test_the_client_reads_a_replay(server: Served, replay: Replay) -> None:
         assert client.jobs.recording("kit").startswith(b"\x89MCAP0\r\n")
 
 
-def test_a_job_that_has_not_begun_has_no_replay_and_the_answer_says_why(server: Served) -> None:
+def test_the_replay_of_a_job_that_has_not_started_is_refused_with_a_reason(server: Served) -> None:
     with api(server) as http:
         http.put("/jobs/later?start=false", json={"goal": "InKit(Starter, kit_1)"}).raise_for_status()
         answer, unknown = http.get("/jobs/later/replay"), http.get("/jobs/never/replay")
@@ -134,7 +136,7 @@ def test_a_job_that_has_not_begun_has_no_replay_and_the_answer_says_why(server: 
     assert (unknown.status_code, unknown.json()["code"]) == (404, "UnknownJobOrderID")
 
 
-def test_a_replay_goes_with_its_job(tmp_path: Path) -> None:
+def test_a_replay_is_deleted_together_with_its_job(tmp_path: Path) -> None:
     with serving("kitting", tmp_path) as server, api(server) as http:
         http.put("/jobs/kit", json={"goal": "InKit(Starter, kit_1)"}).raise_for_status()
         awaited(http, "kit", "Ended")
@@ -146,7 +148,7 @@ def test_a_replay_goes_with_its_job(tmp_path: Path) -> None:
     assert list((tmp_path / "recordings").iterdir()) == []
 
 
-def test_the_answer_says_that_a_recording_was_deleted(tmp_path: Path) -> None:
+def test_requesting_a_deleted_recording_is_answered_with_that_reason(tmp_path: Path) -> None:
     with serving("kitting", tmp_path) as server, api(server) as http:
         http.put("/jobs/kit", json={"goal": "InKit(Starter, kit_1)"}).raise_for_status()
         awaited(http, "kit", "Ended")

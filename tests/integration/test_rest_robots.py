@@ -47,7 +47,7 @@ def followed(api: httpx2.Client, run: ModuleRunInfo) -> ModuleRunInfo:
     return run
 
 
-def test_a_robot_is_told_with_its_devices_and_the_limits_of_its_joints(api) -> None:
+def test_a_robot_is_described_with_its_devices_and_joint_limits(api) -> None:
     (robot,) = done(api, Robots.list())
 
     assert robot == done(api, Robots.get("robot_1"))
@@ -60,7 +60,7 @@ def test_a_robot_is_told_with_its_devices_and_the_limits_of_its_joints(api) -> N
     assert (devices["gripper_1"].mounted_on, len(devices["gripper_1"].joints)) == ("arm_1", 2)
 
 
-def test_devices_of_any_kind_are_told_with_the_values_that_they_offer(api) -> None:
+def test_devices_of_any_kind_are_described_with_their_values(api) -> None:
     told = {device.id: device for device in done(api, Devices.list())}
     gripper = done(api, Devices.get("gripper_1"))
     reading = done(api, Devices.state("gripper_1"))
@@ -88,7 +88,7 @@ def test_devices_of_any_kind_are_told_with_the_values_that_they_offer(api) -> No
     assert sent(api, Devices.state("nobody")).status_code == 404
 
 
-def test_the_state_of_a_robot_says_where_its_tool_is_in_the_map(api) -> None:
+def test_the_state_of_a_robot_contains_the_pose_of_its_tool_in_the_map(api) -> None:
     state = done(api, Robots.state("robot_1"))
 
     assert state.pose.position[:2] == pytest.approx((0.0, 0.0), abs=0.5)
@@ -107,7 +107,7 @@ def gap(api: httpx2.Client) -> Any:
     return done(api, Devices.state("gripper_1")).signals["gap"]
 
 
-def test_joints_are_jogged_and_the_arm_is_brought_home_again(api) -> None:
+def test_joints_are_jogged_and_the_arm_is_returned_home(api) -> None:
     before, tool = positions(api), done(api, Robots.state("robot_1")).frames["arm_1"]
 
     run = followed(api, done(api, Devices.jog("arm_1", {"deltas": STEP})))
@@ -128,7 +128,7 @@ def test_the_fingers_move_to_a_width(api) -> None:
     assert gap(api) == pytest.approx(0.03)
 
 
-def test_what_is_learned_where_the_robot_stands_is_among_what_is_learned(api) -> None:
+def test_a_taught_docking_pose_is_listed_among_the_learned_concepts(api) -> None:
     run = followed(api, done(api, Devices.teach("base_1", {"location": "pallet_a"})))
 
     assert run.status == "succeeded"
@@ -155,14 +155,14 @@ def test_what_is_learned_where_the_robot_stands_is_among_what_is_learned(api) ->
         ("nix", {}, 404),
     ],
 )
-def test_what_is_no_small_step_of_this_device_is_refused(api, device, request_, status) -> None:
+def test_an_invalid_jog_step_is_refused_without_a_run(api, device, request_, status) -> None:
     before = len(done(api, Modules.runs()).items)
 
     assert api.post(f"/devices/{device}/jog", json=request_).status_code == status
     assert len(done(api, Modules.runs()).items) == before
 
 
-def test_a_refusal_names_the_modules_that_the_kind_has_for_it(api) -> None:
+def test_a_refused_jog_or_teach_request_names_the_modules_of_the_device_kind(api) -> None:
     other = sent(api, Devices.jog("base_1", module="jog_joints")).json()["detail"]
     none = sent(api, Devices.teach("gripper_1")).json()["detail"]
 
@@ -198,13 +198,13 @@ def test_a_robot_with_a_running_task_cannot_be_jogged(api) -> None:
     assert run.status == "succeeded"
 
 
-def test_what_is_no_robot_is_not_found(api) -> None:
+def test_an_unknown_robot_is_answered_with_404(api) -> None:
     calls = (Robots.get("nix"), Robots.state("nix"), Devices.teach("nix"))
 
     assert [sent(api, call).status_code for call in calls] == [404] * 3
 
 
-def test_what_waits_for_devices_that_something_else_uses_does_not_start_later_by_surprise(served, api) -> None:
+def test_jogging_a_device_in_use_fails_and_does_not_start_later(served, api) -> None:
     claims = served.services.station.session.managers.claims
     held = served.services.station.control.call(lambda _session: claims.request("somebody", {"gripper_1"}))
     try:
@@ -224,7 +224,7 @@ def model_of_robot_1(api: httpx2.Client) -> httpx2.Response:
     return response
 
 
-def test_the_model_of_a_robot_is_read_with_its_meshes_and_nothing_else(api) -> None:
+def test_the_model_of_a_robot_and_its_meshes_are_served_and_no_other_files(api) -> None:
     model = model_of_robot_1(api)
     assert model.headers["content-type"].startswith("application/xml")
 
@@ -238,7 +238,7 @@ def test_the_model_of_a_robot_is_read_with_its_meshes_and_nothing_else(api) -> N
     assert sent(api, Robots.model("nobody")).json()["code"] == "NotFound"
 
 
-def test_a_robot_is_told_with_the_joints_that_a_picture_moves(api) -> None:
+def test_a_robot_is_described_with_the_joints_that_a_drawing_moves(api) -> None:
     robot = done(api, Robots.get("robot_1"))
     model = ET.fromstring(model_of_robot_1(api).content)
 

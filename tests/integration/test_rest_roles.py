@@ -80,14 +80,14 @@ def _expired(keys: Any) -> str:
     return str(text)
 
 
-def test_every_operation_asks_for_a_role_once(app: Any) -> None:
+def test_every_operation_declares_its_roles_exactly_once(app: Any) -> None:
     asked = {id_: needs for id_, needs in operations(app).items() if len(needs) != 1}
     public = {"get_health", "get_readiness", "login"}
 
     assert public == set(asked), f"ask none, or twice: {set(asked) - public}"
 
 
-def test_every_operation_is_named_described_and_its_own(all_operations: list[_Operation]) -> None:
+def test_every_operation_has_a_unique_id_and_a_description(all_operations: list[_Operation]) -> None:
     ids = [one.said["operationId"] for one in all_operations]
     wanting = [one.path for one in all_operations if not one.said.get("summary") or not one.said.get("description")]
 
@@ -129,7 +129,9 @@ def _has_example(body: dict[str, Any], schemas: dict[str, Any]) -> bool:
     return "examples" in resolved or any("examples" in field or "example" in field for field in fields)
 
 
-def test_the_description_says_how_to_come_in_and_who_may(app: Any, all_operations: list[_Operation]) -> None:
+def test_the_openapi_document_declares_the_security_scheme_and_the_roles_of_operations(
+    app: Any, all_operations: list[_Operation]
+) -> None:
     assert app.openapi()["components"]["securitySchemes"]["key"]["scheme"] == "bearer"
     said = {(one.method, one.path): frozenset(one.said["x-roles"]) for one in all_operations}
     wrong = {what: roles for what, roles in said.items() if what not in OPEN and roles != ROLES.get(what)}
@@ -137,11 +139,11 @@ def test_the_description_says_how_to_come_in_and_who_may(app: Any, all_operation
     assert not wrong, f"not as in the table: {wrong}"
 
 
-def test_every_operation_is_in_the_table_and_the_table_has_no_other(all_operations: list[_Operation]) -> None:
+def test_every_operation_is_in_the_table_of_roles_and_nothing_else_is(all_operations: list[_Operation]) -> None:
     assert {(one.method, one.path) for one in all_operations} == OPEN | ROLES.keys()
 
 
-def test_only_what_the_table_says_needs_no_key(all_operations: list[_Operation]) -> None:
+def test_only_the_operations_marked_open_in_the_table_need_no_key(all_operations: list[_Operation]) -> None:
     assert {(one.method, one.path) for one in all_operations if one.said.get("security") == []} == OPEN
 
 
@@ -160,7 +162,7 @@ def test_every_operation_takes_exactly_the_roles_of_the_table(
     assert not wrong, "\n".join(wrong)
 
 
-def test_no_operation_is_done_without_a_valid_key(station: _Station, all_operations: list[_Operation]) -> None:
+def test_no_operation_is_executed_without_a_valid_key(station: _Station, all_operations: list[_Operation]) -> None:
     wrong = []
     shown: dict[str, dict[str, str]] = {
         "none": {},
@@ -179,14 +181,14 @@ def test_no_operation_is_done_without_a_valid_key(station: _Station, all_operati
 
 
 @pytest.mark.parametrize("path", ["/api/v1/docs", "/api/v1/openapi.json", "/metrics", "/api/nothing"])
-def test_what_is_no_operation_is_behind_the_gate_too(station: _Station, path: str) -> None:
+def test_unknown_paths_need_a_key_too(station: _Station, path: str) -> None:
     with httpx2.Client(base_url=station.url) as client:
         assert client.get(path).status_code == 401
         assert client.get(path, headers={"X-API-Key": station.keys["viewer"]}).status_code in {200, 404}
 
 
 @pytest.mark.parametrize("path", ["/healthz", "/readyz"])
-def test_health_is_told_to_everybody_also_to_those_who_ask_for_the_head_only(station: _Station, path: str) -> None:
+def test_health_is_answered_without_a_key_for_get_and_head(station: _Station, path: str) -> None:
     assert httpx2.get(f"{station.url}{path}").status_code == 200
     head = httpx2.head(f"{station.url}{path}")
     assert (head.status_code, head.content) == (200, b"")

@@ -50,7 +50,7 @@ def test_installed_scenes_are_listed_page_by_page(served: Served, http: httpx2.C
     assert second["next"] is None
 
 
-def test_a_scene_is_told_about_without_loading_it(served: Served, http: httpx2.Client) -> None:
+def test_a_scene_can_be_described_without_loading_it(served: Served, http: httpx2.Client) -> None:
     with Client(served.url) as client:
         other, present = client.send(Scenes.file("kitting_two")), client.send(Scenes.get())
 
@@ -72,7 +72,7 @@ def test_a_scene_just_loaded_is_unchanged_and_an_edit_changes_it(served: Served,
     assert (difference["total"], difference["next"]) == (1, None)
 
 
-def test_loading_a_scene_brings_its_robots_up_and_keeps_what_was_learned(served: Served, http: httpx2.Client) -> None:
+def test_loading_a_scene_starts_its_robots_and_keeps_learned_concepts(served: Served, http: httpx2.Client) -> None:
     with served.services.station.session.world.transaction("ann", "taught", writer=Writer.PERSON) as tx:
         mug = tx.add("kitting:Starter", label="mug", learned=True)
 
@@ -102,7 +102,7 @@ def test_reopening_a_session_writes_nothing_into_the_world(served: Served, http:
     assert http.get("/scene").headers["ETag"] == before
 
 
-def test_a_scene_that_was_changed_since_is_not_replaced(served: Served, http: httpx2.Client) -> None:
+def test_a_scene_that_changed_since_it_was_read_is_not_replaced(served: Served, http: httpx2.Client) -> None:
     seen = http.get("/scene").headers["ETag"]
     with served.services.station.session.world.transaction("ben", "meanwhile", writer=Writer.PERSON) as tx:
         tx.set("starter_1", "rdfs:label", "mine")
@@ -113,7 +113,7 @@ def test_a_scene_that_was_changed_since_is_not_replaced(served: Served, http: ht
     assert now(served) == before
 
 
-def test_a_locked_element_keeps_others_from_loading_another_scene(served: Served, http: httpx2.Client) -> None:
+def test_a_locked_element_prevents_others_from_loading_another_scene(served: Served, http: httpx2.Client) -> None:
     locks = served.services.station.session.world.locks
     locks.acquire(["starter_1"], "ben", 60.0)
     try:
@@ -127,7 +127,7 @@ def test_a_locked_element_keeps_others_from_loading_another_scene(served: Served
     assert http.get("/scene").status_code == 200
 
 
-def test_while_something_is_under_way_no_scene_is_loaded_and_nothing_reset(served: Served, http: httpx2.Client) -> None:
+def test_while_a_job_runs_neither_a_scene_load_nor_a_reset_is_allowed(served: Served, http: httpx2.Client) -> None:
     def begin(session: Session) -> TaskHandle:
         task = session.tasks.begin(session.parse(["InKit(Starter, kit_1)"]), name="busy")
         task.pause()
@@ -146,7 +146,7 @@ def test_while_something_is_under_way_no_scene_is_loaded_and_nothing_reset(serve
     assert before == after
 
 
-def test_while_a_job_waits_in_the_middle_of_its_work_no_scene_is_loaded_and_a_forced_reset_leaves_it_be(
+def test_while_a_job_is_held_no_scene_is_loaded_and_a_forced_reset_keeps_the_job(
     served: Served, http: httpx2.Client
 ) -> None:
     http.put("/jobs/held", json={"goal": "InKit(Starter, kit_1)"}).raise_for_status()
@@ -168,7 +168,9 @@ def test_while_a_job_waits_in_the_middle_of_its_work_no_scene_is_loaded_and_a_fo
     assert http.put("/scene", json={"name": "kitting"}, headers=ANY).status_code == 200
 
 
-def test_a_scene_that_brought_a_robot_is_not_undone_and_the_way_back_is_said(http: httpx2.Client) -> None:
+def test_loading_a_scene_with_another_robot_cannot_be_undone_and_the_answer_says_what_to_do(
+    http: httpx2.Client,
+) -> None:
     http.put("/scene", json={"name": "kitting_two"}, headers=ANY).raise_for_status()
 
     refused = http.post("/world/undo")
@@ -178,7 +180,7 @@ def test_a_scene_that_brought_a_robot_is_not_undone_and_the_way_back_is_said(htt
     assert http.put("/scene", json={"name": "kitting"}, headers=ANY).json()["changed"] is False
 
 
-def test_a_scene_written_as_turtle_can_be_sent_back(served: Served, http: httpx2.Client) -> None:
+def test_a_scene_exported_as_turtle_can_be_uploaded_again(served: Served, http: httpx2.Client) -> None:
     text = now(served).replace('"starter"', '"painted"')
 
     sent = http.put("/scene", content=text.encode(), headers=TURTLE)
@@ -223,7 +225,7 @@ def test_a_broken_scene_is_refused_and_the_old_one_stays(served: Served, http: h
     assert http.get("/scene").json()["name"] == "kitting"
 
 
-def test_a_mistake_is_told_with_its_line(served: Served, http: httpx2.Client) -> None:
+def test_a_faulty_scene_is_refused_with_the_line_of_the_fault(served: Served, http: httpx2.Client) -> None:
     lines = now(served).splitlines()
     lines.insert(10, "scene:starter_1 sk:in in in .")
 
@@ -234,7 +236,7 @@ def test_a_mistake_is_told_with_its_line(served: Served, http: httpx2.Client) ->
 
 @settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.binary(max_size=300))
-def test_no_upload_breaks_the_server(served: Served, http: httpx2.Client, text: bytes) -> None:
+def test_no_uploaded_scene_breaks_the_server(served: Served, http: httpx2.Client, text: bytes) -> None:
     assert http.put("/scene", content=text, headers=TURTLE).status_code == 422
     assert http.put("/scene", content=text, headers={**ANY, "Content-Type": "application/json"}).status_code in (
         400,
@@ -243,7 +245,7 @@ def test_no_upload_breaks_the_server(served: Served, http: httpx2.Client, text: 
     )
 
 
-def test_where_the_station_cannot_be_brought_up_the_old_scene_comes_back(
+def test_the_old_scene_is_restored_if_the_station_cannot_start_with_the_new_one(
     served: Served, http: httpx2.Client, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     before, control = now(served), served.services.station.control
@@ -260,7 +262,7 @@ def test_where_the_station_cannot_be_brought_up_the_old_scene_comes_back(
     assert http.get("/scene").json()["name"] == "kitting"
 
 
-def test_a_scene_whose_driver_breaks_is_refused_with_the_name_of_the_driver(
+def test_a_scene_whose_driver_raises_is_refused_with_the_name_of_the_driver(
     served: Served, http: httpx2.Client, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     control = served.services.station.control
@@ -277,7 +279,7 @@ def test_a_scene_whose_driver_breaks_is_refused_with_the_name_of_the_driver(
     assert http.get("/scene").json()["name"] == "kitting"
 
 
-def test_the_present_scene_is_saved_looked_at_loaded_and_removed(served: Served, http: httpx2.Client) -> None:
+def test_the_current_scene_can_be_saved_read_loaded_and_removed(served: Served, http: httpx2.Client) -> None:
     with Client(served.url) as client:
         entry = client.send(Scenes.save("my-cell"))
         file = client.send(Scenes.file("my-cell"))
@@ -288,7 +290,7 @@ def test_the_present_scene_is_saved_looked_at_loaded_and_removed(served: Served,
     assert http.get("/scenes/my-cell").status_code == 404
 
 
-def test_a_saved_scene_is_no_document_that_others_hear_of(http: httpx2.Client) -> None:
+def test_saving_a_scene_publishes_no_document_event(http: httpx2.Client) -> None:
     place = {"after": http.get("/events/recent", params={"limit": 1000}).json()["next"]}
 
     assert http.post("/scenes", json={"name": "quiet"}).status_code == 201
@@ -310,12 +312,14 @@ def test_two_engineers_do_not_overwrite_each_others_scene(served: Served, http: 
 
 
 @pytest.mark.parametrize("name", ["../x", "/etc/passwd", "a\0b", "x" * 65, "A", "-x", "x.ttl", "", "ä", "a/b", "\n"])
-def test_odd_names_are_refused(served: Served, http: httpx2.Client, name: str) -> None:
+def test_invalid_scene_names_are_refused(served: Served, http: httpx2.Client, name: str) -> None:
     assert http.post("/scenes", json={"name": name}).status_code in (400, 422)
     assert not (served.services.station.data.parent / "x.ttl").exists()
 
 
-def test_links_to_elsewhere_are_not_followed(served: Served, http: httpx2.Client, tmp_path: Path) -> None:
+def test_symbolic_links_out_of_the_scene_folder_are_not_followed(
+    served: Served, http: httpx2.Client, tmp_path: Path
+) -> None:
     folder = served.services.station.data / "scenes"
     folder.mkdir(exist_ok=True)
     target = tmp_path / "secret.ttl"

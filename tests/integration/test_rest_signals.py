@@ -62,7 +62,7 @@ def client(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Client]:
         yield client
 
 
-def test_signals_of_devices_computed_ones_and_inputs_are_listed_alike(client: Client) -> None:
+def test_device_signals_computed_signals_and_inputs_are_listed_alike(client: Client) -> None:
     told = {one.name: one for one in client.signals.list()}
 
     assert (told["gripper_1.force"].unit, told["gripper_1.force"].source) == ("N", "gripper_1")
@@ -71,7 +71,7 @@ def test_signals_of_devices_computed_ones_and_inputs_are_listed_alike(client: Cl
     assert [name for name, one in told.items() if one.input] == ["speed_limit"]
 
 
-def test_an_input_that_is_set_counts_for_what_is_computed_from_it(client: Client) -> None:
+def test_setting_an_input_changes_the_signals_computed_from_it(client: Client) -> None:
     client.signals.set("speed_limit", 0.3)
 
     deadline = time.monotonic() + 20.0
@@ -89,7 +89,7 @@ def test_an_input_is_set_from_the_shell(client: Client) -> None:
         assert time.monotonic() < deadline
 
 
-def test_a_signal_without_a_value_says_why(client: Client) -> None:
+def test_a_signal_without_a_value_gives_the_reason(client: Client) -> None:
     client.signals.set("speed_limit", 0.0)
 
     deadline = time.monotonic() + 20.0
@@ -98,7 +98,7 @@ def test_a_signal_without_a_value_says_why(client: Client) -> None:
     assert half.reason == "half the limit gives none in this cycle"
 
 
-def test_a_provider_that_is_switched_off_is_an_alarm(client: Client) -> None:
+def test_switching_off_a_signal_provider_raises_an_alarm(client: Client) -> None:
     client.signals.read("odd")
 
     deadline = time.monotonic() + 20.0
@@ -108,7 +108,7 @@ def test_a_provider_that_is_switched_off_is_an_alarm(client: Client) -> None:
     assert "it raised KeyError: 'boom'" in found[0].text
 
 
-def test_what_is_no_input_or_no_value_of_it_is_refused(client: Client) -> None:
+def test_setting_a_signal_that_is_not_an_input_or_an_invalid_value_is_refused(client: Client) -> None:
     with pytest.raises(ProblemError, match="only inputs can be set"):
         client.signals.set("half_limit", 1.0)
     with pytest.raises(ProblemError, match="finite number"):

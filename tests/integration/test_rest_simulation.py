@@ -42,7 +42,7 @@ def test_without_physics_there_are_no_bodies_and_no_pictures(pretending: Served)
     assert {(answer.status_code, answer.json()["code"]) for answer in answers} == {(409, "NoSimulation")}
 
 
-def test_another_pace_holds_at_once_and_after_a_reset(pretending: Served) -> None:
+def test_a_new_pace_takes_effect_at_once_and_survives_a_reset(pretending: Served) -> None:
     with Client(pretending.url) as client:
         client.send(Simulation.set_pace(20.0))
         client.send(Simulation.set_pace(0.05))
@@ -52,7 +52,7 @@ def test_another_pace_holds_at_once_and_after_a_reset(pretending: Served) -> Non
 
 
 @pytest.mark.parametrize("pace", ["0.01", "21", "NaN", "1e308", '"fast"', "null", "-1", "Infinity"])
-def test_paces_that_make_no_sense_are_refused(pretending: Served, pace: str) -> None:
+def test_invalid_paces_are_refused(pretending: Served, pace: str) -> None:
     with httpx2.Client(base_url=f"{pretending.url}/api/v1") as http:
         answer = http.put(
             "/simulation/pace", content=f'{{"pace": {pace}}}', headers={"Content-Type": "application/json"}
@@ -64,7 +64,7 @@ def stale_alarms(served: Served) -> list[AlarmInfo]:
     return [alarm for alarm in served.services.station.alarms.active if alarm.kind is AlarmKind.STALE]
 
 
-def test_a_robot_that_was_changed_is_said_to_need_a_reset(pretending: Served) -> None:
+def test_editing_a_robot_is_reported_to_need_a_reset(pretending: Served) -> None:
     services = pretending.services
     with services.station.session.world.transaction("ann", "elsewhere", writer=Writer.PERSON) as tx:
         tx.set("base_1", "sk:pose", Pose.of(0.5, 0.0, 0.0))
@@ -108,7 +108,7 @@ def bodies(served: Served) -> dict[str, Any]:
 
 
 @pytest.mark.physics
-def test_a_part_that_a_person_adds_comes_into_the_simulation_and_goes_when_that_is_undone(fresh: Served) -> None:
+def test_a_part_added_by_a_person_appears_in_the_simulation_until_the_change_is_undone(fresh: Served) -> None:
     write(fresh, lambda tx: tx.add("kitting:Starter", id="starter_7", placement=Placement("sk:in", "pallet_b")))
     assert bodies(fresh)["starter_7"].place == "pallet_b"
 
@@ -117,7 +117,7 @@ def test_a_part_that_a_person_adds_comes_into_the_simulation_and_goes_when_that_
 
 
 @pytest.mark.physics
-def test_a_part_that_a_person_moves_or_removes_is_moved_or_removed(fresh: Served) -> None:
+def test_a_part_moved_or_removed_by_a_person_is_moved_or_removed_in_the_simulation(fresh: Served) -> None:
     write(fresh, lambda tx: tx.place("starter_1", "sk:in", "pallet_b"))
     write(fresh, lambda tx: tx.remove("compressor_1"))
 
@@ -128,7 +128,7 @@ def test_a_part_that_a_person_moves_or_removes_is_moved_or_removed(fresh: Served
 
 
 @pytest.mark.physics
-def test_a_label_moves_nothing_and_what_a_skill_writes_neither(fresh: Served) -> None:
+def test_labels_and_changes_by_skills_move_no_simulated_body(fresh: Served) -> None:
     before = bodies(fresh)["starter_1"].position
     write(fresh, lambda tx: tx.set("starter_1", "rdfs:label", "the starter"))
     write(fresh, lambda tx: tx.place("starter_1", "sk:in", "pallet_b"), writer=Writer.SKILL)
@@ -137,7 +137,7 @@ def test_a_label_moves_nothing_and_what_a_skill_writes_neither(fresh: Served) ->
 
 
 @pytest.mark.physics
-def test_furniture_that_a_person_moves_takes_its_compartments_along(fresh: Served) -> None:
+def test_furniture_moved_by_a_person_takes_its_compartments_along(fresh: Served) -> None:
     before = bodies(fresh)
     write(fresh, lambda tx: tx.set("kit_1", "sk:pose", Pose.of(-1.55, 0.1, 0.5)))
 
@@ -150,7 +150,7 @@ def test_furniture_that_a_person_moves_takes_its_compartments_along(fresh: Serve
 
 
 @pytest.mark.physics
-def test_what_cannot_follow_is_said(fresh: Served) -> None:
+def test_an_added_part_that_the_simulation_cannot_place_is_reported(fresh: Served) -> None:
     write(fresh, lambda tx: tx.add("kitting:Starter", id="starter_8", placement=Placement("sk:on", "floor")))
     fresh.services.station.control.call(lambda _: None)
 
@@ -161,7 +161,7 @@ def test_what_cannot_follow_is_said(fresh: Served) -> None:
 
 
 @pytest.mark.physics
-def test_what_somebody_has_left_unfinished_keeps_no_station_from_being_started_and_is_an_alarm(fresh: Served) -> None:
+def test_an_incomplete_element_does_not_prevent_a_start_and_raises_an_alarm(fresh: Served) -> None:
     pose = fresh.services.station.session.world.value("pallet_a", "sk:pose")
     write(fresh, lambda tx: tx.set("pallet_a", "sk:pose", None))
     with pytest.raises(WrongState, match="pallet_a has neither a pose nor a place"):
@@ -182,7 +182,7 @@ def test_what_somebody_has_left_unfinished_keeps_no_station_from_being_started_a
 
 
 @pytest.mark.physics
-def test_a_lost_part_keeps_no_station_from_being_brought_up_anew(fresh: Served) -> None:
+def test_a_lost_part_does_not_prevent_a_restart_of_the_station(fresh: Served) -> None:
     def lose(tx: Transaction) -> None:
         tx.place("starter_1", "sk:on", "unknown_location")
         tx.set("starter_1", "sk:missing", True)
@@ -197,7 +197,7 @@ def test_a_lost_part_keeps_no_station_from_being_brought_up_anew(fresh: Served) 
 
 
 @pytest.mark.physics
-def test_a_body_that_is_moved_by_hand_changes_no_belief(fresh: Served) -> None:
+def test_moving_a_simulated_body_does_not_change_the_world_model(fresh: Served) -> None:
     version = fresh.services.station.session.world.version
     with Client(fresh.url) as client:
         client.send(Simulation.move_body("starter_1", (2.0, 2.5, 0.0)))
@@ -219,7 +219,7 @@ def test_a_body_that_is_moved_by_hand_changes_no_belief(fresh: Served) -> None:
         '{"position": [0, 0, 0], "orientation": [0, 0, 0, 0]}',
     ],
 )
-def test_poses_that_make_no_sense_are_refused(served: Served, pose: str) -> None:
+def test_invalid_poses_of_bodies_are_refused(served: Served, pose: str) -> None:
     with httpx2.Client(base_url=f"{served.url}/api/v1") as http:
         headers = {"Content-Type": "application/json"}
         assert http.put("/simulation/bodies/starter_1/pose", content=pose, headers=headers).status_code in (400, 422)
@@ -228,7 +228,7 @@ def test_poses_that_make_no_sense_are_refused(served: Served, pose: str) -> None
 
 
 @pytest.mark.physics
-def test_a_picture_shows_the_scene_from_wherever_somebody_looks(served: Served) -> None:
+def test_a_picture_is_rendered_from_the_requested_viewpoint(served: Served) -> None:
     with Client(served.url, timeout=60.0) as client:
         pictures = [
             client.send(Simulation.picture(eye, (0.0, 0.0, 0.3), width=160, height=120))
@@ -244,7 +244,7 @@ def test_a_picture_shows_the_scene_from_wherever_somebody_looks(served: Served) 
 
 
 @pytest.mark.physics
-def test_of_many_who_want_a_picture_at_once_each_gets_one_or_is_asked_to_come_again(served: Served) -> None:
+def test_simultaneous_picture_requests_each_get_a_picture_or_a_retry_time(served: Served) -> None:
     with httpx2.Client(base_url=f"{served.url}/api/v1", timeout=60.0) as http, ThreadPoolExecutor(8) as pool:
         answers = list(pool.map(lambda _: http.get("/simulation/picture?width=320&height=240"), range(8)))
 

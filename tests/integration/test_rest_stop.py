@@ -81,7 +81,7 @@ def halted_job(served, http, id_="kit"):
 # ---------------------------------------------------------------------- stop
 
 
-def test_a_stop_halts_everything_and_says_who_wanted_it_and_why(http):
+def test_a_stop_halts_everything_and_records_its_author_and_reason(http):
     stopped = http.post("/stop", json={"reason": "a person is in the cell"})
     assert stopped.status_code == 200
     said = stopped.json()
@@ -156,7 +156,7 @@ def test_a_stop_whose_body_never_arrives_takes_effect(served, http):
     assert http.get("/stop").json()["halted"]
 
 
-def test_a_stop_works_when_the_control_thread_hangs_and_all_other_threads_are_taken_and_says_so(served, http):
+def test_a_stop_works_and_reports_when_the_control_thread_hangs_and_all_worker_threads_are_busy(served, http):
     http.get("/stop")
     with ThreadPoolExecutor(60) as pool, hanging(served):
         waiting = [pool.submit(http.post, "/reset") for _ in range(60)]  # each waits in a thread of the server
@@ -170,7 +170,7 @@ def test_a_stop_works_when_the_control_thread_hangs_and_all_other_threads_are_ta
         assert served.services.station.session.cycle.halted == "now"
 
 
-def test_a_stop_while_the_station_is_being_opened_anew_holds_for_the_new_one(served, http):
+def test_a_stop_while_the_station_reopens_applies_to_the_new_session(served, http):
     opening, go_on = threading.Event(), threading.Event()
     original = served.services.station.control._opening
 
@@ -190,7 +190,7 @@ def test_a_stop_while_the_station_is_being_opened_anew_holds_for_the_new_one(ser
     assert http.get("/stop").json()["why"] == "not now"
 
 
-def test_a_stop_while_the_station_is_braked_to_be_opened_anew_holds_until_somebody_resets(served, http):
+def test_a_stop_while_the_station_brakes_before_reopening_holds_until_a_reset(served, http):
     """A job that is queued must not start in the new session as if nobody had pressed anything."""
     session, control = served.services.station.session, served.services.station.control
     braking, go_on = threading.Event(), threading.Event()
@@ -217,7 +217,7 @@ def test_a_stop_while_the_station_is_braked_to_be_opened_anew_holds_until_somebo
     until(lambda: served.services.station.session.jobs.job("kit").state is JobState.ENDED)
 
 
-def test_a_reopened_station_has_no_author_of_a_halt(served, http):
+def test_a_reopened_station_reports_no_author_of_a_halt(served, http):
     served.services.station.control.reopen()
     assert http.get("/stop").json()["halted"] is False
     assert [one["type"] for one in http.get("/events/recent").json()["items"] if one["kind"] == "alarm"] == []
@@ -227,7 +227,7 @@ def test_a_reopened_station_has_no_author_of_a_halt(served, http):
 # ---------------------------------------------------------------------- reset
 
 
-def test_a_reset_lets_things_start_again_and_is_told(served, http):
+def test_a_reset_allows_starts_again_and_is_published(served, http):
     http.post("/stop")
     assert http.post("/reset").json()["halted"] is False
     types = [one["type"] for one in http.get("/events/recent", params={"kind": "system"}).json()["items"]]
@@ -236,12 +236,12 @@ def test_a_reset_lets_things_start_again_and_is_told(served, http):
     assert (again["why"], again["by"]) == ("again", "local")
 
 
-def test_a_reset_where_nothing_is_halted_changes_nothing(http):
+def test_a_reset_without_a_halt_changes_nothing(http):
     answer = http.post("/reset")
     assert (answer.status_code, answer.json()["halted"]) == (200, False)
 
 
-def test_a_job_that_was_halted_is_held_and_goes_on_when_it_was_reset_and_answered(served, http):
+def test_a_halted_job_is_held_and_continues_after_a_reset_and_an_answer(served, http):
     stopped = halted_job(served, http)
     assert stopped["halted"]
     until(lambda: served.services.station.session.jobs.job("kit").state is JobState.INTERRUPTED)
@@ -261,7 +261,7 @@ def test_a_job_that_was_halted_is_held_and_goes_on_when_it_was_reset_and_answere
 # ---------------------------------------------------------------------- alarms
 
 
-def test_a_question_of_a_robot_is_an_alarm_that_is_answered(served, http):
+def test_a_question_of_a_robot_is_an_alarm_that_can_be_answered(served, http):
     session = served.services.station.session
 
     def ask(_session):
@@ -292,7 +292,7 @@ def test_a_broken_module_is_an_alarm_until_it_is_acknowledged(served, http):
     assert active(http, "module") == []
 
 
-def test_a_lost_manager_is_an_alarm_until_there_is_another(served, http):
+def test_a_lost_manager_is_an_alarm_until_it_is_replaced(served, http):
     def lose(session):
         session.managers["arm_1"].lose("its process is gone")
 
@@ -350,7 +350,7 @@ def test_a_reset_says_why_the_station_cannot_be_opened_again(served, http, monke
     assert http.post("/reset").status_code == 200
 
 
-def test_pages_of_alarms_go_on_where_the_one_before_ended(served, http):
+def test_each_page_of_alarms_continues_where_the_previous_one_ended(served, http):
     from skiros_py.api.alarms import AlarmKind
 
     for n in range(25):
@@ -366,7 +366,7 @@ def test_pages_of_alarms_go_on_where_the_one_before_ended(served, http):
 
 
 @pytest.mark.parametrize("path", ["/alarms/never", "/alarms/%00", "/alarms/..%2f"])
-def test_an_alarm_that_is_not_there_is_not_found(http, path):
+def test_an_unknown_alarm_is_answered_with_404(http, path):
     assert http.get(path).status_code in (400, 404)
 
 
@@ -374,7 +374,7 @@ def test_an_alarm_that_is_not_there_is_not_found(http, path):
 
 
 @pytest.mark.physics
-def test_arms_and_base_that_move_stand_after_a_stop_and_stay_where_they_are(tmp_path):
+def test_moving_arms_and_bases_stand_still_after_a_stop(tmp_path):
     with serving("kitting", tmp_path, Options()) as served, httpx2.Client(base_url=f"{served.url}/api/v1") as http:
         session = served.services.station.session
         board = session.cycle.board
@@ -406,7 +406,7 @@ def test_arms_and_base_that_move_stand_after_a_stop_and_stay_where_they_are(tmp_
 
 
 @pytest.mark.physics
-def test_a_stop_while_robots_and_bodies_are_being_brought_up_holds_until_somebody_resets(tmp_path):
+def test_a_stop_while_robots_and_bodies_are_being_loaded_holds_until_a_reset(tmp_path):
     with serving("kitting", tmp_path, Options()) as served, httpx2.Client(base_url=f"{served.url}/api/v1") as http:
         control = served.services.station.control
         http.get("/stop")

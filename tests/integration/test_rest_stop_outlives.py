@@ -9,7 +9,7 @@ from support.server_process import ServerProcess
 from .hard import STARTER, job_of, moves, until
 
 
-def test_after_a_kill_everything_is_still_halted_and_no_job_is_begun_until_somebody_resets(tmp_path: Path) -> None:
+def test_a_halt_survives_a_kill_and_no_job_starts_before_a_reset(tmp_path: Path) -> None:
     with ServerProcess("kitting", "--fake", "--pace", "5", data=tmp_path) as server, server.client() as client:
         assert client.http.post("/stop", json={"reason": "a hand was seen"}).json()["obeyed"]
         client.http.put("/jobs/kit", json=STARTER).raise_for_status()

@@ -67,7 +67,7 @@ def places(document: DocumentInfo) -> list[str]:
 # ---------------------------------------------------------------------- tasks
 
 
-def test_a_goal_is_pursued_and_kept_with_plan_order_steps_and_report(api) -> None:
+def test_a_task_keeps_its_goal_plan_order_steps_and_report(api) -> None:
     response = api.post("/tasks", json={"goal": ["InKit(Starter, kit_1)"]})
     assert response.status_code == 202
     task = until(api, response.json()["name"], "ended")
@@ -93,7 +93,7 @@ def test_an_unparsable_goal_starts_nothing(api) -> None:
     assert done(api, Tasks.list()) == before
 
 
-def test_the_task_of_a_job_is_there_by_its_id_and_is_commanded_through_the_job(api) -> None:
+def test_the_task_of_a_job_is_found_by_the_job_id_and_commanded_through_the_job(api) -> None:
     api.put("/jobs/kit-1", json={"goal": "InKit(Starter, kit_1)"}).raise_for_status()
     deadline = time.monotonic() + 20.0
     while api.get("/tasks/kit-1").status_code == 404 and time.monotonic() < deadline:
@@ -105,7 +105,7 @@ def test_the_task_of_a_job_is_there_by_its_id_and_is_commanded_through_the_job(a
     assert refused.status_code == 409
 
 
-def test_a_task_is_paused_goes_on_step_by_step_and_ends_when_it_is_stopped(api) -> None:
+def test_a_task_can_be_paused_stepped_and_stopped(api) -> None:
     task = done(api, Tasks.begin(NewTask(steps=[TO_PALLET, TO_KIT], iterate=None)))
     done(api, Tasks.command(task.name, "pause"))
     paused = until(api, task.name, "paused")
@@ -120,7 +120,7 @@ def test_a_task_is_paused_goes_on_step_by_step_and_ends_when_it_is_stopped(api) 
     assert sent(api, Tasks.command(task.name, "resume")).status_code == 409
 
 
-def test_what_is_unknown_is_not_found_and_unknown_commands_are_refused(api) -> None:
+def test_unknown_tasks_are_answered_with_404_and_unknown_commands_are_refused(api) -> None:
     assert api.get("/tasks/nix").status_code == 404
     assert api.get("/tasks/nix/trace").status_code == 404
     assert api.post("/tasks/nix/pause").status_code == 404
@@ -136,7 +136,7 @@ PALLET = step("drive", Location="pallet_a")
 KIT = step("drive", Location="kit_1")
 
 
-def test_a_sequence_is_answered_with_all_steps_checked_as_those_before_leave_the_world(api) -> None:
+def test_each_step_of_a_sequence_is_checked_in_the_world_after_the_previous_steps(api) -> None:
     pick = step("pick", Object="alternator_1")
     made = written(api, "round", PALLET, pick)
     late = written(api, "round", PALLET, KIT, pick, seen=made.revision)
@@ -148,7 +148,7 @@ def test_a_sequence_is_answered_with_all_steps_checked_as_those_before_leave_the
     assert done(api, Documents.get("sequence", "round")) == early
 
 
-def test_a_sequence_cannot_be_overwritten_without_its_version(api) -> None:
+def test_a_sequence_cannot_be_overwritten_without_its_latest_version(api) -> None:
     made = written(api, "shared", PALLET)
     written(api, "shared", PALLET, KIT, seen=made.revision)
 
@@ -172,7 +172,7 @@ def test_a_sequence_cannot_be_overwritten_without_its_version(api) -> None:
         ({"title": "x" * 201}, "title"),
     ],
 )
-def test_wrong_steps_are_refused_with_their_place_and_nothing_changes(api, data: Any, place: str) -> None:
+def test_invalid_steps_are_refused_with_their_place_and_nothing_changes(api, data: Any, place: str) -> None:
     if api.get("/documents/sequence/kept").status_code == 404:
         written(api, "kept", PALLET)
     before = done(api, Documents.get("sequence", "kept"))
@@ -184,7 +184,7 @@ def test_wrong_steps_are_refused_with_their_place_and_nothing_changes(api, data:
     assert done(api, Documents.get("sequence", "kept")) == before
 
 
-def test_a_sequence_is_made_of_a_plan_and_run_as_often_as_wanted(api) -> None:
+def test_a_sequence_made_from_a_plan_runs_as_often_as_requested(api) -> None:
     until(api, api.post("/tasks", json={"goal": ["RobotAtLocation(robot_1, kit_1)"]}).json()["name"], "ended")
     asked = api.post("/previews", json={"goal": "RobotAtLocation(robot_1, pallet_a)"}).raise_for_status().json()
     plan = api.get(f"/previews/{asked['id']}", params={"wait": 30}).json()["steps"]
@@ -199,7 +199,7 @@ def test_a_sequence_is_made_of_a_plan_and_run_as_often_as_wanted(api) -> None:
     assert [one.arguments["Location"] for one in ended.steps] == ["pallet_a", "kit_1"] * 3
 
 
-def test_the_plan_of_a_job_is_kept_with_what_a_sequence_needs_when_its_task_is_forgotten(tmp_path) -> None:
+def test_the_stored_plan_of_a_job_can_become_a_sequence_after_its_task_is_forgotten(tmp_path) -> None:
     with serving("kitting", tmp_path) as first, httpx2.Client(base_url=f"{first.url}/api/v1", timeout=60.0) as http:
         order = {"goal": "InKit(Starter, kit_1)"}
         http.put("/jobs/kept", json=order, headers={"Prefer": "wait=30"}).raise_for_status()
@@ -215,7 +215,7 @@ def test_the_plan_of_a_job_is_kept_with_what_a_sequence_needs_when_its_task_is_f
     assert all(one["arguments"] for one in kept)
 
 
-def test_what_cannot_work_is_run_only_where_somebody_wants_it_anyway(api) -> None:
+def test_a_sequence_that_cannot_work_runs_only_with_an_explicit_override(api) -> None:
     written(api, "odd", step("place", Object="alternator_1"))
 
     refused = sent(api, Tasks.begin(NewTask(sequence="odd")))
@@ -228,7 +228,7 @@ def test_what_cannot_work_is_run_only_where_somebody_wants_it_anyway(api) -> Non
     assert not ended.report.reached
 
 
-def test_a_sequence_without_steps_is_never_run_and_is_no_module(api) -> None:
+def test_a_sequence_without_steps_cannot_run_and_is_not_a_module(api) -> None:
     written(api, "empty")
 
     for how in (NewTask(sequence="empty"), NewTask(sequence="empty", anyway=True, iterate=None)):
@@ -237,7 +237,7 @@ def test_a_sequence_without_steps_is_never_run_and_is_no_module(api) -> None:
     assert sent(api, Tasks.begin(NewTask(sequence="none such"))).status_code == 422
 
 
-def test_a_sequence_is_a_module_too_and_its_steps_are_calls(api) -> None:
+def test_a_sequence_is_also_a_module_whose_steps_are_calls(api) -> None:
     made = written(api, "both ways", PALLET, KIT)
 
     (way,) = api.get("/modules/base_1/sequence:both ways").json()["implementations"]
@@ -252,7 +252,7 @@ def test_a_sequence_is_a_module_too_and_its_steps_are_calls(api) -> None:
     assert found["status"] == "succeeded"
 
 
-def test_a_step_whose_element_has_gone_is_a_problem_and_others_can_be_edited_meanwhile(served, api) -> None:
+def test_a_step_with_a_removed_element_is_a_problem_and_other_steps_can_still_be_edited(served, api) -> None:
     first, second = step("pick", Object="compressor_1"), step("pick", Object="relay_box_2")
     made = written(api, "old", PALLET, first, second)
     with served.services.station.session.world.transaction("person", "throws them away") as tx:
@@ -271,7 +271,7 @@ def test_a_step_whose_element_has_gone_is_a_problem_and_others_can_be_edited_mea
     assert new.status_code == 422
 
 
-def test_sequences_outlive_the_server(tmp_path) -> None:
+def test_sequences_survive_a_restart_of_the_server(tmp_path) -> None:
     for run in range(2):
         with serving("kitting", tmp_path) as served, httpx2.Client(base_url=f"{served.url}/api/v1") as api:
             if run == 0:

@@ -11,7 +11,7 @@ from support.serving import serving
 PATIENCE = 60.0
 
 
-def test_each_step_in_a_trace_has_its_inputs_conditions_and_changes_of_the_world(tmp_path: Path) -> None:
+def test_each_step_in_a_trace_has_its_inputs_conditions_and_world_changes(tmp_path: Path) -> None:
     with (
         serving("kitting", tmp_path) as server,
         httpx2.Client(base_url=f"{server.url}/api/v1", timeout=PATIENCE) as http,

@@ -25,7 +25,7 @@ def api(served: Served) -> Iterator[httpx2.Client]:
         yield client
 
 
-def test_everything_that_can_be_seen_is_told_with_its_shape(api: httpx2.Client) -> None:
+def test_the_view_contains_every_visible_element_with_its_shape(api: httpx2.Client) -> None:
     view = api.get("/view").json()
 
     told = {element["id"]: element for element in view["elements"]}
@@ -35,7 +35,7 @@ def test_everything_that_can_be_seen_is_told_with_its_shape(api: httpx2.Client) 
     assert all(element["shape"] in view["shapes"] for element in view["elements"] if element["shape"])
 
 
-def test_a_known_view_is_answered_with_not_modified_until_it_changes(api: httpx2.Client) -> None:
+def test_an_unchanged_view_is_answered_with_304(api: httpx2.Client) -> None:
     first = api.get("/view")
     known = {"If-None-Match": f'W/"0", {first.headers["etag"]}'}
 
@@ -58,14 +58,14 @@ def test_a_page_fetches_only_elements_named_in_events(served: Served) -> None:
     assert view.gone == ("never_there",)
 
 
-def test_a_senseless_request_is_refused_with_a_reason(api: httpx2.Client) -> None:
+def test_an_invalid_view_request_is_refused_with_a_reason(api: httpx2.Client) -> None:
     answers = [api.get("/view", params={"elements": "kit_1"}), api.get("/view", params={"element": ["x"] * 101})]
 
     assert [answer.status_code for answer in answers] == [422, 422]
     assert "Did you mean 'element'" in answers[0].json()["detail"]
 
 
-def test_two_thousand_objects_more_are_all_told(api: httpx2.Client) -> None:
+def test_the_view_contains_all_of_two_thousand_added_objects(api: httpx2.Client) -> None:
     before = len(api.get("/view").json()["elements"])
     operations = [
         {

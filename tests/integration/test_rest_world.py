@@ -84,7 +84,7 @@ def test_elements_of_a_class_are_listed_page_by_page(api: httpx2.Client) -> None
     assert {"pallet_a", "robot_1", "kit_1_a"} <= {one["id"] for one in found}
 
 
-def test_elements_are_found_by_class_label_text_and_place(api: httpx2.Client) -> None:
+def test_elements_can_be_searched_by_class_label_text_and_place(api: httpx2.Client) -> None:
     def ids(**query: Any) -> set[str]:
         return {one["id"] for one in get(api, "/elements", **query)["items"]}
 
@@ -95,7 +95,7 @@ def test_elements_are_found_by_class_label_text_and_place(api: httpx2.Client) ->
     assert "kitting:standard_kit" in ids(abstract=True, **{"class": "kitting:Kit"})
 
 
-def test_an_element_tells_its_values_with_their_origin_and_where_it_is(api: httpx2.Client) -> None:
+def test_an_element_is_returned_with_its_values_their_origin_and_its_place(api: httpx2.Client) -> None:
     compartment = get(api, "/elements/kit_1_a")
     starter = get(api, "/elements/starter_1")
 
@@ -110,7 +110,7 @@ def test_an_element_tells_its_values_with_their_origin_and_where_it_is(api: http
     assert starter["computed"] == []
 
 
-def test_computed_relations_are_worked_out_where_they_are_asked_for(api: httpx2.Client) -> None:
+def test_computed_relations_are_evaluated_on_request(api: httpx2.Client) -> None:
     some = get(api, "/elements/starter_1", computed=["sk:graspableBy"])["computed"]
     every = get(api, "/elements/starter_1", computed=["all"])["computed"]
 
@@ -121,7 +121,7 @@ def test_computed_relations_are_worked_out_where_they_are_asked_for(api: httpx2.
     assert get(api, "/elements/gripper_1/relations", relation="sk:graspableBy")["items"]
 
 
-def test_what_was_taught_is_told_as_such(served: Served, api: httpx2.Client) -> None:
+def test_taught_values_are_marked_as_taught(served: Served, api: httpx2.Client) -> None:
     with served.services.station.session.world.transaction("teach", "shown by hand") as tx:
         lesson = tx.add(TAUGHT_GRASP, properties={APPLIES_TO: "kitting:RelayBox", GRASP_WIDTH: 0.031}, learned=True)
     pump = add(api, **{"class": "kitting:RelayBox"})
@@ -129,20 +129,20 @@ def test_what_was_taught_is_told_as_such(served: Served, api: httpx2.Client) -> 
     assert pump["properties"]["sk:graspWidth"] == {"value": 0.031, "origin": "taught", "taught_by": lesson}
 
 
-def test_a_name_with_a_colon_is_an_address(api: httpx2.Client) -> None:
+def test_an_id_with_a_colon_can_be_used_in_a_path(api: httpx2.Client) -> None:
     quoted, plain = api.get("/elements/kitting%3Astandard_kit"), api.get("/elements/kitting:standard_kit")
 
     assert quoted.json() == plain.json()
     assert plain.json()["abstract"] is True
 
 
-def test_who_is_not_there_is_not_found_and_the_nearest_is_named(api: httpx2.Client) -> None:
+def test_an_unknown_element_is_answered_with_404_and_the_nearest_id(api: httpx2.Client) -> None:
     told = problem(api.get("/elements/startr_1"), 404)
 
     assert told["nearest"] == "starter_1"
 
 
-def test_the_tree_goes_down_from_the_floor_to_the_compartments(api: httpx2.Client) -> None:
+def test_the_world_tree_leads_from_the_floor_to_the_compartments(api: httpx2.Client) -> None:
     def names(node: dict[str, Any]) -> Iterator[tuple[str, str]]:
         for child in node["children"]:
             yield child["id"], node["id"]
@@ -154,7 +154,7 @@ def test_the_tree_goes_down_from_the_floor_to_the_compartments(api: httpx2.Clien
     assert (tree["arm_1"], tree["alternator_1"]) == ("robot_1", "pallet_a")
 
 
-def test_large_levels_of_the_tree_are_read_on(api: httpx2.Client) -> None:
+def test_large_levels_of_the_tree_are_read_in_pages(api: httpx2.Client) -> None:
     found: list[str] = []
     cursor: str | None = ""
     while cursor is not None:
@@ -170,7 +170,7 @@ def test_large_levels_of_the_tree_are_read_on(api: httpx2.Client) -> None:
 # ------------------------------------------------------------------ writing
 
 
-def test_an_element_is_added_with_values_place_and_frame_at_once(api: httpx2.Client) -> None:
+def test_an_element_is_added_with_values_place_and_frame_in_one_request(api: httpx2.Client) -> None:
     pose = {"position": [0.1, 0.0, 0.02], "orientation": [0.0, 0.0, 0.0, 1.0], "frame": "pallet_a"}
     response = api.post(
         "/elements",
@@ -194,7 +194,7 @@ def test_an_element_is_added_with_values_place_and_frame_at_once(api: httpx2.Cli
     assert (change["author"], change["writer"], change["reason"]) == ("local", "person", "delivered")
 
 
-def test_a_kit_is_added_like_another_with_its_compartments(api: httpx2.Client) -> None:
+def test_a_kit_can_be_added_as_a_copy_with_its_compartments(api: httpx2.Client) -> None:
     place = {"relation": "sk:on", "place": "floor"}
     by_the_book = api.post("/elements", json={"like": "kitting:standard_kit", "placement": place}).json()
     twin = api.post("/elements", json={"like": by_the_book["id"], "label": "twin", "placement": place}).json()
@@ -206,7 +206,7 @@ def test_a_kit_is_added_like_another_with_its_compartments(api: httpx2.Client) -
     assert twin["label"] == "twin"
 
 
-def test_label_values_and_place_change_in_one_transaction(api: httpx2.Client) -> None:
+def test_label_values_and_place_are_changed_in_one_transaction(api: httpx2.Client) -> None:
     one = add(api)
     patch = {
         "label": "dented",
@@ -223,7 +223,7 @@ def test_label_values_and_place_change_in_one_transaction(api: httpx2.Client) ->
     assert taken_away["properties"]["sk:mass"]["origin"] == "class"
 
 
-def test_who_has_not_seen_the_present_version_changes_nothing(api: httpx2.Client) -> None:
+def test_an_edit_without_the_current_version_changes_nothing(api: httpx2.Client) -> None:
     one = add(api)
     path, seen = f"/elements/{one['id']}", {"If-Match": f'"{one["version"]}"'}
     assert api.patch(path, json={"label": "first"}, headers=seen).status_code == 200
@@ -236,7 +236,7 @@ def test_who_has_not_seen_the_present_version_changes_nothing(api: httpx2.Client
     assert get(api, path)["label"] == "first"
 
 
-def test_of_many_who_saw_the_same_version_exactly_one_writes(api: httpx2.Client) -> None:
+def test_of_many_edits_with_the_same_version_exactly_one_succeeds(api: httpx2.Client) -> None:
     one = add(api)
 
     def patch(number: int) -> int:
@@ -249,7 +249,7 @@ def test_of_many_who_saw_the_same_version_exactly_one_writes(api: httpx2.Client)
     assert statuses == [200] + [412] * 19
 
 
-def test_a_relation_is_stated_and_taken_back(api: httpx2.Client) -> None:
+def test_a_relation_can_be_stated_and_removed(api: httpx2.Client) -> None:
     path = "/elements/starter_1/relations/sk:poseFrame/pallet_a"
     stated = api.put(path, headers=ANYHOW)
     relations = get(api, "/elements/starter_1")["relations"]
@@ -260,7 +260,7 @@ def test_a_relation_is_stated_and_taken_back(api: httpx2.Client) -> None:
     assert "sk:poseFrame" not in {one["relation"] for one in get(api, "/elements/starter_1")["relations"]}
 
 
-def test_a_placement_is_one_relation_that_moves(api: httpx2.Client) -> None:
+def test_placing_an_element_replaces_its_previous_placement(api: httpx2.Client) -> None:
     one = add(api)
     path = f"/elements/{one['id']}/relations/sk:in"
     moved = api.put(f"{path}/pallet_b", headers={"If-Match": f'"{one["version"]}"'})
@@ -286,7 +286,7 @@ def test_a_removed_element_is_gone_but_its_history_stays(api: httpx2.Client) -> 
 # ------------------------------------------------------------------ transactions
 
 
-def test_a_transaction_does_everything_as_one_change(api: httpx2.Client) -> None:
+def test_a_transaction_is_one_change(api: httpx2.Client) -> None:
     before = get(api, "/world")["version"]
     operations = [
         {
@@ -316,7 +316,7 @@ def test_a_transaction_does_everything_as_one_change(api: httpx2.Client) -> None
     assert api.get(f"/elements/{told['ids']['kit']}").status_code == 404
 
 
-def test_a_refused_transaction_changes_nothing_and_names_everything_that_is_wrong(api: httpx2.Client) -> None:
+def test_a_refused_transaction_changes_nothing_and_lists_all_faults(api: httpx2.Client) -> None:
     before = get(api, "/world")["version"]
     operations = [
         {"op": "add", "class": "kitting:Starter", "placement": IN_PALLET},
@@ -331,7 +331,7 @@ def test_a_refused_transaction_changes_nothing_and_names_everything_that_is_wron
     assert get(api, "/world")["version"] == before
 
 
-def test_a_transaction_that_changes_what_is_there_says_what_was_seen(api: httpx2.Client) -> None:
+def test_a_transaction_on_existing_elements_needs_their_versions(api: httpx2.Client) -> None:
     remove = {"reason": "tidy", "operations": [{"op": "remove", "element": "starter_1"}]}
 
     assert problem(api.post("/world/transactions", json=remove), 428)["code"] == "VersionMissing"
@@ -341,7 +341,7 @@ def test_a_transaction_that_changes_what_is_there_says_what_was_seen(api: httpx2
     assert api.get("/elements/starter_1").status_code == 200
 
 
-def test_a_ref_that_nobody_gave_is_refused(api: httpx2.Client) -> None:
+def test_an_undefined_reference_in_a_transaction_is_refused(api: httpx2.Client) -> None:
     operations = [{"op": "add", "class": "kitting:Starter", "placement": {"relation": "sk:in", "place": "$box"}}]
     told = problem(api.post("/world/transactions", json={"reason": "why", "operations": operations}), 422)
 
@@ -368,14 +368,14 @@ def test_a_ref_that_nobody_gave_is_refused(api: httpx2.Client) -> None:
         "1" * 5000,
     ],
 )
-def test_a_pose_that_is_none_is_refused(api: httpx2.Client, value: str) -> None:
+def test_an_invalid_pose_is_refused(api: httpx2.Client, value: str) -> None:
     body = f'{{"properties": {{"sk:pose": {value}}}}}'
     response = api.patch("/elements/pallet_a", content=body, headers={**ANYHOW, "Content-Type": "application/json"})
 
     assert problem(response, response.status_code)["status"] in (400, 422)
 
 
-def test_a_pose_without_a_frame_stays_in_the_one_it_has(api: httpx2.Client) -> None:
+def test_a_pose_without_a_frame_keeps_the_current_frame(api: httpx2.Client) -> None:
     one = add(api, properties={"sk:pose": {"position": [0.1, 0.0, 0.0], "frame": "pallet_a"}})
     path = f"/elements/{one['id']}"
 
@@ -390,7 +390,7 @@ def test_a_pose_without_a_frame_stays_in_the_one_it_has(api: httpx2.Client) -> N
     assert "leave out 'frame'" in problem(refused, 422)["detail"]
 
 
-def test_nothing_can_be_inside_itself(api: httpx2.Client) -> None:
+def test_placing_elements_in_a_cycle_is_refused(api: httpx2.Client) -> None:
     pallet = {"class": "kitting:Pallet", "placement": {"relation": "sk:on", "place": "floor"}}
     a, b = add(api, **pallet), add(api, **pallet)
     assert api.put(f"/elements/{a['id']}/relations/sk:on/{b['id']}", headers=ANYHOW).status_code == 200
@@ -401,7 +401,7 @@ def test_nothing_can_be_inside_itself(api: httpx2.Client) -> None:
 
 
 @pytest.mark.parametrize("name", ["kitting:standard_kit", "kitting:Starter", "sk:in"])
-def test_the_ontology_is_never_changed(api: httpx2.Client, name: str) -> None:
+def test_no_request_changes_the_ontology(api: httpx2.Client, name: str) -> None:
     operations = [{"op": "set", "element": name, "property": "rdfs:label", "value": "mine"}]
     order = {"reason": "why not", "operations": operations}
     told = problem(api.post("/world/transactions", json=order, headers=ANYHOW), 422)
@@ -412,7 +412,7 @@ def test_the_ontology_is_never_changed(api: httpx2.Client, name: str) -> None:
 # ------------------------------------------------------------------ history and undo
 
 
-def test_changes_are_read_on_in_both_directions(api: httpx2.Client) -> None:
+def test_changes_are_read_page_by_page_in_both_directions(api: httpx2.Client) -> None:
     add(api), add(api)
 
     def numbers(**query: Any) -> list[int]:
@@ -431,7 +431,7 @@ def test_changes_are_read_on_in_both_directions(api: httpx2.Client) -> None:
     assert numbers(since=version) == []
 
 
-def test_a_long_change_is_told_piece_by_piece(api: httpx2.Client) -> None:
+def test_a_large_change_is_read_in_pages_of_edits(api: httpx2.Client) -> None:
     operations = [{"op": "add", "class": "kitting:Starter", "placement": IN_PALLET} for _ in range(80)]
     number = api.post("/world/transactions", json={"reason": "many", "operations": operations}).json()["version"]
     listed = get(api, "/world/changes", since=number - 1)["items"][0]
@@ -449,7 +449,7 @@ def test_a_long_change_is_told_piece_by_piece(api: httpx2.Client) -> None:
     assert problem(api.get("/world/changes/999999"), 404)
 
 
-def test_undo_takes_back_what_people_did_one_by_one(api: httpx2.Client) -> None:
+def test_undo_reverts_the_edits_of_people_one_by_one(api: httpx2.Client) -> None:
     first, second = add(api), add(api)
     told = get(api, "/world")["undoable"]
     stale = api.post("/world/undo", json={"change": told["number"] - 1})
@@ -496,14 +496,14 @@ def test_a_locked_element_can_be_edited_only_by_its_owner(api: httpx2.Client) ->
 
 
 @pytest.mark.parametrize("order", [{"elements": ["nobody"]}, {"elements": ["kit_1"], "seconds": 1e9}, {"elements": []}])
-def test_a_lock_that_makes_no_sense_is_refused(api: httpx2.Client, order: dict[str, Any]) -> None:
+def test_an_invalid_lock_is_refused(api: httpx2.Client, order: dict[str, Any]) -> None:
     assert problem(api.post("/locks", json=order), 422)
 
 
 # ------------------------------------------------------------------ what was learned
 
 
-def test_what_was_learned_is_listed_written_as_a_file_and_forgotten(served: Served, api: httpx2.Client) -> None:
+def test_learned_concepts_can_be_listed_exported_and_forgotten(served: Served, api: httpx2.Client) -> None:
     with served.services.station.session.world.transaction("teach", "shown by hand") as tx:
         lesson = tx.add(TAUGHT_GRASP, properties={APPLIES_TO: "kitting:Starter", GRASP_WIDTH: 0.04}, learned=True)
     told = {one["id"]: one for one in get(api, "/learned")["items"]}[lesson]
@@ -521,7 +521,7 @@ def test_what_was_learned_is_listed_written_as_a_file_and_forgotten(served: Serv
 # ------------------------------------------------------------------ the ontology
 
 
-def test_classes_are_told_as_a_tree_with_what_there_is_of_them(api: httpx2.Client) -> None:
+def test_classes_are_listed_as_a_tree_with_their_instance_counts(api: httpx2.Client) -> None:
     tree = get(api, "/ontology/classes", root="kitting:Part")
     shallow = get(api, "/ontology/classes", root="kitting:Part", depth=0)
 
@@ -531,7 +531,7 @@ def test_classes_are_told_as_a_tree_with_what_there_is_of_them(api: httpx2.Clien
     assert problem(api.get("/ontology/classes?root=kitting:Prat"), 404)["nearest"] == "kitting:Part"
 
 
-def test_a_class_tells_what_its_things_have_and_who_takes_them(api: httpx2.Client) -> None:
+def test_a_class_is_described_with_its_properties_and_the_skills_and_conditions_that_use_it(api: httpx2.Client) -> None:
     told = get(api, "/ontology/classes/kitting:Starter")
     mass = next(one for one in told["properties"] if one["name"] == "sk:mass")
 
@@ -554,7 +554,7 @@ def test_relations_and_properties_are_listed_page_by_page(api: httpx2.Client) ->
     assert (placed["family"], placed["place_end"], placed["objects"]) == ("placement", "object", [["sk:Gripper"]])
 
 
-def test_what_may_be_put_where_is_what_a_write_allows(api: httpx2.Client) -> None:
+def test_the_offered_placements_are_exactly_those_that_a_write_accepts(api: httpx2.Client) -> None:
     one = add(api)
     told = get(api, "/ontology/placements", element=one["id"])
     tried = {}
@@ -569,7 +569,7 @@ def test_what_may_be_put_where_is_what_a_write_allows(api: httpx2.Client) -> Non
     }
 
 
-def test_a_thing_that_is_too_large_for_a_place_is_told_so_before_it_is_put_there(api: httpx2.Client) -> None:
+def test_the_offered_placements_mark_places_that_are_too_small(api: httpx2.Client) -> None:
     told = get(api, "/ontology/placements", **{"class": "kitting:Kit"}, relation="sk:in")
     places = {place["id"]: place for place in told["options"][0]["places"]}
 
@@ -584,7 +584,7 @@ def test_a_thing_that_is_too_large_for_a_place_is_told_so_before_it_is_put_there
 
 @settings(max_examples=60, deadline=None)
 @given(text=st.text(st.characters(codec="utf-8", exclude_characters="\0"), min_size=1, max_size=60))
-def test_a_label_is_a_text_whatever_it_says(api: httpx2.Client, text: str) -> None:
+def test_a_label_is_stored_as_text_whatever_it_contains(api: httpx2.Client, text: str) -> None:
     told = api.patch("/elements/kit_table", json={"label": text}, headers=ANYHOW).json()
     rows = api.post(
         "/queries",
@@ -597,7 +597,7 @@ def test_a_label_is_a_text_whatever_it_says(api: httpx2.Client, text: str) -> No
 
 @settings(max_examples=60, deadline=None)
 @given(name=st.text(st.characters(codec="utf-8"), min_size=1, max_size=60))
-def test_an_odd_id_in_the_address_finds_nothing_and_breaks_nothing(api: httpx2.Client, name: str) -> None:
+def test_an_unusual_id_in_the_path_is_answered_with_404(api: httpx2.Client, name: str) -> None:
     quoted = quote(name, safe="").replace(".", "%2E")
     for response in (
         api.get(f"/elements/{quoted}"),
@@ -611,14 +611,14 @@ def test_an_odd_id_in_the_address_finds_nothing_and_breaks_nothing(api: httpx2.C
         assert response.status_code in (200, 400, 404, 422), response.text
 
 
-def test_halves_of_characters_are_refused(api: httpx2.Client) -> None:
+def test_unpaired_surrogates_are_refused(api: httpx2.Client) -> None:
     half = '"\\ud800"'
     for body in (f'{{"label": {half}}}', f'{{"properties": {{"rdfs:comment": {half}}}}}', f'{{"reason": {half}}}'):
         headers = {**ANYHOW, "Content-Type": "application/json"}
         assert problem(api.patch("/elements/kit_table", content=body, headers=headers), 400)
 
 
-def test_the_world_outlives_the_server(tmp_path: Path) -> None:
+def test_the_world_survives_a_restart_of_the_server(tmp_path: Path) -> None:
     with serving("kitting", tmp_path) as served, httpx2.Client(base_url=f"{served.url}/api/v1") as api:
         one = add(api, label="still here")
     with serving("kitting", tmp_path) as served, httpx2.Client(base_url=f"{served.url}/api/v1") as api:
@@ -626,7 +626,7 @@ def test_the_world_outlives_the_server(tmp_path: Path) -> None:
         assert get(api, "/world")["undoable"]["number"] == one["version"]
 
 
-def test_changes_that_were_forgotten_are_told_to_be_so(tmp_path: Path) -> None:
+def test_reading_compacted_changes_is_answered_with_that_reason(tmp_path: Path) -> None:
     with serving("kitting", tmp_path) as served, httpx2.Client(base_url=f"{served.url}/api/v1") as api:
         one = add(api)
         live = served.services.station.session.world
@@ -638,7 +638,7 @@ def test_changes_that_were_forgotten_are_told_to_be_so(tmp_path: Path) -> None:
         assert [change["number"] for change in get(api, "/world/changes")["items"]] == [one["version"]]
 
 
-def test_the_client_speaks_of_all_this(served: Served) -> None:
+def test_the_client_reads_and_edits_the_world(served: Served) -> None:
     with Client(served.url) as client:
         new = NewElement(class_="kitting:Starter", placement=Placement(relation="sk:in", place="pallet_a"))
         one = client.send(Elements.add(new))

@@ -15,7 +15,7 @@ def leave_a_part_in_the_gripper(data: Path) -> None:
         assert session.run("Holding(gripper_1, starter_1)").reached
 
 
-def test_a_robot_that_pretends_goes_on_with_what_it_holds(tmp_path: Path) -> None:
+def test_a_fake_robot_still_holds_its_part_after_a_restart(tmp_path: Path) -> None:
     leave_a_part_in_the_gripper(tmp_path / "data")
     with Session("kitting", Options(fake=True, data=tmp_path / "data")) as session:
         report = session.run("InKit(Starter, kit_1)")
@@ -23,7 +23,9 @@ def test_a_robot_that_pretends_goes_on_with_what_it_holds(tmp_path: Path) -> Non
     assert [step.skill for step in report.steps] == ["drive", "place"]
 
 
-def test_a_simulation_starts_with_the_part_where_it_was_taken_and_the_robot_anywhere(tmp_path: Path) -> None:
+def test_a_simulation_restarts_with_a_held_part_at_its_previous_place_and_the_robot_at_an_unknown_one(
+    tmp_path: Path,
+) -> None:
     from skiros_py.station.worlds import open_data
 
     leave_a_part_in_the_gripper(tmp_path / "data")
@@ -43,7 +45,7 @@ def test_a_simulation_starts_with_the_part_where_it_was_taken_and_the_robot_anyw
 
 
 @pytest.mark.physics
-def test_physics_goes_on_after_a_restart_with_a_part_in_the_gripper(tmp_path: Path) -> None:
+def test_a_goal_is_reached_in_physics_after_a_restart_with_a_part_in_the_gripper(tmp_path: Path) -> None:
     leave_a_part_in_the_gripper(tmp_path / "data")
     with Session("kitting", Options(data=tmp_path / "data")) as session:
         report = session.run("InKit(Starter, kit_1)")
@@ -51,7 +53,7 @@ def test_physics_goes_on_after_a_restart_with_a_part_in_the_gripper(tmp_path: Pa
     assert all(condition.true for condition in report.conditions)
 
 
-def test_opening_a_world_again_writes_down_nothing_that_is_known(tmp_path: Path) -> None:
+def test_reopening_a_world_writes_no_changes(tmp_path: Path) -> None:
     versions = []
     for _ in range(3):
         with Session("kitting", Options(fake=True, data=tmp_path / "data")) as session:
@@ -60,7 +62,7 @@ def test_opening_a_world_again_writes_down_nothing_that_is_known(tmp_path: Path)
     assert len(set(versions)) == 1
 
 
-def test_a_part_that_nobody_knows_the_place_of_is_missing_when_a_simulation_starts(tmp_path: Path) -> None:
+def test_a_part_at_an_unknown_place_is_missing_when_a_simulation_starts(tmp_path: Path) -> None:
     from skiros_py.station.worlds import open_data
 
     with open_data(tmp_path / "data", "kitting") as directory:
@@ -72,7 +74,7 @@ def test_a_part_that_nobody_knows_the_place_of_is_missing_when_a_simulation_star
         assert world.value("starter_1", "sk:missing") is True
 
 
-def test_where_a_restart_would_fail_nothing_is_believed_otherwise(tmp_path: Path) -> None:
+def test_a_failed_restart_does_not_change_the_world(tmp_path: Path) -> None:
     from skiros_py.errors import DescriptionError
     from skiros_py.station.worlds import open_data
 
@@ -107,7 +109,7 @@ scene:robot_1 a sk:Robot ; sk:model "tiny" ; sk:at scene:store ; sk:hasA scene:{
         ("arm_1", "Arm", "scene:robot_1 sk:startLocation scene:store .", "store"),
     ],
 )
-def test_after_a_restart_a_base_is_where_it_starts_and_a_robot_without_one_stays(
+def test_after_a_restart_a_base_is_at_its_start_and_a_robot_without_a_base_keeps_its_place(
     tmp_path: Path, part: str, kind: str, start: str, place: str
 ) -> None:
     from skiros_py.station.worlds import open_data

@@ -130,7 +130,7 @@ def ruff_options() -> list[str]:
 # ---------------------------------------------------------------- what it writes works
 
 
-def test_everything_that_is_written_passes_its_own_tests_the_linter_and_the_type_checker(
+def test_all_generated_files_pass_their_own_tests_the_linter_and_the_type_checker(
     package: Path, skiros: Skiros
 ) -> None:
     commands = re.split(r"\n(?=\S)", OPTION_SETS.strip())
@@ -148,7 +148,9 @@ def test_everything_that_is_written_passes_its_own_tests_the_linter_and_the_type
     assert tests > len(commands)
 
 
-def test_a_new_package_is_planned_and_done_once_it_is_installed(package: Path, tmp_path: Path, skiros: Skiros) -> None:
+def test_the_skill_of_a_new_package_is_planned_and_executed_after_installation(
+    package: Path, tmp_path: Path, skiros: Skiros
+) -> None:
     site = tmp_path / "site"
     name = re.escape("my-scanning")
     part = "Part:sk:Manipulatable"
@@ -163,9 +165,7 @@ def test_a_new_package_is_planned_and_done_once_it_is_installed(package: Path, t
     assert not re.search(rf"{name} 0\.1\.0 (?!.* works *$)", found, re.MULTILINE)
 
 
-def test_a_second_package_beside_the_first_begins_with_names_of_its_own_and_works(
-    package: Path, tmp_path: Path
-) -> None:
+def test_a_second_package_gets_distinct_names_and_works(package: Path, tmp_path: Path) -> None:
     with Project.around(package).as_installed():
         draft = draft_package(tmp_path, NewPackage("my_sorting"))
         draft.write()
@@ -178,7 +178,7 @@ def test_a_second_package_beside_the_first_begins_with_names_of_its_own_and_work
     assert "passed" in tool(draft.root, "pytest", "-q", "-p", "no:dash", "-p", "no:cacheprovider", "-W", "error")
 
 
-def test_a_package_may_be_called_src(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_package_can_be_named_src(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     # ``python -m pytest`` puts the checkout on the path, where ``src`` is a folder.
     monkeypatch.setattr(sys, "path", [place for place in sys.path if place and Path(place) != ROOT])
     draft = draft_package(tmp_path, NewPackage("src"))
@@ -201,7 +201,7 @@ def install(package: Path, site: Path) -> None:
     (info / "entry_points.txt").write_text("\n".join(groups), encoding="utf-8")
 
 
-def test_a_robot_is_the_one_shipped_but_for_its_names(package: Path, skiros: Skiros) -> None:
+def test_a_generated_robot_equals_the_shipped_one_except_for_names(package: Path, skiros: Skiros) -> None:
     assert skiros("new", "robot", "panda")[0] == 0
 
     def facts(text: str) -> list[str]:
@@ -240,7 +240,7 @@ def test_a_dry_run_of_a_package_writes_nothing(tmp_path: Path, skiros: Skiros) -
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_tree_is_printed_and_what_to_type_next(package: Path, skiros: Skiros) -> None:
+def test_the_new_files_and_the_next_commands_are_printed(package: Path, skiros: Skiros) -> None:
     status, out, _ = skiros("new", "primitive", "read_code")
 
     assert status == 0
@@ -249,14 +249,14 @@ def test_a_tree_is_printed_and_what_to_type_next(package: Path, skiros: Skiros) 
     assert out.splitlines()[-2:] == ["    pytest tests/primitives/test_read_code.py", "    pip install -e ."]
 
 
-def test_where_nothing_is_left_to_type_nothing_is_announced(package: Path, skiros: Skiros) -> None:
+def test_without_a_next_command_none_is_printed(package: Path, skiros: Skiros) -> None:
     _, out, _ = skiros("new", "ontology", "scanning", "--class", "Scanner:sk:Device")
 
     assert "scanning.ttl" in out
     assert "next:" not in out
 
 
-def test_on_a_terminal_what_is_missing_is_asked_for(package: Path) -> None:
+def test_on_a_terminal_missing_arguments_are_prompted_for(package: Path) -> None:
     said = ["sk:Arm", "Part:sk:Manipulatable", "", "", "Inspected(Part)", "", "look_at", ""]
     ours, theirs = pty.openpty()
     with os.fdopen(ours, "wb", buffering=0) as keyboard:
@@ -344,7 +344,7 @@ BAD = {
 
 
 @pytest.mark.parametrize("line", BAD)
-def test_faults_are_reported_and_nothing_is_written(line: str, package: Path, skiros: Skiros) -> None:
+def test_invalid_arguments_are_reported_and_nothing_is_written(line: str, package: Path, skiros: Skiros) -> None:
     before = texts(package)
 
     status, out, err = skiros("new", *words(line))
@@ -369,7 +369,7 @@ BAD_PACKAGES = {
 
 
 @pytest.mark.parametrize("line", BAD_PACKAGES)
-def test_a_package_that_cannot_be_is_refused(line: str, tmp_path: Path, skiros: Skiros) -> None:
+def test_an_invalid_package_is_refused(line: str, tmp_path: Path, skiros: Skiros) -> None:
     (tmp_path / "taken").mkdir()
 
     status, _, err = skiros("new", "package", *words(line), "--dir", str(tmp_path))
@@ -381,7 +381,7 @@ def test_a_package_that_cannot_be_is_refused(line: str, tmp_path: Path, skiros: 
 
 
 @pytest.mark.parametrize("kind", ["skill", "primitive", "condition", "ontology", "robot", "scene"])
-def test_outside_of_a_package_nothing_is_added(
+def test_adding_to_a_folder_outside_a_package_is_refused(
     kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, skiros: Skiros
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -392,7 +392,7 @@ def test_outside_of_a_package_nothing_is_added(
     assert "is in no package" in json.loads(out)["error"]
 
 
-def test_a_file_that_is_there_is_never_overwritten(package: Path, skiros: Skiros) -> None:
+def test_an_existing_file_is_never_overwritten(package: Path, skiros: Skiros) -> None:
     own = package / "tests" / "primitives" / "test_read_code.py"
     own.write_text("mine", encoding="utf-8")
     before = texts(package)
@@ -414,7 +414,9 @@ def test_a_condition_of_the_package_that_does_not_load_is_named_with_its_reason(
     assert "ZeroDivisionError" in err
 
 
-def test_what_the_scene_of_a_skill_cannot_say_is_told_with_its_reason(package: Path, skiros: Skiros) -> None:
+def test_preconditions_that_a_generated_scene_cannot_fulfil_are_reported_with_the_reason(
+    package: Path, skiros: Skiros
+) -> None:
     params = ("--param", "Part:sk:Manipulatable", "--param", "Slot:kitting:Compartment")
     wanted = ("--pre", "FitsIn(Part, Slot)", "--post", "Inspected(Part)")
 
@@ -426,7 +428,7 @@ def test_what_the_scene_of_a_skill_cannot_say_is_told_with_its_reason(package: P
     assert "only pretended" in pretended
 
 
-def test_where_no_skills_are_installed_a_skill_has_no_robot_to_speak_of(package: Path) -> None:
+def test_without_installed_skills_a_new_skill_names_no_robot(package: Path) -> None:
     with knowledge_of(Project.around(package)) as known:
         own = {name: type_ for name, type_ in known.catalogue.conditions.items() if name == "Inspected"}
         alone = Knowledge(known.project, known.ontology, replace(known.catalogue, conditions=own))

@@ -41,7 +41,7 @@ def test_scenes_are_listed_with_their_files(tmp_path: Path) -> None:
     assert scenes["kitting"].endswith("kitting.ttl")
 
 
-def test_a_saved_copy_is_equal_and_a_copy_of_it_is_the_same_file(tmp_path: Path) -> None:
+def test_a_saved_copy_is_equal_and_copying_it_again_gives_the_same_file(tmp_path: Path) -> None:
     saved = skiros("scene", "save", "kitting", "one.ttl", cwd=tmp_path)
     again = skiros("scene", "save", "one.ttl", "two.ttl", cwd=tmp_path)
     compared = skiros("scene", "diff", "kitting", "one.ttl", cwd=tmp_path)
@@ -80,7 +80,7 @@ def test_a_scene_is_checked_with_its_goal(tmp_path: Path) -> None:
     assert "worse.ttl:5: a (kitting:Kit) is nowhere" in worse.stderr
 
 
-def test_a_check_finds_what_no_cell_can_be_made_of(tmp_path: Path) -> None:
+def test_a_scene_check_finds_a_scene_of_which_no_cell_can_be_built(tmp_path: Path) -> None:
     text = find_scene("kitting").read_text(encoding="utf-8")
     panda = (ROOT / "robots/src/skiros_robots/mobile_panda.ttl").read_text(encoding="utf-8")
     camera = panda[panda.index("scene:camera_1 a sk:Camera") :].replace("camera_1", "eye")
@@ -93,7 +93,7 @@ def test_a_check_finds_what_no_cell_can_be_made_of(tmp_path: Path) -> None:
     assert "camera.ttl: eye, in the model 'mobile_panda': unknown link 'nowhere'" in result.stderr
 
 
-def test_a_scene_that_is_refused_is_not_saved_and_the_old_file_stays(tmp_path: Path) -> None:
+def test_a_refused_scene_is_not_saved_and_the_old_file_stays(tmp_path: Path) -> None:
     (tmp_path / "bad.ttl").write_text(f"{HEADER}scene:a a kitting:Kit .", encoding="utf-8")
     (tmp_path / "old.ttl").write_text("old", encoding="utf-8")
 
@@ -104,7 +104,7 @@ def test_a_scene_that_is_refused_is_not_saved_and_the_old_file_stays(tmp_path: P
     assert (tmp_path / "old.ttl").read_text(encoding="utf-8") == "old"
 
 
-def test_saving_says_what_it_needs(tmp_path: Path) -> None:
+def test_saving_without_required_options_names_them(tmp_path: Path) -> None:
     alone = skiros("scene", "save", "one.ttl", cwd=tmp_path)
     other = skiros("scene", "save", "kitting", "one.owl", cwd=tmp_path)
 
@@ -114,7 +114,7 @@ def test_saving_says_what_it_needs(tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
-def test_the_present_world_of_a_data_directory_is_saved(tmp_path: Path) -> None:
+def test_the_current_world_of_a_data_directory_can_be_saved(tmp_path: Path) -> None:
     with open_data(tmp_path / "data", "kitting") as data, data.world.transaction("look", "seen") as tx:
         tx.set("starter_1", "sk:missing", True)
 

@@ -103,19 +103,21 @@ def test_a_second_server_of_a_directory_gets_the_address_of_the_first(
     assert server.url in err
 
 
-def test_a_run_on_its_directory_is_told_where_the_server_is(server: ServerProcess, refusals: Refusals) -> None:
+def test_a_run_on_a_served_directory_is_refused_with_the_address_of_the_server(
+    server: ServerProcess, refusals: Refusals
+) -> None:
     _, err = refusals.told("run", "kitting", "--fake", "--data", str(server.data))
 
     assert f"which serves it at {server.url}" in err
 
 
-def test_its_user_needs_no_key(server: ServerProcess) -> None:
+def test_the_user_who_started_the_server_needs_no_key(server: ServerProcess) -> None:
     assert httpx2.get(f"{server.url}/api/v1/session").status_code == 401
     with server.client() as client:
         assert client.http.get("/session").status_code == 200
 
 
-def test_logs_are_one_object_a_line_where_that_is_asked_for(server: ServerProcess) -> None:
+def test_logs_are_one_json_object_per_line_on_request(server: ServerProcess) -> None:
     with server.client() as client:
         client.station.stop("a test")
 
@@ -127,7 +129,7 @@ def test_logs_are_one_object_a_line_where_that_is_asked_for(server: ServerProces
 # ---------------------------------------------------------------- refused before anything is opened
 
 
-def test_a_port_in_use_is_refused_before_anything_is_opened(tmp_path: Path, refusals: Refusals) -> None:
+def test_a_port_in_use_is_refused_before_the_world_is_opened(tmp_path: Path, refusals: Refusals) -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = str(taken.getsockname()[1])
         _, err = refusals.told("serve", "kitting", "--fake", "--data", str(tmp_path / "data"), "--port", port)
@@ -163,7 +165,7 @@ def test_a_refused_first_start_leaves_nothing_behind(
     assert not (tmp_path / "plant").exists()
 
 
-def test_a_refused_first_start_lets_the_next_one_begin_with_another_scene(tmp_path: Path, refusals: Refusals) -> None:
+def test_after_a_refused_first_start_the_next_one_may_use_another_scene(tmp_path: Path, refusals: Refusals) -> None:
     (tmp_path / "learned.ttl").write_bytes(b"")
     refusals.told("serve", "kitting", "--robot", "robot_9", "--fake", "--data", str(tmp_path), "--port", "0")
 
@@ -171,7 +173,7 @@ def test_a_refused_first_start_lets_the_next_one_begin_with_another_scene(tmp_pa
     assert (tmp_path / "learned.ttl").exists()
 
 
-def test_a_key_that_was_made_meanwhile_outlives_a_refused_first_start(tmp_path: Path) -> None:
+def test_a_key_created_during_a_refused_first_start_is_kept(tmp_path: Path) -> None:
     data = tmp_path / "new"
     with pytest.raises(UsageError, match="refused"):
         _refused_after_a_key(data)
@@ -189,7 +191,9 @@ def _refused_after_a_key(data: Path) -> None:
 
 
 @pytest.mark.parametrize(("name", "why"), [("file", "is not a folder"), ("file/x", "cannot be made")])
-def test_a_data_directory_that_cannot_be_made_is_named(tmp_path: Path, refusals: Refusals, name: str, why: str) -> None:
+def test_a_data_directory_that_cannot_be_created_is_named(
+    tmp_path: Path, refusals: Refusals, name: str, why: str
+) -> None:
     (tmp_path / "file").write_bytes(b"")
     _, err = refusals.told("serve", "kitting", "--fake", "--data", str(tmp_path / name), "--port", "0")
 
@@ -197,7 +201,7 @@ def test_a_data_directory_that_cannot_be_made_is_named(tmp_path: Path, refusals:
 
 
 @pytest.mark.parametrize("option", ["--allow-host", "--allow-origin", "--webhook-host"])
-def test_an_option_that_can_never_match_is_refused_before_anything_is_opened(
+def test_an_option_that_can_never_match_is_refused_before_the_world_is_opened(
     tmp_path: Path, refusals: Refusals, option: str
 ) -> None:
     data = str(tmp_path / "data")
@@ -209,7 +213,7 @@ def test_an_option_that_can_never_match_is_refused_before_anything_is_opened(
 # ---------------------------------------------------------------- the end
 
 
-def test_polite_kills_end_it_in_good_order_and_the_scene_can_be_left_out_afterwards(tmp_path: Path) -> None:
+def test_sigterm_and_sigint_end_the_server_cleanly_and_the_next_start_needs_no_scene(tmp_path: Path) -> None:
     said: list[str] = []
     for number, scene in zip(STOPS, (["kitting"], [], ["kitting_two"]), strict=True):
         with ServerProcess(*scene, "--fake", data=tmp_path) as server:
@@ -223,7 +227,7 @@ def test_polite_kills_end_it_in_good_order_and_the_scene_can_be_left_out_afterwa
     assert "lives kitting: kitting_two was not loaded" in said[2]
 
 
-def test_a_second_ctrl_c_ends_it_at_once(tmp_path: Path) -> None:
+def test_a_second_ctrl_c_ends_the_server_at_once(tmp_path: Path) -> None:
     with ServerProcess("kitting", "--fake", data=tmp_path) as server:
         address = httpx2.URL(server.url)
         with socket.create_connection((address.host, address.port)) as unfinished:  # the end waits for this request
@@ -242,7 +246,7 @@ def listens(address: httpx2.URL) -> bool:
     return True
 
 
-def test_a_polite_kill_in_the_middle_of_a_job_keeps_it_for_a_person(tmp_path: Path) -> None:
+def test_sigterm_during_a_job_holds_it_for_a_person(tmp_path: Path) -> None:
     with ServerProcess("kitting", "--pace", "max", data=tmp_path) as server, server.client() as client:
         client.jobs.put("cut", JobOrder(goal="InKit(Starter, kit_1)"))
         client.jobs.wait("cut", until=lambda job: job.detail == "running", timeout=PATIENCE)

@@ -92,14 +92,14 @@ def refused(
     ],
     ids=lambda command: " ".join(command)[6:60],
 )
-def test_it_is_the_same_with_and_without_a_server(twins: Twins, command: list[str]) -> None:
+def test_world_commands_print_the_same_with_and_without_a_server(twins: Twins, command: list[str]) -> None:
     served, free = twins.both(*command)
 
     assert served == free
     assert served.strip()
 
 
-def test_the_history_of_everything_begins_the_same_and_is_whole(twins: Twins) -> None:
+def test_the_complete_history_is_the_same_with_and_without_a_server(twins: Twins) -> None:
     served, free = (json.loads(text) for text in twins.both("world", "history", "--all", "--json"))
 
     assert served["remembered_from"] == free["remembered_from"] == 1
@@ -115,7 +115,7 @@ def test_the_saved_scene_is_the_same_with_and_without_a_server(twins: Twins, tmp
     assert files[0].read_text(encoding="utf-8") == files[1].read_text(encoding="utf-8")
 
 
-def test_what_is_taken_back_and_forgotten_is_told_the_same_and_is_by_who_did_it(twins: Twins) -> None:
+def test_undo_and_forget_print_the_same_with_and_without_a_server_and_keep_the_author(twins: Twins) -> None:
     for command in (["undo"], ["learned", "forget", "learned:kit_1"], ["undo"]):
         changes = [json.loads(text) for text in twins.both("world", *command, "--author", "Ægir", "--json")]
         assert [change.pop("author") for change in changes] == ["Ægir", "Ægir"]
@@ -138,7 +138,7 @@ def test_what_is_taken_back_and_forgotten_is_told_the_same_and_is_by_who_did_it(
     ],
     ids=lambda command: " ".join(command)[6:60],
 )
-def test_it_is_refused_the_same_with_and_without_a_server(
+def test_world_commands_are_refused_alike_with_and_without_a_server(
     twins: Twins, command: list[str], monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     served, free = (refused(monkeypatch, capfd, *command, "--data", str(d)) for d in (twins.served, twins.free))
@@ -158,7 +158,7 @@ def test_an_operation_reserved_to_the_owner_names_the_owner(
     assert twins.server.url in err
 
 
-def test_a_server_takes_less_time_for_a_query_and_says_so(
+def test_a_server_refuses_a_query_time_limit_over_its_own(
     twins: Twins, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     query = ("world", "query", PLACES, "--time-limit", "600")

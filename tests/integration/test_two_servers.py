@@ -26,7 +26,7 @@ async def drive_both(folder: Path) -> list[tuple[Job, set[str]]]:
     return await asyncio.gather(*(drive(robot, folder / robot) for robot in GOALS))
 
 
-def test_one_client_drives_two_servers_and_each_its_own_robot(tmp_path: Path) -> None:
+def test_one_client_controls_two_servers_with_one_robot_each(tmp_path: Path) -> None:
     start = ("kitting_two", "--fake", "--pace", "40", "--robot")
     with (
         ServerProcess(*start, "robot_1", data=tmp_path / "robot_1"),

@@ -64,7 +64,7 @@ def command(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str])
     return Command(monkeypatch, capsys)
 
 
-def test_a_scene_is_asked_from_a_shell_and_a_table_comes() -> None:
+def test_querying_a_scene_in_the_shell_prints_a_table() -> None:
     result = subprocess.run(
         [str(SKIROS), "world", "query", "kitting", "-", "--bind", "place=pallet_a"],
         input=PARTS,
@@ -87,7 +87,7 @@ def test_a_fault_ends_a_shell_command_with_one_line_and_status_two() -> None:
     assert len(result.stderr.splitlines()) == 1
 
 
-def test_the_answer_as_json_has_columns_and_typed_values_and_binds_texts_and_numbers(command: Command) -> None:
+def test_a_json_answer_has_columns_and_typed_values_of_bound_texts_and_numbers(command: Command) -> None:
     asked = "SELECT ?s ?n ?none { ?s sk:on ?floor ; rdfs:label $label BIND($n AS ?n) OPTIONAL { ?s sk:missing ?none } }"
 
     found = command.json("kitting", "-", "--bind", 'label="rack"', "--bind", "n=320", stdin=asked)
@@ -99,15 +99,13 @@ def test_the_answer_as_json_has_columns_and_typed_values_and_binds_texts_and_num
     }
 
 
-def test_what_owl_entails_counts_where_it_is_wanted(command: Command) -> None:
+def test_owl_entailments_are_included_on_request(command: Command) -> None:
     asked = "ASK { scene:starter_1 sk:placement scene:pallet_a }"
 
     assert command.run("kitting", asked, "--entailed", "--time-limit", "20") == (0, "yes\n", "")
 
 
-def test_the_present_world_of_a_data_directory_is_asked_and_a_construct_is_turtle(
-    command: Command, tmp_path: Path
-) -> None:
+def test_a_construct_query_on_a_data_directory_prints_turtle(command: Command, tmp_path: Path) -> None:
     with open_data(tmp_path / "data", "kitting") as data, data.world.transaction("test", "carried over") as tx:
         tx.place("starter_1", "sk:in", "pallet_b")
     query = "CONSTRUCT WHERE { ?part sk:in $place }"
@@ -121,13 +119,13 @@ def test_the_present_world_of_a_data_directory_is_asked_and_a_construct_is_turtl
     ]
 
 
-def test_a_query_that_runs_for_ever_ends_at_its_time_limit(command: Command) -> None:
+def test_an_endless_query_ends_at_its_time_limit(command: Command) -> None:
     for_ever = "SELECT (COUNT(*) AS ?n) { ?a ?b ?c . ?d ?e ?f . ?g ?h ?i . ?j ?k ?l }"
 
     assert "took longer than 0.3 s" in command.refusal("kitting", for_ever, "--time-limit", "0.3")
 
 
-def test_an_error_is_json_where_json_is_wanted(command: Command) -> None:
+def test_with_json_an_error_is_json(command: Command) -> None:
     status, out, err = command.run("kiting", "ASK {}", "--json")
 
     said = json.loads(out)
@@ -136,7 +134,7 @@ def test_an_error_is_json_where_json_is_wanted(command: Command) -> None:
     assert "Traceback" not in err
 
 
-def test_wrong_use_is_refused_before_anything_is_started(command: Command, tmp_path: Path) -> None:
+def test_wrong_usage_is_refused_before_the_world_is_opened(command: Command, tmp_path: Path) -> None:
     nowhere = tmp_path / "nowhere"
 
     assert "needs SCENE and SPARQL" in command.refusal("kitting")

@@ -11,7 +11,7 @@ from skiros_py.cli.main import cli
 
 
 @pytest.mark.parametrize("scene", ["kitting", "kitting_carried"])
-def test_a_validator_of_others_accepts_the_written_plan(scene, tmp_path):
+def test_an_external_validator_accepts_the_written_plan(scene, tmp_path):
     status = cli.main(args=["plan", scene, "--write", str(tmp_path)], standalone_mode=False)
 
     assert status == 0

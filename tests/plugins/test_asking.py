@@ -18,7 +18,7 @@ def bench() -> Iterator[Bench]:
         yield made
 
 
-def test_yes_is_success_and_no_is_failure_with_the_question(bench: Bench) -> None:
+def test_the_answer_yes_succeeds_and_no_fails_with_the_question(bench: Bench) -> None:
     answers(bench.questions, {"closed": "yes", "empty": "no"})
 
     assert bench.run("confirm", question="Is the door closed?") == Success("yes")
@@ -41,7 +41,7 @@ def test_without_a_listener_a_question_fails_at_once(bench: Bench, module: str, 
     assert bench.time < 0.1
 
 
-def test_a_question_waits_for_its_answer_and_is_closed_by_it(bench: Bench) -> None:
+def test_a_question_stays_open_until_it_is_answered(bench: Bench) -> None:
     asked = answers(bench.questions, {})
     running = bench.start("confirm", question="Go on?")
     bench.advance(10.0)
@@ -76,7 +76,7 @@ def test_a_stop_withdraws_the_question(bench: Bench) -> None:
     assert bench.questions.open == ()
 
 
-def test_a_choice_is_the_message_and_is_written_where_it_is_wanted(bench: Bench) -> None:
+def test_a_choice_is_returned_and_written_to_the_requested_property(bench: Bench) -> None:
     answers(bench.questions, {"How much": "2.5"})
     asks = {"question": "How much is it?", "options": ("1", "2.5")}
 
@@ -95,7 +95,7 @@ def test_a_choice_is_the_message_and_is_written_where_it_is_wanted(bench: Bench)
         ({"options": ("1", "b"), "element": "ball_1", "property": "sk:mass"}, "'b' cannot be written as sk:mass"),
     ],
 )
-def test_a_choice_that_makes_no_sense_is_not_asked(bench: Bench, arguments: dict[str, object], says: str) -> None:
+def test_an_invalid_choice_question_is_not_asked(bench: Bench, arguments: dict[str, object], says: str) -> None:
     asked = answers(bench.questions, {})
 
     outcome = bench.run("choose", question="Which?", **arguments)
@@ -105,7 +105,7 @@ def test_a_choice_that_makes_no_sense_is_not_asked(bench: Bench, arguments: dict
     assert asked.asked == []
 
 
-def test_what_a_person_brought_is_what_was_missing_and_nothing_there_counts_as_seen(bench: Bench) -> None:
+def test_parts_brought_by_a_person_are_the_missing_ones_and_the_others_count_as_not_yet_seen(bench: Bench) -> None:
     answers(bench.questions, {"Bring 1 x Ball to box A (box_a)": "done"})
 
     outcome = bench.run("refill", place="box_a", what="tiny:Ball")
@@ -116,7 +116,7 @@ def test_what_a_person_brought_is_what_was_missing_and_nothing_there_counts_as_s
     assert (bench.world.value("ball_3", "sk:pose"), bench.world.value("ball_3", "sk:missedLooks")) == (None, None)
 
 
-def test_what_a_person_brought_beyond_what_was_missing_is_new(bench: Bench) -> None:
+def test_parts_brought_in_excess_of_the_missing_ones_are_new(bench: Bench) -> None:
     answers(bench.questions, {"Bring": "done"})
     before = set(bench.world.subjects("sk:in", "box_a"))
 
@@ -138,7 +138,7 @@ def test_an_item_that_a_person_cannot_bring_changes_no_belief(bench: Bench) -> N
     assert bench.world.version == before
 
 
-def test_only_what_can_be_carried_is_asked_for(bench: Bench) -> None:
+def test_only_portable_items_can_be_requested_from_a_person(bench: Bench) -> None:
     answers(bench.questions, {"Bring": "done"})
 
     assert "no sk:Manipulatable" in bench.run("refill", place="box_a", what="tiny:Box").reason

@@ -72,38 +72,38 @@ def test_parts_of_another_place_are_never_taken_for_it() -> None:
     assert found.unseen == ()
 
 
-def test_what_nobody_has_seen_yet_may_be_any_of_the_rest() -> None:
+def test_an_unseen_part_may_match_any_remaining_detection() -> None:
     assert names(look(ball("known", 1.0), ball("unobserved"), sees=[at(2.0), at(1.0)])) == ["unobserved", "known"]
 
 
-def test_what_nobody_has_seen_yet_comes_before_what_was_believed_elsewhere() -> None:
+def test_never_seen_parts_are_matched_before_parts_believed_elsewhere() -> None:
     found = look(ball("a_far", 3.0), ball("unobserved"), sees=[at(1.0)])
 
     assert names(found) == ["unobserved"]
     assert found.unseen == ("a_far",)
 
 
-def test_a_part_that_was_moved_within_the_place_is_still_that_part() -> None:
+def test_a_part_moved_within_its_place_keeps_its_identity() -> None:
     assert names(look(ball("b", 1.0), sees=[at(1.5)])) == ["b"]
 
 
-def test_of_several_that_nobody_has_seen_the_ids_give_the_order() -> None:
+def test_never_seen_parts_are_matched_in_order_of_their_ids() -> None:
     assert names(look(ball("b2"), ball("b1"), sees=[at(1.0), at(2.0)])) == ["b1", "b2"]
 
 
-def test_what_is_one_too_many_is_new() -> None:
+def test_a_surplus_detection_is_a_new_part() -> None:
     assert names(look(ball("b", 1.0), sees=[at(1.0), at(1.3)])) == ["b", None]
 
 
-def test_what_is_believed_there_and_not_seen_is_unseen() -> None:
+def test_a_part_believed_there_but_not_detected_is_unseen() -> None:
     assert look(ball("b", 1.0), ball("c"), sees=[]).unseen == ("b", "c")
 
 
-def test_only_types_that_can_be_told_apart_are_reported_unseen() -> None:
+def test_only_distinguishable_types_are_reported_unseen() -> None:
     assert look(ball("r", type_="tiny:RedBall"), ball("b"), sees=[], types=("tiny:Ball",)).unseen == ("b",)
 
 
-def test_something_of_unknown_shape_is_nobody() -> None:
+def test_a_detection_of_unknown_shape_matches_no_part() -> None:
     found = look(ball("b", 1.0), sees=[at(1.0, None)])
 
     assert found.seen == ()
@@ -122,7 +122,7 @@ detections = st.lists(st.builds(at, st.floats(0.9, 1.4), st.sampled_from([*TYPES
 
 @settings(max_examples=60, deadline=None)
 @given(detections)
-def test_however_things_lie_everyone_is_seen_once_or_unseen_and_types_agree(sees: list[Detection]) -> None:
+def test_each_part_is_matched_at_most_once_and_only_with_its_own_type(sees: list[Detection]) -> None:
     with bench(*FACTS) as made:
         found = locate.associate(made.context, "box_a", TYPES, sees)
         types = {e: made.world.element(e).type for e in "abcrs"}
@@ -140,22 +140,22 @@ STOCK = 'scene:box_a sk:hasA scene:stock . scene:stock a sk:Stock ; sk:stockOf "
 LOST = "scene:lost a tiny:Ball ; sk:on scene:floor ; sk:missing true ."
 
 
-def test_what_is_in_stock_stays_without_an_individual() -> None:
+def test_detected_stock_items_get_no_individuals() -> None:
     assert names(look(STOCK, ball("a", 1.0), sees=[at(2.0), at(1.01), at(3.0)])) == ["a"]
 
 
-def test_what_was_taken_from_stock_and_not_seen_yet_is_one_of_those_seen() -> None:
+def test_a_part_taken_from_stock_and_not_yet_seen_matches_a_detection() -> None:
     assert names(look(STOCK, ball("a"), sees=[at(1.0), at(2.0), at(3.0)])) == ["a"]
 
 
-def test_what_is_more_than_the_stock_is_new() -> None:
+def test_detections_in_excess_of_the_stock_are_new_parts() -> None:
     assert names(look(STOCK, sees=[at(1.0), at(2.0), at(3.0)])) == [None]
 
 
-def test_what_may_be_of_the_stock_is_nothing_that_went_missing_and_what_is_more_is() -> None:
+def test_detections_explained_by_stock_match_no_missing_part_but_surplus_ones_do() -> None:
     assert names(look(STOCK, LOST, sees=[at(1.0), at(2.0)])) == []
     assert names(look(STOCK, LOST, sees=[at(1.0), at(2.0), at(3.0)])) == ["lost"]
 
 
-def test_stock_of_one_type_explains_nothing_of_another() -> None:
+def test_stock_of_one_type_does_not_explain_detections_of_another() -> None:
     assert names(look(STOCK, sees=[at(1.0, "tiny:RedBall")])) == [None]

@@ -51,16 +51,16 @@ def test_a_long_part_may_lie_along_the_longer_side() -> None:
     assert not fits(solid(0.15, 0.15), solid(0.2, 0.1))
 
 
-def test_how_high_it_is_does_not_matter() -> None:
+def test_the_height_of_a_part_does_not_matter() -> None:
     assert fits(solid(0.05, 0.05, 0.5), solid(0.1, 0.1, 0.01))
 
 
-def test_a_block_turned_within_the_part_takes_the_room_of_its_corners() -> None:
+def test_a_shape_rotated_within_its_part_needs_room_for_its_corners() -> None:
     assert fits(solid(0.08, 0.08), solid(0.1, 0.1))
     assert not fits(solid(0.08, 0.08, yaw=0.785398), solid(0.1, 0.1))
 
 
-def test_the_verdict_gives_both_sizes() -> None:
+def test_the_verdict_names_both_sizes() -> None:
     assert fits(solid(0.09, 0.05), solid(0.1, 0.2)).text == "part fits into room: 0.050 x 0.090 m into 0.100 x 0.200 m"
     assert fits(solid(0.2, 0.2), solid(0.1, 0.1)).text.startswith("part does not fit into room: 0.200 x 0.200 m into")
 
@@ -68,7 +68,7 @@ def test_the_verdict_gives_both_sizes() -> None:
 @pytest.mark.parametrize(
     ("part", "room", "who"), [("", solid(1, 1), "part"), (solid(1, 1), "", "room"), ("", "", "part")]
 )
-def test_what_has_no_size_does_not_fit_and_is_named(part: str, room: str, who: str) -> None:
+def test_a_part_without_a_size_does_not_fit_and_is_named(part: str, room: str, who: str) -> None:
     verdict = fits(part, room)
 
     assert not verdict
@@ -80,7 +80,7 @@ sizes = st.floats(0.01, 0.3)
 
 @settings(max_examples=20, deadline=None)
 @given(sizes, sizes, sizes, sizes)
-def test_turning_part_or_room_changes_nothing(x: float, y: float, a: float, b: float) -> None:
+def test_rotating_part_or_compartment_does_not_change_the_verdict(x: float, y: float, a: float, b: float) -> None:
     answers = {bool(fits(solid(*part), solid(*room))) for part in ((x, y), (y, x)) for room in ((a, b), (b, a))}
 
     assert len(answers) == 1

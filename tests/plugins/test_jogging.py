@@ -33,7 +33,7 @@ def joints(bench: Bench) -> tuple[float, ...]:
     return bench.context.board.snapshot.state("arm_1", ArmState).positions
 
 
-def test_joints_turn_by_what_is_said_and_the_arm_goes_home_again(bench: Bench) -> None:
+def test_jogged_joints_turn_by_the_given_deltas_and_the_arm_returns_home(bench: Bench) -> None:
     before = joints(bench)
     deltas = [0.1, -0.2, *[0.0] * (len(before) - 2)]
 
@@ -47,7 +47,7 @@ def test_joints_turn_by_what_is_said_and_the_arm_goes_home_again(bench: Bench) -
     assert joints(bench) == pytest.approx(before)
 
 
-def test_a_step_of_a_joint_is_small_and_there_is_one_number_for_each(bench: Bench) -> None:
+def test_a_joint_jog_needs_one_small_delta_per_joint(bench: Bench) -> None:
     before = joints(bench)
 
     far = bench.run("jog_joints", deltas=[0.21, *[0.0] * (len(before) - 1)])
@@ -61,13 +61,13 @@ def test_a_step_of_a_joint_is_small_and_there_is_one_number_for_each(bench: Benc
     assert joints(bench) == before
 
 
-def test_without_an_arm_planner_joints_are_jogged(bench: Bench) -> None:
+def test_joints_can_be_jogged_without_an_arm_planner(bench: Bench) -> None:
     outcome = bench.run("jog_tool", translation=[0.0, 0.0, 0.05])
 
     assert outcome == Failure("there is no planner for the arm: jog the joints instead")
 
 
-def test_a_step_of_the_tool_is_small(bench: Bench) -> None:
+def test_a_large_tool_jog_is_refused(bench: Bench) -> None:
     far = bench.run("jog_tool", translation=[0.08, 0.08, 0.0])
     wide = bench.run("jog_tool", rotation=[0.0, 0.3, 0.3])
 
@@ -78,7 +78,7 @@ def test_a_step_of_the_tool_is_small(bench: Bench) -> None:
 
 
 @pytest.mark.parametrize("step", [(0.1, 0.0, 0.0), (-0.2, 0.0, 0.0), (0.0, 0.0, 0.3), (0.05, -0.1, 0.1)])
-def test_the_base_comes_where_it_is_sent(bench: Bench, step: tuple[float, float, float]) -> None:
+def test_a_jogged_base_reaches_its_target(bench: Bench, step: tuple[float, float, float]) -> None:
     before = bench.context.board.snapshot.state("base_1", BaseState).pose
 
     outcome = bench.run("jog_base", dx=step[0], dy=step[1], dyaw=step[2])
@@ -89,7 +89,7 @@ def test_the_base_comes_where_it_is_sent(bench: Bench, step: tuple[float, float,
     assert came.yaw == pytest.approx(step[2], abs=0.01)
 
 
-def test_a_base_that_was_moved_by_hand_is_believed_at_no_place(bench: Bench) -> None:
+def test_after_jogging_a_base_its_robot_is_believed_on_the_floor(bench: Bench) -> None:
     with bench.world.transaction("person", "says where it is") as tx:
         tx.place("robot_1", "sk:at", "slot_1")
 
@@ -108,14 +108,14 @@ def test_a_base_that_was_moved_by_hand_is_believed_at_no_place(bench: Bench) -> 
         ({"dyaw": 0.36}, "it must be between -0.35 and 0.35"),
     ],
 )
-def test_a_step_of_the_base_is_small(bench: Bench, too_far: dict[str, float], reason: str) -> None:
+def test_a_large_base_jog_is_refused(bench: Bench, too_far: dict[str, float], reason: str) -> None:
     outcome = bench.run("jog_base", **too_far)
 
     assert isinstance(outcome, Failure)
     assert reason in outcome.reason
 
 
-def test_the_base_stands_still_while_an_arm_is_stretched_out(bench: Bench) -> None:
+def test_a_base_jog_is_refused_while_an_arm_is_stretched_out(bench: Bench) -> None:
     bench.run("jog_joints", deltas=[0.1, *[0.0] * (len(joints(bench)) - 1)])
     before = bench.context.board.snapshot.state("base_1", BaseState).pose
 
@@ -125,7 +125,7 @@ def test_the_base_stands_still_while_an_arm_is_stretched_out(bench: Bench) -> No
     assert bench.context.board.snapshot.state("base_1", BaseState).pose == before
 
 
-def test_the_base_does_not_drive_into_what_stands_there_but_away_from_it() -> None:
+def test_a_base_is_jogged_away_from_an_obstacle_but_not_into_it() -> None:
     with Bench(tiny_world(), primitives=(JogBase,)) as plain:
         front = max(x for x, _ in plain.context.cell.robots[0].outline)
     wall = f'{AHEAD} sk:pose "{front + 0.13} 0 0 0 0 0"{POSE} .'  # its near side is 8 cm ahead
@@ -141,7 +141,7 @@ def test_the_base_does_not_drive_into_what_stands_there_but_away_from_it() -> No
 
 @settings(max_examples=25, deadline=None)
 @given(ANGLES, st.data())
-def test_an_unplanned_motion_is_straight_begins_and_ends_at_rest_and_is_not_hasty(start, data) -> None:
+def test_an_unplanned_motion_is_straight_starts_and_ends_at_rest_and_respects_the_limits(start, data) -> None:
     goal = data.draw(st.lists(st.floats(-0.5, 0.5), min_size=len(start), max_size=len(start)))
 
     trajectory = even(start, goal, 0.005)

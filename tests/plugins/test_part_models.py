@@ -49,7 +49,7 @@ def test_a_model_has_the_shape_that_the_ontology_gives(kitting: World) -> None:
     assert high - low == pytest.approx([0.059, 0.040, 0.054])
 
 
-def test_the_grasp_is_what_the_ontology_says(kitting: World) -> None:
+def test_the_grasp_of_a_part_model_comes_from_the_ontology(kitting: World) -> None:
     grasp = models.grasp_of(kitting, "starter_1")
 
     assert grasp.width == 0.049
@@ -78,7 +78,7 @@ def test_every_part_of_the_scene_can_be_grasped_within_its_own_height(kitting: W
     ],
     ids=["upright", "turned about its axis", "lying", "off the axis", "block", "with a block"],
 )
-def test_a_part_that_looks_the_same_from_all_sides_may_be_taken_from_eight(blocks: tuple[str, ...], turns: int) -> None:
+def test_a_rotationally_symmetric_part_has_eight_grasp_directions(blocks: tuple[str, ...], turns: int) -> None:
     poses = models.grasp_of(part(*blocks), "p").poses
 
     yaws = sorted(pose.yaw % (2.0 * math.pi) for pose in poses)
@@ -88,14 +88,14 @@ def test_a_part_that_looks_the_same_from_all_sides_may_be_taken_from_eight(block
 
 
 @pytest.mark.parametrize("given", ["", "sk:graspHeight 0.03", "sk:graspWidth 0.05"])
-def test_a_part_that_nobody_said_how_to_grasp_is_the_ontologys_fault(given: str) -> None:
+def test_a_part_without_a_grasp_is_reported_as_a_fault_of_the_ontology(given: str) -> None:
     world = tiny_world(f"scene:p a tiny:Ball ; sk:in scene:box_a ; {given} .")
 
     with pytest.raises(DescriptionError, match="tiny:Ball has no sk:graspHeight and sk:graspWidth"):
         models.grasp_of(world, "p")
 
 
-def test_the_shipped_ontologies_say_for_each_shape_how_to_grasp_it() -> None:
+def test_the_shipped_ontologies_define_a_grasp_for_each_shape() -> None:
     ontology = Ontology.load(ontology_paths())
 
     for class_ in ontology.subclasses("sk:Manipulatable"):

@@ -48,7 +48,7 @@ def played(cycles: int, *, pause: int = -1, resume: int = -1, first: int = 0) ->
 
 @settings(max_examples=30, deadline=None)
 @given(st.integers(0, 10**6))
-def test_on_a_clock_that_runs_on_time_each_sample_is_given_out_exactly_once(first: int) -> None:
+def test_a_regular_clock_plays_each_sample_exactly_once(first: int) -> None:
     targets = played(300, first=first)
 
     assert [t.positions for t in targets] == [tuple(row) for row in SWING.positions[1:].tolist()]
@@ -57,7 +57,7 @@ def test_on_a_clock_that_runs_on_time_each_sample_is_given_out_exactly_once(firs
 
 @settings(max_examples=30, deadline=None)
 @given(st.integers(1, 199), st.integers(70, 400))
-def test_a_pause_leaves_the_path_as_it_is_and_ends_at_its_end(pause: int, length: int) -> None:
+def test_a_paused_trajectory_keeps_its_path_and_end(pause: int, length: int) -> None:
     targets = played(1000, pause=pause, resume=pause + length)
 
     done = np.array([t.positions for t in targets])
@@ -68,7 +68,7 @@ def test_a_pause_leaves_the_path_as_it_is_and_ends_at_its_end(pause: int, length
 
 @settings(max_examples=30, deadline=None)
 @given(st.integers(1, 130))
-def test_a_pause_brakes_without_a_jump_and_ends_with_hardly_any_speed(pause: int) -> None:
+def test_a_pause_brakes_smoothly_to_almost_zero_speed(pause: int) -> None:
     targets = played(pause + 100, pause=pause)
 
     steps = np.diff([t.positions[1] for t in targets]) / PERIOD
@@ -78,5 +78,5 @@ def test_a_pause_brakes_without_a_jump_and_ends_with_hardly_any_speed(pause: int
     assert np.abs(steps - speeds[1:]).max() < 0.05
 
 
-def test_a_motion_without_length_has_no_targets() -> None:
+def test_a_trajectory_of_one_sample_has_no_targets() -> None:
     assert Playback(Trajectory(SWING.positions[:1], SWING.velocities[:1] * 0.0), PERIOD, 3.0).ended

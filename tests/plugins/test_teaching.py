@@ -32,7 +32,7 @@ def bench() -> Iterator[Bench]:
         yield made
 
 
-def test_where_the_base_stands_is_learned_for_the_class_of_the_place(bench: Bench) -> None:
+def test_the_base_pose_is_learned_for_the_class_of_the_place(bench: Bench) -> None:
     outcome = bench.run("teach_driving_pose", location="slot_1")
 
     assert isinstance(outcome, Success), outcome
@@ -44,7 +44,7 @@ def test_where_the_base_stands_is_learned_for_the_class_of_the_place(bench: Benc
     assert bench.world.value("slot_2", "sk:drivingPose") == learned
 
 
-def test_a_person_may_choose_a_wider_class_and_no_other(bench: Bench) -> None:
+def test_a_person_may_choose_only_a_wider_class(bench: Bench) -> None:
     assert isinstance(bench.run("teach_driving_pose", location="slot_1", type="sk:Location"), Success)
 
     refused = bench.run("teach_driving_pose", location="slot_1", type="tiny:Box")
@@ -55,13 +55,13 @@ def test_a_person_may_choose_a_wider_class_and_no_other(bench: Bench) -> None:
     assert len(lessons(bench.world)) == 1
 
 
-def test_nothing_can_be_taught_about_a_place_that_nobody_knows(bench: Bench) -> None:
+def test_teaching_at_an_unknown_place_is_refused(bench: Bench) -> None:
     outcome = bench.run("teach_driving_pose", location="slot_2")
 
     assert outcome == Failure("the position of slot_2 is unknown")
 
 
-def test_a_place_that_cannot_be_planned_with_can_be_once_it_is_taught(bench: Bench) -> None:
+def test_a_place_becomes_plannable_once_its_docking_pose_is_taught(bench: Bench) -> None:
     goal = "At(robot_1, slot_1)"
     before = bench.plan(goal).outcome
 
@@ -84,14 +84,14 @@ def test_a_held_part_teaches_its_grasp(bench: Bench) -> None:
     assert (pose @ Pose.of(0, 0, 0.1, roll=3)).distance(Pose()) < 1e-9
 
 
-def test_wide_open_fingers_teach_no_grasp(bench: Bench) -> None:
+def test_fully_open_fingers_teach_no_grasp(bench: Bench) -> None:
     outcome = bench.run("teach_grasp", part="held")
 
     assert outcome == Failure("gripper_1 is wide open: close it on held")
     assert lessons(bench.world) == []
 
 
-def test_a_part_that_was_seen_in_a_container_teaches_how_to_put_it_there(bench: Bench) -> None:
+def test_a_part_seen_in_a_container_teaches_its_placement(bench: Bench) -> None:
     with bench.world.transaction("camera", "seen") as tx:
         tx.set("ball_1", "sk:pose", Pose.of(2, 1, 0.51, yaw=1.6))
 

@@ -52,7 +52,7 @@ def test_a_killed_run_takes_its_worker_processes_with_it():
     assert psutil.wait_procs(children, timeout=10)[1] == []
 
 
-def test_a_goal_without_a_plan_says_why_and_exits_with_3():
+def test_a_goal_without_a_plan_prints_the_reason_and_exits_with_3():
     done = subprocess.run(
         [*COMMAND, "kitting", "--fake", "--json", "--goal", "ObjectAtLocation(starter_1, pallet_b)"],
         capture_output=True,

@@ -28,7 +28,7 @@ def by_condition(report):
     return {c.condition: c for c in report.conditions}
 
 
-def test_a_part_knocked_out_of_the_gripper_is_noticed_and_the_rest_is_still_done(open_session, when):
+def test_a_part_knocked_out_of_the_gripper_is_noticed_and_the_remaining_goal_is_reached(open_session, when):
     session = open_session("kitting", seed=2)
     driving = lambda: holds(session, "starter_1") and session.world.placement("robot_1").place == "floor"  # noqa: E731
     when(session, driving, lambda: session.simulation.move_body("starter_1", Pose((2.0, 2.6, 0.0))))
@@ -43,7 +43,7 @@ def test_a_part_knocked_out_of_the_gripper_is_noticed_and_the_rest_is_still_done
     assert found[STARTER].reason
 
 
-def test_a_part_taken_away_is_missing_after_two_clear_looks_not_deleted(open_session, when):
+def test_a_removed_part_is_marked_missing_after_two_clear_looks_and_not_deleted(open_session, when):
     session = open_session("kitting_carried", seed=2)
     when(session, lambda: True, lambda: session.simulation.remove_body("starter_1"))
 

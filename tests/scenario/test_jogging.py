@@ -18,7 +18,7 @@ SCENES = Path(__file__).parents[2] / "scenes"
 START = 'scene:base_1 sk:pose "0 0 0 0 0 0"'
 
 
-def test_an_arm_is_jogged_until_it_would_touch_something_and_where_the_robot_stands_is_taught(tmp_path) -> None:
+def test_an_arm_is_jogged_until_it_would_collide_and_the_docking_pose_is_taught(tmp_path) -> None:
     scene = tmp_path / "docked.ttl"
     text = (SCENES / "kitting.ttl").read_text(encoding="utf-8")
     scene.write_text(text.replace(START, 'scene:base_1 sk:pose "4.22 1.6 0 0 0 0"'), encoding="utf-8")

@@ -7,7 +7,7 @@ import pytest
 pytestmark = pytest.mark.physics
 
 
-def test_three_parts_reach_their_compartments_by_the_truth(open_session):
+def test_three_parts_are_truly_in_their_compartments_at_the_end(open_session):
     session = open_session("kitting", seed=11)
 
     report = session.run()
@@ -26,7 +26,7 @@ def test_a_kit_carried_by_the_robot_is_filled_without_driving_back(open_session)
     assert drives == ["pallet_a", "pallet_b"]
 
 
-def test_a_goal_about_the_robot_is_judged_by_where_it_stands(open_session):
+def test_a_goal_about_the_robot_is_judged_by_its_true_position(open_session):
     session = open_session("kitting", seed=1)
 
     report = session.run(["RobotAtLocation(robot_1, pallet_b)"])
@@ -56,7 +56,7 @@ def test_the_same_seed_gives_the_same_digest_and_another_seed_another(open_sessi
 
 
 @pytest.mark.parametrize("scene", ["kitting", "kitting_carried"])
-def test_nothing_of_the_robot_touches_anything_but_the_fingers_their_part(open_session, scene):
+def test_only_the_fingers_touch_anything_and_only_their_part(open_session, scene):
     from skiros_py.simulation.truth import Truth
 
     session = open_session(scene, seed=8)

@@ -19,7 +19,7 @@ pytestmark = pytest.mark.physics
 GOAL = "ObjectAtLocation(starter_9, kit_1_a)"
 
 
-def test_a_part_that_was_added_by_hand_is_put_where_it_is_wanted(tmp_path: Path) -> None:
+def test_a_part_added_by_a_person_is_put_into_the_requested_place(tmp_path: Path) -> None:
     def truth(session: Session) -> tuple[bool | None, ...]:
         return judge(session.simulation, session.spec, session.world, session.parse([GOAL]))
 

@@ -10,7 +10,7 @@ from skiros_py.station.session import Options, Session
 pytestmark = pytest.mark.physics
 
 
-def test_a_part_from_stock_reaches_its_compartment_by_the_truth(open_session):
+def test_a_part_from_stock_is_truly_in_its_compartment_at_the_end(open_session):
     session = open_session("kitting_stock", seed=4)
 
     report = session.run(["ObjectAtLocation(Alternator, kit_1_b)"])
@@ -22,7 +22,7 @@ def test_a_part_from_stock_reaches_its_compartment_by_the_truth(open_session):
     assert session.world.value("relay_boxes_a", "sk:stockCount") == 1
 
 
-def test_a_stock_is_as_many_bodies_as_it_counts_lying_in_their_container(open_session):
+def test_a_stock_is_simulated_as_that_many_bodies_in_its_container(open_session):
     from skiros_py.simulation.truth import Truth
 
     session = open_session("kitting_stock", seed=4)
@@ -35,7 +35,7 @@ def test_a_stock_is_as_many_bodies_as_it_counts_lying_in_their_container(open_se
     }
 
 
-def test_goals_by_class_are_judged_by_bodies_without_individuals_and_individuals_of_a_stock_by_nobody(open_session):
+def test_goals_by_class_count_stock_bodies_and_individuals_made_from_stock_have_no_truth(open_session):
     from skiros_py.station.judgement import judge
     from skiros_py.world.stock import take
 
@@ -54,7 +54,7 @@ def test_goals_by_class_are_judged_by_bodies_without_individuals_and_individuals
     assert judge(session.simulation, session.spec, session.world, goal) == (True, False, None, True)
 
 
-def test_a_stock_that_is_not_there_is_found_out_by_looking_once(open_session):
+def test_one_look_detects_that_a_stock_is_empty(open_session):
     session = open_session("kitting_stock", seed=4)
     for number in (1, 2, 3):
         session.simulation.remove_body(f"alternators_a#{number}")
@@ -67,7 +67,7 @@ def test_a_stock_that_is_not_there_is_found_out_by_looking_once(open_session):
     assert session.world.value("alternator_1", "sk:missing") is True
 
 
-def test_more_than_has_room_is_refused_with_the_place_named(tmp_path):
+def test_a_stock_larger_than_its_container_is_refused_and_names_the_container(tmp_path):
     from skiros_py.config import find_scene
 
     file = tmp_path / "much.ttl"

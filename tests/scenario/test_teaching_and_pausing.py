@@ -137,7 +137,7 @@ def test_a_paused_arm_brakes_along_its_path_stands_and_goes_on_where_it_stopped(
     assert len(paused) - len(straight_through) == pytest.approx(600, abs=70)
 
 
-def test_home_brings_the_arm_home_and_opens_empty_fingers(open_guided):
+def test_home_moves_the_arm_home_and_opens_empty_fingers(open_guided):
     session = open_guided("kitting", seed=1)
     swing(session)
     run(session, "gripper_control", gap=0.0)
@@ -150,7 +150,7 @@ def test_home_brings_the_arm_home_and_opens_empty_fingers(open_guided):
     assert session.cycle.board.snapshot.state("gripper_1", GripperState).gap > 0.075
 
 
-def test_where_to_stand_at_a_kit_is_taught_once_and_the_goal_is_planned_and_done(open_guided, tmp_path):
+def test_a_goal_at_a_kit_is_reached_once_its_docking_pose_is_taught(open_guided, tmp_path):
     scene = tmp_path / "untaught.ttl"
     text = (SCENES / "kitting.ttl").read_text(encoding="utf-8")
     text = text.replace('    sk:drivingPose "-0.73 0 -0.5 0 0 0"^^sk:poseLiteral ;\n', "")
@@ -169,7 +169,7 @@ def test_where_to_stand_at_a_kit_is_taught_once_and_the_goal_is_planned_and_done
     assert [step.arguments["Location"] for step in report.steps if step.skill == "drive"] == ["pallet_a", "kit_1"]
 
 
-def test_a_part_that_nobody_said_how_to_take_is_taken_and_put_down_as_was_shown(open_guided, tmp_path, monkeypatch):
+def test_a_part_with_a_taught_grasp_is_picked_and_placed_as_taught(open_guided, tmp_path, monkeypatch):
     (tmp_path / "bars.ttl").write_text(BARS, encoding="utf-8")
     monkeypatch.setenv("SKIROS_ONTOLOGIES", str(tmp_path / "bars.ttl"))
     scene = tmp_path / "bars_carried.ttl"

@@ -54,7 +54,7 @@ def test_four_parts_are_put_into_a_kit_from_two_sides(open_session: Callable[...
     assert touches(truth) == []
 
 
-def test_two_robots_whose_ways_cross_wait_for_each_other_and_both_arrive(open_session: Callable[..., Session]) -> None:
+def test_two_robots_on_crossing_paths_wait_for_each_other_and_both_arrive(open_session: Callable[..., Session]) -> None:
     session = open_session("kitting_two", seed=1)
     truth, said = watched(session), []
     session.monitor.subscribe(lambda event: said.append(event.text))
@@ -68,7 +68,7 @@ def test_two_robots_whose_ways_cross_wait_for_each_other_and_both_arrive(open_se
     assert touches(truth) == []
 
 
-def test_a_robot_that_is_never_let_past_gives_up_with_a_reason(open_session: Callable[..., Session]) -> None:
+def test_a_permanently_blocked_robot_gives_up_with_a_reason(open_session: Callable[..., Session]) -> None:
     session = open_session("kitting_two", seed=2)
     run_side_by_side(session, ("drive", "base_1", {"Location": "pallet_a"}))
 
@@ -79,7 +79,7 @@ def test_a_robot_that_is_never_let_past_gives_up_with_a_reason(open_session: Cal
     assert session.cycle.board.still
 
 
-def test_a_place_that_another_robot_stands_at_is_not_driven_to(open_session: Callable[..., Session]) -> None:
+def test_a_robot_does_not_drive_to_an_occupied_place(open_session: Callable[..., Session]) -> None:
     session = open_session("kitting_two", seed=2)
     run_side_by_side(session, ("drive", "base_1", {"Location": "kit_1_north"}))
 
@@ -121,7 +121,7 @@ def reaching() -> Iterator[Session]:
         yield session
 
 
-def test_an_arm_waits_for_a_robot_that_drives_where_it_reaches_and_is_in_the_way_then(reaching: Session) -> None:
+def test_an_arm_waits_for_a_robot_driving_in_its_reach_and_then_blocks_the_floor_itself(reaching: Session) -> None:
     session = reaching
     floor, board = session.runtime.context.floor, session.cycle.board
     past = BasePath((BaseLeg(2.0, 0.0),), 0.0)
@@ -143,7 +143,7 @@ def test_an_arm_waits_for_a_robot_that_drives_where_it_reaches_and_is_in_the_way
         assert (way.free, way.blocked, way.waits_for()) == (False, True, ("robot_2",))
 
 
-def test_the_truth_tells_when_two_robots_touch(open_session: Callable[..., Session]) -> None:
+def test_the_simulator_reports_contacts_between_two_robots(open_session: Callable[..., Session]) -> None:
     session = open_session("kitting_two", seed=0)
     truth = watched(session)
     session.simulation.scene.robots[0].model.joints(("base_x", "base_y")).reset((-2.2, -0.7))

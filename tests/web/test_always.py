@@ -80,7 +80,7 @@ def test_axe_finds_nothing_serious_in_banners_dialogs_and_alarms(station, visit,
     assert found == {"banners": [], "alarms": [], "palette": []}
 
 
-def test_keys_open_tabs_hide_the_view_and_show_their_list(station, visit, expect):
+def test_keyboard_shortcuts_open_tabs_hide_the_view_and_list_themselves(station, visit, expect):
     page = visit(station().url)
     expect(page.get_by_role("tab", name="Goal")).to_be_visible()
     page.keyboard.press("Alt+4")
@@ -100,7 +100,7 @@ def test_a_mistyped_address_opens_the_page_nevertheless(station, visit, expect):
 
 
 @pytest.mark.parametrize("width", [640, 1024])
-def test_nothing_of_the_frame_is_cut_off_in_a_narrow_window(station, visit, expect, width):
+def test_the_page_frame_is_not_cut_off_in_a_narrow_window(station, visit, expect, width):
     page = visit(station().url, viewport={"width": width, "height": 768})
     expect(page.get_by_role("tab", name="World")).to_be_in_viewport(ratio=1)
     expect(stop_button(page)).to_be_in_viewport(ratio=1)
@@ -124,7 +124,7 @@ def test_eight_windows_of_one_browser_all_follow_the_station(station, visit, exp
 # ---------------------------------------------------------------------- stop and reset
 
 
-def test_stop_all_halts_everything_and_a_reset_lets_it_go_on(station, visit, expect):
+def test_stop_all_halts_everything_until_a_reset(station, visit, expect):
     served = station()
     page = visit(served.url)
     stop_button(page).click()
@@ -138,7 +138,7 @@ def test_stop_all_halts_everything_and_a_reset_lets_it_go_on(station, visit, exp
 
 
 @pytest.mark.parametrize("how", ["click", "key"])
-def test_stop_all_works_while_a_dialog_is_open_and_somebody_writes(station, visit, expect, how):
+def test_stop_all_works_while_a_dialog_is_open_and_text_is_typed(station, visit, expect, how):
     served = station()
     page = visit(served.url)
     expect(stop_button(page)).to_be_visible()
@@ -152,7 +152,7 @@ def test_stop_all_works_while_a_dialog_is_open_and_somebody_writes(station, visi
     assert served.services.station.session.cycle.halted
 
 
-def test_a_stop_that_nobody_hears_says_so_until_somebody_does(station, visit, expect):
+def test_an_undelivered_stop_is_shown_until_it_is_delivered(station, visit, expect):
     served = station()
     page = visit(served.url, expected=REFUSED)
     expect(page.get_by_text("connected", exact=True)).to_be_visible()
@@ -164,7 +164,7 @@ def test_a_stop_that_nobody_hears_says_so_until_somebody_does(station, visit, ex
     assert served.services.station.session.cycle.halted
 
 
-def test_whoever_stops_elsewhere_is_named_with_the_reason(station, visit, expect):
+def test_a_stop_from_elsewhere_is_shown_with_its_author_and_reason(station, visit, expect):
     served = station()
     page = visit(served.url)
     expect(stop_button(page)).to_be_visible()
@@ -208,7 +208,7 @@ def free_port() -> int:
         return listening.getsockname()[1]
 
 
-def test_a_lost_connection_is_shown_and_heals_when_the_server_is_there_again(visit, expect, data: Path):
+def test_a_lost_connection_is_shown_and_restored_when_the_server_is_back(visit, expect, data: Path):
     port = free_port()
     with ServerProcess("kitting", "--fake", data=data, port=port) as first:
         page = visit(first.url, expected=REFUSED)
@@ -253,7 +253,7 @@ def test_a_key_signs_in_and_the_login_can_be_ended(station, visit, axe, expect):
     expect(page.get_by_label("Key", exact=True)).to_be_visible()
 
 
-def test_a_viewer_sees_everything_and_may_not_stop(station, visit, expect):
+def test_a_viewer_sees_everything_but_may_not_stop(station, visit, expect):
     served = station(settings=ServerSettings(authentication="keys"))
     _, key = key_of(served, "viewer")
     page = visit(served.url, expected=REFUSED)
@@ -282,7 +282,7 @@ def test_after_a_revoked_key_and_a_new_login_the_page_is_unchanged(station, visi
 # ---------------------------------------------------------------------- words
 
 
-def test_the_page_speaks_german_to_those_who_do_and_remembers_a_choice(station, visit, expect):
+def test_the_page_uses_the_browser_language_and_remembers_a_choice(station, visit, expect):
     page = visit(station().url, locale="de-DE")
     expect(page.get_by_role("tab", name="Aufgabe")).to_be_visible()
     expect(page.get_by_role("button", name="Alles anhalten")).to_be_visible()
@@ -293,7 +293,7 @@ def test_the_page_speaks_german_to_those_who_do_and_remembers_a_choice(station, 
     expect(page.get_by_role("tab", name="Task")).to_be_visible()
 
 
-def test_a_name_that_looks_like_a_page_stays_text(station, visit, expect):
+def test_a_label_that_looks_like_html_is_shown_as_text(station, visit, expect):
     served = station()
     with api(served) as http:
         element = {"class": "kitting:Starter", "label": EVIL, "placement": {"relation": "sk:in", "place": "pallet_a"}}

@@ -53,7 +53,7 @@ class Typist(Person):
         self.page.wait_for_function("() => document.activeElement !== document.body")
 
 
-def test_by_keyboard_alone_a_part_is_added_fetched_stopped_reset_and_replayed(station, visit, expect):
+def test_a_keyboard_only_user_adds_a_part_runs_stops_and_resets_a_job_and_replays_it(station, visit, expect):
     served = station()
     anna = Typist(visit(served.url), served.url, expect)
     expect(anna.page.get_by_text("connected", exact=True)).to_be_visible()

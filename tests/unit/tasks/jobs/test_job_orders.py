@@ -195,7 +195,7 @@ def test_an_update_to_what_is_ordered_already_changes_nothing(jobs):
     assert jobs.update(order()) == first
 
 
-def test_a_started_job_takes_no_other_order(jobs, bench):
+def test_a_started_job_refuses_another_order(jobs, bench):
     over = done(jobs, bench)
     with pytest.raises(WrongState, match="takes no update"):
         jobs.update(order(priority=3))
@@ -244,7 +244,7 @@ def test_under_the_id_of_a_cancelled_job_something_else_is_ordered_where_that_is
 
 
 @pytest.mark.parametrize("removed", ["cancelled", "cleared"])
-def test_an_order_that_comes_late_brings_no_removed_job_back_to_life(jobs, bench, store, removed):
+def test_a_late_repeat_of_an_order_does_not_restore_a_removed_job(jobs, bench, store, removed):
     last = jobs.submit(order()) if removed == "cancelled" else done(jobs, bench)
     last = jobs.cancel("a") if removed == "cancelled" else jobs.clear("a")
     with pytest.raises(Removed, match="'a' was removed"):

@@ -107,7 +107,7 @@ def test_a_query_sees_what_was_written_just_before(live: World, outside: Outside
         assert rows(outside, "SELECT ?m { scene:compressor_1 sk:mass ?m }") == [{"m": mass}]
 
 
-def test_what_owl_entails_counts_where_it_is_wanted(outside: OutsideQueries) -> None:
+def test_owl_entailments_are_included_on_request(outside: OutsideQueries) -> None:
     asked = "ASK { scene:starter_1 sk:placement scene:pallet_a }"
 
     assert not outside.query(asked)
@@ -385,5 +385,5 @@ def test_closing_ends_the_replica_and_what_it_runs() -> None:
         queries.query("ASK {}")
 
 
-def test_any_name_may_be_that_of_a_parameter(outside: OutsideQueries) -> None:
+def test_a_query_parameter_may_have_any_name(outside: OutsideQueries) -> None:
     assert outside.query("ASK { ?part sk:in $sparql }", {"sparql": "pallet_a"}) is True
