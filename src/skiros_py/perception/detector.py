@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import open3d as o3d
 from numpy.typing import NDArray
 
 from skiros_py.geometry import Array, Pose, wrap_angle
@@ -22,6 +21,7 @@ from skiros_py.perception.elevation import (
     visible_share,
 )
 from skiros_py.perception.heightmaps import Floats, HeightMap, height_map
+from skiros_py.perception.open3d import pybind as o3d
 from skiros_py.ports.perception import Detection, LookRequest, LookResult
 
 _LOWEST = 0.008

@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-import open3d as o3d
 from numpy.typing import NDArray
 from scipy import ndimage
 from scipy.spatial.transform import Rotation
 
 from skiros_py.geometry import Array, Pose
 from skiros_py.perception.heightmaps import Floats
+from skiros_py.perception.open3d import pybind as o3d
 from skiros_py.ports.values import CameraIntrinsics, DepthImage
 
 

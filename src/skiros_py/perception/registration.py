@@ -9,7 +9,6 @@ import itertools
 import math
 
 import numpy as np
-import open3d as o3d
 from numpy.typing import NDArray
 from scipy import ndimage
 from scipy.spatial import cKDTree
@@ -18,6 +17,7 @@ from skiros_py.geometry import Array, Pose
 from skiros_py.perception.classify import least_heights, misfits, polish
 from skiros_py.perception.elevation import ElevationMap, Plane, View, elevation_map
 from skiros_py.perception.heightmaps import Floats, HeightMap, height_map
+from skiros_py.perception.open3d import pybind as o3d
 from skiros_py.ports.perception import RegistrationRequest, RegistrationResult
 
 _STEP = 0.003

@@ -11,10 +11,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-import open3d as o3d
 import pytest
 
 from skiros_py.geometry import Pose, Primitive, Solid
+from skiros_py.perception.open3d import pybind as o3d
 from skiros_py.ports.perception import LookRequest, PartModel, Region
 from skiros_py.ports.values import CameraIntrinsics, DepthImage, Snapshot
 

@@ -6,10 +6,10 @@ import struct
 from pathlib import Path
 
 import numpy as np
-import open3d as o3d
 import pytest
 
 from skiros_py.perception.light_meshes import MeshLightener, MeshPiece
+from skiros_py.perception.open3d import pybind as o3d
 
 
 def sphere(path: Path, resolution: int) -> Path:

@@ -33,6 +33,26 @@ def test_importing_the_package_does_not_import_open3d() -> None:
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
+def test_the_worker_needs_no_viewer_and_no_machine_learning() -> None:
+    code = (
+        "import sys, skiros_py.perception.detector, skiros_py.perception.registration; "
+        "assert not {'dash', 'plotly', 'sklearn', 'pandas', 'open3d'} & sys.modules.keys()"
+    )
+
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_a_plugin_in_the_same_process_has_all_of_open3d_and_the_same_types() -> None:
+    code = (
+        "from skiros_py.perception.open3d import pybind\n"
+        "import open3d\n"
+        "assert open3d.geometry.PointCloud is pybind.geometry.PointCloud\n"
+        "assert open3d.visualization.draw_plotly and open3d.ml\n"
+    )
+
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
 def test_the_worker_answers_what_the_functions_answer_after_the_declared_latency(
     studio: Studio, perception: Open3dPerception
 ) -> None:
