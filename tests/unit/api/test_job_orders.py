@@ -7,7 +7,7 @@ from skiros_py.api.goals import Material
 from skiros_py.api.jobs import JobOrder, material_from, order_from
 
 
-def test_goals_and_what_goes_with_them_become_an_order():
+def test_goals_with_their_options_become_an_order():
     order = order_from(("In(a, b)", "In(c, d)"), priority=3, id="x", deadline=None)
     assert order == JobOrder(goal=("In(a, b)", "In(c, d)"), priority=3, id="x")
     assert order_from(("In(a, b)",)).goal == "In(a, b)"
@@ -28,12 +28,12 @@ def test_a_template_with_parameters_and_materials_becomes_an_order():
         ("1*Starter = starter_1 @ kit_1", {"id": "starter_1", "location": "kit_1"}),
     ],
 )
-def test_material_is_read_as_people_write_it(text, fields):
+def test_material_is_parsed_from_its_common_notations(text, fields):
     assert material_from(text) == Material.model_validate({"class": "Starter", **fields})
 
 
 @pytest.mark.parametrize("text", ["", "x*Starter", "0*Starter", "@kit_1"])
-def test_what_is_no_material_is_refused(text):
+def test_invalid_material_is_refused(text):
     with pytest.raises(ValidationError):
         material_from(text)
 
@@ -53,6 +53,6 @@ def test_what_is_no_material_is_refused(text):
         {"goal": "In(a, b)", "colour": "red"},
     ],
 )
-def test_what_is_no_order_is_refused(fields):
+def test_an_invalid_order_is_refused(fields):
     with pytest.raises(ValidationError):
         JobOrder.model_validate(fields)

@@ -11,7 +11,7 @@ from skiros_py.api.jobs import JobOrder
 from skiros_py.api.wire import Answer, Moment, WantedMoment, moment
 
 
-def test_a_time_of_a_machine_whose_clock_stood_at_1970_is_answered() -> None:
+def test_a_time_in_1970_is_accepted() -> None:
     begun = moment(0.5)
     assert TypeAdapter(Moment).validate_python(begun) == begun
     assert TypeAdapter(Moment).dump_json(moment(0.0)) == b'"1970-01-01T00:00:00Z"'
@@ -23,7 +23,7 @@ def test_a_time_outside_the_supported_years_is_refused(year: str) -> None:
         JobOrder(goal=("EmptyHanded(gripper_1)",), deadline=f"{year}-06-01T00:00:00Z")  # type: ignore[arg-type]
 
 
-def test_a_time_that_is_sent_is_taken_over_to_utc() -> None:
+def test_a_received_time_is_converted_to_utc() -> None:
     sent = TypeAdapter(WantedMoment).validate_python("2026-11-21T12:00:00+02:00")
     assert sent == datetime(2026, 11, 21, 10, tzinfo=UTC)
     assert sent.tzinfo is UTC

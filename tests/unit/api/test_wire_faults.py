@@ -33,14 +33,16 @@ def fault(type_: Any, value: object) -> dict[str, Any]:
         (Literal["a", "b"], "c", "must be 'a' or 'b'", None),
     ],
 )
-def test_it_is_said_what_a_value_must_be(type_: Any, value: object, words: str, limit: float | None) -> None:
+def test_a_validation_fault_says_what_the_value_must_be(
+    type_: Any, value: object, words: str, limit: float | None
+) -> None:
     found = fault(type_, value)
 
     assert fault_words(found) == words
     assert fault_limit(found) == limit
 
 
-def test_what_has_no_words_here_keeps_its_own() -> None:
+def test_an_unknown_validation_fault_keeps_its_original_message() -> None:
     assert fault_words({"type": "value_error", "msg": "Value error, the gripper is gone"}) == "the gripper is gone"
     assert fault_words({"type": "new_kind", "msg": "Something else"}) == "Something else"
     assert fault_words({"type": "less_than", "msg": "Too much"}) == "Too much"

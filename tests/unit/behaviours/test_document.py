@@ -7,7 +7,7 @@ from skiros_py.behaviours.document import Tree
 from skiros_py.skills.plain import Reader
 
 
-def test_a_palette_has_the_types_of_fields_as_authors_write_them() -> None:
+def test_a_palette_names_field_types_as_authors_write_them() -> None:
     fields = [("child", Behaviour), ("rest", tuple[Behaviour, ...]), ("within", "float | None")]
     node = make_dataclass("Node", fields, bases=(Behaviour,))
 

@@ -86,7 +86,7 @@ def started(events: list[ModuleEvent], module: str = "note") -> list[ModuleEvent
     return [event for event in events if event.module == module and event.status is Status.STARTED]
 
 
-def test_two_branches_of_one_module_and_its_rounds_in_a_loop_have_paths_and_ids_of_their_own() -> None:
+def test_branches_and_loop_rounds_of_one_module_have_distinct_paths_and_ids() -> None:
     body = Parallel.of(Repeat(Do.of("note", text="left"), 3), Do.of("note", text="right"), policy=Policy.ALL)
 
     _, events = run(body)
@@ -100,7 +100,7 @@ def test_two_branches_of_one_module_and_its_rounds_in_a_loop_have_paths_and_ids_
     assert set(ends.values()) == {Status.TERMINATED}
 
 
-def test_a_parent_is_the_run_that_something_is_part_of() -> None:
+def test_the_parent_of_an_event_is_the_enclosing_run() -> None:
     _, events = run(Sequence.of(Do.of("calls_twice"), Wait(0.01)), nodes=True)
     by_id = {event.id: event for event in events if event.status is Status.STARTED}
     note = started(events)[0]
@@ -130,7 +130,7 @@ def test_a_called_skill_continues_the_path_of_the_node_that_calls_it() -> None:
     assert [event.path for event in started(events)] == ["drive/body/0/body"]
 
 
-def test_nodes_are_reported_to_those_who_ask_for_them_only() -> None:
+def test_node_events_are_reported_only_on_request() -> None:
     body = Sequence.of(Do.of("note"), Wait(0.01))
 
     told, untold = run(body, nodes=True)[1], run(body)[1]
@@ -158,19 +158,19 @@ def test_an_event_carries_its_name_value_and_run() -> None:
 # ---------------------------------------------------------------------- values
 
 
-def test_a_value_of_an_outcome_is_read_by_later_nodes() -> None:
+def test_later_nodes_read_the_values_of_an_outcome() -> None:
     run(Sequence.of(Do.of("note", text=Out("seen")), Do.of("note", text=P("seen"))))
 
     assert NOTED == ["", "!"]
 
 
-def test_a_value_that_nothing_has_written_yet_is_a_failure_with_its_name() -> None:
+def test_reading_a_value_before_it_is_written_fails_and_names_it() -> None:
     outcome, _ = run(Sequence.of(Do.of("note", text=P("seen")), Do.of("note", text=Out("seen"))))
 
     assert outcome == Failure("note: no node has written 'seen' yet")
 
 
-def test_a_value_that_the_outcome_lacks_is_a_failure_with_those_it_has() -> None:
+def test_reading_a_missing_value_of_an_outcome_fails_and_lists_its_values() -> None:
     outcome, _ = run(Do.of("note", pose=Out("seen")))
 
     assert outcome == Failure("note gave no value 'pose': its outcome has text")
@@ -200,17 +200,17 @@ def test_an_outcome_with_a_value_that_its_primitive_does_not_declare_is_a_failur
         ([Output("a", "text", "A.")], "outputs of primitive Wrong: a tuple"),
     ],
 )
-def test_outputs_that_are_declared_wrongly_are_refused_with_the_class(outputs: Any, said: str) -> None:
+def test_wrongly_declared_outputs_are_refused_and_name_the_class(outputs: Any, said: str) -> None:
     with pytest.raises((DescriptionError, UnknownName), match=said):
         type("Wrong", (Note,), {"outputs": outputs})
 
 
-def test_a_name_that_no_node_writes_is_refused_where_it_is_written() -> None:
+def test_reading_a_name_that_no_node_writes_is_refused_when_the_body_is_defined() -> None:
     with pytest.raises(UnknownName, match="seen"):
         skill(Do.of("note", text=P("seen")))
 
 
-def test_a_value_is_not_written_over_a_parameter() -> None:
+def test_a_value_cannot_overwrite_a_parameter() -> None:
     with pytest.raises(DescriptionError, match=r"Out\('Robot'\)"):
         skill(Do.of("note", text=Out("Robot")))
 
@@ -261,7 +261,7 @@ class Either(Behaviour):
         return (yield from scope.run(self.right, "right"))
 
 
-def test_a_behaviour_from_outside_is_run_and_watched_like_any_other() -> None:
+def test_a_plug_in_behaviour_runs_and_is_observed_like_any_other() -> None:
     body = Guard.of(Either(Do.of("note", text="1"), ForEach("box", "tiny:Box", Do.of("note", text=P("box")))),
                     ~AT_LOCATION("Robot", "Location"))  # fmt: skip
 
@@ -274,7 +274,7 @@ def test_a_behaviour_from_outside_is_run_and_watched_like_any_other() -> None:
 # ---------------------------------------------------------------------- a breakpoint
 
 
-def test_a_task_pauses_before_a_node_with_a_breakpoint_and_goes_on_when_it_is_resumed() -> None:
+def test_a_task_pauses_before_a_node_with_a_breakpoint_and_continues_after_resume() -> None:
     NOTED.clear()
     body = Sequence.of(Do.of("note", text="before"), Do.of("note", text="behind"))
     with Bench(tiny_world(), (skill(body), pretend(DRIVE)), (Note, CallsTwice)) as bench:
@@ -294,7 +294,7 @@ def test_a_task_pauses_before_a_node_with_a_breakpoint_and_goes_on_when_it_is_re
 # ---------------------------------------------------------------------- tasks and steps
 
 
-def test_the_run_of_a_step_has_the_step_as_parent_and_that_the_task() -> None:
+def test_the_parent_of_a_run_is_its_step_whose_parent_is_the_task() -> None:
     with Bench(tiny_world()) as bench:
         report = bench.pursue("In(ball_1, slot_1)")
         runs = [event for event in bench.events if event.kind == "skill" and event.status is Status.STARTED]

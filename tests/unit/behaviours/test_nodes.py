@@ -150,14 +150,14 @@ def test_parallel_branches_run_in_the_same_cycles() -> None:
     assert cycles("a") == cycles("b")
 
 
-def test_the_first_failure_ends_the_others_which_make_up_for_it() -> None:
+def test_the_first_failure_cancels_the_other_branches_which_recover() -> None:
     both = Parallel.of(step("slow", cycles=99), step("bad", cycles=2, ends="no luck"))
 
     assert outcome_of(both) == Failure("no luck")
     assert texts()[-3:] == ["slow stops", "slow recovers", "slow recovers"]
 
 
-def test_the_first_success_ends_the_others() -> None:
+def test_the_first_success_cancels_the_other_branches() -> None:
     race = Parallel.of(step("slow", cycles=99), step("quick"), policy=Policy.FIRST_SUCCESS)
 
     assert isinstance(ends_well(race), Success)
@@ -170,7 +170,7 @@ def test_a_race_without_a_winner_gives_the_reason_of_each_branch() -> None:
     assert outcome_of(race) == Failure("flat tyre; wrong way")
 
 
-def test_all_lets_each_end_and_fails_for_one() -> None:
+def test_all_waits_for_every_branch_and_fails_if_one_fails() -> None:
     together = Parallel.of(step("bad", ends="no luck"), step("good", cycles=5), policy=Policy.ALL)
 
     assert outcome_of(together) == Failure("no luck")
@@ -195,7 +195,7 @@ def test_a_device_that_the_skill_did_not_declare_is_refused_by_name() -> None:
 # ---------------------------------------------------------------- repeat, time, guard
 
 
-def test_repeat_runs_so_many_times_without_an_idle_cycle() -> None:
+def test_repeat_runs_the_given_number_of_times_without_an_idle_cycle() -> None:
     assert isinstance(ends_well(Repeat(step("a"), 4)), Success)
     first = cycles("a")[0]
     assert cycles("a") == [first + 2 * n for n in range(4)]  # a tick in which it runs, one in which it ends
@@ -205,7 +205,7 @@ def test_repeat_without_a_number_ends_with_the_first_failure() -> None:
     assert outcome_of(Repeat(step("a", ends="worn out"))) == Failure("worn out")
 
 
-def test_a_timeout_breaks_off_and_lets_recover() -> None:
+def test_a_timeout_cancels_its_child_which_recovers() -> None:
     outcome = outcome_of(Timeout(step("a", cycles=999), 0.1))
 
     assert outcome == Failure("took longer than 0.1 s")
@@ -263,14 +263,14 @@ def test_a_check_takes_no_time_and_gives_the_reason() -> None:
 # ---------------------------------------------------------------- for each
 
 
-def test_for_each_runs_over_what_a_query_finds() -> None:
+def test_for_each_runs_once_per_element_that_a_query_finds() -> None:
     every = ForEach("Ball", "tiny:Ball", step("found", cycles=1))
 
     assert isinstance(ends_well(every), Success)
     assert len(cycles("found")) == 2
 
 
-def test_for_each_hands_the_element_on_and_filters() -> None:
+def test_for_each_passes_each_matching_element_to_its_child() -> None:
     in_box = ForEach("Box", "tiny:Box", Do.of("arrive", place=P("Box")), Related("sk:at", "Robot", "Location"))
 
     assert isinstance(outcome_of(Sequence.of(in_box, ARRIVE)), Success)
@@ -318,7 +318,7 @@ def test_skills_that_call_each_other_for_ever_are_ended() -> None:
     assert "without end" in outcome.reason
 
 
-def test_effects_can_be_asserted_one_by_one() -> None:
+def test_a_single_effect_can_be_asserted_by_name() -> None:
     post = (AT_LOCATION("Robot", "Location").named("there"),)
     body = Sequence.of(Wait(0.02), AssertEffects(0.0, only=("there",)))
 
@@ -362,12 +362,12 @@ def test_every_node_is_printed_as_one_line_below_its_parent() -> None:
         lambda: Wait(-1.0),
     ],
 )
-def test_numbers_that_mean_nothing_are_refused(make: Any) -> None:
+def test_invalid_numbers_in_nodes_are_refused(make: Any) -> None:
     with pytest.raises(DescriptionError):
         make()
 
 
-def test_for_each_asks_of_it_what_must_hold_of_an_element() -> None:
+def test_for_each_filters_elements_by_a_pattern_over_it() -> None:
     where_it_is = ForEach("Box", "tiny:Box", Do.of("arrive", place=P("Box")), Related("sk:at", "Robot", "it"))
     with bench_for(Sequence.of(ARRIVE, where_it_is)) as bench:
         bench.run("drive", **TO_A)
@@ -376,7 +376,7 @@ def test_for_each_asks_of_it_what_must_hold_of_an_element() -> None:
     assert places == ["place=box_a", "place=box_a"]
 
 
-def test_a_child_at_a_lower_rate_is_ticked_once_in_its_period_and_ends_as_it_would() -> None:
+def test_a_child_at_a_lower_rate_is_ticked_once_per_period_and_keeps_its_outcome() -> None:
     assert ends_well(Every(0.05, step("slow", cycles=3))) == Success("")
 
     first, *later = cycles("slow")
@@ -390,6 +390,6 @@ def test_a_child_at_a_lower_rate_is_cancelled_at_once_and_recovers() -> None:
     assert texts()[-3:] == ["slow stops", "slow recovers", "slow recovers"]
 
 
-def test_a_period_is_above_zero() -> None:
+def test_a_period_of_zero_or_less_is_refused() -> None:
     with pytest.raises(DescriptionError, match="a time above 0 s"):
         Every(0.0, step("x"))

@@ -75,18 +75,18 @@ def through_json(node: Behaviour) -> Any:
     return json.loads(json.dumps(node.to_data(), allow_nan=False))
 
 
-def test_every_built_in_kind_comes_by_the_door_that_is_open_to_all() -> None:
+def test_every_built_in_node_is_registered_by_an_entry_point() -> None:
     assert set(KINDS) == set(NODES)
 
 
 @pytest.mark.parametrize("kind", sorted(NODES))
-def test_a_node_of_each_kind_is_read_again_as_it_was_written(kind: str) -> None:
+def test_a_node_of_each_kind_survives_a_round_trip_through_data(kind: str) -> None:
     again = READER.behaviour(through_json(NODES[kind]))
 
     assert again == NODES[kind]
 
 
-def test_the_bodies_of_all_installed_skills_are_read_again_as_they_were_written() -> None:
+def test_the_bodies_of_all_installed_skills_survive_a_round_trip_through_data() -> None:
     catalogue = load_catalogue()
     reader = Reader(catalogue.behaviours, {**catalogue.conditions, **CONDITIONS})
     for skill in (*catalogue.skills.values(), *SKILLS):
@@ -108,19 +108,19 @@ def test_the_bodies_of_all_installed_skills_are_read_again_as_they_were_written(
         ({"type": "sequence", "children": [3]}, "it is made of nodes"),
     ],
 )
-def test_a_fault_in_the_data_is_told_with_its_place(data: Any, message: str) -> None:
+def test_a_fault_in_the_data_is_reported_with_its_path(data: Any, message: str) -> None:
     with pytest.raises(DescriptionError, match=message):
         READER.behaviour(data)
 
 
-def test_what_cannot_be_written_down_is_refused() -> None:
+def test_a_node_with_a_function_cannot_be_written_as_data() -> None:
     pattern = Computed("tiny:fits", "it", "Slot", lambda *_: None)  # type: ignore[arg-type,return-value]
 
     with pytest.raises(DescriptionError, match="cannot be written down"):
         ForEach("box", "tiny:Box", DO, pattern).to_data()
 
 
-def test_an_expression_is_data() -> None:
+def test_an_expression_survives_a_round_trip_through_data() -> None:
     node = ForEach("box", "tiny:Box", DO, Expression("Gripper.gap < 0.02"))
 
     assert READER.behaviour(through_json(node)).to_data() == node.to_data()

@@ -51,14 +51,14 @@ def told(catalogue: Catalogue) -> dict[str, str]:
     return {fault.name: fault.reason for fault in catalogue.faults if fault.distribution.startswith("sk-")}
 
 
-def test_several_implementations_of_one_description_are_no_clash(given: Any) -> None:
+def test_several_implementations_of_one_description_do_not_clash(given: Any) -> None:
     catalogue = given({"skills": {"a": "A"}}, {"skills": {"b": "B", "fast": "FAST", "real": "REAL"}})
 
     assert {"a", "b", "fast", "real"} <= set(catalogue.skills)
     assert told(catalogue) == {}
 
 
-def test_two_descriptions_of_one_name_do_not_count(given: Any) -> None:
+def test_two_different_descriptions_with_one_name_are_both_left_out(given: Any) -> None:
     catalogue = given({"skills": {"a": "A", "swim": "SWIM"}}, {"skills": {"c": "C"}})
 
     assert "swim" in catalogue.skills
@@ -67,7 +67,7 @@ def test_two_descriptions_of_one_name_do_not_count(given: Any) -> None:
     assert {name: reason[: len(expected)] for name, reason in told(catalogue).items()} == {"a": expected, "c": expected}
 
 
-def test_two_implementations_of_one_label_do_not_count(given: Any) -> None:
+def test_two_implementations_with_one_label_are_both_left_out(given: Any) -> None:
     catalogue = given({"skills": {"a": "A", "fast": "FAST"}}, {"skills": {"quick": "QUICK"}})
 
     assert "a" in catalogue.skills
@@ -77,7 +77,7 @@ def test_two_implementations_of_one_label_do_not_count(given: Any) -> None:
     )
 
 
-def test_a_skill_and_a_primitive_of_one_name_do_not_count(given: Any) -> None:
+def test_a_skill_and_a_primitive_with_one_name_are_both_left_out(given: Any) -> None:
     catalogue = given({"skills": {"a": "A"}}, {"primitives": {"hop": "Hop", "dive": "Dive"}})
 
     assert "a" not in catalogue.skills
@@ -87,19 +87,19 @@ def test_a_skill_and_a_primitive_of_one_name_do_not_count(given: Any) -> None:
     assert all("a of sk-one 0.3" in reason and "sk-two 0.3" in reason for reason in told(catalogue).values())
 
 
-def test_a_word_with_two_meanings_does_not_count_and_one_under_two_names_does(given: Any) -> None:
+def test_a_condition_with_two_meanings_is_left_out_and_one_under_two_names_is_kept(given: Any) -> None:
     catalogue = given({"conditions": {"Near": "NEAR", "Same": "SAME"}})
     assert {"Near", "Same"} <= set(catalogue.conditions)
 
 
-def test_a_word_with_two_meanings_does_not_count(given: Any) -> None:
+def test_a_condition_with_two_meanings_is_left_out(given: Any) -> None:
     catalogue = given({"conditions": {"Near": "NEAR"}}, {"conditions": {"Else": "ELSE"}})
 
     assert not {"Near", "Else"} & set(catalogue.conditions)
     assert "condition 'Near': Else of sk-two 0.3 and Near of sk-one 0.3" in told(catalogue)["Near"]
 
 
-def test_entry_points_of_one_name_do_not_count(given: Any) -> None:
+def test_entry_points_with_one_name_are_all_left_out(given: Any) -> None:
     catalogue = given({"primitives": {"hop": "Hop"}}, {"primitives": {"hop": "Hop", "dive": "Dive"}})
 
     assert "hop" not in catalogue.primitives

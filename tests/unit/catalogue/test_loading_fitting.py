@@ -31,11 +31,11 @@ def test_a_skill_may_call_a_skill_that_is_there(fake: bool | None) -> None:
     assert fitted(fake, hop=skill("hop"), tour=skill("tour", "hop")) == ({"hop", "tour"}, {})
 
 
-def test_it_may_come_before_what_it_calls_and_call_itself() -> None:
+def test_a_skill_may_be_listed_before_the_skills_it_calls_and_may_call_itself() -> None:
     assert fitted(a=skill("tour", "hop", "tour"), b=skill("hop")) == ({"a", "b"}, {})
 
 
-def test_a_broken_skill_takes_all_that_call_it_with_it_and_says_why() -> None:
+def test_a_broken_skill_and_all_its_callers_are_left_out_with_a_reason() -> None:
     good, reasons = fitted(
         trip=skill("trip", "tour"), tour=skill("tour", "hop"), hop=skill("hop", "fly"), own=skill("own")
     )
@@ -46,7 +46,7 @@ def test_a_broken_skill_takes_all_that_call_it_with_it_and_says_why() -> None:
     assert reasons["trip"] == f"it calls 'tour': {reasons['tour']}"
 
 
-def test_another_implementation_of_what_is_called_will_do() -> None:
+def test_a_skill_is_kept_if_another_implementation_of_its_callee_exists() -> None:
     broken, good = skill("hop", "fly", label="high"), skill("hop", label="low")
 
     assert fitted(high=broken, low=good, tour=skill("tour", "hop"))[0] == {"low", "tour"}
@@ -55,14 +55,14 @@ def test_another_implementation_of_what_is_called_will_do() -> None:
 @pytest.mark.parametrize(
     "real", [lambda s: replace(s, driver=None, body=Do.of("hop")), lambda s: replace(s, driver="x", body=Do.of("hop"))]
 )
-def test_a_skill_for_robots_cannot_call_one_that_there_is_for_fakes_only(real: Callable[[Skill], Skill]) -> None:
+def test_a_skill_for_real_robots_cannot_call_a_fake_only_skill(real: Callable[[Skill], Skill]) -> None:
     good, reasons = fitted(hop=skill("hop"), tour=real(skill("tour")))
 
     assert good == {"hop"}
     assert reasons["tour"].startswith("there is no primitive or skill 'hop'")
 
 
-def test_a_skill_for_robots_that_pretends_is_left_out() -> None:
+def test_a_skill_for_real_robots_that_asserts_unsensed_effects_is_left_out() -> None:
     good, reasons = fitted(hop=replace(skill("hop"), driver=None), tour=skill("tour"))
 
     assert good == {"tour"}

@@ -77,7 +77,7 @@ def test_there_is_a_row_for_every_group() -> None:
         ("scenes", Path()),
     ],
 )
-def test_what_is_right(kind: str, value: Any) -> None:
+def test_a_valid_object_of_each_kind_has_no_problem(kind: str, value: Any) -> None:
     assert problem(kind, value) is None
 
 
@@ -139,7 +139,7 @@ class Half:
         ([Half()], "its compute is missing or wrong"),
     ],
 )
-def test_signals_that_are_no_providers_are_left_out_and_named(made: Any, why: str) -> None:
+def test_invalid_signal_providers_are_left_out_and_named(made: Any, why: str) -> None:
     catalogue = Catalogue({}, {}, {}, {}, {"signals/odd": "lab 1.0"}, signals={"odd": lambda _cell: made})
 
     made, (fault,) = catalogue.signal_providers(CellSpec((), ()))
@@ -149,7 +149,7 @@ def test_signals_that_are_no_providers_are_left_out_and_named(made: Any, why: st
     assert why in fault.reason
 
 
-def test_signals_that_hang_when_they_are_made_are_interrupted_and_named(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_signal_factories_that_hang_are_interrupted_and_named(monkeypatch: pytest.MonkeyPatch) -> None:
     def hangs(_cell: CellSpec) -> list[Any]:
         while True:
             pass

@@ -48,7 +48,7 @@ def texts(contract: Contract) -> Sequence[str]:
     return [found.text for found in contract.findings]
 
 
-def test_only_what_is_for_every_robot_or_for_the_simulation_runs_there() -> None:
+def test_only_skills_for_any_driver_or_the_simulation_are_simulable() -> None:
     skill: Any = pretend(TINY_DRIVE)
 
     assert [is_simulable(replace(skill, driver=driver)) for driver in (None, "pybullet", "fake", "ur5")] == [
@@ -68,7 +68,7 @@ def test_a_skill_that_does_what_it_declares_passes(catalogue: Catalogue) -> None
 
 
 @pytest.mark.physics
-def test_what_is_believed_and_not_so_is_found(catalogue: Catalogue) -> None:
+def test_an_effect_that_is_believed_but_not_true_is_found(catalogue: Catalogue) -> None:
     contract = check_simulated(replace(real_drive(catalogue), body=Do.of("boast")), "kitting", catalogue)
 
     (text,) = texts(contract)

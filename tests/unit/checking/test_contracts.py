@@ -63,11 +63,11 @@ def test_skills_that_do_what_they_declare_pass(skill: Skill) -> None:
     assert isinstance(contract.outcome, Success)
 
 
-def test_a_skill_that_can_start_as_the_scene_is_runs_there() -> None:
+def test_a_skill_whose_preconditions_hold_in_the_scene_runs_there() -> None:
     assert check_contract(pretend(DRIVE), TINY).where == "tiny"
 
 
-def test_other_skills_bring_about_what_it_needs() -> None:
+def test_missing_preconditions_are_established_by_other_skills() -> None:
     contract = check_contract(pretend(PLACE), TINY, SKILLS)
 
     assert contract.where == "tiny, after other skills"
@@ -75,7 +75,7 @@ def test_other_skills_bring_about_what_it_needs() -> None:
     assert contract.arguments["Ball"] == "ball_1"
 
 
-def test_what_no_skill_brings_about_is_made_up() -> None:
+def test_preconditions_that_no_skill_achieves_are_written_into_the_world() -> None:
     contract = check_contract(pretend(PICK), TINY)
 
     assert (contract.where, contract.findings) == ("tiny, made up", ())
@@ -91,7 +91,7 @@ def test_an_effect_that_did_not_happen_is_named_with_the_reason() -> None:
     assert "it is at unknown_location" in text
 
 
-def test_why_a_skill_failed_is_said_beside_the_effects_that_did_not_happen() -> None:
+def test_the_failure_reason_of_a_skill_is_reported_with_the_missing_effects() -> None:
     class Refuse(Meddle):
         name: ClassVar[str] = "refuse"
 
@@ -123,7 +123,7 @@ def test_a_change_that_is_not_declared_is_named(write: Callable[[Any, Meddle.Par
     assert said in text
 
 
-def test_a_new_element_is_one_finding_however_much_is_said_of_it() -> None:
+def test_an_undeclared_new_element_is_one_finding_whatever_its_properties() -> None:
     def write(tx: Any, _params: Meddle.Params) -> None:
         ball = tx.add("tiny:Ball")
         tx.place(ball, "sk:in", "box_a")
@@ -132,7 +132,7 @@ def test_a_new_element_is_one_finding_however_much_is_said_of_it() -> None:
     assert [rule for rule, _ in rules_and_texts(DRIVE_AND_MEDDLE, meddling(write))] == ["undeclared-change"]
 
 
-def test_the_poses_of_what_is_moved_and_of_its_parts_go_without_saying() -> None:
+def test_poses_of_a_moved_thing_and_of_its_parts_need_not_be_declared() -> None:
     from skiros_py.geometry import Pose
 
     def write(tx: Any, params: Meddle.Params) -> None:
@@ -142,7 +142,7 @@ def test_the_poses_of_what_is_moved_and_of_its_parts_go_without_saying() -> None
     assert rules_and_texts(DRIVE_AND_MEDDLE, meddling(write)) == []
 
 
-def test_the_pose_of_what_is_not_moved_does_not() -> None:
+def test_an_undeclared_pose_change_of_an_unmoved_thing_is_found() -> None:
     from skiros_py.geometry import Pose
 
     def write(tx: Any, _params: Meddle.Params) -> None:
@@ -151,14 +151,14 @@ def test_the_pose_of_what_is_not_moved_does_not() -> None:
     assert [rule for rule, _ in rules_and_texts(DRIVE_AND_MEDDLE, meddling(write))] == ["undeclared-change"]
 
 
-def test_a_declared_value_may_change_and_no_other() -> None:
+def test_only_declared_values_may_change() -> None:
     missing = ConditionType("Lost", (Role("place", "sk:Location"),), Compare("sk:missing", "=", "place", True), "Lost.")
     lose = pretend(replace(DRIVE, post=(*DRIVE.post, missing("Location"))), DRIVE_AND_MEDDLE.body)
 
     assert rules_and_texts(lose, Meddle) == []
 
 
-def test_of_what_can_never_start_it_is_said_what_is_missing() -> None:
+def test_a_skill_that_can_never_start_is_reported_with_what_is_missing() -> None:
     never = Computed("tiny:fitsIn", "a", "b", lambda *_: Verdict(False, "the stars stand badly"))
     lucky = ConditionType("Lucky", (Role("a", "sk:Robot"), Role("b", "sk:Location")), never, "Luck.")
     skill = pretend(replace(DRIVE, pre=(*DRIVE.pre, lucky("Robot", "Location"))))
@@ -169,7 +169,7 @@ def test_of_what_can_never_start_it_is_said_what_is_missing() -> None:
     assert "the stars stand badly" in text
 
 
-def test_values_that_nobody_says_are_made_up() -> None:
+def test_parameters_without_a_value_get_an_example_value() -> None:
     slow = replace(DRIVE, params=(*DRIVE.params, Param("Speed", "number", "How fast.", unit="m/s")))
 
     contract = check_contract(pretend(slow), TINY)
@@ -193,7 +193,7 @@ def test_a_skill_that_never_ends_is_cancelled() -> None:
     assert "did not end" in text
 
 
-def test_a_case_that_the_world_refuses_is_taken_only_where_there_is_no_other() -> None:
+def test_a_case_refused_by_the_world_is_used_only_without_an_alternative() -> None:
     nested = ConditionType(
         "Inside", (Role("a", "tiny:Box"), Role("b", "sk:Location")), Related("sk:in", "a", "b"), "In."
     )
@@ -246,7 +246,7 @@ def of_conditions(overrun: float | None = None, **conditions: Any) -> list[tuple
 
 
 @pytest.mark.parametrize("key", ["pre", "hold"])
-def test_a_condition_that_tries_to_end_the_program_is_a_finding(key: str) -> None:
+def test_a_condition_that_raises_system_exit_is_a_finding(key: str) -> None:
     def leave(*_: object) -> Verdict:
         sys.exit(3)
 
@@ -257,7 +257,7 @@ def test_a_condition_that_tries_to_end_the_program_is_a_finding(key: str) -> Non
 
 
 @pytest.mark.parametrize("key", ["pre", "hold"])
-def test_a_condition_that_never_comes_back_is_a_finding(key: str) -> None:
+def test_a_condition_that_hangs_is_a_finding(key: str) -> None:
     def hog(*_: object) -> Verdict:
         while True:
             pass
@@ -268,7 +268,7 @@ def test_a_condition_that_never_comes_back_is_a_finding(key: str) -> None:
     assert "a condition held the control cycle too long" in text
 
 
-def test_a_primitive_that_never_comes_back_is_a_finding() -> None:
+def test_a_primitive_that_hangs_is_a_finding() -> None:
     class Hog(Meddle):
         name: ClassVar[str] = "hog"
 
@@ -286,7 +286,7 @@ def test_a_primitive_that_never_comes_back_is_a_finding() -> None:
     assert "held the control cycle" in text
 
 
-def test_no_watchdog_stays_behind() -> None:
+def test_no_watchdog_thread_stays_behind() -> None:
     check_contract(pretend(PLACE), TINY, SKILLS)
 
     assert not [thread for thread in threading.enumerate() if thread.name == "skiros-watchdog"]

@@ -31,26 +31,26 @@ def broken_by(folder: Path, *, run: bool) -> set[str]:
 
 
 @pytest.mark.parametrize("rule", RULES.values(), ids=lambda r: r.name)
-def test_the_bad_example_breaks_exactly_this_rule(rule: Rule, package: Package) -> None:
+def test_the_bad_example_of_a_rule_breaks_exactly_this_rule(rule: Rule, package: Package) -> None:
     bad, _ = examples(rule)
 
     assert broken_by(package(bad), run=rule.name in RUN) == {rule.name}
 
 
 @pytest.mark.parametrize("rule", RULES.values(), ids=lambda r: r.name)
-def test_the_good_example_breaks_none(rule: Rule, package: Package) -> None:
+def test_the_good_example_of_a_rule_breaks_no_rule(rule: Rule, package: Package) -> None:
     _, good = examples(rule)
 
     assert broken_by(package(good), run=rule.name in RUN) == set()
 
 
 @pytest.mark.parametrize("rule", RULES.values(), ids=lambda r: r.name)
-def test_the_page_is_about_the_rule(rule: Rule) -> None:
+def test_the_page_of_a_rule_begins_with_its_name_and_the_summary_is_a_sentence(rule: Rule) -> None:
     assert rule.page.startswith(f"# {rule.name}\n")
     assert rule.summary.endswith(".")
 
 
-def test_the_manual_lists_all_rules_as_they_are() -> None:
+def test_the_docs_list_all_rules_with_their_current_texts() -> None:
     text = (DOCS / "rules.md").read_text(encoding="utf-8")
     listed = re.findall(r"^\| \[([a-z-]+)\]\(([^)]+)\) \| (\w+) \| (.+?) \|$", text, re.MULTILINE)
 

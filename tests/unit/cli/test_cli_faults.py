@@ -168,7 +168,7 @@ def test_a_broken_ontology_is_reported_by_file_and_line(
     assert out == ""
 
 
-def test_a_missing_file_of_the_environment_is_named(
+def test_a_missing_file_named_in_the_environment_is_reported(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("SKIROS_ONTOLOGIES", str(tmp_path / "nowhere.ttl"))
@@ -196,20 +196,20 @@ def test_a_scene_as_json_is_one_object(tmp_path: Path) -> None:
     assert [root["id"] for root in answer["tree"]] == ["floor", "unknown_location"]
 
 
-def test_scenes_are_listed_by_the_names_that_can_be_given(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_scenes_are_listed_by_the_names_that_commands_accept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("SKIROS_SCENES", str(tiny_scene(tmp_path).parent))
 
     assert {"kitting", "tiny"} <= set(invoke("scene", "list").output.split())
 
 
-def test_a_robot_that_is_not_there_is_answered_with_those_that_are(
+def test_an_unknown_robot_is_answered_with_the_known_ones(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert status_of(monkeypatch, "plan", str(tiny_scene(tmp_path)), "--robot", "robot_9") == 2
     assert "unknown robot 'robot_9'" in capsys.readouterr().err
 
 
-def test_planning_without_a_goal_asks_for_one(
+def test_planning_without_a_goal_asks_for_a_goal(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert status_of(monkeypatch, "plan", str(tiny_scene(tmp_path))) == 2
@@ -227,7 +227,7 @@ def test_planning_without_a_goal_asks_for_one(
         ('[{"kind": "box", "size": [1, 1, 1], "at": [0, 0]}]', "'at' takes three finite numbers"),
     ],
 )
-def test_a_shape_that_makes_no_sense_is_reported_by_file_and_line(
+def test_an_invalid_shape_is_reported_by_file_and_line(
     solid: str, reason: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     json_type = "<http://www.w3.org/1999/02/22-rdf-syntax-ns#JSON>"
@@ -240,7 +240,7 @@ def test_a_shape_that_makes_no_sense_is_reported_by_file_and_line(
     assert reason in err
 
 
-def test_a_scene_a_thousand_pallets_deep_is_shown_to_its_end(tmp_path: Path) -> None:
+def test_a_scene_nested_a_thousand_pallets_deep_is_shown_completely(tmp_path: Path) -> None:
     deep = "".join(
         f"scene:p_{i} a tiny:Box ; sk:on scene:{'floor' if i == 0 else f'p_{i - 1}'} .\n" for i in range(1200)
     )
@@ -276,7 +276,7 @@ def test_control_characters_in_a_scene_never_reach_the_terminal(tmp_path: Path) 
 @pytest.mark.parametrize(
     "command", [["world", "query", "kitting", "ASK {}"], ["ontology", "check"]], ids=lambda c: c[0]
 )
-def test_a_time_limit_is_a_time_that_can_pass(
+def test_an_invalid_time_limit_is_refused(
     command: list[str], limit: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert status_of(monkeypatch, *command, "--time-limit", limit) == 2
@@ -296,7 +296,7 @@ def test_a_time_limit_is_a_time_that_can_pass(
         (["--file", "{folder}/latin1.rq"], "latin1.rq: cannot be read as UTF-8 text"),
     ],
 )
-def test_a_question_asked_wrongly_is_refused_in_one_message(
+def test_a_wrong_query_command_is_refused_with_one_message(
     arguments: list[str],
     message: str,
     tmp_path: Path,

@@ -10,17 +10,17 @@ from skiros_py.cli.output import escaped
 
 
 @given(st.text())
-def test_nothing_is_left_that_cannot_be_printed(text: str) -> None:
+def test_escaped_text_contains_only_printable_characters(text: str) -> None:
     assert escaped(text).isprintable()
 
 
 @given(st.text().filter(str.isprintable))
-def test_what_can_be_printed_stays_as_it_is(text: str) -> None:
+def test_printable_text_is_unchanged(text: str) -> None:
     assert escaped(text) == text
 
 
 @pytest.mark.parametrize(
     ("text", "shown"), [("\x1b[31m", "\\x1b[31m"), ("a\r\nb", "a\\r\\nb"), ("\0", "\\x00"), ("\u202e", "\\u202e")]
 )
-def test_control_characters_are_written_out(text: str, shown: str) -> None:
+def test_control_characters_are_escaped(text: str, shown: str) -> None:
     assert escaped(text) == shown

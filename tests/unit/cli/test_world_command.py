@@ -106,7 +106,7 @@ def test_the_history_of_an_element_says_who_changed_what_and_why(data: str) -> N
     assert invoke("history", "ball_1", "--last", "1", "--data", data).output.splitlines() == lines[-2:]
 
 
-def test_the_history_of_everything_as_json_has_each_change_with_the_time_on_the_wall(data: str) -> None:
+def test_the_complete_history_as_json_has_each_change_with_its_wall_clock_time(data: str) -> None:
     found = answer("history", "--all", "--data", data)
 
     assert found["remembered_from"] == 1
@@ -116,7 +116,7 @@ def test_the_history_of_everything_as_json_has_each_change_with_the_time_on_the_
     assert all(c["written"].endswith("+00:00") for c in changes)
 
 
-def test_undo_takes_back_what_a_person_did_last(data: str) -> None:
+def test_undo_reverts_the_last_change_of_a_person(data: str) -> None:
     assert answer("undo", "--author", "bob", "--data", data)["undoes"] == 2
     assert answer("show", "ball_1", "--data", data)["properties"] == {}
 
@@ -132,7 +132,7 @@ def test_a_learned_concept_is_listed_forgotten_and_restored(data: str) -> None:
     assert mug["label"] == "mug"
 
 
-def test_what_was_learned_is_written_to_a_file_that_a_new_directory_takes(data: str, tmp_path: Path) -> None:
+def test_learned_concepts_are_written_to_a_file_that_a_new_directory_accepts(data: str, tmp_path: Path) -> None:
     other = tmp_path / "other"
     other.mkdir()
 
@@ -143,7 +143,7 @@ def test_what_was_learned_is_written_to_a_file_that_a_new_directory_takes(data: 
         assert directory.world.element("learned:ball_1").label == "mug"
 
 
-def test_compaction_says_what_is_remembered(data: str) -> None:
+def test_compaction_reports_which_changes_are_kept(data: str) -> None:
     assert invoke("compact", "--keep", "1", "--data", data).output == "1 of 3 changes are remembered\n"
 
     assert "remembered from number 3 on" in invoke("history", "ball_1", "--data", data).output

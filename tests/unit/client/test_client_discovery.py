@@ -30,12 +30,12 @@ def test_a_server_is_found_while_it_serves(owned: Path) -> None:
     assert find_server(owned) is None
 
 
-def test_only_its_user_can_read_what_it_leaves(owned: Path) -> None:
+def test_only_the_owner_can_read_the_address_file(owned: Path) -> None:
     with announced(owned, URL, "secret"):
         assert stat.S_IMODE((owned / "server.json").stat().st_mode) == 0o600
 
 
-def test_the_token_is_not_shown(owned: Path) -> None:
+def test_the_token_does_not_appear_in_the_repr(owned: Path) -> None:
     with announced(owned, URL, "secret") as server:
         assert "secret" not in repr(server)
 
@@ -53,19 +53,19 @@ def test_the_address_file_of_a_killed_server_is_ignored_while_another_program_us
         assert find_server(owned) is None
 
 
-def test_looking_does_not_keep_anybody_out(tmp_path: Path) -> None:
+def test_finding_a_server_does_not_lock_the_directory(tmp_path: Path) -> None:
     DirectoryLock(tmp_path).release()
     find_server(tmp_path)
     DirectoryLock(tmp_path).release()
 
 
 @pytest.mark.parametrize("text", ["", "{}", "[", '{"url": 1}'])
-def test_what_is_no_announcement_is_no_server(owned: Path, text: str) -> None:
+def test_an_invalid_address_file_means_no_server(owned: Path, text: str) -> None:
     (owned / "server.json").write_text(text, encoding="utf-8")
 
     assert find_server(owned) is None
 
 
-def test_without_a_server_it_says_how_to_start_one(tmp_path: Path) -> None:
+def test_without_a_server_the_error_explains_how_to_start_one(tmp_path: Path) -> None:
     with pytest.raises(FileError, match="skiros serve --data"):
         server_of(tmp_path)

@@ -41,7 +41,7 @@ def test_each_operation_has_types_that_can_be_read(name: str, operation: Operati
     assert operation.__doc__
 
 
-def test_a_method_of_a_blocking_client_sends_the_call_that_the_class_makes() -> None:
+def test_a_blocking_client_method_sends_the_call_of_its_operation() -> None:
     assert Topics(Blocking()).jobs.get("kit-17") == Jobs.get("kit-17")  # type: ignore[comparison-overlap]
 
 
@@ -52,7 +52,7 @@ def test_a_method_of_an_asynchronous_client_is_awaited() -> None:
     assert asyncio.run(ask()) == Jobs.get("kit-17")
 
 
-def test_parameters_go_into_path_and_query_and_none_is_left_out() -> None:
+def test_parameters_go_into_path_and_query_except_none() -> None:
     call = Elements.list(class_="kitting:Kit", limit=5)
 
     assert (call.method, call.path) == ("GET", "/elements")
@@ -61,7 +61,7 @@ def test_parameters_go_into_path_and_query_and_none_is_left_out() -> None:
     assert Jobs.list(states=["Running"]).query["state"] == ["Running"]
 
 
-def test_plain_values_are_the_body_and_those_after_a_question_mark_the_query() -> None:
+def test_plain_values_form_the_body_and_query_parameters_the_query() -> None:
     run = Modules.run("arm_1", "pick", repeat=2)
     reset = Simulation.reset(force=True)
 
@@ -69,15 +69,15 @@ def test_plain_values_are_the_body_and_those_after_a_question_mark_the_query() -
     assert (reset.query, reset.json) == ({"force": True}, None)
 
 
-def test_a_body_without_values_is_an_empty_object() -> None:
+def test_a_body_without_values_is_sent_as_an_empty_object() -> None:
     assert Devices.teach("arm_1").json == {}
 
 
-def test_a_model_is_the_body_with_what_was_given() -> None:
+def test_a_model_is_sent_with_only_its_given_fields() -> None:
     assert Elements.edit("a", ElementPatch(properties={"sk:mass": None})).json == {"properties": {"sk:mass": None}}
 
 
-def test_of_an_order_only_the_goal_is_checked() -> None:
+def test_checking_an_order_sends_only_its_goal() -> None:
     assert Goals.check(JobOrder(goal="InKit(a, b)", priority=3)).json == GoalOrder(goal="InKit(a, b)").model_dump(
         mode="json", exclude_unset=True
     )
@@ -98,7 +98,7 @@ def test_versions_are_sent_as_if_match(call: Call[Any], header: str | None) -> N
     assert call.headers.get("If-Match") == header
 
 
-def test_what_must_not_be_done_twice_is_not_repeated() -> None:
+def test_operations_that_are_not_idempotent_are_not_repeated() -> None:
     assert not Modules.run("arm_1", "pick").repeatable
     assert not Modules.command("r1", "step").repeatable
     assert Modules.command("r1", "pause").repeatable

@@ -20,7 +20,7 @@ def answered(status: int, content: bytes) -> httpx2.Response:
 
 
 @pytest.mark.parametrize("url", ["", "here", "ftp://a", "http://", "http://a?b", "http://a#b", "http://a:port", "//a"])
-def test_what_is_no_address_is_refused(url: str) -> None:
+def test_an_invalid_address_is_refused(url: str) -> None:
     with pytest.raises(UsageError, match="no address"):
         settings_for(url, None, 1.0)
 
@@ -41,27 +41,27 @@ def test_an_invalid_key_is_refused_without_being_shown(key: str) -> None:
 
 
 @pytest.mark.parametrize(("url", "proxies"), [(URL, False), ("http://[::1]:1", False), ("http://mes.example", True)])
-def test_a_proxy_does_not_come_between_programs_of_one_machine(url: str, proxies: bool) -> None:
+def test_local_addresses_bypass_the_proxy(url: str, proxies: bool) -> None:
     assert settings_for(url, None, 1.0)["trust_env"] is proxies
 
 
-def test_dots_are_ids_and_no_directions() -> None:
+def test_dots_in_an_id_are_escaped() -> None:
     assert arguments_of(Call("GET", "/jobs/../plan", Any))["url"] == "/jobs/%2E%2E/plan"
 
 
-def test_what_is_none_is_left_out() -> None:
+def test_parameters_that_are_none_are_left_out() -> None:
     arguments = arguments_of(Call("GET", "/jobs", Any, query={"a": None, "b": 1}, headers={"If-Match": None}))
 
     assert arguments["params"] == {"b": 1}
     assert arguments["headers"] == {}
 
 
-def test_what_is_posted_again_has_a_key_by_which_the_server_knows_it() -> None:
+def test_a_repeatable_post_has_an_idempotency_key() -> None:
     assert arguments_of(Call("POST", "/jobs", Any))["headers"]["Idempotency-Key"]
     assert "Idempotency-Key" not in arguments_of(Call("POST", "/jobs", Any, repeatable=False))["headers"]
 
 
-def test_a_problem_is_told_in_its_own_words() -> None:
+def test_a_problem_document_is_raised_with_its_own_message() -> None:
     body = b'{"title": "Conflict", "status": 409, "code": "InvalidJobOrderStatus", "detail": "it is over"}'
 
     with pytest.raises(ProblemError, match="it is over") as refused:
@@ -71,19 +71,19 @@ def test_a_problem_is_told_in_its_own_words() -> None:
 
 
 @pytest.mark.parametrize("body", [b"<html>Bad Gateway</html>", b"", b"\xff", b"[]"])
-def test_an_error_of_somebody_in_between_is_shown_as_it_is(body: bytes) -> None:
+def test_an_error_of_an_intermediate_server_is_shown_unchanged(body: bytes) -> None:
     with pytest.raises(ProblemError, match="502 Bad Gateway") as refused:
         result_of(GET, answered(502, body))
 
     assert refused.value.status == 502
 
 
-def test_an_answer_that_is_not_understood_is_a_fault() -> None:
+def test_an_answer_that_does_not_parse_is_a_fault() -> None:
     with pytest.raises(SkirosError, match="different versions"):
         result_of(GET, answered(200, b"no json"))
 
 
-def test_without_an_answer_it_explains_how_to_start_a_server() -> None:
+def test_without_an_answer_the_error_explains_how_to_start_a_server() -> None:
     with pytest.raises(Unreachable, match="skiros serve") as fault, reaching(URL):
         raise httpx2.ConnectError("refused")
 

@@ -9,7 +9,7 @@ from skiros_py.errors import UsageError
 
 
 @pytest.mark.parametrize("name", ["", "../x", "a\tb", "a\x00", "x" * 301])
-def test_what_can_be_no_id_is_refused_with_its_name(name: str) -> None:
+def test_an_invalid_id_is_refused_with_its_parameter_name(name: str) -> None:
     for call in (Jobs.get, Jobs.pause):
         with pytest.raises(UsageError, match="can be no id") as told:
             call(name)
@@ -17,5 +17,5 @@ def test_what_can_be_no_id_is_refused_with_its_name(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["kit-17", "x" * 200, "..", "a?b#c", "päckchen", "%2F"])
-def test_ids_that_are_odd_are_sent(name: str) -> None:
+def test_unusual_but_valid_ids_are_sent(name: str) -> None:
     assert "?" not in Jobs.get(name).path

@@ -47,32 +47,32 @@ def test_any_request_that_never_reached_the_server_is_sent_again() -> None:
     assert wait_after(broken(httpx2.ConnectError("refused")), ONCE) is True
 
 
-def test_what_no_server_understands_is_not_sent_again() -> None:
+def test_an_invalid_request_is_not_sent_again() -> None:
     assert wait_after(broken(httpx2.UnsupportedProtocol("ftp")), READ) is False
     assert wait_after(SkirosError("of another version"), READ) is False
 
 
-def test_it_waits_for_as_long_as_the_server_asks() -> None:
+def test_a_retry_waits_as_long_as_the_server_asks() -> None:
     assert wait_after(answered(429, "3"), ONCE) == 3.0
     assert wait_after(answered(503, "2"), READ) == 2.0
     assert wait_after(answered(503, "0"), READ) is not False
 
 
-def test_what_was_perhaps_done_before_the_server_had_too_much_to_do_is_not_sent_again() -> None:
+def test_a_possibly_executed_request_is_not_sent_again_to_a_busy_server() -> None:
     assert wait_after(answered(503, "2"), ONCE) is False
 
 
 @pytest.mark.parametrize("said", ["3600", "soon", "-1", "٣", "9" * 400, ""])
-def test_nobody_waits_for_an_hour_or_for_nonsense(said: str) -> None:
+def test_excessive_or_invalid_retry_times_are_not_waited_for(said: str) -> None:
     assert wait_after(answered(503, said), READ) is False
 
 
 @pytest.mark.parametrize("status", [400, 404, 409, 412, 422, 500])
-def test_an_answer_is_an_answer(status: int) -> None:
+def test_final_answers_are_not_retried(status: int) -> None:
     assert wait_after(answered(status, "1"), READ) is False
 
 
-def test_waits_grow_and_end_with_the_last_try(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_waits_between_tries_grow_and_end_with_the_last_try(monkeypatch: pytest.MonkeyPatch) -> None:
     waits: list[float] = []
     monkeypatch.setattr("time.sleep", waits.append)
 
@@ -87,6 +87,6 @@ def test_waits_grow_and_end_with_the_last_try(monkeypatch: pytest.MonkeyPatch) -
     assert all(least <= wait <= least + 0.1 for wait, least in zip(waits, (0.1, 0.2, 0.4), strict=True))
 
 
-def test_never_to_try_is_refused() -> None:
+def test_zero_tries_are_refused() -> None:
     with pytest.raises(UsageError, match="tries: 1 or more"):
         Client(tries=0)

@@ -91,7 +91,7 @@ def test_a_lost_request_is_sent_again(later: bool) -> None:
 
 
 @both
-def test_all_tries_of_an_order_are_the_same_to_the_server(later: bool) -> None:
+def test_all_tries_of_an_order_have_the_same_idempotency_key(later: bool) -> None:
     with unreliable(cuts=1, refusals=1) as (url, server):
         send(url, ORDER, later=later)
         send(url, ORDER, later=later)
@@ -107,21 +107,21 @@ def test_a_request_that_must_not_be_repeated_is_sent_once(later: bool) -> None:
 
 
 @both
-def test_after_the_last_try_the_server_s_own_words_are_told(later: bool) -> None:
+def test_after_the_last_try_the_message_of_the_server_is_raised(later: bool) -> None:
     with unreliable(refusals=9) as (url, server), pytest.raises(ProblemError, match="later"):
         send(url, READ, later=later, tries=3)
     assert len(server.seen) == 3
 
 
 @both
-def test_the_key_comes_along_in_a_header(later: bool) -> None:
+def test_the_key_is_sent_in_a_header(later: bool) -> None:
     with unreliable() as (url, server):
         send(url, READ, later=later, key="sk_a_b")
     assert server.seen[0]["Authorization"] == "Bearer sk_a_b"
 
 
 @both
-def test_where_nobody_listens_it_is_said_where_that_was(later: bool) -> None:
+def test_an_unreachable_server_is_reported_with_its_address(later: bool) -> None:
     with unreliable() as (url, _):
         pass
     with pytest.raises(Unreachable, match=url):

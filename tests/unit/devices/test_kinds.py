@@ -54,7 +54,7 @@ class TestCamera(DeviceKindContract):
         return SPECS["camera"]
 
 
-def test_each_kind_that_comes_along_is_tried() -> None:
+def test_each_built_in_device_kind_is_covered() -> None:
     kinds, _ = load_device_kinds()
     own = {kind for kind in kinds.by_name.values() if kind.__module__.startswith("skiros_py.")}
 
@@ -79,9 +79,7 @@ def install_kind(site: Any, name: str, kind: str, class_: str) -> None:
 
 
 @pytest.mark.parametrize(("kind", "class_"), [("scale", "b:Scale"), ("weigher", "a:Scale")], ids=["name", "class"])
-def test_of_two_kinds_with_one_name_or_class_neither_counts_and_both_are_named(
-    site: Any, kind: str, class_: str
-) -> None:
+def test_two_device_kinds_with_one_name_or_class_are_both_left_out_and_named(site: Any, kind: str, class_: str) -> None:
     install_kind(site, "First", "scale", "a:Scale")
     install_kind(site, "Second", kind, class_)
 
@@ -92,7 +90,7 @@ def test_of_two_kinds_with_one_name_or_class_neither_counts_and_both_are_named(
     assert all("first of sk-first 0.3" in str(one) and "second of sk-second 0.3" in str(one) for one in faults)
 
 
-def test_a_built_in_kind_counts_whatever_is_installed(site: Any) -> None:
+def test_a_built_in_device_kind_is_kept_whatever_is_installed(site: Any) -> None:
     install_kind(site, "Third", "arm", "a:Arm")
 
     kinds, (fault,) = load_device_kinds()
@@ -111,14 +109,14 @@ def test_shared_set_points_and_twists_are_their_weighted_mean() -> None:
     assert (base.linear, base.angular) == pytest.approx((0.1, 0.2))
 
 
-def test_what_cannot_be_shared_says_who_commands_it() -> None:
+def test_commands_that_cannot_be_merged_are_refused_with_the_commanding_runs() -> None:
     one, other = (Contribution(name, GripperTarget(0.0, 1.0)) for name in ("pick", "wave"))
 
     with pytest.raises(DeviceError, match="gripper: pick and wave command it in one cycle"):
         SPECS["gripper"].mixed([one, other])
 
 
-def test_a_paused_run_slows_a_twist_and_leaves_set_points_alone() -> None:
+def test_a_paused_run_scales_a_twist_but_not_set_points() -> None:
     target = ArmTarget((0.1,) * 7, (0.5,) * 7)
 
     assert SPECS["base"].scaled(BaseTwist(0.4, 1.0), 0.5) == BaseTwist(0.2, 0.5)

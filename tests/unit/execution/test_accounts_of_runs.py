@@ -48,20 +48,20 @@ def found(running: RunningModule) -> list[tuple[str, bool]]:
     return [(row["kind"], row["holds"]) for row in running.account["conditions"]]
 
 
-def test_an_account_has_all_parameters_also_those_that_were_inferred() -> None:
+def test_a_run_account_contains_given_and_inferred_parameters() -> None:
     with Bench(tiny_world(), SKILLS) as bench:
         running = ended(bench, Location="box_a")
     assert running.account["inputs"] == {"Base": "base_1", "Robot": "robot_1", "Location": "box_a"}
 
 
-def test_an_account_has_the_conditions_before_meanwhile_and_after() -> None:
+def test_a_run_account_contains_pre_hold_and_postconditions() -> None:
     watched = replace(DRIVE, pre=(REACHABLE("Location"),), hold=(HAS_PART("Robot", "Base"),))
     with Bench(tiny_world(), (wandering(watched),), (Wander,)) as bench:
         running = ended(bench, Location="box_a")
     assert found(running) == [("pre", True), ("hold", True), ("post", True)]
 
 
-def test_a_postcondition_that_does_not_hold_is_in_the_account_with_its_reason() -> None:
+def test_a_failed_postcondition_is_in_the_account_with_its_reason() -> None:
     idle = Skill(replace(DRIVE, pre=()), Do.of("wander", goes="box_b"), driver="fake")
     with Bench(tiny_world(), (idle,), (Wander,)) as bench:
         running = ended(bench, Location="box_a")
@@ -70,7 +70,7 @@ def test_a_postcondition_that_does_not_hold_is_in_the_account_with_its_reason() 
     assert "robot_1" in " ".join(row["why"])
 
 
-def test_an_account_and_what_is_told_say_which_implementation_was_tried_last() -> None:
+def test_the_account_and_events_name_the_implementation_tried_last() -> None:
     free = replace(DRIVE, pre=())
     ways = (
         Skill(free, Do.of("wander", goes="box_b"), driver="fake", label="astray", order=1),
@@ -84,13 +84,13 @@ def test_an_account_and_what_is_told_say_which_implementation_was_tried_last() -
     assert (told[0], told[-1], parts) == ("astray", "there", {None})
 
 
-def test_a_run_for_which_no_value_was_found_was_done_in_no_way() -> None:
+def test_a_run_with_unresolved_parameters_has_no_implementation_in_its_account() -> None:
     with Bench(tiny_world(), SKILLS) as bench:
         running = ended(bench, Robot="robot_1", Location="nowhere")
     assert running.account["implementation"] is None
 
 
-def test_what_a_module_and_its_parts_tell_names_the_task_for_which_they_run() -> None:
+def test_events_of_a_module_and_its_parts_name_their_task() -> None:
     with Bench(tiny_world(), (wandering(replace(DRIVE, pre=())),), (Wander,)) as bench:
         running = bench.managers["base_1"].start("drive", {"Location": "box_a"}, task="kit-17")
         bench.until(lambda: running.done)

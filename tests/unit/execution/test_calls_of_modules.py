@@ -88,7 +88,7 @@ def test_a_skill_calls_a_skill_of_another_subsystem_of_its_own_robot(number: int
         assert {e.caller for e in bench.events if e.module == "drive"} == {"fetch"}
 
 
-def test_what_a_called_skill_of_another_subsystem_moves_its_caller_must_have_taken() -> None:
+def test_a_caller_must_claim_the_devices_that_a_called_skill_moves() -> None:
     lacking = replace(FETCH, params=PICK.params)
     body = Sequence.of(Do.of("drive", Location=P("Box")), AssertEffects(0.0))
     with Bench(tiny_world(), (pretend(DRIVE), pretend(lacking, body))) as bench:
@@ -98,7 +98,7 @@ def test_what_a_called_skill_of_another_subsystem_moves_its_caller_must_have_tak
         assert "drive needs base_1, but fetch has arm_1, gripper_1" in outcome.reason
 
 
-def test_skills_of_a_manager_that_went_are_called_no_more() -> None:
+def test_skills_of_a_removed_manager_are_no_longer_called() -> None:
     with Bench(tiny_world(), (pretend(DRIVE), pretend(FETCH, GO_AND_PICK))) as bench:
         bench.managers.close("base_1")
         outcome = bench.run("fetch", **TO_BALL)
@@ -110,7 +110,7 @@ def test_skills_of_a_manager_that_went_are_called_no_more() -> None:
 # ------------------------------------------------------------------ calls that are cancelled, or forgotten
 
 
-def test_a_call_gets_the_devices_of_one_that_was_cancelled_beside_it() -> None:
+def test_a_call_gets_the_devices_of_a_cancelled_parallel_call() -> None:
     def race(self: Any) -> Execution[Outcome]:
         held, waiting = (self.call(module, gripper=self.params.gripper) for module in ("grip", "tap"))
         tick(held), tick(waiting)
@@ -126,7 +126,7 @@ def test_a_call_gets_the_devices_of_one_that_was_cancelled_beside_it() -> None:
         assert Grip.log == ["lets go"] * 3 + ["taps"]
 
 
-def test_a_call_that_is_kept_and_never_closed_ends_with_its_caller() -> None:
+def test_an_unclosed_call_ends_with_its_caller() -> None:
     def forgetful(self: Any) -> Execution[Outcome]:
         self.kept = self.call("grip", gripper=self.params.gripper)
         kept.append(self)
@@ -145,7 +145,7 @@ def test_a_call_that_is_kept_and_never_closed_ends_with_its_caller() -> None:
 # ------------------------------------------------------------------ devices that were not taken
 
 
-def test_a_primitive_in_a_skill_commands_only_what_it_has_taken_itself() -> None:
+def test_a_primitive_in_a_skill_commands_only_devices_it_has_claimed_itself() -> None:
     def sly(self: Any) -> Execution[Outcome]:
         Base(self.context.board, "base_1").command(BaseTwist(0.1, 0.0))
         yield
@@ -172,7 +172,7 @@ def _ways(first: Behaviour, second: Behaviour, **more: Any) -> tuple[Skill, Skil
 AT_ONCE = replace(DRIVE, pre=(), post=(AT_LOCATION("Robot", "Location"),))
 
 
-def test_each_implementation_takes_only_its_own_devices() -> None:
+def test_each_implementation_claims_only_its_own_devices() -> None:
     failing = Sequence.of(Wait(0.05), Do.of("nowhere"))
     whole = {"takes": ("Robot",)}
     with Bench(tiny_world(), _ways(failing, Sequence.of(Wait(0.2), AssertEffects(0.0)), **whole), (Grip, Tap)) as bench:
@@ -185,7 +185,7 @@ def test_each_implementation_takes_only_its_own_devices() -> None:
         assert isinstance(running.result, Success)
 
 
-def test_what_is_cancelled_before_it_has_its_devices_waits_for_nothing() -> None:
+def test_a_call_cancelled_while_waiting_for_devices_ends_at_once() -> None:
     ways = (Skill(AT_ONCE, AssertEffects(0.0), driver="fake", takes=("Robot",)),)
     with Bench(tiny_world(), ways, (Grip,)) as bench:
         holding = bench.start("grip")
@@ -199,7 +199,7 @@ def test_what_is_cancelled_before_it_has_its_devices_waits_for_nothing() -> None
         assert not holding.done
 
 
-def test_breaking_off_is_told_as_such_and_not_as_an_error() -> None:
+def test_cancelling_is_reported_as_preempted_and_not_as_an_error() -> None:
     with Bench(tiny_world(), (pretend(DRIVE, Wait(10.0)),)) as bench:
         running = bench.start("drive", Location="box_a")
         bench.advance(0.05)
@@ -233,7 +233,7 @@ def _loading(seconds: float) -> type[Primitive[Any]]:
     return Slow
 
 
-def test_a_primitive_may_take_longer_to_load_than_a_tick_may_last() -> None:
+def test_loading_a_primitive_may_exceed_the_tick_limit() -> None:
     description = replace(FETCH, name="fetch")
     inner = pretend(replace(FETCH, name="grab"), Do.of("slow", gripper=P("Gripper")))
     skills = (inner, pretend(description, Do.of("grab", Base=P("Base"), **{k: P(k) for k in ("Ball", "Box")})))
@@ -258,6 +258,6 @@ def test_loading_that_does_not_end_is_interrupted_and_named(monkeypatch: pytest.
 
 
 @pytest.mark.parametrize("composition", [Sequence, Fallback, Parallel])
-def test_a_composition_of_nothing_is_refused(composition: Any) -> None:
+def test_an_empty_composition_is_refused(composition: Any) -> None:
     with pytest.raises(DescriptionError, match="at least one part"):
         composition.of()

@@ -13,7 +13,7 @@ from skiros_py.execution.claims import Claim, Claims
 DEVICES = ["arm", "base", "camera", "gripper"]
 
 
-def test_a_module_takes_all_its_devices_or_none() -> None:
+def test_a_module_claims_all_its_devices_or_none() -> None:
     claims = Claims()
     claims.request("wave", ["arm"])
     pick = claims.request("pick", ["arm", "gripper"])
@@ -23,7 +23,7 @@ def test_a_module_takes_all_its_devices_or_none() -> None:
     assert pick.waits_for() == ("arm (wave)",)
 
 
-def test_who_asks_later_does_not_overtake_who_waits_for_the_same() -> None:
+def test_a_later_claim_does_not_overtake_an_earlier_one_for_the_same_device() -> None:
     claims = Claims()
     wave = claims.request("wave", ["arm"])
     pick = claims.request("pick", ["arm", "gripper"])
@@ -36,7 +36,7 @@ def test_who_asks_later_does_not_overtake_who_waits_for_the_same() -> None:
     assert open_.granted
 
 
-def test_a_claim_is_given_back_at_the_end_of_its_block_whatever_happens() -> None:
+def test_a_claim_is_released_at_the_end_of_its_block_even_after_an_exception() -> None:
     claims = Claims()
     with pytest.raises(ZeroDivisionError), claims.request("pick", ["arm"]):
         raise ZeroDivisionError
@@ -44,7 +44,7 @@ def test_a_claim_is_given_back_at_the_end_of_its_block_whatever_happens() -> Non
     assert claims.request("wave", ["arm"]).granted
 
 
-def test_a_request_that_gives_up_waiting_is_skipped() -> None:
+def test_a_cancelled_claim_request_is_skipped() -> None:
     claims = Claims()
     wave = claims.request("wave", ["arm"])
     claims.request("pick", ["arm"]).release()
@@ -62,7 +62,7 @@ def test_a_module_without_devices_never_waits() -> None:
     assert claims.request("think", []).granted
 
 
-def test_the_parts_of_a_skill_share_out_what_it_has() -> None:
+def test_the_parts_of_a_skill_divide_the_devices_of_the_skill() -> None:
     claims = Claims()
     pick = claims.request("pick", ["arm", "gripper"])
     move = claims.request("move", ["arm"], within=pick)
@@ -84,7 +84,7 @@ def test_a_device_that_the_skill_has_not_declared_is_refused_with_what_to_declar
         claims.request("grip", ["arm", "gripper"], within=pick)
 
 
-def test_a_skill_that_waits_or_has_ended_has_nothing_to_share_out() -> None:
+def test_a_waiting_or_ended_skill_has_no_devices_for_its_parts() -> None:
     claims = Claims()
     wave = claims.request("wave", ["arm"])
     pick = claims.request("pick", ["arm"])
@@ -96,7 +96,7 @@ def test_a_skill_that_waits_or_has_ended_has_nothing_to_share_out() -> None:
         claims.request("move", ["arm"], within=wave)
 
 
-def test_what_ends_takes_its_parts_with_it() -> None:
+def test_releasing_a_claim_releases_the_claims_of_its_parts() -> None:
     claims = Claims()
     pick = claims.request("pick", ["arm"])
     move, wave = (claims.request(name, ["arm"], within=pick) for name in ("move", "wave"))
@@ -107,7 +107,7 @@ def test_what_ends_takes_its_parts_with_it() -> None:
     assert (move.granted, wave.granted) == (False, False)
 
 
-def test_claims_that_share_a_device_have_it_at_the_same_time_and_an_exclusive_one_waits_for_both() -> None:
+def test_shared_claims_hold_a_device_together_and_an_exclusive_claim_waits_for_all() -> None:
     claims = Claims()
     push, turn = (claims.request(name, ["base"], shared=["base"]) for name in ("push", "turn"))
     drive = claims.request("drive", ["base"])
@@ -123,7 +123,7 @@ def test_claims_that_share_a_device_have_it_at_the_same_time_and_an_exclusive_on
     assert nudge.granted
 
 
-def test_parts_may_share_what_their_skill_has_alone_but_not_take_alone_what_it_shares() -> None:
+def test_parts_may_share_an_exclusive_device_of_their_skill_but_not_claim_a_shared_one_exclusively() -> None:
     claims = Claims()
     dance = claims.request("dance", ["base"])
     parts = [claims.request(name, ["base"], shared=["base"], within=dance) for name in ("push", "turn")]

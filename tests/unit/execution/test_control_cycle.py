@@ -34,7 +34,7 @@ def for_cycles(count: int, log: list[str], name: str) -> Iterator[None]:
     return name  # type: ignore[return-value]
 
 
-def test_a_task_begins_in_the_cycle_after_it_was_added() -> None:
+def test_a_task_starts_in_the_cycle_after_it_was_added() -> None:
     cycle, log = new_cycle(), []
     task = cycle.start(for_cycles(1, log, "a"))
 
@@ -73,7 +73,7 @@ def test_all_tasks_of_a_cycle_see_the_same_snapshot() -> None:
     assert seen[0] == seen[1] == [1, 2, 3]
 
 
-def test_a_task_that_a_task_starts_begins_in_the_same_cycle() -> None:
+def test_a_task_started_by_a_task_starts_in_the_same_cycle() -> None:
     cycle, log = new_cycle(), []
 
     def parent() -> Iterator[None]:
@@ -86,7 +86,7 @@ def test_a_task_that_a_task_starts_begins_in_the_same_cycle() -> None:
     assert log == ["parent", "child"]
 
 
-def test_tasks_that_start_each_other_for_ever_do_not_hold_the_cycle() -> None:
+def test_tasks_that_start_each_other_endlessly_do_not_block_the_cycle() -> None:
     cycle, log = new_cycle(), []
 
     def parent() -> Iterator[None]:
@@ -183,7 +183,7 @@ def test_stopping_all_closes_every_task_and_waits_for_standstill() -> None:
     assert cycle.board.snapshot.state("base_1", BaseState).pose == here
 
 
-def test_after_everything_was_stopped_nothing_starts_until_reset() -> None:
+def test_after_stop_all_no_task_starts_before_a_reset() -> None:
     cycle, log = new_cycle(), []
     cycle.stop_all("the light curtain was broken")
 
@@ -238,7 +238,7 @@ def test_halting_by_any_caller_stops_every_task() -> None:
         cycle.run(tasks[0])
 
 
-def test_what_is_commanded_while_halted_does_nothing() -> None:
+def test_commands_have_no_effect_while_halted() -> None:
     cycle = new_cycle()
     cycle.halt("a test")
 
@@ -288,7 +288,7 @@ def test_observers_are_called_at_the_end_of_each_cycle() -> None:
     assert log == ["tick", "seen", "tick", "seen"]
 
 
-def test_time_is_the_cells() -> None:
+def test_the_time_of_the_cycle_is_the_time_of_the_cell() -> None:
     cycle = new_cycle()
     for _ in range(200):
         cycle.step()

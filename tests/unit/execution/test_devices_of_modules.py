@@ -153,7 +153,7 @@ def free(bench: Bench, *devices: str) -> bool:
 # ------------------------------------------------------------------ one after the other
 
 
-def test_of_two_managers_that_need_one_device_the_younger_waits_and_then_runs() -> None:
+def test_of_two_runs_that_need_one_device_the_later_waits_and_then_runs() -> None:
     with bench_of() as bench:
         first = bench.managers["base_1"].start("roll", {"cycles": 20})
         second = bench.managers["arm_1"].start("use", BOTH)
@@ -166,7 +166,7 @@ def test_of_two_managers_that_need_one_device_the_younger_waits_and_then_runs() 
         assert first.result == second.result == Success()
 
 
-def test_a_skill_that_waits_for_a_device_says_for_whose() -> None:
+def test_a_skill_that_waits_for_a_device_names_the_run_that_holds_it() -> None:
     with bench_of() as bench:
         bench.managers["arm_1"].start("use", BOTH)
         bench.managers["base_1"].start("shift", PLACE)
@@ -203,7 +203,7 @@ def _stops_all(bench: Bench, running: RunningModule) -> None:
     ],
     ids=["success", "failure", "raise", "stop", "break off", "close", "lost", "stop all"],
 )
-def test_its_devices_come_free_at_each_end_as_soon_as_they_stand(
+def test_the_devices_of_a_run_are_released_after_any_end_once_they_stand_still(
     more: dict[str, Any], end: Callable[[Bench, RunningModule], None]
 ) -> None:
     with bench_of() as bench:
@@ -221,7 +221,7 @@ def test_its_devices_come_free_at_each_end_as_soon_as_they_stand(
 
 
 @pytest.mark.parametrize("cycles", [3, 999])
-def test_a_skill_hands_its_devices_from_part_to_part_only_when_they_stand(cycles: int) -> None:
+def test_a_skill_passes_a_device_to_the_next_part_only_once_it_stands_still(cycles: int) -> None:
     with bench_of() as bench:
         outcome = bench.run("shift", Cycles=cycles, **PLACE)
 
@@ -229,7 +229,7 @@ def test_a_skill_hands_its_devices_from_part_to_part_only_when_they_stand(cycles
         assert free(bench, "base_1", "arm_1")
 
 
-def test_what_waits_and_is_stopped_stands_in_nobodys_way() -> None:
+def test_a_stopped_waiting_run_does_not_block_others() -> None:
     with bench_of() as bench:
         first = bench.managers["base_1"].start("roll", {"cycles": 40})
         waiting = bench.managers["arm_1"].start("use", BOTH)

@@ -85,7 +85,7 @@ def test_a_document_takes_declared_parameters_and_its_outcome_has_the_declared_o
         ({"Number": 1.0, "Facto": 3.0}, "unknown parameter 'Facto'"),
     ],
 )
-def test_what_is_missing_or_wrong_is_the_failure_of_the_run(arguments: dict[str, Any], reason: str) -> None:
+def test_missing_or_invalid_parameters_fail_the_run(arguments: dict[str, Any], reason: str) -> None:
     with bench_with("tree:double", DOUBLED) as bench:
         outcome = run(bench, "tree:double", **arguments)
 
@@ -102,14 +102,14 @@ def test_what_is_missing_or_wrong_is_the_failure_of_the_run(arguments: dict[str,
         ({"extra": 1}, "extra"),
     ],
 )
-def test_a_fault_in_a_declaration_is_named_with_its_place(change: dict[str, Any], place: str) -> None:
+def test_a_fault_in_a_declaration_is_reported_with_its_place(change: dict[str, Any], place: str) -> None:
     (fault,) = Tree().check({**DOUBLED, **change}, READER)
 
     assert isinstance(fault, DocumentFault)
     assert fault.place == place
 
 
-def test_a_run_is_paused_before_a_node_with_a_breakpoint_and_goes_on_when_it_is_resumed() -> None:
+def test_a_run_pauses_before_a_node_with_a_breakpoint_and_continues_after_resume() -> None:
     with bench_with("tree:pauses", PAUSES) as bench:
         running = bench.managers["base_1"].start("tree:pauses", {})
         running.breakpoints.add("tree:pauses/body/1")

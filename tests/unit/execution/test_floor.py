@@ -51,7 +51,7 @@ def straight(floor: FloorAreas, number: int, start: tuple[float, float], end: tu
     return floor.ask(f"robot_{number}", OUTLINE, Pose((start[0], start[1], 0.0)), path)
 
 
-def test_a_way_that_nobody_else_is_on_is_free_at_once() -> None:
+def test_an_unoccupied_path_is_granted_at_once() -> None:
     floor = floor_with((0.0, 0.0), (0.0, 5.0))
 
     way = straight(floor, 1, (0.0, 0.0), (4.0, 0.0))
@@ -61,7 +61,7 @@ def test_a_way_that_nobody_else_is_on_is_free_at_once() -> None:
     assert not floor.is_driving("robot_2")
 
 
-def test_a_robot_that_stands_on_a_way_blocks_it() -> None:
+def test_a_robot_standing_on_a_path_blocks_it() -> None:
     floor = floor_with((0.0, 0.0), (2.0, 0.2))
 
     way = straight(floor, 1, (0.0, 0.0), (4.0, 0.0))
@@ -71,7 +71,7 @@ def test_a_robot_that_stands_on_a_way_blocks_it() -> None:
     assert way.waits_for() == ("robot_2",)
 
 
-def test_a_robot_waits_for_one_that_drives_and_goes_when_it_has_arrived_elsewhere() -> None:
+def test_a_robot_waits_for_a_driving_robot_until_that_has_arrived_elsewhere() -> None:
     floor = floor_with((0.0, 0.0), (2.0, -2.0))
     first = straight(floor, 1, (0.0, 0.0), (4.0, 0.0))
     second = straight(floor, 2, (2.0, -2.0), (2.0, 2.0))
@@ -82,7 +82,7 @@ def test_a_robot_waits_for_one_that_drives_and_goes_when_it_has_arrived_elsewher
     assert second.free
 
 
-def test_what_lies_behind_a_robot_is_free_before_it_has_arrived() -> None:
+def test_the_floor_behind_a_driving_robot_is_released_before_it_arrives() -> None:
     floor = floor_with((0.0, 0.0), (0.0, -2.0))
     first = straight(floor, 1, (0.0, 0.0), (4.0, 0.0))
     second = straight(floor, 2, (0.0, -2.0), (0.0, 2.0))
@@ -107,7 +107,7 @@ def test_robots_get_the_floor_in_the_order_of_their_requests() -> None:
     assert not later.free
 
 
-def test_a_wish_that_is_taken_back_keeps_nobody_waiting() -> None:
+def test_a_withdrawn_path_request_blocks_no_other_robot() -> None:
     floor = floor_with((0.0, 0.0), (2.0, -2.0), (3.0, 2.0))
     straight(floor, 1, (0.0, 0.0), (4.0, 0.0))
     waiting = straight(floor, 2, (2.0, -2.0), (2.0, 4.0))
@@ -118,7 +118,7 @@ def test_a_wish_that_is_taken_back_keeps_nobody_waiting() -> None:
     assert later.free
 
 
-def test_a_turn_on_the_spot_takes_all_that_corners_sweep() -> None:
+def test_a_turn_on_the_spot_claims_the_area_swept_by_the_corners() -> None:
     floor = floor_with((0.0, 0.0), (0.0, 0.7))
     turning = BasePath((), math.pi / 2)
 
@@ -136,7 +136,7 @@ def arm(number: int) -> str:
     return robots(number)[-1].of(ArmSpec)[0].id
 
 
-def test_an_arm_that_is_stretched_over_a_way_blocks_it_and_frees_it_when_it_is_drawn_in() -> None:
+def test_an_arm_stretched_over_a_path_blocks_it_until_it_is_retracted() -> None:
     floor = floor_with((0.0, 0.0), (2.0, 1.0))
     assert floor.stretch(arm(2), REACHING) == ()
 
@@ -147,7 +147,7 @@ def test_an_arm_that_is_stretched_over_a_way_blocks_it_and_frees_it_when_it_is_d
     assert way.free
 
 
-def test_an_arm_is_not_stretched_over_a_way_that_was_granted_before_it_has_been_driven() -> None:
+def test_an_arm_does_not_reach_over_a_granted_path_before_it_has_been_driven() -> None:
     floor = floor_with((0.0, 0.0), (2.0, 0.75))
     way = straight(floor, 1, (0.0, 0.0), (4.0, 0.0))
     sideways = tuple((y, -x) for x, y in REACHING)
@@ -161,7 +161,7 @@ def test_an_arm_is_not_stretched_over_a_way_that_was_granted_before_it_has_been_
     assert floor.stretched(arm(2)) == sideways
 
 
-def test_an_arm_waits_for_nobody_who_only_wishes_to_drive() -> None:
+def test_an_arm_does_not_wait_for_a_pending_path_request() -> None:
     """Or an arm might wait for a base that waits for another base that waits for the arm."""
     floor = floor_with((0.0, 0.0), (2.0, 1.0), (5.0, -2.0))
     crossing = straight(floor, 3, (5.0, -2.0), (0.0, -2.0))
@@ -174,7 +174,7 @@ def test_an_arm_waits_for_nobody_who_only_wishes_to_drive() -> None:
     assert (wish.free, wish.blocked) == (False, True)
 
 
-def test_an_arm_is_not_in_the_way_of_its_own_base() -> None:
+def test_an_arm_does_not_block_its_own_base() -> None:
     floor = floor_with((0.0, 0.0), (2.0, 1.0))
     floor.stretch(arm(2), REACHING)
 
@@ -186,7 +186,7 @@ PLACES = st.tuples(st.integers(0, 6), st.integers(0, 6)).map(lambda p: (float(p[
 
 @settings(max_examples=40, deadline=None)
 @given(st.lists(PLACES, min_size=2, max_size=4, unique=True), st.data())
-def test_ways_that_are_free_at_the_same_time_never_meet(
+def test_paths_granted_at_the_same_time_never_intersect(
     places: Sequence[tuple[float, float]], data: st.DataObject
 ) -> None:
     floor = floor_with(*places)
@@ -204,7 +204,7 @@ def test_ways_that_are_free_at_the_same_time_never_meet(
 
 @settings(max_examples=40, deadline=None)
 @given(st.lists(PLACES, min_size=2, max_size=3, unique=True), st.data())
-def test_no_arm_is_ever_above_a_way_that_another_robot_may_drive(
+def test_no_arm_reaches_over_a_path_granted_to_another_robot(
     places: Sequence[tuple[float, float]], data: st.DataObject
 ) -> None:
     floor = floor_with(*places)
@@ -228,7 +228,7 @@ def test_no_arm_is_ever_above_a_way_that_another_robot_may_drive(
 
 @settings(max_examples=40, deadline=None)
 @given(st.lists(PLACES, min_size=2, max_size=4, unique=True), st.data())
-def test_somebody_always_goes_unless_all_are_blocked(
+def test_some_request_is_always_granted_unless_all_are_blocked(
     places: Sequence[tuple[float, float]], data: st.DataObject
 ) -> None:
     floor = floor_with(*places)
@@ -240,7 +240,7 @@ def test_somebody_always_goes_unless_all_are_blocked(
 
 
 @pytest.mark.parametrize("legs", [0.0, 0.3, 1.0])
-def test_giving_back_what_lies_behind_never_adds_to_a_way(legs: float) -> None:
+def test_releasing_the_driven_floor_never_enlarges_a_path(legs: float) -> None:
     way = straight(floor_with((0.0, 0.0), (0.0, 5.0)), 1, (0.0, 0.0), (4.0, 0.0))
     whole = way.area
 
@@ -249,7 +249,7 @@ def test_giving_back_what_lies_behind_never_adds_to_a_way(legs: float) -> None:
     assert whole.buffer(1e-9).contains(way.area)
 
 
-def test_a_base_that_drives_sideways_claims_what_it_sweeps_on_the_way_and_nothing_else() -> None:
+def test_a_sideways_moving_base_claims_exactly_the_area_it_sweeps() -> None:
     floor = floor_with((0.0, 0.0), (2.0, 0.0), (2.0, 4.0))
     sideways = PosePath(tuple(Pose((0.2 * step, 0.2 * step, 0.0)) for step in range(1, 11)))
 
@@ -262,7 +262,7 @@ def test_a_base_that_drives_sideways_claims_what_it_sweeps_on_the_way_and_nothin
     assert crossing.free
 
 
-def test_a_base_that_touches_no_floor_claims_none_and_blocks_no_other() -> None:
+def test_a_flying_base_claims_no_floor_and_blocks_no_other() -> None:
     floor = floor_with((0.0, 0.0), (1.0, 0.0))
     way = floor.ask("robot_2", (), Pose((1.0, 0.0, 1.0)), PosePath((Pose((0.0, 0.0, 1.0)), Pose((3.0, 0.0, 1.0)))))
 

@@ -92,7 +92,7 @@ def pursue(bench: Bench, limit: float = 60.0) -> GoalReport:
     ],
     ids=["closed", "lost"],
 )
-def test_when_the_only_manager_that_can_goes_the_goal_ends_with_a_report(goes: Callable[[Bench], None]) -> None:
+def test_a_goal_ends_with_a_report_when_the_only_capable_manager_is_removed(goes: Callable[[Bench], None]) -> None:
     with Bench(tiny_world(), LINGERING, (Linger,)) as bench:
         during_pick(bench, lambda: goes(bench))
         report = pursue(bench)
@@ -128,7 +128,7 @@ def test_another_manager_takes_over_when_one_is_removed(goes: Callable[[Bench, s
     assert report.steps[-1].arguments["Arm"] != chosen[0]
 
 
-def test_between_plan_and_step_a_manager_may_go_too() -> None:
+def test_a_manager_may_be_removed_between_planning_and_execution() -> None:
     with Bench(tiny_world(robots=2), LINGERING, (Linger,)) as bench:
         gone: list[str] = []
 
@@ -144,7 +144,7 @@ def test_between_plan_and_step_a_manager_may_go_too() -> None:
     assert report.steps[-1].arguments["Arm"] != gone[0]
 
 
-def test_a_manager_that_comes_while_a_goal_is_pursued_is_planned_with() -> None:
+def test_a_manager_added_while_a_goal_is_pursued_is_used_in_planning() -> None:
     with Bench(tiny_world(robots=2), LINGERING, (Linger,)) as bench:
         for arm in ("arm_1", "arm_2"):
             bench.managers.close(arm)
@@ -170,7 +170,7 @@ def test_planning_with_a_skill_that_is_no_longer_offered_is_refused_with_reasons
     assert report.no_plan
 
 
-def test_a_module_that_somebody_else_runs_already_is_waited_for() -> None:
+def test_a_step_waits_for_a_module_that_is_already_running() -> None:
     with Bench(tiny_world("scene:ball_2 a tiny:Ball ; sk:in scene:box_b ."), LINGERING, (Linger,)) as bench:
         bench.run("drive", Location="box_a")
         by_hand = bench.start("pick", Ball="ball_1", Box="box_a")
@@ -210,7 +210,7 @@ def _hang() -> None:
         pass
 
 
-def test_when_one_holds_the_cycle_each_module_that_ran_is_told_to_have_ended_once() -> None:
+def test_when_a_module_blocks_the_cycle_each_running_module_reports_its_end_exactly_once() -> None:
     with Bench(tiny_world(), LINGERING, (Linger,), overrun=0.3) as bench:
         bench.run("drive", Location="box_a")
         other = bench.managers["base_1"].start("linger", {"seconds": 9.0})
@@ -250,7 +250,7 @@ def _break() -> None:
     raise SystemExit(3)
 
 
-def test_a_condition_that_breaks_while_a_plan_is_replayed_is_a_flaw_of_the_plan_and_no_more() -> None:
+def test_a_condition_that_raises_during_replay_is_only_a_flaw_of_the_plan() -> None:
     breaks: list[bool] = []
     with Bench(tiny_world(), (pretend(DRIVE), picky(lambda: _break() if breaks else None))) as bench:
         bench.monitor.subscribe(lambda _event: breaks.append(True))
@@ -261,7 +261,7 @@ def test_a_condition_that_breaks_while_a_plan_is_replayed_is_a_flaw_of_the_plan_
     assert "Fits2" in report.conditions[0].reason
 
 
-def test_a_condition_that_breaks_while_it_is_planned_with_is_a_fault_of_planning_with_its_name() -> None:
+def test_a_condition_that_raises_during_planning_is_a_planning_fault_that_names_it() -> None:
     with Bench(tiny_world(), (pretend(DRIVE), picky(_break))) as bench:
         with pytest.raises(PlanningError, match="Fits2"):
             bench.plan("Holding(gripper_1, ball_1)")
@@ -295,7 +295,7 @@ def test_planning_may_take_longer_than_a_tick() -> None:
         assert bench.cycle.halted == ""
 
 
-def test_between_two_steps_of_a_plan_no_cycle_is_idle() -> None:
+def test_no_cycle_is_idle_between_two_steps_of_a_plan() -> None:
     with Bench(tiny_world()) as bench:
         bench.pursue("In(ball_1, slot_1)")
         cycles = [(round(e.time / bench.cycle.board.period), e.status) for e in bench.events if e.kind == "skill"]
@@ -320,7 +320,7 @@ def session(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
         yield made
 
 
-def test_after_the_watchdog_halted_everything_a_session_goes_on_when_it_is_reset_and_not_before(
+def test_after_a_halt_by_the_watchdog_a_session_continues_only_after_a_reset(
     session: Session,
 ) -> None:
     session.runtime.watchdog.limit = 0.5  # for this test only: on a busy machine, healthy ticks may take that long
@@ -336,7 +336,7 @@ def test_after_the_watchdog_halted_everything_a_session_goes_on_when_it_is_reset
     assert session.run(GOAL).reached
 
 
-def test_after_a_module_halted_everything_nothing_starts_before_a_reset(session: Session) -> None:
+def test_after_a_halt_by_a_module_nothing_starts_before_a_reset(session: Session) -> None:
     Linger.does.append(lambda: session.cycle.halt("a hand was seen"))
     report = session.run(GOAL)
 
@@ -349,7 +349,7 @@ def test_after_a_module_halted_everything_nothing_starts_before_a_reset(session:
     assert session.run(GOAL).reached
 
 
-def test_a_module_that_was_run_by_itself_leaves_everything_halted_too(session: Session) -> None:
+def test_a_halt_by_a_single_module_run_stays_until_a_reset(session: Session) -> None:
     Linger.does.append(lambda: session.cycle.halt("a hand was seen"))
     outcome = session.run_module("linger", {})
 
@@ -359,7 +359,7 @@ def test_a_module_that_was_run_by_itself_leaves_everything_halted_too(session: S
         session.run_module("linger", {})
 
 
-def test_after_the_users_own_stop_the_next_run_just_runs(session: Session) -> None:
+def test_after_a_stop_by_the_user_the_next_run_needs_no_reset(session: Session) -> None:
     Linger.does.append(session.stop)
     assert session.run(GOAL).stopped
     assert session.cycle.halted == ""
@@ -370,7 +370,7 @@ def test_after_the_users_own_stop_the_next_run_just_runs(session: Session) -> No
     assert session.run_module("linger", {}) == Success()
 
 
-def test_a_run_is_a_task_that_begins_as_any_other_does_also_where_it_is_stopped(session: Session) -> None:
+def test_each_run_notifies_task_listeners_even_if_it_is_stopped(session: Session) -> None:
     begun: list[TaskHandle] = []
     session.tasks.on_begin(begun.append)
     Linger.does.append(session.stop)
@@ -385,7 +385,7 @@ def test_a_run_is_a_task_that_begins_as_any_other_does_also_where_it_is_stopped(
     assert task.result.reached
 
 
-def test_what_breaks_a_task_is_raised_by_a_run_and_by_the_result_of_its_task(
+def test_a_task_exception_is_raised_by_run_and_by_the_result_of_the_task(
     session: Session, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def breaks(*_: object) -> None:
@@ -400,7 +400,7 @@ def test_what_breaks_a_task_is_raised_by_a_run_and_by_the_result_of_its_task(
             result()
 
 
-def test_a_reset_of_what_was_never_halted_changes_nothing(session: Session) -> None:
+def test_a_reset_of_a_running_session_changes_nothing(session: Session) -> None:
     session.reset()
 
     assert session.run(GOAL).reached
@@ -421,7 +421,7 @@ def test_a_manager_that_is_lost_in_a_session_ends_the_goal_with_a_report_and_the
     assert session.run(GOAL).reached
 
 
-def test_a_module_that_breaks_in_a_session_is_a_failed_try(session: Session) -> None:
+def test_a_module_that_raises_in_a_session_is_a_failed_attempt(session: Session) -> None:
     def breaks() -> None:
         raise SystemExit(4)
 

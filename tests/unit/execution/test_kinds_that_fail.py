@@ -166,7 +166,7 @@ def members() -> set[str]:
     return {name for kind in kinds for name in vars(kind) if not name.startswith("_")}
 
 
-def test_each_function_of_a_kind_is_tried_here() -> None:
+def test_each_function_of_a_device_kind_is_covered() -> None:
     assert members() == {*IN_THE_CYCLE, *AT_THE_START, *ELSEWHERE, *CONSTANT}
 
 
@@ -195,7 +195,7 @@ def text_of(bench: Bench) -> str:
 
 
 @pytest.mark.parametrize(("member", "how"), CASES)
-def test_a_function_that_fails_is_named_its_device_is_off_and_the_rest_goes_on(
+def test_a_failing_device_kind_function_is_named_and_only_its_device_is_switched_off(
     bench: Bench, monkeypatch: pytest.MonkeyPatch, member: str, how: str
 ) -> None:
     on, begin = IN_THE_CYCLE[member]
@@ -234,7 +234,7 @@ def test_a_function_that_fails_is_named_its_device_is_off_and_the_rest_goes_on(
 
 
 @pytest.mark.parametrize("how", ["raises", "hangs", "returns NaN"])
-def test_a_signal_of_a_device_that_fails_is_switched_off_and_its_readers_fail_by_name(
+def test_signals_of_a_failing_device_are_switched_off_and_their_readers_fail_by_name(
     bench: Bench, monkeypatch: pytest.MonkeyPatch, how: str
 ) -> None:
     fault = Fault(how)
@@ -270,7 +270,7 @@ def test_a_device_that_fails_at_the_start_of_a_cell_is_refused_by_name(
 
 
 @pytest.mark.parametrize("how", ["raises", "hangs"])
-def test_a_kind_that_fails_while_it_is_recorded_is_no_longer_recorded(
+def test_a_device_kind_that_fails_during_recording_is_no_longer_recorded(
     monkeypatch: pytest.MonkeyPatch, how: str, caplog: pytest.LogCaptureFixture
 ) -> None:
     monkeypatch.setattr("skiros_py.recording.recorder._LONGEST", LIMIT)
@@ -288,7 +288,7 @@ def test_a_kind_that_fails_while_it_is_recorded_is_no_longer_recorded(
 
 
 @pytest.mark.parametrize("how", ["raises", "hangs"])
-def test_an_encoder_that_fails_ends_its_topic_and_the_recording_goes_on(
+def test_a_failing_encoder_ends_its_topic_and_the_recording_continues(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, how: str
 ) -> None:
     monkeypatch.setattr("skiros_py.recording.writer._LONGEST", LIMIT)

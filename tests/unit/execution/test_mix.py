@@ -111,7 +111,7 @@ def test_two_branches_of_one_task_that_share_a_device_are_merged_by_weight() -> 
         assert speeds(bench) == pytest.approx((0.05, 0.3))
 
 
-def test_two_tasks_that_share_a_device_are_merged_and_the_one_that_remains_has_it_alone() -> None:
+def test_commands_of_two_tasks_are_merged_until_one_task_remains() -> None:
     with bench_of() as bench:
         push, _ = bench.start("push", base="base_1", linear=0.2), bench.start("turn", base="base_1", angular=0.4)
         bench.advance(0.05)
@@ -123,7 +123,7 @@ def test_two_tasks_that_share_a_device_are_merged_and_the_one_that_remains_has_i
         assert push.done
 
 
-def test_a_run_that_shares_with_no_other_is_not_mixed(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_commands_of_a_sole_sharer_are_not_mixed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(BaseSpec, "mixed", raises)
     with bench_of() as bench:
         bench.start("push", base="base_1", linear=0.2)
@@ -133,7 +133,7 @@ def test_a_run_that_shares_with_no_other_is_not_mixed(monkeypatch: pytest.Monkey
 
 
 @pytest.mark.parametrize("rule", [raises, not_a_number])
-def test_a_mix_rule_that_breaks_brakes_the_device_fails_its_runs_and_the_cycle_goes_on(
+def test_a_mix_rule_that_raises_brakes_the_device_and_fails_its_runs_and_the_cycle_continues(
     monkeypatch: pytest.MonkeyPatch, rule: Any
 ) -> None:
     monkeypatch.setattr(BaseSpec, "mixed", rule)
@@ -168,7 +168,7 @@ def test_a_mix_rule_that_hangs_is_interrupted_and_named(monkeypatch: pytest.Monk
         assert speeds(bench) == (0.0, 0.0)
 
 
-def test_a_weight_is_a_positive_number() -> None:
+def test_a_weight_that_is_not_positive_is_refused() -> None:
     with bench_of() as bench:
         run = bench.start("push", base="base_1", linear=0.2, weight=0.0)
         bench.advance(0.05)

@@ -24,7 +24,7 @@ WITH_BALL = replace(
 @pytest.mark.parametrize(
     ("ball", "kind"), [({}, Success), ({"Ball": "ball_1"}, Success), ({"Ball": "red_ball_1"}, Failure)]
 )
-def test_conditions_about_an_optional_parameter_count_where_it_is_given(ball: dict[str, str], kind: type) -> None:
+def test_conditions_about_an_optional_parameter_are_checked_if_it_is_given(ball: dict[str, str], kind: type) -> None:
     with Bench(tiny_world(), (Skill(WITH_BALL, AssertEffects(0.01), driver="fake"),)) as bench:
         outcome = bench.run("drive", Location="box_a", **ball)
 

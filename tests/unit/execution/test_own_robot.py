@@ -44,7 +44,7 @@ def bench() -> Bench:
 
 
 @pytest.mark.parametrize("number", [1, 2])
-def test_a_device_that_nobody_names_is_one_of_the_robot_that_does_it(bench: Bench, number: int) -> None:
+def test_an_omitted_device_is_inferred_from_the_executing_robot(bench: Bench, number: int) -> None:
     with bench:
         panel = bench.managers[f"arm_{number}"].panel("squeeze", {})
         outcome = bench.run("squeeze", Arm=f"arm_{number}", Ball="ball_1")
@@ -63,7 +63,7 @@ def test_a_device_of_another_robot_is_refused(bench: Bench) -> None:
 
 
 @pytest.mark.parametrize("number", [1, 2])
-def test_plans_pair_a_robot_with_its_own_devices(bench: Bench, number: int) -> None:
+def test_plans_use_each_robot_with_its_own_devices(bench: Bench, number: int) -> None:
     with bench:
         outcome = bench.plan(f"Holding(gripper_{number}, ball_1)").outcome
 
@@ -80,7 +80,7 @@ def test_of_a_robot_with_two_arms_each_uses_its_own_device(number: int) -> None:
     assert panel.reasons["Gripper"] == f"of 2 that fit, preferred: gripper_{number} is a piece of arm_{number}"
 
 
-def test_what_the_author_prefers_comes_before_what_is_near() -> None:
+def test_preferences_of_the_author_take_precedence_over_distance() -> None:
     choosy = replace(_GRIPPER, cost=lambda _view, gripper: float(gripper != "gripper_1"))
     skill = replace(SQUEEZE, params=(SQUEEZE.params[0], choosy, *SQUEEZE.params[2:]))
 
@@ -98,5 +98,7 @@ def test_what_the_author_prefers_comes_before_what_is_near() -> None:
         (replace(SQUEEZE, params=(SQUEEZE.params[0], replace(_GRIPPER, kind=Kind.ONLINE), *SQUEEZE.params[2:])), 0),
     ],
 )
-def test_what_the_preconditions_say_of_the_structure_is_not_asked_twice(skill: SkillDescription, added: int) -> None:
+def test_structural_preconditions_that_are_already_declared_are_not_added_again(
+    skill: SkillDescription, added: int
+) -> None:
     assert len(skill.needs) == len(skill.pre) + added

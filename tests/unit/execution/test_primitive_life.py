@@ -86,7 +86,7 @@ def story(bench: Bench, module: str) -> list[Status]:
 # ------------------------------------------------------------------ loading
 
 
-def test_it_is_loaded_once_per_manager_and_each_run_gets_what_was_loaded() -> None:
+def test_a_primitive_is_loaded_once_per_manager_and_reused_by_each_run() -> None:
     with bench_of(Roll) as bench:
         assert bench.run("roll") == bench.run("roll") == Success("['roll']")
 
@@ -94,7 +94,7 @@ def test_it_is_loaded_once_per_manager_and_each_run_gets_what_was_loaded() -> No
     assert lived == ["load", *("start", "done") * 2]
 
 
-def test_each_manager_loads_its_own() -> None:
+def test_each_manager_loads_its_own_primitive() -> None:
     with Bench(tiny_world(robots=2), (), (Roll,)) as bench:
         bench.run("roll", base="base_1")
         bench.managers["base_2"].start("roll", {})
@@ -103,7 +103,7 @@ def test_each_manager_loads_its_own() -> None:
     assert lived.count("load") == 2
 
 
-def test_what_does_not_load_fails_its_run_and_is_loaded_again_for_the_next() -> None:
+def test_a_primitive_that_fails_to_load_fails_its_run_and_is_loaded_again_for_the_next() -> None:
     class Moody(Roll):
         tries: ClassVar[list[int]] = []
 
@@ -168,7 +168,7 @@ def test_a_primitive_that_fails_in_start_does_nothing_and_gives_its_reason() -> 
     assert lived == ["load"]
 
 
-def test_a_stop_is_told_at_once_and_nothing_of_it_follows() -> None:
+def test_a_stop_is_reported_at_once_and_no_events_follow() -> None:
     with bench_of(Roll) as bench:
         running = bench.start("roll", seconds=9.0)
         bench.advance(0.05)
@@ -180,7 +180,7 @@ def test_a_stop_is_told_at_once_and_nothing_of_it_follows() -> None:
         assert story(bench, "roll") == [Status.STARTED, Status.RUNNING, Status.PREEMPTED]
 
 
-def test_what_is_stopped_before_its_first_tick_never_lives() -> None:
+def test_a_primitive_stopped_before_its_first_tick_is_never_started() -> None:
     with bench_of(Roll) as bench:
         running = bench.start("roll")
         running.stop()
@@ -199,7 +199,7 @@ def test_a_run_cancelled_by_a_timeout_recovers_before_the_skill_continues() -> N
     assert lived == ["load", "start", "stop", *["recover"] * 3, "start", "done"]
 
 
-def test_recovery_that_never_ends_is_ended_and_the_next_gets_the_devices() -> None:
+def test_endless_recovery_is_ended_and_the_next_run_gets_the_devices() -> None:
     class Endless(Roll):
         name: ClassVar[str] = "endless"
 
@@ -242,7 +242,7 @@ def test_the_last_command_of_a_recovery_is_sent() -> None:
         assert bench.cycle.board.snapshot.state("gripper_1", GripperState).gap == 0.07
 
 
-def test_a_reset_makes_what_was_loaded_fit_again() -> None:
+def test_a_reset_prepares_a_loaded_primitive_for_its_next_run() -> None:
     with bench_of(Roll) as bench:
         manager = bench.managers["base_1"]
         manager.reset("roll")  # never loaded: nothing to do
@@ -253,7 +253,7 @@ def test_a_reset_makes_what_was_loaded_fit_again() -> None:
     assert lived.count("load") == lived.count("reset") == 1
 
 
-def test_a_reset_is_refused_while_it_runs_and_of_what_nobody_knows() -> None:
+def test_resetting_a_running_or_unknown_module_is_refused() -> None:
     with bench_of(Roll) as bench:
         bench.start("roll")
         with pytest.raises(UsageError, match="roll of base_1 is running: stop it first"):
@@ -280,7 +280,7 @@ def test_a_module_whose_reset_raises_is_reported_and_loaded_again() -> None:
 # ------------------------------------------------------------------ progress
 
 
-def test_progress_is_told_in_its_name_and_a_negative_code_does_not_end_it() -> None:
+def test_progress_is_reported_under_the_module_name_and_a_negative_code_does_not_end_the_run() -> None:
     class Tells(Roll):
         def execute(self) -> Execution[Outcome]:
             self.progress(1, "half way")
@@ -333,7 +333,7 @@ def calls_for_long() -> Iterator[Bench]:
         yield bench
 
 
-def test_a_called_module_uses_the_device_of_its_caller_and_its_outcome_comes_back() -> None:
+def test_a_called_module_uses_the_device_of_its_caller_and_returns_its_outcome() -> None:
     def does(caller: Calls) -> Execution[Outcome]:
         outcome = yield from caller.call("roll", base=caller.params.base)
         return Success(f"heard {outcome}")
@@ -365,7 +365,7 @@ def test_a_called_module_gets_no_device_that_its_caller_does_not_have() -> None:
     assert "roll needs base_1, but calls has none: declare what is missing as a hardware parameter" in outcome.reason
 
 
-def test_joined_calls_run_at_once_and_those_on_one_device_in_turn() -> None:
+def test_joined_calls_run_in_parallel_but_one_after_the_other_on_one_device() -> None:
     def does(caller: Calls) -> Execution[Outcome]:
         yield from caller.join(caller.call("roll", seconds=0.1), caller.call("roll", seconds=0.1))
         return Success()
@@ -376,7 +376,7 @@ def test_joined_calls_run_at_once_and_those_on_one_device_in_turn() -> None:
         assert bench.time == pytest.approx(0.2, abs=0.03)
 
 
-def test_stopping_the_caller_stops_the_called_and_each_story_ends_once(calls_for_long: Bench) -> None:
+def test_stopping_the_caller_stops_the_called_module_and_each_reports_one_end(calls_for_long: Bench) -> None:
     running = calls_for_long.managers["base_1"].start("calls", {})
     calls_for_long.advance(0.05)
     running.stop()
@@ -387,7 +387,7 @@ def test_stopping_the_caller_stops_the_called_and_each_story_ends_once(calls_for
     assert story(calls_for_long, "calls") == [Status.STARTED, Status.RUNNING, Status.PREEMPTED]
 
 
-def test_what_is_cancelled_with_its_caller_recovers_first_while_it_still_has_its_devices(
+def test_a_call_cancelled_with_its_caller_recovers_before_its_devices_are_released(
     calls_for_long: Bench,
 ) -> None:
     running = calls_for_long.start("drive", Location="box_a")
@@ -415,7 +415,7 @@ def test_a_call_cancelled_by_its_author_recovers_before_the_next_call() -> None:
     assert lived == ["load", "start", "stop", *["recover"] * 3, "start", "done"]
 
 
-def test_what_an_author_leaves_open_recovers_before_the_caller_ends() -> None:
+def test_a_call_left_open_recovers_before_its_caller_ends() -> None:
     def does(caller: Calls) -> Execution[Outcome]:
         open_ = caller.call("roll", seconds=9.0)
         next(open_)
@@ -429,7 +429,7 @@ def test_what_an_author_leaves_open_recovers_before_the_caller_ends() -> None:
     assert lived == ["load", "start", "stop", *["recover"] * 3]
 
 
-def test_a_caller_that_breaks_ends_what_it_has_called_which_recovers() -> None:
+def test_a_caller_that_raises_cancels_its_calls_which_recover() -> None:
     def breaks(caller: Calls) -> Execution[Outcome]:
         yield
         raise ValueError("no such gear")
@@ -445,7 +445,7 @@ def test_a_caller_that_breaks_ends_what_it_has_called_which_recovers() -> None:
     assert lived == ["load", "start", "stop", *["recover"] * 3]
 
 
-def test_calling_an_unknown_module_fails_the_caller_with_that_name() -> None:
+def test_calling_an_unknown_module_fails_the_caller_and_names_the_module() -> None:
     def does(caller: Calls) -> Execution[Outcome]:
         return (yield from caller.call("rol"))
 
@@ -456,7 +456,7 @@ def test_calling_an_unknown_module_fails_the_caller_with_that_name() -> None:
     assert "unknown module 'rol' of base_1. Did you mean 'roll'?" in outcome.reason
 
 
-def test_primitives_that_call_each_other_for_ever_are_ended() -> None:
+def test_endlessly_recursive_primitive_calls_are_ended() -> None:
     def does(caller: Calls) -> Execution[Outcome]:
         return (yield from caller.call("calls"))
 
@@ -468,7 +468,7 @@ def test_primitives_that_call_each_other_for_ever_are_ended() -> None:
 # ------------------------------------------------------------------ what breaks
 
 
-def test_nothing_of_what_a_module_commanded_is_sent_after_it_broke() -> None:
+def test_no_command_of_a_module_is_sent_after_it_raised() -> None:
     class Breaks(Roll):
         def execute(self) -> Execution[Outcome]:
             yield

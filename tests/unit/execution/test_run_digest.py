@@ -8,7 +8,7 @@ from skiros_py.execution.runtime import RunDigest
 from skiros_py.testing import tiny_world
 
 
-def test_equal_runs_have_equal_digests_and_others_do_not() -> None:
+def test_equal_runs_have_equal_digests_and_different_runs_have_different_ones() -> None:
     one, other, different = RunDigest(), RunDigest(), RunDigest()
     for digest, state in ((one, b"a"), (other, b"a"), (different, b"b")):
         digest.begin(b"start")
@@ -17,7 +17,7 @@ def test_equal_runs_have_equal_digests_and_others_do_not() -> None:
     assert str(one) == str(other) != str(different)
 
 
-def test_what_was_before_a_run_begins_does_not_count() -> None:
+def test_events_before_a_run_do_not_change_its_digest() -> None:
     one, other = RunDigest(), RunDigest()
     one.add(b"an earlier run")
     one.begin(b"start")
@@ -26,7 +26,7 @@ def test_what_was_before_a_run_begins_does_not_count() -> None:
     assert str(one) == str(other)
 
 
-def test_a_change_of_the_world_counts() -> None:
+def test_a_world_change_changes_the_digest() -> None:
     digest, world = RunDigest(), tiny_world()
     before = str(digest)
     world.subscribe(digest.add_change)
@@ -36,7 +36,7 @@ def test_a_change_of_the_world_counts() -> None:
     assert str(digest) != before
 
 
-def test_nothing_that_several_threads_tell_at_once_is_lost() -> None:
+def test_no_data_added_by_concurrent_threads_is_lost_from_the_digest() -> None:
     """Equal pieces make the same digest in any order, if none is lost or torn."""
     digest, alone = RunDigest(), RunDigest()
     piece = b"x" * 4096  # long enough that hashing lets other threads run

@@ -73,7 +73,7 @@ def ask_all(ports: LibraryMonitor) -> list[object]:
     ]
 
 
-def test_what_modules_ask_is_heard_with_the_very_answers_that_they_get() -> None:
+def test_listeners_receive_the_questions_of_modules_with_their_answers() -> None:
     monitor, heard = monitored(), list[LibraryCall]()
     monitor.subscribe(heard.append)
     answers = ask_all(monitor)
@@ -81,14 +81,14 @@ def test_what_modules_ask_is_heard_with_the_very_answers_that_they_get() -> None
     assert [call.answer for call in heard] == answers == [ARMS.motion, REST.motion, REST.look, REST.registration]
 
 
-def test_what_is_answered_at_once_is_not_published() -> None:
+def test_a_question_answered_at_once_is_not_published() -> None:
     monitor, heard = monitored(), list[LibraryCall]()
     monitor.subscribe(heard.append)
     assert monitor.port(Kinematics, "arm_1").pose("tip", {}) == Pose.of(1.0, 2.0, 3.0)
     assert heard == []
 
 
-def test_whoever_has_left_hears_no_more() -> None:
+def test_an_unsubscribed_listener_receives_nothing() -> None:
     monitor, heard = monitored(), list[LibraryCall]()
     monitor.subscribe(heard.append)()
     ask_all(monitor)
@@ -107,7 +107,7 @@ def test_a_listener_that_raises_does_not_prevent_the_answer(caplog: pytest.LogCa
     assert "a listener of requests to adapters broke" in caplog.text
 
 
-def test_an_adapter_that_is_not_there_is_refused_by_the_name_of_its_port() -> None:
+def test_a_missing_adapter_is_refused_by_the_name_of_its_port() -> None:
     monitor = LibraryMonitor(NO_PORTS)
     assert monitor.find(ArmPlanner, "arm_1") is None
     with pytest.raises(DeviceError, match="no adapter for ArmPlanner of arm_1"):

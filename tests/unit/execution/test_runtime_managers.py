@@ -122,7 +122,7 @@ def test_a_removed_manager_takes_its_individuals_with_it() -> None:
         assert len(bench.world.instances("sk:Skill")) + len(bench.world.instances("sk:Primitive")) == before
 
 
-def test_what_a_manager_that_goes_runs_is_stopped_and_told_when_it_stands() -> None:
+def test_runs_of_a_removed_manager_are_stopped_and_reported_at_standstill() -> None:
     with bench_of() as bench:
         running = bench.managers["base_1"].start("roll", {"seconds": 9.0})
         bench.advance(0.2)
@@ -146,7 +146,7 @@ def test_a_removed_manager_starts_nothing_even_through_old_references() -> None:
             bench.managers.close("base_1")
 
 
-def test_managers_that_come_and_go_leave_nothing_behind() -> None:
+def test_adding_and_removing_managers_leaves_nothing_behind() -> None:
     with bench_of() as bench:
         bench.advance(0.01)
         elements, watching = len(bench.world.instances("sk:Skill")), len(bench.cycle._observers)
@@ -159,7 +159,7 @@ def test_managers_that_come_and_go_leave_nothing_behind() -> None:
         assert len(bench.cycle._observers) == watching
 
 
-def test_only_one_manager_for_a_subsystem_and_only_for_a_subsystem() -> None:
+def test_a_subsystem_has_at_most_one_manager_and_nothing_else_has_one() -> None:
     with bench_of() as bench:
         with pytest.raises(UsageError, match="the skill manager of arm_1 is there already"):
             bench.managers.open("arm_1")
@@ -190,7 +190,7 @@ def looks_per_cycle(bench: Bench) -> int:
     return len(Look.ticks) - before
 
 
-def test_a_manager_that_comes_later_watches_too() -> None:
+def test_watchers_run_for_a_manager_added_later_too() -> None:
     with Bench(tiny_world(), SKILLS, (Roll, Look)) as bench:
         bench.managers.watch()
         assert looks_per_cycle(bench) == 1
@@ -201,7 +201,7 @@ def test_a_manager_that_comes_later_watches_too() -> None:
         assert looks_per_cycle(bench) == 1
 
 
-def test_watching_goes_on_after_a_halt_and_never_doubles() -> None:
+def test_watchers_continue_after_a_halt_and_never_run_twice() -> None:
     with Bench(tiny_world(), SKILLS, (Roll, Look)) as bench:
         for _ in range(3):
             bench.managers.watch()
@@ -211,7 +211,7 @@ def test_watching_goes_on_after_a_halt_and_never_doubles() -> None:
             bench.cycle.reset()
 
 
-def test_opening_in_the_place_of_a_lost_manager_leaves_nothing_of_that_one() -> None:
+def test_replacing_a_lost_manager_leaves_nothing_of_it_behind() -> None:
     with Bench(tiny_world(), SKILLS, (Roll, Look), cell=Sluggish) as bench:
         bench.managers.watch()
         bench.advance(0.01)
@@ -270,7 +270,7 @@ def _x(bench: Bench) -> float:
     return bench.cycle.board.snapshot.state("base_1", BaseState).pose.position[0]
 
 
-def test_one_is_paused_stepped_and_resumed_while_another_runs() -> None:
+def test_a_run_is_paused_stepped_and_resumed_while_another_continues() -> None:
     with bench_of() as bench:
         rolling = bench.managers["base_1"].start("roll", {"seconds": 0.5})
         idling = bench.managers["arm_1"].start("idle", {"seconds": 9.0})
@@ -293,7 +293,7 @@ def test_one_is_paused_stepped_and_resumed_while_another_runs() -> None:
         assert idling.status == "running"
 
 
-def test_a_manager_stops_all_that_it_runs() -> None:
+def test_a_manager_stops_all_its_runs() -> None:
     with bench_of() as bench:
         manager = bench.managers["base_1"]
         runs = [manager.start("roll", {"seconds": 9.0}), manager.start("idle", {"seconds": 9.0})]
@@ -316,7 +316,7 @@ def test_a_paused_run_is_stopped_at_once() -> None:
         assert running.result == Failure("roll was stopped")
 
 
-def test_what_is_paused_and_cancelled_does_what_must_follow() -> None:
+def test_a_paused_run_that_is_cancelled_runs_its_finish() -> None:
     body = Do.of("roll", base=P("Base"), seconds=9.0)
     skill = pretend(replace(DRIVE, pre=(), post=(AT_LOCATION("Robot", "Location"),)), body)
     with bench_of(skills=(replace(skill, finish=Do.of("idle")),)) as bench:
@@ -351,7 +351,7 @@ def test_after_a_stop_no_command_is_sent_and_it_counts_as_ended_only_at_standsti
         assert told == [(Status.STARTED, True), (Status.RUNNING, False), (Status.PREEMPTED, True)]
 
 
-def test_stopping_all_latches_until_it_is_reset() -> None:
+def test_stop_all_stays_in_effect_until_a_reset() -> None:
     with bench_of() as bench:
         running = bench.managers["base_1"].start("roll", {"seconds": 9.0})
         bench.advance(0.2)
@@ -380,7 +380,7 @@ def test_a_lost_manager_refuses_and_takes_its_skills_out_of_the_world_and_others
         assert bench.run("drive", Base="base_2", Robot="robot_2", Location="box_a") == Success("pretended")
 
 
-def test_a_module_is_run_by_a_manager_that_is_there_rather_than_by_a_lost_one() -> None:
+def test_a_module_is_run_by_an_available_manager_rather_than_a_lost_one() -> None:
     with bench_of(tiny_world(robots=2)) as bench:
         bench.managers["base_1"].lose("its host is gone")
 
@@ -400,7 +400,7 @@ class Watch(Idle):
 
 
 @pytest.mark.parametrize("background", [False, True])
-def test_the_manager_of_whatever_does_not_come_back_is_lost_and_no_other(background: bool) -> None:
+def test_only_the_manager_of_code_that_never_returns_is_lost(background: bool) -> None:
     with Bench(tiny_world(robots=2), SKILLS, (Idle, Watch)) as bench:
         manager = bench.managers["arm_2"]
         manager.watch()
@@ -437,7 +437,7 @@ def test_a_lost_manager_is_replaced_by_opening_it_again() -> None:
 # ------------------------------------------------------------------ who looks on
 
 
-def test_listeners_that_break_hurt_neither_modules_nor_other_listeners() -> None:
+def test_listeners_that_raise_affect_neither_modules_nor_other_listeners() -> None:
     def leaves(event: ModuleEvent) -> None:
         sys.exit(5)
 
@@ -453,7 +453,7 @@ def test_listeners_that_break_hurt_neither_modules_nor_other_listeners() -> None
     assert late == bench.events
 
 
-def test_a_listener_may_bring_another_one() -> None:
+def test_a_listener_may_add_another_listener() -> None:
     late: list[ModuleEvent] = []
     with bench_of() as bench:
         bench.monitor.subscribe(lambda event: bench.monitor.subscribe(late.append) if not late else None)

@@ -56,7 +56,7 @@ def raises(_inputs: Mapping[str, Value]) -> float:
     raise ZeroDivisionError("no such luck")
 
 
-def test_what_is_read_is_computed_once_a_cycle_and_the_rest_never(board: DeviceBoard) -> None:
+def test_a_signal_is_computed_at_most_once_per_cycle_and_only_if_it_is_read(board: DeviceBoard) -> None:
     one = Provider("one", lambda _: 1.0)
     two = Provider("two", lambda inputs: inputs["one"] + 1.0, "one")
     unused = Provider("unused", lambda _: 0.0)
@@ -70,7 +70,7 @@ def test_what_is_read_is_computed_once_a_cycle_and_the_rest_never(board: DeviceB
     assert (one.computed, two.computed, unused.computed) == (3, 3, 0)
 
 
-def test_a_sample_says_its_cycle_and_its_source(board: DeviceBoard) -> None:
+def test_a_sample_contains_its_cycle_and_its_source(board: DeviceBoard) -> None:
     signals = Signals(board, [Provider("one", lambda _: 1.0)])
     board.exchange()
     board.exchange()
@@ -88,7 +88,7 @@ def test_the_values_of_a_device_are_signals(board: DeviceBoard) -> None:
     assert signals.read("back").value == 0.0
 
 
-def test_one_with_a_memory_is_computed_in_each_cycle_from_its_first_reading_on(board: DeviceBoard) -> None:
+def test_a_stateful_signal_is_computed_in_each_cycle_after_its_first_read(board: DeviceBoard) -> None:
     counted = iter(range(100))
     counter = Provider("count", lambda _: float(next(counted)), every_cycle=True)
     signals = Signals(board, [counter])
@@ -105,7 +105,7 @@ def test_one_with_a_memory_is_computed_in_each_cycle_from_its_first_reading_on(b
     assert signals.read("count").value == 4.0
 
 
-def test_providers_in_a_ring_are_refused_by_name(board: DeviceBoard) -> None:
+def test_providers_in_a_cycle_are_refused_by_name(board: DeviceBoard) -> None:
     ring = [Provider("a", lambda _: 0.0, "b"), Provider("b", lambda _: 0.0, "c"), Provider("c", lambda _: 0.0, "a")]
 
     with pytest.raises(DescriptionError, match=r"maker of a.*maker of") as raised:
@@ -146,7 +146,7 @@ def test_a_misspelt_signal_of_a_device_that_this_cell_lacks_is_refused_with_the_
         Signals(board, [Provider("soft", lambda _: 0.0, "gripper_9.farce")], sources=["lab 1.0"])
 
 
-def test_a_ring_and_a_signal_that_is_provided_twice_are_refused_with_the_distributions(board: DeviceBoard) -> None:
+def test_cycles_and_signals_provided_twice_are_refused_and_name_the_distributions(board: DeviceBoard) -> None:
     ring = [Provider("a", lambda _: 0.0, "b"), Provider("b", lambda _: 0.0, "a")]
     twins = [Provider("one", lambda _: 1.0), Provider("one", lambda _: 2.0)]
 
@@ -156,7 +156,7 @@ def test_a_ring_and_a_signal_that_is_provided_twice_are_refused_with_the_distrib
         Signals(board, twins, sources=["lab 1.0", "hut 2.0"])
 
 
-def test_switching_off_is_logged_once(board: DeviceBoard, caplog: pytest.LogCaptureFixture) -> None:
+def test_switching_off_a_provider_is_logged_once(board: DeviceBoard, caplog: pytest.LogCaptureFixture) -> None:
     signals = Signals(board, [Provider("broken", raises)], sources=["lab 1.0"])
 
     for _ in range(3):
@@ -210,7 +210,7 @@ def test_a_provider_that_raises_is_switched_off_and_named_with_its_dependants(
     assert list(signals.faults) == ["maker of broken"]
 
 
-def test_after_a_reset_what_was_switched_off_gets_another_try(board: DeviceBoard) -> None:
+def test_after_a_reset_switched_off_providers_are_tried_again(board: DeviceBoard) -> None:
     values = iter([math.nan, 3.0])
     signals = Signals(board, [Provider("shaky", lambda _: next(values))])
     assert signals.value("shaky") is None
@@ -222,7 +222,7 @@ def test_after_a_reset_what_was_switched_off_gets_another_try(board: DeviceBoard
     assert not signals.faults
 
 
-def test_an_input_that_is_set_counts_from_the_next_cycle_on(board: DeviceBoard) -> None:
+def test_an_input_takes_effect_in_the_next_cycle(board: DeviceBoard) -> None:
     signals = Signals(board, [Input(Signal("limit"), 0.5), Provider("half", lambda i: i["limit"] / 2.0, "limit")])
     assert signals.read("half").value == 0.25
 
@@ -242,7 +242,7 @@ def test_an_input_takes_only_finite_values_of_its_shape(board: DeviceBoard, valu
         signals.set("limit", value)
 
 
-def test_what_is_computed_cannot_be_set_and_what_is_not_there_neither(board: DeviceBoard) -> None:
+def test_computed_and_unknown_signals_cannot_be_set(board: DeviceBoard) -> None:
     signals = Signals(board, [Provider("one", lambda _: 1.0)])
 
     with pytest.raises(UsageError, match="comes from maker of one: only inputs"):
@@ -251,7 +251,7 @@ def test_what_is_computed_cannot_be_set_and_what_is_not_there_neither(board: Dev
         signals.set("two", 2.0)
 
 
-def test_an_answer_of_a_worker_counts_when_its_latency_is_over_and_the_next_is_asked_for(board: DeviceBoard) -> None:
+def test_a_worker_result_is_used_after_its_latency_and_then_the_next_is_requested(board: DeviceBoard) -> None:
     asked: list[float] = []
 
     def ask(inputs: Mapping[str, Value]) -> Done[float]:
@@ -271,7 +271,7 @@ def test_an_answer_of_a_worker_counts_when_its_latency_is_over_and_the_next_is_a
 
 @settings(deadline=None)
 @given(st.permutations(range(6)), st.data())
-def test_any_acyclic_graph_is_computed_each_after_what_it_reads(order: list[int], data: st.DataObject) -> None:
+def test_signals_of_any_acyclic_graph_are_computed_after_their_inputs(order: list[int], data: st.DataObject) -> None:
     view = world_of(robot_turtle()).snapshot()
     board = DeviceBoard(FakeCell(read_cell(view, view.instances("sk:Robot"))))
     reads = {n: data.draw(st.sets(st.integers(0, n - 1))) if n else set() for n in range(6)}
@@ -293,7 +293,9 @@ def hangs(_inputs: Mapping[str, Value]) -> float:
         pass
 
 
-def test_one_that_hangs_is_interrupted_and_named_and_after_a_reset_the_rest_goes_on(board: DeviceBoard) -> None:
+def test_a_provider_that_hangs_is_interrupted_and_named_and_the_others_continue_after_a_reset(
+    board: DeviceBoard,
+) -> None:
     cycle = ControlCycle(board)
     signals = cycle.signals = Signals(board, [Provider("stuck", hangs), Provider("fine", lambda _: 1.0)])
     with Watchdog(cycle, 0.1, again=0.1):

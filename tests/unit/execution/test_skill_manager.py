@@ -36,21 +36,21 @@ def test_the_offered_modules_are_written_into_the_world(bench: Bench) -> None:
     assert bench.world.changes[-1].reason == "registers what it can do"
 
 
-def test_a_fake_takes_the_implementations_that_pretend() -> None:
+def test_a_fake_robot_uses_the_fake_implementations() -> None:
     real = Skill(replace(DRIVE, help="The real one."), Do.of("drive_base"))
 
     with Bench(tiny_world(), (real, *SKILLS)) as bench:
         assert bench.managers["base_1"].descriptions["drive"].help == DRIVE.help
 
 
-def test_of_two_implementations_the_first_is_taken() -> None:
+def test_the_first_of_two_implementations_is_used() -> None:
     first, second = pretend(replace(DRIVE, help="first")), pretend(replace(DRIVE, help="second"))
 
     with Bench(tiny_world(), (first, second)) as bench:
         assert bench.managers["base_1"].descriptions["drive"].help == "first"
 
 
-def test_a_manager_with_nothing_to_offer_writes_nothing() -> None:
+def test_a_manager_without_modules_writes_nothing() -> None:
     world = tiny_world()
     before = world.version
 
@@ -59,7 +59,7 @@ def test_a_manager_with_nothing_to_offer_writes_nothing() -> None:
     assert world.version == before
 
 
-def test_a_skill_it_does_not_offer_is_refused_with_those_it_does(bench: Bench) -> None:
+def test_a_skill_that_a_manager_does_not_offer_is_refused_with_the_offered_ones(bench: Bench) -> None:
     with pytest.raises(UnknownName, match=r"unknown module 'pik' of arm_1.*mean 'pick'"):
         bench.managers["arm_1"].start("pik", {})
 

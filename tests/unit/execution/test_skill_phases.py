@@ -113,7 +113,7 @@ class Sense(Primitive["Sense.Params"]):
 # ------------------------------------------------------------------ order
 
 
-def test_the_phases_come_in_order_each_in_the_cycle_after_the_one_before() -> None:
+def test_phases_run_in_order_each_in_the_cycle_after_the_previous_one() -> None:
     skill = way(
         note("body", goes="box_a"),
         pre_sense=note("before"),
@@ -127,11 +127,11 @@ def test_the_phases_come_in_order_each_in_the_cycle_after_the_one_before() -> No
     assert cycles == [cycles[0] + 2 * number for number in range(4)]
 
 
-def test_what_a_later_phase_senses_makes_the_postcondition_hold() -> None:
+def test_a_postcondition_may_be_established_by_post_sensing() -> None:
     assert isinstance(run(way(note("body"), post_sense=note("after", goes="box_a"))), Success)
 
 
-def test_after_a_failing_body_nothing_is_sensed_afterwards() -> None:
+def test_post_sensing_is_skipped_after_a_failing_body() -> None:
     assert run(way(note("body", ends="slipped"), finish=note("finish"), post_sense=note("after"))) == Failure("slipped")
     assert texts() == ["body", "finish"]
 
@@ -149,7 +149,7 @@ def test_the_implementation_of_the_lowest_order_is_tried_first_then_by_label() -
     assert texts() == ["a", "b", "c"]
 
 
-def test_a_failing_implementation_is_followed_by_the_next_which_is_told() -> None:
+def test_a_failed_implementation_is_followed_by_the_next_and_an_event_says_so() -> None:
     with bench_of(way(note("a", ends="slipped"), label="a"), way(note("b", goes="box_a"), label="b")) as bench:
         assert isinstance(bench.run("drive", Location="box_a"), Success)
 
@@ -162,7 +162,7 @@ def test_when_all_implementations_fail_the_reasons_of_all_are_given() -> None:
     )
 
 
-def test_an_implementation_whose_own_condition_does_not_hold_is_passed_over() -> None:
+def test_an_implementation_whose_own_condition_fails_is_skipped() -> None:
     near = way(note("near", goes="box_a"), label="a", when=(AT_LOCATION("Robot", "Location"),))
     far = way(note("far", goes="box_a"), label="b")
 
@@ -185,7 +185,7 @@ def test_a_skill_all_of_whose_implementations_need_other_hardware_is_not_offered
         assert "drive" not in bench.managers["base_1"].descriptions
 
 
-def test_the_next_implementation_is_not_tried_when_the_last_one_spoilt_the_preconditions() -> None:
+def test_the_next_implementation_is_not_tried_if_the_preconditions_no_longer_hold() -> None:
     needs = replace(AFTER, pre=(AT_LOCATION("Robot", "Location"),))
     world = tiny_world()
     with world.transaction("test", "is there") as tx:
@@ -201,7 +201,7 @@ def test_the_next_implementation_is_not_tried_when_the_last_one_spoilt_the_preco
     assert texts() == ["a"]
 
 
-def test_after_it_was_cancelled_no_other_implementation_is_tried() -> None:
+def test_after_a_cancel_no_other_implementation_is_tried() -> None:
     with bench_of(way(note("a", cycles=99), label="a"), way(note("b"), label="b")) as bench:
         outcome = bench.run("drive", Location="box_a", cancel=lambda: "the plan changed" if lived else "")
 
@@ -220,7 +220,7 @@ def test_after_it_was_cancelled_no_other_implementation_is_tried() -> None:
         ("after", ["before", "body", "finish", "after", "after recovers"]),
     ],
 )
-def test_in_whichever_phase_it_is_cancelled_the_phase_ends_at_once_and_what_must_follow_is_done(
+def test_a_cancel_ends_the_current_phase_at_once_and_runs_only_the_required_later_phases(
     phase: str, follows: list[str]
 ) -> None:
     long = {"before": 1, "body": 1, "after": 1, phase: 999}
@@ -240,7 +240,7 @@ def test_in_whichever_phase_it_is_cancelled_the_phase_ends_at_once_and_what_must
     assert list(dict.fromkeys(texts())) == follows
 
 
-def test_a_finish_is_done_to_its_end_also_when_it_is_cancelled() -> None:
+def test_a_finish_runs_to_completion_even_if_cancelled() -> None:
     with bench_of(way(note("body", goes="box_a"), finish=note("finish", cycles=9))) as bench:
         running = bench.start("drive", Location="box_a")
         bench.until(lambda: "finish" in texts())
@@ -283,7 +283,7 @@ def test_a_hold_condition_on_a_sensor_ends_the_body_in_the_cycle_that_says_so() 
         assert bench.cycle.board.snapshot.state("gripper_1", GripperState).gap == pytest.approx(0.03, abs=0.0015)
 
 
-def test_a_hold_condition_counts_while_the_body_runs_and_not_in_the_other_phases() -> None:
+def test_a_hold_condition_is_checked_only_while_the_body_runs() -> None:
     skill = way(
         note("body", cycles=3),
         replace(AFTER, hold=(AT_LOCATION("Robot", "Location"),), post=(WHOLE,)),
@@ -314,7 +314,7 @@ def test_a_primitive_asserts_an_effect_of_its_skill_by_key_and_with_its_reason()
     assert (world.changes[-1].author, world.changes[-1].reason) == ("sense", "saw it")
 
 
-def test_an_effect_under_another_name_is_refused_and_says_which_there_are() -> None:
+def test_an_unknown_effect_name_is_refused_with_the_known_ones() -> None:
     skill, world = held_and_at("their")
     before = world.version
 
@@ -330,7 +330,7 @@ def test_a_primitive_that_runs_by_itself_has_no_effects_to_assert() -> None:
         assert bench.run("sense", keys=("there",)) == Success()
 
 
-def test_effects_of_a_called_skill_are_its_own() -> None:
+def test_a_called_skill_asserts_its_own_effects() -> None:
     inner = Skill(replace(AFTER, name="inner"), Do.of("sense", keys=()), driver="fake")
     outer = way(Do.of("inner", Location="box_b"), replace(AFTER, post=(~AT_LOCATION("Robot", "Location"),)))
 
@@ -342,7 +342,7 @@ def test_effects_of_a_called_skill_are_its_own() -> None:
 # ------------------------------------------------------------------ parameters
 
 
-def test_what_is_left_out_is_inferred_anew_at_each_start() -> None:
+def test_omitted_parameters_are_inferred_at_each_start() -> None:
     described = replace(AFTER.param("Location"), type="tiny:Ball", where=(Related("sk:in", "it", "Box"),))
     box = Param("Box", "tiny:Box", "Out of which.")
     params = tuple(described if p.key == "Location" else p for p in AFTER.params)
@@ -364,7 +364,7 @@ def test_inferred_values_are_reported_with_their_reasons() -> None:
         assert "Robot = robot_1: the only one that fits" in [event.text for event in bench.events]
 
 
-def test_an_element_that_cannot_be_inferred_is_named_and_nothing_runs() -> None:
+def test_a_parameter_that_cannot_be_inferred_is_named_and_nothing_runs() -> None:
     outcome = run(way(note("body"), with_gripper(pre=(~REACHABLE("Location"), REACHABLE("Location")))), Location=None)
 
     assert isinstance(outcome, Failure)
@@ -382,9 +382,7 @@ def test_an_element_that_cannot_be_inferred_is_named_and_nothing_runs() -> None:
         ({"Base": "arm_1"}, "Base"),
     ],
 )
-def test_a_wrong_parameter_is_the_runs_failure_by_its_name_and_nothing_runs(
-    arguments: dict[str, Any], told: str
-) -> None:
+def test_a_wrong_parameter_fails_the_run_by_name_before_anything_runs(arguments: dict[str, Any], told: str) -> None:
     outcome = run(way(note("body")), **arguments)
 
     assert isinstance(outcome, Failure)
@@ -429,7 +427,7 @@ MAYBE = replace(AFTER, params=(*AFTER.params, replace(GRIPPER, kind=Kind.OPTIONA
     ],
     ids=["pre", "hold", "post", "when", "guard", "check"],
 )
-def test_a_condition_about_an_optional_parameter_that_is_left_out_is_not_asked(skill: Skill) -> None:
+def test_conditions_about_an_omitted_optional_parameter_are_not_checked(skill: Skill) -> None:
     with bench_of(skill) as bench:
         assert bench.managers["base_1"].panel("drive", {"Location": "box_a"}).ready
         assert isinstance(bench.run("drive", Location="box_a"), Success)
@@ -459,7 +457,7 @@ TOLD = "ValueError: no such gear (in condition Geared(robot_1, base_1))"
     ],
     ids=["pre", "when", "hold", "guard", "post"],
 )
-def test_a_condition_that_breaks_fails_the_skill_by_the_name_of_both_and_what_must_follow_is_done(
+def test_a_condition_that_raises_fails_its_skill_names_both_and_runs_the_required_later_phases(
     skill: Skill, ran: list[str]
 ) -> None:
     with bench_of(skill) as bench:
@@ -475,7 +473,7 @@ def test_a_condition_that_breaks_fails_the_skill_by_the_name_of_both_and_what_mu
     assert [text for text in texts() if text != "another"] == ran
 
 
-def test_a_condition_that_breaks_is_shown_as_not_holding_with_its_reason() -> None:
+def test_a_condition_that_raises_is_shown_as_false_with_its_reason() -> None:
     with bench_of(way(note("body"), replace(AFTER, pre=(GEARED,)))) as bench:
         panel = bench.managers["base_1"].panel("drive", {"Location": "box_a", "Base": "base_1", "Robot": "robot_1"})
 
@@ -485,7 +483,7 @@ def test_a_condition_that_breaks_is_shown_as_not_holding_with_its_reason() -> No
     assert TOLD in "\n".join(row.verdict.lines())
 
 
-def test_the_next_implementation_is_tried_when_the_condition_of_one_breaks() -> None:
+def test_the_next_implementation_is_tried_if_a_condition_of_one_raises() -> None:
     bad, good = way(note("a"), label="a", when=(GEARED,)), way(note("b", goes="box_a"), label="b")
 
     assert isinstance(run(bad, good), Success)

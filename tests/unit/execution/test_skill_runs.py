@@ -142,7 +142,7 @@ def test_a_fallback_of_failures_fails_for_the_last_reason() -> None:
     assert run(Fallback.of(note("a", ends="first"), note("b", ends="second"))) == Failure("second")
 
 
-def test_a_retry_tries_so_often_each_in_the_next_cycle() -> None:
+def test_a_retry_tries_the_given_number_of_times_each_in_the_next_cycle() -> None:
     assert run(Retry(note("a", ends="no"), 3)) == Failure("no")
 
     ends = [cycle for text, cycle in Note.log if text == "a ends"]
@@ -163,7 +163,7 @@ def test_parameters_of_the_skill_reach_its_primitives() -> None:
     assert texts() == ["box_a"]
 
 
-def test_a_primitive_that_nobody_brought_is_named() -> None:
+def test_a_missing_primitive_is_named() -> None:
     outcome = run(Do.of("nod"))
 
     assert isinstance(outcome, Failure)
@@ -184,7 +184,7 @@ def test_stopping_closes_the_generators_at_once() -> None:
     assert [e.status for e in bench.events if e.module == "drive"] == [Status.STARTED, Status.RUNNING, Status.PREEMPTED]
 
 
-def test_breaking_off_closes_the_body_ticks_recover_and_then_finishes() -> None:
+def test_cancelling_closes_the_body_runs_recover_and_then_the_finish() -> None:
     with bench_with(Sequence.of(note("a", cycles=99), note("b")), finish=note("finish")) as bench:
         outcome = bench.run("drive", cancel=lambda: "something changed" if len(Note.log) > 0 else "", **TO_A)
 
@@ -194,7 +194,7 @@ def test_breaking_off_closes_the_body_ticks_recover_and_then_finishes() -> None:
     assert recovering == [recovering[0], recovering[0] + 1], "one tick per cycle"
 
 
-def test_a_hold_condition_that_ends_breaks_the_skill_off_with_its_reason() -> None:
+def test_a_hold_condition_that_becomes_false_cancels_the_skill_with_its_reason() -> None:
     world = tiny_world()
     gripper = replace(DRIVE.params[0], key="Gripper", type="sk:Gripper")
     steady = replace(AFTER, params=(*AFTER.params, gripper), hold=(EMPTY_HANDED("Gripper"),))
@@ -221,14 +221,14 @@ def test_a_fake_writes_all_effects_in_one_change_by_its_name() -> None:
     assert (change.author, change.reason) == ("drive", "pretended by a fake")
 
 
-def test_pretending_takes_its_time() -> None:
+def test_a_fake_skill_takes_its_declared_duration() -> None:
     with bench_with(AssertEffects(0.5)) as bench:
         bench.run("drive", **TO_A)
 
         assert bench.cycle.board.snapshot.time == pytest.approx(0.5, abs=0.02)
 
 
-def test_everything_is_told_to_the_monitor_in_order() -> None:
+def test_the_monitor_receives_all_events_in_order() -> None:
     with bench_with(Sequence.of(note("a"), note("b", ends="slipped"))) as bench:
         bench.run("drive", **TO_A)
 

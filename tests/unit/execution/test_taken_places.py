@@ -13,11 +13,11 @@ PARAMS = (
 )
 
 
-def test_a_robot_is_taken_with_all_its_devices() -> None:
+def test_claiming_a_robot_claims_all_its_devices() -> None:
     assert devices_of(world_of(""), PARAMS, ("Robot",), {"Robot": "robot_1"}).keys() == {"arm_1", "base_1", "gripper_1"}
 
 
-def test_a_place_is_taken_itself() -> None:
+def test_claiming_a_place_claims_the_place_itself() -> None:
     world = world_of("scene:kit_1 a sk:Container ; sk:on scene:floor .")
 
     assert devices_of(world, PARAMS, ("Place",), {"Arm": "arm_1", "Place": "kit_1"}).keys() == {"arm_1", "kit_1"}

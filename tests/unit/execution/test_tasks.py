@@ -100,7 +100,7 @@ def test_an_exit_of_the_program_is_reported_in_words() -> None:
         cycle.run(cycle.start(leaves(), "careless"))
 
 
-def test_ctrl_c_is_the_users_and_passes_through() -> None:
+def test_ctrl_c_by_the_user_is_passed_on() -> None:
     cycle = new_cycle()
 
     def interrupted() -> Iterator[None]:
@@ -114,7 +114,7 @@ def test_ctrl_c_is_the_users_and_passes_through() -> None:
     cycle.step()
 
 
-def test_what_is_no_generator_at_all_is_a_fault() -> None:
+def test_a_task_that_is_not_a_generator_is_a_fault() -> None:
     cycle = new_cycle()
 
     with pytest.raises(TypeError):
@@ -141,7 +141,7 @@ def test_a_generator_that_yields_again_when_it_is_closed_is_closed_all_the_same(
     assert log == []
 
 
-def test_a_fault_while_closing_lets_the_others_be_stopped() -> None:
+def test_a_fault_while_closing_does_not_prevent_stopping_the_others() -> None:
     cycle, log = new_cycle(), []
 
     def breaks_at_the_end(name: str) -> Iterator[None]:
@@ -248,7 +248,7 @@ def test_a_task_is_stopped_only_when_what_it_commanded_stands() -> None:
     assert (driver.done, driver.stopping, driver.stopped) == (True, False, True)
 
 
-def test_a_task_does_not_wait_for_what_somebody_else_has_taken_over() -> None:
+def test_a_task_does_not_wait_for_devices_that_another_task_has_taken_over() -> None:
     cycle = new_cycle()
     first = cycle.start(drive(cycle))
     cycles(cycle, 2)
@@ -294,7 +294,7 @@ def test_a_device_still_moving_after_the_braking_time_is_a_fault_by_name(
         lambda board: Arm(board, "arm_1").command(ArmTarget((float("inf"),) * 7, (0.0,) * 7)),
     ],
 )
-def test_a_nonsensical_command_is_the_fault_of_who_gives_it(command: Callable[[DeviceBoard], None]) -> None:
+def test_an_invalid_command_is_a_fault_of_the_task_that_gives_it(command: Callable[[DeviceBoard], None]) -> None:
     cycle = new_cycle()
 
     def nonsense() -> Iterator[None]:
@@ -371,7 +371,7 @@ def test_the_commands_of_a_task_slow_down_with_its_clock() -> None:
     assert speeds[-1] == 0.0
 
 
-def test_a_paused_task_does_single_steps_of_one_period() -> None:
+def test_a_paused_task_can_be_stepped_by_one_period() -> None:
     cycle, log = new_cycle(), []
     task = cycle.start(idle(log))
     task.pause()

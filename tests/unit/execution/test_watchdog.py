@@ -128,7 +128,9 @@ def test_nothing_moves_while_a_tick_takes_too_long() -> None:
     assert cycle.board.still
 
 
-def test_no_except_exception_of_the_author_swallows_it(cycle: ControlCycle, watchdog: Watchdog) -> None:
+def test_except_exception_in_author_code_does_not_swallow_the_interruption(
+    cycle: ControlCycle, watchdog: Watchdog
+) -> None:
     def careful() -> None:
         while True:
             with contextlib.suppress(Exception):
@@ -141,7 +143,9 @@ def test_no_except_exception_of_the_author_swallows_it(cycle: ControlCycle, watc
     assert isinstance(task.fault, CycleOverrun)
 
 
-def test_who_swallows_everything_but_comes_back_ends_with_the_fault(cycle: ControlCycle, watchdog: Watchdog) -> None:
+def test_code_that_swallows_the_interruption_and_returns_ends_with_the_fault(
+    cycle: ControlCycle, watchdog: Watchdog
+) -> None:
     def stubborn() -> None:
         with contextlib.suppress(BaseException):
             hog()
@@ -154,7 +158,7 @@ def test_who_swallows_everything_but_comes_back_ends_with_the_fault(cycle: Contr
     assert task.fault.overrun is not None
 
 
-def test_code_that_does_not_come_back_is_lost_and_other_threads_go_on(cycle: ControlCycle, watchdog: Watchdog) -> None:
+def test_code_that_never_returns_is_lost_and_other_threads_continue(cycle: ControlCycle, watchdog: Watchdog) -> None:
     lost: list[Watched] = []
     released = threading.Event()
     watchdog.on_lost(lost.append)
@@ -180,7 +184,7 @@ def test_code_that_does_not_come_back_is_lost_and_other_threads_go_on(cycle: Con
         cycle.start(idle([]))
 
 
-def test_a_stuck_call_into_c_is_lost_and_its_task_ends_when_it_comes_back(
+def test_a_stuck_call_into_c_is_lost_and_its_task_ends_when_the_call_returns(
     cycle: ControlCycle, watchdog: Watchdog
 ) -> None:
     lost: list[Watched] = []
@@ -266,7 +270,7 @@ def test_the_watchdogs_thread_has_a_name_and_ends(cycle: ControlCycle) -> None:
     assert "skiros-watchdog" not in names()
 
 
-def test_a_cycle_overruns_by_many_ticks_that_are_short_each(cycle: ControlCycle, watchdog: Watchdog) -> None:
+def test_many_short_ticks_together_overrun_a_cycle(cycle: ControlCycle, watchdog: Watchdog) -> None:
     told: list[Overrun] = []
     watchdog.on_overrun(told.append)
     for number in range(20):
@@ -289,7 +293,7 @@ class Sluggish(FakeCell):
         return super().exchange(commands)
 
 
-def test_devices_that_answer_late_halt_everything_and_are_named() -> None:
+def test_devices_that_respond_late_cause_a_halt_and_are_named() -> None:
     cycle = ControlCycle(DeviceBoard(Sluggish(SPEC)))
     with Watchdog(cycle, LIMIT):
         cycle.step()
@@ -339,7 +343,7 @@ def hold_for(seconds: float) -> None:
         pass
 
 
-def test_a_piece_of_work_may_be_allowed_more_time_than_a_tick(cycle: ControlCycle, watchdog: Watchdog) -> None:
+def test_a_call_may_be_allowed_more_time_than_a_tick(cycle: ControlCycle, watchdog: Watchdog) -> None:
     def loads() -> None:
         with cycle.activity.allowing(AGES):
             hold_for(3 * LIMIT)
@@ -420,7 +424,7 @@ class Brakeless(FakeCell):
         raise OSError("no such device")
 
 
-def test_a_brake_that_breaks_does_not_keep_code_from_being_interrupted_nor_the_watchdog_from_going_on() -> None:
+def test_a_brake_that_raises_prevents_neither_the_interruption_nor_the_watchdog_from_continuing() -> None:
     cycle = ControlCycle(DeviceBoard(Brakeless(SPEC)))
     with Watchdog(cycle, LIMIT):
         for _ in range(2):
@@ -431,7 +435,7 @@ def test_a_brake_that_breaks_does_not_keep_code_from_being_interrupted_nor_the_w
             cycle.reset()
 
 
-def test_a_listener_that_breaks_does_not_end_the_watchdog(cycle: ControlCycle, watchdog: Watchdog) -> None:
+def test_a_listener_that_raises_does_not_end_the_watchdog(cycle: ControlCycle, watchdog: Watchdog) -> None:
     def breaks(_overrun: Overrun) -> None:
         raise SystemExit(1)
 
@@ -460,7 +464,7 @@ class Tick:
         self.faults.append(fault)
 
 
-def test_however_late_an_interruption_comes_it_never_hits_what_comes_after() -> None:
+def test_a_late_interruption_never_hits_later_code() -> None:
     """Ticks of about no length, struck at any moment: the exception arrives inside the tick or is taken back."""
     activity, ended = Activity(), threading.Event()
 

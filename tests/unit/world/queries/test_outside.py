@@ -151,7 +151,7 @@ def test_a_query_that_is_long_but_not_deep_is_answered_or_refused(outside: Outsi
 
 
 @pytest.mark.parametrize("limit", [float("nan"), float("inf"), 1e308, 0.0, -1.0])
-def test_a_time_limit_is_a_time_that_can_pass(outside: OutsideQueries, limit: float) -> None:
+def test_an_invalid_time_limit_is_refused(outside: OutsideQueries, limit: float) -> None:
     with pytest.raises(UsageError, match="a time limit is more than 0 and at most 3600 s"):
         outside.query("ASK {}", time_limit=limit)
 
