@@ -34,7 +34,7 @@ def refused(answer: MotionPlan | NoMotion) -> str:
 
 
 @pytest.mark.parametrize("height", [0.45, 0.50, 0.60])
-def test_parts_anywhere_on_a_table_can_be_grasped_both_ways_round(
+def test_parts_anywhere_on_a_table_can_be_grasped_in_both_orientations(
     motion: ArmMotion, bench: SimpleNamespace, height: float
 ) -> None:
     rng, misses = np.random.default_rng(int(1000 * height)), []
@@ -99,7 +99,7 @@ def test_trajectories_follow_the_route_in_limits_and_lines_are_straight(
             assert max(turns) < 2e-3
 
 
-def test_a_higher_speed_share_is_faster(motion: ArmMotion, bench: SimpleNamespace) -> None:
+def test_a_higher_speed_fraction_is_faster(motion: ArmMotion, bench: SimpleNamespace) -> None:
     there = (-0.5, *bench.HOME[1:])
     request = replace(bench.pick("relay", Pose.of(0.7, 0.0, 0.5), 0.5), routes=((JointMove(there),),))
 
@@ -121,7 +121,7 @@ def test_the_same_request_gives_the_same_motion(motion: ArmMotion, bench: Simple
         assert np.array_equal(one.positions, other.positions)
 
 
-def test_an_obstacle_in_the_straight_way_is_gone_around(motion: ArmMotion, bench: SimpleNamespace) -> None:
+def test_an_obstacle_on_the_straight_path_is_avoided(motion: ArmMotion, bench: SimpleNamespace) -> None:
     left, right = (-2.3, -0.2, 0.0, -2.2, 0.0, 2.0, 0.7854), (-0.8, -0.2, 0.0, -2.2, 0.0, 2.0, 0.7854)
     post = Obstacle("post", Solid.box(0.06, 0.06, 1.0), Pose((0.75, 0.0, 0.0)))
     request = replace(bench.pick("relay", Pose((0.7, 0, 0.5)), 0.5), start=left, routes=((JointMove(right),),))
@@ -145,7 +145,7 @@ def test_the_nearer_of_two_routes_is_taken(motion: ArmMotion, bench: SimpleNames
     assert found(motion.plan(request)).route == 1
 
 
-def test_a_pose_far_away_is_said_to_be_out_of_reach(motion: ArmMotion, bench: SimpleNamespace) -> None:
+def test_a_distant_pose_is_reported_as_out_of_reach(motion: ArmMotion, bench: SimpleNamespace) -> None:
     request = replace(bench.pick("relay", Pose((2.5, 0.0, 0.5)), 0.5), obstacles=())
 
     reason = refused(motion.plan(request))
@@ -154,7 +154,9 @@ def test_a_pose_far_away_is_said_to_be_out_of_reach(motion: ArmMotion, bench: Si
     assert "move 1 (to a pose)" in reason
 
 
-def test_a_line_that_would_touch_what_it_may_not_is_refused_by_name(motion: ArmMotion, bench: SimpleNamespace) -> None:
+def test_a_straight_motion_that_would_collide_is_refused_and_names_the_obstacle(
+    motion: ArmMotion, bench: SimpleNamespace
+) -> None:
     request = bench.pick("relay", Pose.of(0.7, 0.0, 0.5), 0.5)
     pose = Pose.of(0.7, 0.0, 0.44)
     through = bench.grasp(pose, 0.032, 0.0, frozenset({"part"}))
@@ -175,7 +177,7 @@ def test_only_gripper_and_held_part_may_touch(motion: ArmMotion, bench: SimpleNa
     assert "touch wall" in reason
 
 
-def test_the_held_part_is_kept_clear(motion: ArmMotion, bench: SimpleNamespace) -> None:
+def test_the_held_part_is_kept_clear_of_obstacles(motion: ArmMotion, bench: SimpleNamespace) -> None:
     request = bench.pick("relay", Pose.of(0.7, 0.0, 0.5), 0.5)
     over = (PoseMove(bench.down(0.7, 0.0, 0.58, 0.0)),)
     empty = replace(request, routes=(over,), obstacles=request.obstacles[:1], gap=0.04)
@@ -185,7 +187,7 @@ def test_the_held_part_is_kept_clear(motion: ArmMotion, bench: SimpleNamespace) 
     assert "what it holds would touch table" in refused(motion.plan(holding))
 
 
-def test_unknown_ids_among_those_to_touch_do_no_harm(motion: ArmMotion, bench: SimpleNamespace) -> None:
+def test_unknown_ids_in_the_allowed_contacts_are_ignored(motion: ArmMotion, bench: SimpleNamespace) -> None:
     request = bench.pick("relay", Pose.of(0.7, 0.0, 0.5), 0.5)
     route = bench.grasp(Pose.of(0.7, 0.0, 0.5), 0.032, 0.0, frozenset({"part", "table", "nobody"}))
 

@@ -112,7 +112,7 @@ def test_nothing_is_touched_on_the_way_to_the_deck_and_back(
     assert contacts(judge, request, plan) == []
 
 
-def test_the_judge_sees_contacts(motion: ArmMotion, bench: SimpleNamespace, judge: BulletJudge) -> None:
+def test_the_contact_check_detects_contacts(motion: ArmMotion, bench: SimpleNamespace, judge: BulletJudge) -> None:
     request = bench.pick("relay", Pose.of(0.7, 0.0, 0.5), 0.5)
     plan = motion.plan(request)
     assert isinstance(plan, MotionPlan)

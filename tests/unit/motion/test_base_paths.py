@@ -87,7 +87,7 @@ def halls(draw: st.DrawFn) -> tuple[Obstacle, ...]:
 
 @settings(max_examples=25, deadline=None)
 @given(halls())
-def test_the_base_touches_nothing_on_the_way_and_arrives(obstacles: tuple[Obstacle, ...]) -> None:
+def test_the_base_arrives_without_touching_anything(obstacles: tuple[Obstacle, ...]) -> None:
     start, goal = dock(obstacles[0]), dock(obstacles[1])
     assume(overlap(start, obstacles) == 0.0)
     answer = planned(start, goal, *obstacles)
@@ -100,7 +100,7 @@ def test_the_base_touches_nothing_on_the_way_and_arrives(obstacles: tuple[Obstac
     assert abs(wrap_angle(driven[-1].yaw - goal.yaw)) < 1e-6
 
 
-def test_most_halls_have_a_way() -> None:
+def test_a_path_is_found_in_most_random_halls() -> None:
     rng, ways = np.random.default_rng(0), 0
     for _ in range(20):
         boxes = [
@@ -125,14 +125,14 @@ def test_a_dock_is_left_backwards_and_entered_straight_ahead() -> None:
     assert last.y - before.y >= 0.25
 
 
-def test_in_the_open_the_way_is_short() -> None:
+def test_the_path_in_open_space_is_short() -> None:
     path = path_of(planned(Pose(), Pose.of(3.0, 0.0, 0.0)))
 
     assert [(leg.x, leg.y) for leg in path.legs][-1] == pytest.approx((3.0, 0.0))
     assert all(abs(leg.y) < 1e-9 for leg in path.legs)
 
 
-def test_around_a_wall_the_way_has_few_turns() -> None:
+def test_the_path_around_a_wall_has_few_turns() -> None:
     wall = Obstacle("wall", Solid.box(0.2, 3.0, 1.0), Pose((2.0, 0.0, 0.0)))
 
     path = path_of(planned(Pose(), Pose.of(4.0, 0.0, 0.0), wall))
@@ -149,14 +149,14 @@ def test_a_base_at_its_goal_does_not_move() -> None:
     assert path.legs == ()
 
 
-def test_a_goal_in_something_is_refused_by_name() -> None:
+def test_a_goal_inside_an_obstacle_is_refused_and_names_the_obstacle() -> None:
     answer = planned(Pose(), Pose.of(2.0, 0.0, 0.0), table("bench", 2.2, 0.0, 0.0))
 
     assert isinstance(answer, NoMotion)
     assert "touch bench" in answer.reason
 
 
-def test_several_obstacles_of_one_name_are_all_kept_clear_of() -> None:
+def test_several_obstacles_with_one_name_are_all_avoided() -> None:
     """A robot has one for its base and one for its arm."""
     body, arm = (Obstacle("robot_2", Solid.box(0.6, 0.6, 1.0), Pose((x, 0.0, 0.0))) for x in (2.0, 5.0))
     start, goal = Pose(), Pose((3.5, 0.0, 0.0))
@@ -178,7 +178,7 @@ def test_a_goal_behind_walls_is_refused() -> None:
     assert "no way" in answer.reason
 
 
-def test_a_base_shut_in_says_what_stands_in_its_way() -> None:
+def test_an_enclosed_base_is_refused_with_the_blocking_obstacles() -> None:
     boxes = [Obstacle(n, Solid.box(0.3, 1.0, 1.0), Pose((x, 0.0, 0.0))) for n, x in (("ahead", 0.6), ("behind", -0.75))]
 
     answer = planned(Pose(), Pose.of(3.0, 0.0, 0.0), *boxes)
@@ -188,7 +188,7 @@ def test_a_base_shut_in_says_what_stands_in_its_way() -> None:
     assert "behind" in answer.reason or "ahead" in answer.reason
 
 
-def test_what_hangs_above_is_no_obstacle_and_a_lying_cylinder_covers_its_length() -> None:
+def test_a_thing_overhead_covers_no_floor_and_a_lying_cylinder_covers_its_length() -> None:
     lamp = Obstacle("lamp", Solid.box(1.0, 1.0, 0.1), Pose((0.0, 0.0, 1.7)))
     roll = Solid((Primitive("cylinder", (0.1, 1.0), Pose.of(0, 0, 0.1, pitch=math.pi / 2)),))
 
@@ -209,7 +209,7 @@ def test_the_port_answers_from_a_worker_with_its_latency() -> None:
         planner.close()
 
 
-def test_requests_are_values(bench: SimpleNamespace) -> None:
+def test_equal_path_requests_give_equal_paths(bench: SimpleNamespace) -> None:
     start, goal = Pose(), Pose.of(2.0, 1.0, 0.0, yaw=1.0)
 
     assert planned(start, goal, bench.table(0.5, "t", Pose((1.0, 0.0, 0.0)))) == planned(

@@ -27,7 +27,7 @@ def limits(arm: ArmModel) -> tuple[Array, Array]:
     return arm.lower, arm.upper
 
 
-def test_it_solves_reachable_poses_within_the_limits(arm: ArmModel) -> None:
+def test_reachable_poses_are_solved_within_the_joint_limits(arm: ArmModel) -> None:
     rng, solver, solved = np.random.default_rng(11), IkSolver(arm), 0
     for _ in range(1000):
         target = arm.tip_pose(rng.uniform(arm.lower, arm.upper))
@@ -41,7 +41,7 @@ def test_it_solves_reachable_poses_within_the_limits(arm: ArmModel) -> None:
     assert solved >= 995
 
 
-def test_several_distinct_solutions_come_nearest_first(arm: ArmModel) -> None:
+def test_several_distinct_solutions_are_sorted_by_distance(arm: ArmModel) -> None:
     home = np.array(arm.spec.home)
     target = arm.tip_pose(home + 0.2)
 
@@ -61,7 +61,7 @@ def test_an_unreachable_pose_has_no_solution(arm: ArmModel) -> None:
     assert found == []
 
 
-def test_the_gripper_is_what_moves_with_the_tip(arm: ArmModel) -> None:
+def test_the_gripper_links_are_those_that_move_with_the_tip(arm: ArmModel) -> None:
     expected = {"panda_hand", "panda_leftfinger", "panda_rightfinger", "tcp", "camera_optical"}
 
     assert arm.gripper_links == expected

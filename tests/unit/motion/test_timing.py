@@ -37,7 +37,7 @@ def test_no_joint_exceeds_its_speed_or_acceleration_limit(path: Array, share: fl
 
 @settings(max_examples=40, deadline=None)
 @given(paths())
-def test_it_goes_from_end_to_end_of_the_path_and_rests_at_both(path: Array) -> None:
+def test_a_timed_path_starts_and_ends_at_rest_at_the_ends_of_the_path(path: Array) -> None:
     trajectory = time_path(path, LIMITS)
 
     assert np.array_equal(trajectory.positions[0], path[0])
@@ -47,7 +47,7 @@ def test_it_goes_from_end_to_end_of_the_path_and_rests_at_both(path: Array) -> N
 
 @settings(max_examples=40, deadline=None)
 @given(paths())
-def test_the_velocities_are_those_of_the_positions(path: Array) -> None:
+def test_the_velocities_are_the_derivatives_of_the_positions(path: Array) -> None:
     trajectory = time_path(path, LIMITS)
 
     moved = np.diff(trajectory.positions, axis=0)
@@ -74,7 +74,7 @@ def test_the_rate_of_the_path_parameter_is_bounded() -> None:
     assert (len(trajectory.positions) - 1) * PERIOD >= 2.0
 
 
-def test_no_way_is_one_sample_at_rest() -> None:
+def test_a_path_of_equal_points_is_one_sample_at_rest() -> None:
     trajectory = time_path(np.ones((3, 7)), LIMITS)
 
     assert trajectory.positions.tolist() == [[1.0] * 7]

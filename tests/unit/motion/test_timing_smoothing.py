@@ -17,7 +17,7 @@ def test_the_ends_stay_and_the_corner_is_cut() -> None:
     assert np.linalg.norm(path - CORNER[1], axis=1).min() > 0.05
 
 
-def test_a_tighter_rounding_is_taken_where_a_wide_one_touches() -> None:
+def test_a_smaller_rounding_is_used_where_a_wide_one_collides() -> None:
     def clear(posture: np.ndarray) -> bool:
         return not (posture[0] < 0.96 and posture[1] > 0.04)
 
@@ -27,7 +27,7 @@ def test_a_tighter_rounding_is_taken_where_a_wide_one_touches() -> None:
     assert all(clear(posture) for posture in path)
 
 
-def test_none_when_every_rounding_touches() -> None:
+def test_no_smoothed_path_is_returned_if_every_rounding_collides() -> None:
     assert round_corners(CORNER, lambda posture: bool(min(1 - posture[0], posture[1]) < 0.001)) is None
 
 

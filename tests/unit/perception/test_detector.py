@@ -28,7 +28,7 @@ def nearest(result: LookResult, x: float, y: float, within: float = 0.05) -> Det
     return near[0] if near else None
 
 
-def test_a_look_from_straight_above_tells_type_place_and_heading(studio: Studio) -> None:
+def test_a_look_from_straight_above_gives_type_position_and_heading(studio: Studio) -> None:
     places, headings = [], []
     for seed in range(24):
         rng, height = np.random.default_rng(seed), TABLES[seed % 3]
@@ -52,7 +52,7 @@ def test_a_look_from_straight_above_tells_type_place_and_heading(studio: Studio)
     assert max(headings) <= math.radians(5.0)
 
 
-def test_a_first_look_from_aside_never_names_a_wrong_type(studio: Studio) -> None:
+def test_a_first_look_from_the_side_never_gives_a_wrong_type(studio: Studio) -> None:
     right = wrong = 0
     for seed in range(100, 120):
         rng, height = np.random.default_rng(seed), TABLES[seed % 3]
@@ -70,7 +70,7 @@ def test_a_first_look_from_aside_never_names_a_wrong_type(studio: Studio) -> Non
     assert right >= 50  # of 60, a few of which the border of the image cuts
 
 
-def test_the_height_of_the_surface_is_found_where_the_guess_is_wrong_by_centimetres(studio: Studio) -> None:
+def test_the_surface_height_is_found_from_a_guess_that_is_centimetres_off(studio: Studio) -> None:
     rng = np.random.default_rng(1)
     bodies = [studio.table(0.50), studio.part("Compressor", 0.02, 0.05, 0.50, 0.4)]
 
@@ -93,7 +93,7 @@ def test_parts_beyond_the_region_are_not_reported(studio: Studio) -> None:
     assert [d.type for d in result.detections] == ["Alternator"]
 
 
-def test_an_empty_table_shows_nothing_and_is_seen_whole(studio: Studio) -> None:
+def test_an_empty_table_gives_no_detections_and_full_visibility(studio: Studio) -> None:
     result = detect(
         studio.look([studio.table(0.5)], studio.over(0.0, 0.0, 0.94), region(0.5), np.random.default_rng(3))
     )
@@ -102,7 +102,7 @@ def test_an_empty_table_shows_nothing_and_is_seen_whole(studio: Studio) -> None:
     assert result.visible > 0.99
 
 
-def test_without_a_surface_there_is_no_height_and_nothing_on_it(studio: Studio) -> None:
+def test_without_a_surface_there_are_no_height_and_no_detections(studio: Studio) -> None:
     result = detect(
         studio.look([studio.table(0.2)], studio.over(0.0, 0.0, 0.94), region(0.5), np.random.default_rng(4))
     )
@@ -128,7 +128,7 @@ def test_a_toppled_part_is_unknown_or_has_its_own_type(studio: Studio, aside: fl
     assert unknown >= 12
 
 
-def test_a_thing_of_no_known_shape_is_unknown_with_its_box(studio: Studio) -> None:
+def test_an_object_of_unknown_shape_is_reported_with_its_bounding_box(studio: Studio) -> None:
     brick = Solid.box(0.09, 0.07, 0.035)
     bodies = [studio.table(0.5), (brick, Pose.of(0.03, 0.04, 0.5, yaw=0.5))]
 
@@ -140,7 +140,7 @@ def test_a_thing_of_no_known_shape_is_unknown_with_its_box(studio: Studio) -> No
     assert thing.pose.position[:2] == pytest.approx((0.03, 0.04), abs=0.003)
 
 
-def test_an_occluder_lowers_visibility_and_what_it_hides_is_not_reported(studio: Studio) -> None:
+def test_an_occluder_lowers_visibility_and_hidden_parts_are_not_reported(studio: Studio) -> None:
     camera, rng = studio.over(0.0, 0.0, 0.94), np.random.default_rng(6)
     part = studio.part("RelayBox", 0.03, 0.05, 0.5, 0.3)
     lid = (Solid.box(0.14, 0.14, 0.02), Pose.of(0.016, 0.027, 0.70))
@@ -154,7 +154,7 @@ def test_an_occluder_lowers_visibility_and_what_it_hides_is_not_reported(studio:
     assert hidden.visible < 0.7
 
 
-def test_what_the_image_border_cuts_off_is_not_visible(studio: Studio) -> None:
+def test_parts_cut_off_by_the_image_border_are_not_visible(studio: Studio) -> None:
     looks = (
         studio.look([studio.table(0.5)], studio.over(x, 0.0, 0.94), region(0.5), np.random.default_rng(7))
         for x in (0.0, 0.25)
@@ -182,7 +182,7 @@ def test_the_part_in_a_compartment_is_found_between_its_walls(studio: Studio) ->
         assert result.surface == pytest.approx(0.5 + studio.kit_floor, abs=0.002)
 
 
-def test_an_empty_compartment_beside_full_ones_is_empty(studio: Studio) -> None:
+def test_an_empty_compartment_beside_full_ones_gives_no_detection(studio: Studio) -> None:
     kit, names = Pose.of(0.3, 0.1, 0.35, yaw=-0.4), list(studio.parts)
     floor = [kit @ Pose.of(*place, studio.kit_floor) for place in studio.compartments]
     full = [(studio.parts[name], at) for name, at in zip(names, floor, strict=True)][1:]

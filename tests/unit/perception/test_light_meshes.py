@@ -30,7 +30,7 @@ def triangles(piece: MeshPiece, folder: Path) -> int:
     return int(count)
 
 
-def test_large_meshes_get_light_and_small_ones_stay_as_they_are(tmp_path: Path, out: Path) -> None:
+def test_large_meshes_are_simplified_and_small_ones_are_unchanged(tmp_path: Path, out: Path) -> None:
     large, small = sphere(tmp_path / "large.obj", 60), sphere(tmp_path / "small.obj", 5)
 
     made = MeshLightener().light([large, small, small], out, 1000)
@@ -40,7 +40,7 @@ def test_large_meshes_get_light_and_small_ones_stay_as_they_are(tmp_path: Path, 
     assert {path.name for path in out.iterdir()} == {made[large][0].file, made[small][0].file}
 
 
-def test_a_light_mesh_is_as_large_as_before(tmp_path: Path, out: Path) -> None:
+def test_a_simplified_mesh_keeps_its_size(tmp_path: Path, out: Path) -> None:
     source = sphere(tmp_path / "ball.obj", 60)
 
     (piece,) = MeshLightener().light([source], out, 500)[source]
@@ -49,7 +49,7 @@ def test_a_light_mesh_is_as_large_as_before(tmp_path: Path, out: Path) -> None:
     assert np.allclose(box.get_extent(), 0.2, atol=0.004)
 
 
-def test_few_triangles_stay(tmp_path: Path, out: Path) -> None:
+def test_meshes_with_few_triangles_are_unchanged(tmp_path: Path, out: Path) -> None:
     source = sphere(tmp_path / "ball.obj", 10)
 
     (piece,) = MeshLightener().light([source], out, 10_000)[source]
@@ -57,7 +57,7 @@ def test_few_triangles_stay(tmp_path: Path, out: Path) -> None:
     assert triangles(piece, out) == 360
 
 
-def test_each_colour_of_a_mesh_is_a_piece_of_its_own(tmp_path: Path, out: Path) -> None:
+def test_a_mesh_has_one_piece_per_colour(tmp_path: Path, out: Path) -> None:
     (tmp_path / "two.mtl").write_text("newmtl red\nKd 1 0 0\nnewmtl grey\nKd 0.5 0.5 0.5\n")
     source = tmp_path / "two.obj"
     corners = "".join(f"v {x} {y} {z}\n" for x, y, z in [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)])
@@ -68,7 +68,7 @@ def test_each_colour_of_a_mesh_is_a_piece_of_its_own(tmp_path: Path, out: Path) 
     assert {piece.colour[:3]: piece.triangles for piece in pieces} == {(1.0, 0.0, 0.0): 1, (0.5, 0.5, 0.5): 2}
 
 
-def test_what_is_no_mesh_has_no_pieces(tmp_path: Path, out: Path) -> None:
+def test_a_file_that_is_not_a_mesh_has_no_pieces(tmp_path: Path, out: Path) -> None:
     source = tmp_path / "none.obj"
     source.write_text("nothing\n")
 

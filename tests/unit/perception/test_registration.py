@@ -31,7 +31,7 @@ def filled(studio: Studio, kit: Pose, rng: np.random.Generator, count: int) -> l
 
 
 @pytest.mark.parametrize(("aside", "above"), [(0.03, 0.44), (0.11, 0.34)], ids=["seen whole", "cut by the border"])
-def test_a_kit_is_found_to_a_millimetre_whatever_stands_in_it(studio: Studio, aside: float, above: float) -> None:
+def test_a_kit_is_located_to_a_millimetre_whatever_it_contains(studio: Studio, aside: float, above: float) -> None:
     for seed in range(10):
         rng, height = np.random.default_rng(seed), (0.35, 0.50)[seed % 2]
         kit = Pose.of(0.3, 0.1, height, yaw=rng.uniform(-3.0, 3.0))
@@ -48,7 +48,7 @@ def test_a_kit_is_found_to_a_millimetre_whatever_stands_in_it(studio: Studio, as
         assert abs(error.yaw) <= math.radians(0.3)
 
 
-def test_there_is_no_pose_where_no_kit_stands(studio: Studio) -> None:
+def test_no_pose_is_found_without_a_kit(studio: Studio) -> None:
     camera, rng = studio.over(0.0, 0.0, 0.94), np.random.default_rng(20)
     parts = [studio.part(n, x, y, 0.5, a) for n, x, y, a in studio.scatter(rng, 4)]
     for bodies in ([studio.table(0.5)], [studio.table(0.5), *parts]):

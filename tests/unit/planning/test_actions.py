@@ -72,7 +72,7 @@ def action(skill: SkillDescription) -> Action:
         (Computed("tiny:fitsIn", "ball", "slot", lambda *_: Verdict(True, "")), Atom("tiny:fitsIn", ("ball", "slot"))),
     ],
 )
-def test_each_simple_pattern_is_one_literal(pattern: Related, atom: Atom) -> None:
+def test_each_simple_pattern_becomes_one_literal(pattern: Related, atom: Atom) -> None:
     (conjunction,) = ways_of(pattern)
 
     assert (conjunction.atoms, conjunction.variables) == ((atom,), ())
@@ -87,14 +87,14 @@ def test_a_conjunction_of_disjunctions_becomes_every_combination() -> None:
     assert pairs == [("a", "c"), ("a", "d"), ("b", "c"), ("b", "d")]
 
 
-def test_an_existential_brings_a_typed_variable() -> None:
+def test_an_existential_adds_a_typed_variable() -> None:
     (way,) = ways_of(Exists("box", "tiny:Box", Related("sk:in", "ball", "box")))
 
     assert way.variables == (Variable("box #1", "tiny:Box"),)
     assert way.atoms == (Atom("sk:in", ("ball", "box #1")),)
 
 
-def test_each_existential_brings_a_variable_of_its_own() -> None:
+def test_each_existential_adds_its_own_variable() -> None:
     inside = Exists("box", "tiny:Box", Related("sk:in", "ball", "box"))
     outside = Exists("box", "tiny:Box", Related("sk:on", "ball", "box"))
 
@@ -104,7 +104,7 @@ def test_each_existential_brings_a_variable_of_its_own() -> None:
     assert [atom.arguments[1] for atom in way.atoms] == ["box #1", "box #2"]
 
 
-def test_that_something_is_there_brings_a_variable_for_what_it_is() -> None:
+def test_a_negated_emptiness_adds_a_variable_for_the_occupant() -> None:
     (way,) = ways_of(Not(Nothing("sk:heldBy", "gripper")))
 
     (holder,) = way.variables
@@ -112,7 +112,7 @@ def test_that_something_is_there_brings_a_variable_for_what_it_is() -> None:
     assert holder.type == tiny_ontology().relations["sk:heldBy"].domain
 
 
-def test_a_relation_that_has_narrower_ones_holds_where_one_of_these_does() -> None:
+def test_a_relation_holds_if_one_of_its_subrelations_holds() -> None:
     ways = ways_of(Related("sk:placement", "ball", "box"))
 
     assert [atom.predicate for way in ways for atom in way.atoms] == [
@@ -124,7 +124,7 @@ def test_a_relation_that_has_narrower_ones_holds_where_one_of_these_does() -> No
     ]
 
 
-def test_that_a_general_relation_does_not_hold_denies_each_narrower_one() -> None:
+def test_negating_a_relation_negates_each_subrelation() -> None:
     (way,) = ways_of(Not(Related("sk:placement", "ball", "box")))
 
     assert [atom.predicate for atom in way.atoms] == [
@@ -132,7 +132,7 @@ def test_that_a_general_relation_does_not_hold_denies_each_narrower_one() -> Non
     ]
 
 
-def test_nothing_of_a_general_relation_is_nothing_of_each_narrower_one() -> None:
+def test_the_absence_of_a_relation_is_the_absence_of_each_subrelation() -> None:
     (way,) = ways_of(Nothing("sk:placement", "box"))
 
     assert [atom.predicate for atom in way.atoms] == [
@@ -140,33 +140,33 @@ def test_nothing_of_a_general_relation_is_nothing_of_each_narrower_one() -> None
     ]
 
 
-def test_a_double_negation_is_none() -> None:
+def test_a_double_negation_cancels_out() -> None:
     pattern = Related("sk:in", "ball", "box")
 
     assert ways_of(Not(Not(pattern))) == ways_of(pattern)
 
 
-def test_that_a_relation_does_not_hold_is_a_predicate_of_its_own() -> None:
+def test_a_negated_relation_has_its_own_predicate() -> None:
     (way,) = ways_of(Not(Related("sk:in", "a", "b")))
 
     assert way == Conjunction((Atom("not sk:in", ("a", "b")),))
 
 
-def test_that_there_is_none_is_said_with_a_quantifier() -> None:
+def test_the_absence_of_elements_becomes_a_quantifier() -> None:
     (way,) = ways_of(Not(Exists("b", "tiny:Box", AllOf((Related("sk:in", "a", "b"), Related("sk:on", "b", "c"))))))
 
     atoms = Atom("sk:in", ("a", "b #1")), Atom("sk:on", ("b #1", "c"))
     assert way == Conjunction(none=(NoneSuch((Variable("b #1", "tiny:Box"),), atoms),))
 
 
-def test_that_there_is_none_in_either_of_two_ways_is_two_quantifiers() -> None:
+def test_the_absence_of_two_alternatives_becomes_two_quantifiers() -> None:
     either = AnyOf((Related("sk:in", "a", "b"), Related("sk:on", "a", "b")))
     (way,) = ways_of(Not(Exists("b", "tiny:Box", either)))
 
     assert [none.atoms[0].predicate for none in way.none] == ["sk:in", "sk:on"]
 
 
-def test_no_box_of_which_there_is_no_ball_is_refused_by_name_and_place() -> None:
+def test_nested_absence_is_refused_by_name_and_place() -> None:
     inner = Not(Exists("ball", "tiny:Ball", Related("sk:in", "ball", "b")))
 
     with pytest.raises(PlanningError, match="precondition X of 'y': 'no Box of which there is no …' cannot be planned"):
@@ -174,12 +174,12 @@ def test_no_box_of_which_there_is_no_ball_is_refused_by_name_and_place() -> None
 
 
 @pytest.mark.parametrize("never", [AnyOf(()), Not(AllOf(()))])
-def test_what_never_holds_is_refused_by_place(never: Pattern) -> None:
+def test_a_pattern_that_never_holds_is_refused_by_place(never: Pattern) -> None:
     with pytest.raises(PlanningError, match="precondition X of 'y': any of no conditions never holds"):
         ways_of(never, "precondition X of 'y'")
 
 
-def test_every_action_asks_who_can_do_it() -> None:
+def test_every_action_has_a_precondition_on_the_capable_agent() -> None:
     assert [action(skill).pre[0] for skill in (DRIVE, PICK, PLACE)] == [
         Atom("can_drive", ("?Base",)),
         Atom("can_pick", ("?Arm",)),
@@ -187,11 +187,11 @@ def test_every_action_asks_who_can_do_it() -> None:
     ]
 
 
-def test_the_skills_parameters_come_first_and_in_their_order() -> None:
+def test_the_parameters_of_the_skill_come_first_in_their_order() -> None:
     assert [v.name for v in action(PICK).parameters] == ["?Arm", "?Gripper", "?Robot", "?Box", "?Ball"]
 
 
-def test_driving_leaves_the_place_where_the_robot_was_by_a_further_parameter() -> None:
+def test_driving_has_an_added_parameter_for_the_place_that_the_robot_leaves() -> None:
     drive = action(DRIVE)
 
     assert drive.parameters[-1] == Variable("?Robot_from", "sk:Location")
@@ -199,7 +199,7 @@ def test_driving_leaves_the_place_where_the_robot_was_by_a_further_parameter() -
     assert drive.delete == (Atom("sk:at", ("?Robot", "?Robot_from")),)
 
 
-def test_an_author_can_read_what_was_added_and_why() -> None:
+def test_additions_to_an_action_are_listed_with_their_reasons() -> None:
     assert action(DRIVE).notes == (
         "precondition can_drive(Base): who has the skill",
         "parameter Robot_from, precondition at(Robot, Robot_from): the place that Robot leaves",
@@ -207,7 +207,7 @@ def test_an_author_can_read_what_was_added_and_why() -> None:
     )
 
 
-def test_each_relation_by_which_it_can_be_at_its_old_place_is_a_variant() -> None:
+def test_an_action_has_a_variant_per_relation_to_the_old_place() -> None:
     variants = actions_of(DRIVE, tiny_ontology())
 
     assert [v.name for v in variants] == ["drive/1", "drive/2", "drive/3"]
@@ -220,7 +220,7 @@ def test_a_ball_can_come_from_a_container_a_surface_a_gripper_or_another_robot()
     assert [v.delete[0].predicate for v in variants] == ["tiny:carries", "sk:heldBy", "sk:in", "sk:on"]
 
 
-def test_the_parameter_for_the_old_place_never_means_one_of_the_authors() -> None:
+def test_the_added_parameter_for_the_old_place_never_clashes_with_a_declared_one() -> None:
     own = Param("Robot_from", "sk:Location", "Where to look from.")
     drive = action(replace(DRIVE, params=(*DRIVE.params, own)))
 
@@ -228,19 +228,19 @@ def test_the_parameter_for_the_old_place_never_means_one_of_the_authors() -> Non
     assert drive.delete == (Atom("sk:at", ("?Robot", "?Robot_from'")),)
 
 
-def test_a_place_named_by_a_precondition_is_left_whatever_relation_it_was() -> None:
+def test_a_place_named_in_a_precondition_is_left_whatever_the_relation() -> None:
     assert action(PICK).delete == (Atom("sk:in", ("?Ball", "?Box")),)
     assert action(PLACE).delete == (Atom("sk:heldBy", ("?Ball", "?Gripper")),)
 
 
-def test_the_end_that_moves_is_the_ontologys_word() -> None:
+def test_the_ontology_declares_which_end_of_a_relation_moves() -> None:
     ontology = tiny_ontology()
 
     assert moved_and_place(Atom("sk:in", ("ball", "box")), ontology) == ("ball", "box")
     assert moved_and_place(Atom("tiny:carries", ("robot", "ball")), ontology) == ("ball", "robot")
 
 
-def test_what_a_subject_place_takes_leaves_its_container() -> None:
+def test_a_thing_moved_to_a_subject_place_leaves_its_container() -> None:
     assert action(LOAD).delete == (Atom("sk:in", ("?Ball", "?Box")),)
 
 
@@ -251,7 +251,7 @@ def test_the_old_carrier_of_a_subject_place_is_a_further_parameter_of_the_domain
     assert give.delete == (Atom("tiny:carries", ("?Ball_from", "?Ball")),)
 
 
-def test_the_carrier_itself_stays_where_it_is() -> None:
+def test_the_carrier_itself_does_not_move() -> None:
     load = replace(LOAD, pre=(*LOAD.pre, AT_LOCATION("Robot", "Box")))
 
     assert Atom("sk:at", ("?Robot", "?Box")) not in action(load).delete
@@ -268,13 +268,13 @@ def test_a_plain_relation_deletes_nothing() -> None:
     assert action(show).delete == ()
 
 
-def test_a_declared_end_of_a_relation_is_a_delete() -> None:
+def test_a_declared_negative_effect_is_a_delete() -> None:
     lose = replace(LOAD, name="lose", post=(~IN_CONTAINER("Ball", "Box"),))
 
     assert (action(lose).add, action(lose).delete) == ((), (Atom("sk:in", ("?Ball", "?Box")),))
 
 
-def test_each_way_a_precondition_can_hold_is_a_variant_of_the_skill() -> None:
+def test_each_alternative_of_a_precondition_is_a_variant_of_the_skill() -> None:
     either = any_of(HOLDING("Gripper", "Ball"), IN_CONTAINER("Ball", "Box"))
     gripper = Param("Gripper", "sk:Gripper", "Whose.")
     variants = actions_of(replace(LOAD, params=(*LOAD.params, gripper), pre=(either,)), tiny_ontology())
@@ -303,7 +303,7 @@ def test_a_negated_precondition_is_a_predicate_of_its_own() -> None:
     assert pick.pre[-1] == Atom("not sk:heldBy", ("?Ball", "?Gripper"))
 
 
-def test_two_conditions_with_an_existential_of_one_name_speak_of_two_elements() -> None:
+def test_two_existentials_with_one_name_are_different_variables() -> None:
     other, where = Param("Other", "tiny:Ball", "Another."), Param("Where", "sk:Location", "Where.")
     look = action(
         replace(GIVE, params=(_ROBOT, _BALL, other, where), pre=(STORED("Ball", "Where"), STORED("Other", "Where")))
@@ -314,7 +314,7 @@ def test_two_conditions_with_an_existential_of_one_name_speak_of_two_elements() 
     assert look.delete == (Atom("sk:in", ("?Ball", "?box #1")),), "the ball leaves its own box"
 
 
-def test_an_existential_never_means_a_parameter_of_its_name() -> None:
+def test_an_existential_never_clashes_with_a_parameter_of_the_same_name() -> None:
     where, box = Param("Where", "sk:Location", "Where."), Param("box", "tiny:Box", "Another.")
     look = action(replace(GIVE, params=(_ROBOT, _BALL, where, box), pre=(STORED("Ball", "Where"),)))
 
@@ -329,13 +329,13 @@ def test_hold_conditions_must_hold_at_the_start() -> None:
     assert Atom("nothing sk:heldBy", ("?Gripper",)) in action(careful).pre
 
 
-def test_a_hold_condition_that_can_be_met_in_two_ways_makes_variants() -> None:
+def test_a_hold_condition_with_two_alternatives_makes_variants() -> None:
     either = any_of(REACHABLE("Box"), AT_LOCATION("Robot", "Box"))
 
     assert [a.name for a in actions_of(replace(LOAD, hold=(either,)), tiny_ontology())] == ["load/1", "load/2"]
 
 
-def test_a_hold_condition_that_cannot_be_written_is_refused_by_name() -> None:
+def test_a_hold_condition_that_pddl_cannot_express_is_refused_by_name() -> None:
     never = ConditionType("Never", (Role("ball", "tiny:Ball"),), AnyOf(()), "-")
 
     with pytest.raises(PlanningError, match=r"skill 'load', precondition Never\(Ball\): any of no conditions"):
@@ -352,7 +352,7 @@ _PLACE = Param("Place", "sk:Location", "Where.")
 MOVE_IN = SkillDescription("move_in", "-", "Robot", "Place", (_ROBOT, _PLACE), (), (), (START("Robot", "Place"),))
 
 
-def test_what_something_has_one_of_only_replaces_the_old_one_where_there_is_one() -> None:
+def test_a_functional_property_replaces_an_existing_value() -> None:
     had, had_none = actions_of(MOVE_IN, tiny_ontology())
     before = Atom("sk:startLocation", ("?Robot", "?Place_before"))
 
@@ -362,7 +362,7 @@ def test_what_something_has_one_of_only_replaces_the_old_one_where_there_is_one(
     assert had_none.delete == ()
 
 
-def test_the_one_thing_that_a_precondition_names_is_replaced() -> None:
+def test_a_functional_value_named_in_a_precondition_is_replaced() -> None:
     other = Param("Other", "sk:Location", "The old one.")
     (move,) = actions_of(
         replace(MOVE_IN, params=(*MOVE_IN.params, other), pre=(START("Robot", "Other"),)), tiny_ontology()

@@ -69,7 +69,7 @@ def parts_of(task: PlanningTask) -> dict[str, tuple[int, ...]]:
 
 
 @pytest.mark.parametrize(("parts", "robots"), [(4, 2), (8, 3), (16, 4), (1, 2)])
-def test_all_robots_get_a_fair_share(parts: int, robots: int) -> None:
+def test_goals_are_allocated_fairly_to_all_robots(parts: int, robots: int) -> None:
     world = kit_world(parts, robots)
     counts = [len(own) for own in parts_of(timed_task(world, *filled(parts))).values()]
 
@@ -77,7 +77,7 @@ def test_all_robots_get_a_fair_share(parts: int, robots: int) -> None:
     assert max(counts) - min(counts) <= 1
 
 
-def test_what_a_robot_holds_it_places_itself() -> None:
+def test_a_robot_places_the_part_that_it_holds() -> None:
     world = Overlay(kit_world(3, 2))
     world.place("part_1", "sk:heldBy", "gripper_2")
     world.place("part_2", "sk:heldBy", "gripper_1")
@@ -88,14 +88,14 @@ def test_what_a_robot_holds_it_places_itself() -> None:
     assert 1 in dealt["robot_1"]
 
 
-def test_a_robot_without_a_skill_gets_no_part_that_needs_it() -> None:
+def test_a_robot_gets_no_goal_that_needs_a_skill_it_lacks() -> None:
     world = kit_world(4, 2)
     task = timed_task(world, *filled(4), agents=["base_1", "base_2", "arm_2"])
 
     assert parts_of(task) == {"robot_1": (), "robot_2": (0, 1, 2, 3)}
 
 
-def test_who_has_no_part_of_what_is_wanted_by_others_may_still_go_where_they_go() -> None:
+def test_a_robot_may_visit_places_of_goals_that_are_allocated_to_others() -> None:
     world = kit_world(1, 2)
     task = timed_task(world, *filled(1), AT_LOCATION("robot_2", "kit"))
 
@@ -103,14 +103,14 @@ def test_who_has_no_part_of_what_is_wanted_by_others_may_still_go_where_they_go(
     assert isinstance(solved(world, task), Solved)
 
 
-def test_one_robot_keeps_the_task_as_it_is() -> None:
+def test_a_task_for_one_robot_is_unchanged() -> None:
     world = kit_world(2, 1)
     task = timed_task(world, *filled(2))
 
     assert deal(task) is task
 
 
-def test_what_holds_already_is_nobodys_part() -> None:
+def test_conditions_that_already_hold_are_not_allocated() -> None:
     world = Overlay(kit_world(2, 2))
     world.place("part_1", "sk:in", "hole_1")
 
@@ -128,7 +128,7 @@ def test_conditions_about_the_same_thing_go_to_one_robot() -> None:
     assert (0, 2, 3) in dealt.values()
 
 
-def test_any_thing_of_a_kind_is_dealt_out_too_and_what_is_left_over_is_left_alone() -> None:
+def test_goals_by_class_are_allocated_too_and_surplus_things_are_ignored() -> None:
     world = kit_world(4, 2)
     task = timed_task(world, IN_KIT("tiny:Ball", "kit"), IN_CONTAINER("tiny:Ball", "hole_2"))
     dealt = Dealing(task).shares
@@ -136,7 +136,7 @@ def test_any_thing_of_a_kind_is_dealt_out_too_and_what_is_left_over_is_left_alon
     assert [len(share.parts) for share in dealt] == [1, 1]
 
 
-def test_things_of_an_open_kind_are_chosen_one_for_each() -> None:
+def test_each_goal_by_class_gets_one_thing() -> None:
     world = kit_world(4, 2, "scene:other a tiny:RedBall ; sk:in scene:store_1 .")
     goal = IN_KIT("tiny:RedBall", "kit")
     task = timed_task(world, goal)
@@ -151,7 +151,7 @@ def test_things_of_an_open_kind_are_chosen_one_for_each() -> None:
     }
 
 
-def test_the_task_that_was_dealt_out_is_the_same_every_time() -> None:
+def test_the_allocated_task_is_the_same_every_time() -> None:
     world = kit_world(6, 3)
 
     assert deal(timed_task(world, *filled(6))) == deal(timed_task(world, *filled(6)))
@@ -169,7 +169,7 @@ def test_subsystems_belong_to_the_robot_they_are_part_of() -> None:
 # ------------------------------------------------------------ estimates
 
 
-def test_an_estimate_adds_up_what_is_to_be_done() -> None:
+def test_an_estimate_is_the_sum_of_the_required_steps() -> None:
     world = kit_world(1, 2)
     cost = Relaxation(timed_task(world, *filled(1)), timed=True).cost
 
@@ -178,7 +178,7 @@ def test_an_estimate_adds_up_what_is_to_be_done() -> None:
     assert cost[Atom("sk:in", ("part_1", "hole_1"))] == 15.0
 
 
-def test_what_nobody_allowed_can_do_has_no_estimate() -> None:
+def test_a_goal_that_no_allowed_robot_can_reach_has_no_estimate() -> None:
     world = kit_world(1, 2)
     cost = Relaxation(timed_task(world, *filled(1)), {"base_1", "arm_2"}, timed=True).cost
 
@@ -230,7 +230,7 @@ def test_of_four_parts_each_of_two_robots_places_two() -> None:
     assert sorted(placers) == ["robot_1", "robot_1", "robot_2", "robot_2"]
 
 
-def test_other_readers_accept_a_task_that_was_dealt_out() -> None:
+def test_other_pddl_parsers_accept_an_allocated_task() -> None:
     world = kit_world(2, 2)
     narrow = deal(timed_task(world, *filled(2)))
     texts = write_pddl(narrow.domain, narrow.problem, name="allocation")

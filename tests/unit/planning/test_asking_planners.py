@@ -74,7 +74,7 @@ def planning(world: World, planner: Planner, goal: Sequence[Condition]) -> Plann
     return plan(planner, world, able(world), goal)
 
 
-def test_what_is_known_to_be_impossible_is_said_though_the_planner_never_answers() -> None:
+def test_a_known_impossibility_is_reported_even_if_the_planner_never_answers() -> None:
     planner = Failing(*RIGHT, times=1)
     outcome = planning(tiny_world(*MUCH), planner, THREE_IN_ONE).outcome
 
@@ -84,7 +84,7 @@ def test_what_is_known_to_be_impossible_is_said_though_the_planner_never_answers
 
 
 @pytest.mark.parametrize("facts", [MUCH, []], ids=["much", "little"])
-def test_what_is_known_to_be_impossible_is_said_though_all_planners_fail(facts: list[str]) -> None:
+def test_a_known_impossibility_is_reported_even_if_all_planners_fail(facts: list[str]) -> None:
     goal = IN_CONTAINER("ball_1", "slot_1"), IN_CONTAINER("red_ball_1", "slot_1")
     outcome = planning(tiny_world(*facts), Failing(times=1000, error="found no answer in 3 s"), goal).outcome
 
@@ -92,14 +92,14 @@ def test_what_is_known_to_be_impossible_is_said_though_all_planners_fail(facts: 
     assert "slot_1 takes one" in outcome.reasons[0]
 
 
-def test_where_planners_fail_and_nothing_is_known_it_is_their_fault() -> None:
+def test_without_a_known_cause_failing_planners_are_reported_as_a_planner_fault() -> None:
     goal = (IN_CONTAINER("ball_1", "slot_1"),)
 
     with pytest.raises(PlanningError, match="found no answer in 3 s"):
         planning(tiny_world(*MUCH), Failing(times=1000, error="found no answer in 3 s"), goal)
 
 
-def test_a_failure_with_a_few_candidates_lets_more_be_tried() -> None:
+def test_a_failure_with_few_candidates_is_retried_with_more() -> None:
     goal = (IN_CONTAINER("ball_1", "slot_1"),)
     planned = planning(tiny_world(*MUCH), Failing(*RIGHT, times=1, error="crashed"), goal)
 
@@ -107,7 +107,7 @@ def test_a_failure_with_a_few_candidates_lets_more_be_tried() -> None:
     assert planned.notes == ("crashed",)
 
 
-def test_a_planner_that_takes_long_with_a_few_candidates_is_stopped_and_asked_with_more() -> None:
+def test_a_slow_planner_with_few_candidates_is_stopped_and_retried_with_more() -> None:
     world = tiny_world(*MUCH)
     slow = Failing(*RIGHT, times=1)
     loop = SolverLoop(Planners.only(slow), world, able(world), (IN_CONTAINER("ball_1", "slot_1"),), hurry=0.05)
@@ -147,7 +147,7 @@ class Later(GivenPlanner):
         return Waiting()
 
 
-def test_trying_something_out_waits_for_the_planner_until_the_answer_is_no_longer_wanted() -> None:
+def test_a_trial_waits_for_the_planner_until_it_is_cancelled() -> None:
     world, looks = tiny_world(), count()
     patient = Trial(Planners.only(Later(50)), able(world), each=60.0)
     stopped = Trial(Planners.only(Later(10**9)), able(world), each=60.0, stopped=lambda: next(looks) > 20)
@@ -170,7 +170,7 @@ def test_a_cancelled_request_ends_the_call_of_the_planner() -> None:
 
 
 @pytest.mark.parametrize(("rounds", "steps"), [(20, 4), (200, 404)])
-def test_detours_are_looked_for_in_plans_that_are_not_very_long(rounds: int, steps: int) -> None:
+def test_detours_are_searched_only_in_plans_of_moderate_length(rounds: int, steps: int) -> None:
     there_and_back = "drive base_1 robot_1 box_b box_a", "drive base_1 robot_1 box_a box_b"
     answer = GivenPlanner(RIGHT[0], *there_and_back * rounds, *RIGHT[1:], "drive base_1 robot_1 box_b box_a")
     goal = IN_CONTAINER("ball_1", "slot_1"), AT_LOCATION("robot_1", "box_b")

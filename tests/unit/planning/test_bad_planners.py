@@ -94,7 +94,7 @@ def fault(*planners: Planner, goal: str = GOAL) -> str:
     return str(caught.value)
 
 
-def test_a_script_that_does_it_right_is_a_planner(tmp_path: Path) -> None:
+def test_a_correct_script_works_as_a_planner(tmp_path: Path) -> None:
     found = planned(script(tmp_path, "write(PLAN)"))
 
     assert isinstance(found.outcome, Plan)
@@ -105,13 +105,13 @@ def test_a_script_that_does_it_right_is_a_planner(tmp_path: Path) -> None:
 # ------------------------------------------------------------------ faults with a name
 
 
-def test_one_that_is_not_there_is_named_with_the_program_that_is_missing() -> None:
+def test_a_missing_planner_is_reported_with_its_program() -> None:
     planner = CommandPlanner("popf", "popf3-clp {domain} {problem}")
 
     assert fault(planner) == "planner 'popf' cannot be started: 'popf3-clp': No such file or directory"
 
 
-def test_one_that_may_not_be_run_is_named(tmp_path: Path) -> None:
+def test_a_planner_that_is_not_executable_is_named(tmp_path: Path) -> None:
     (tmp_path / "tool").write_text("#!/bin/sh\n")
 
     words = fault(CommandPlanner("tool", f"{tmp_path / 'tool'} {{domain}} {{problem}}"))
@@ -147,7 +147,7 @@ def test_an_invalid_plan_is_a_fault_of_the_planner(tmp_path: Path, text: str, wo
     assert words in fault(script(tmp_path, text))
 
 
-def test_where_no_plan_is_proved_anyway_it_does_not_matter_what_a_planner_answers(tmp_path: Path) -> None:
+def test_a_proven_impossibility_does_not_depend_on_the_answer_of_the_planner(tmp_path: Path) -> None:
     outcome = planned(script(tmp_path, "write('')"), goal="In(ball_1, slot_1) and In(ball_1, slot_2)").outcome
 
     assert isinstance(outcome, NoPlan)
@@ -162,19 +162,19 @@ def test_a_planner_out_of_memory_is_reported(tmp_path: Path) -> None:
     )
 
 
-def test_of_one_that_breaks_in_python_its_words_are_told_and_not_its_stack(tmp_path: Path) -> None:
+def test_a_crashing_python_planner_is_reported_by_its_message_without_a_traceback(tmp_path: Path) -> None:
     planner = script(tmp_path, "print('hello', flush=True)\nraise ValueError('out of cheese')")
 
     assert fault(planner) == "planner 'planner' ended with code 1:\nhello\nValueError: out of cheese"
 
 
-def test_a_planner_out_of_time_is_given_up(tmp_path: Path) -> None:
+def test_a_planner_over_its_time_limit_is_stopped(tmp_path: Path) -> None:
     planner = script(tmp_path, "import time\nwrite(PLAN)\ntime.sleep(3600)", limits=Limits(time=0.5))
 
     assert fault(planner) == "planner 'planner' found no answer in 0.5 s"
 
 
-def test_one_that_prints_without_end_is_stopped(tmp_path: Path) -> None:
+def test_a_planner_with_endless_output_is_stopped(tmp_path: Path) -> None:
     planner = script(tmp_path, "while True: print('x' * 10_000)", limits=Limits(output=1 << 20))
 
     assert fault(planner).startswith("planner 'planner' printed more than 1 MiB: 'xxx")
@@ -188,7 +188,7 @@ def test_a_planner_that_fills_the_disk_is_stopped(tmp_path: Path) -> None:
     assert "File too large" in words or "SIGXFSZ" in words
 
 
-def test_much_output_of_one_that_plans_is_no_fault(tmp_path: Path) -> None:
+def test_much_output_of_a_working_planner_is_accepted(tmp_path: Path) -> None:
     planner = script(tmp_path, "print('x' * 3_000_000, flush=True)\nwrite(PLAN)")
 
     assert isinstance(planned(planner).outcome, Plan)
@@ -235,7 +235,7 @@ def test_a_plan_file_outside_the_folder_of_the_call_is_refused(place: str) -> No
         ("import os; os.kill(os.getpid(), 11)", "planner 'planner_a' was killed by SIGSEGV"),
     ],
 )
-def test_where_one_breaks_or_errs_or_gives_up_another_that_fits_is_asked(tmp_path: Path, text: str, note: str) -> None:
+def test_after_a_planner_fails_the_next_suitable_one_is_asked(tmp_path: Path, text: str, note: str) -> None:
     bad, good = script(tmp_path, text, "planner_a"), script(tmp_path, "write(PLAN)", "planner_b")
 
     found = planned(bad, good)
@@ -246,7 +246,7 @@ def test_where_one_breaks_or_errs_or_gives_up_another_that_fits_is_asked(tmp_pat
     assert found.notes[0].startswith(note)
 
 
-def test_where_one_has_proved_that_there_is_no_plan_no_other_is_asked(tmp_path: Path) -> None:
+def test_after_a_proof_that_there_is_no_plan_no_other_planner_is_asked(tmp_path: Path) -> None:
     marker = tmp_path / "asked"
     other = script(tmp_path, f"open({str(marker)!r}, 'w')", "planner_b")
 
@@ -257,7 +257,7 @@ def test_where_one_has_proved_that_there_is_no_plan_no_other_is_asked(tmp_path: 
     assert not marker.exists()
 
 
-def test_where_all_break_each_is_named(tmp_path: Path) -> None:
+def test_if_all_planners_fail_each_is_named(tmp_path: Path) -> None:
     words = fault(script(tmp_path, "sys.exit(4)", "planner_a"), script(tmp_path, "sys.exit(5)", "planner_b"))
 
     assert "planner 'planner_a' ended with code 4" in words
@@ -279,7 +279,7 @@ def test_where_all_break_each_is_named(tmp_path: Path) -> None:
     ],
     ids=["ignores SIGTERM", "children", "children of their own group", "closed output", "chatters", "locked folder"],
 )
-def test_any_program_is_stopped_soon_with_all_its_processes(tmp_path: Path, text: str) -> None:
+def test_any_planner_program_is_stopped_promptly_with_all_its_processes(tmp_path: Path, text: str) -> None:
     planner = script(tmp_path, text)
     texts = tiny_pddl(tiny_world(), IN_CONTAINER("ball_1", "slot_1"))
     pending = planner.solve(texts.domain, texts.problem)
@@ -294,7 +294,7 @@ def test_any_program_is_stopped_soon_with_all_its_processes(tmp_path: Path, text
 
 
 @pytest.mark.parametrize("text", [LEAVES_GROUP, "import os, time\nif os.fork() == 0: time.sleep(3600)\n"])
-def test_processes_left_behind_at_its_end_are_ended_too(tmp_path: Path, text: str) -> None:
+def test_processes_left_behind_by_a_planner_are_killed(tmp_path: Path, text: str) -> None:
     assert isinstance(planned(script(tmp_path, f"{text}write(PLAN)")).outcome, Plan)
 
 
@@ -361,7 +361,7 @@ def wait_for(what: object) -> None:
         time.sleep(0.01)
 
 
-def test_a_planner_that_says_nothing_of_a_proof_has_none(tmp_path: Path) -> None:
+def test_a_planner_answer_without_a_proof_proves_nothing(tmp_path: Path) -> None:
     planner = script(tmp_path, "print('no solution')")
 
     answer = planner.solve("", "").result()

@@ -41,16 +41,16 @@ def test_fast_downward_is_asked_first_then_kairos_then_the_others_by_name() -> N
     assert names(planners(**ALL), ":strips", ":typing") == ["fast-downward", "kairos", "aries", "zeal"]
 
 
-def test_only_those_that_take_all_that_the_task_uses_are_asked() -> None:
+def test_only_planners_that_support_all_used_features_are_asked() -> None:
     assert names(planners(**ALL), ":strips", ":durative-actions") == ["kairos", "aries"]
 
 
-def test_the_one_that_somebody_wants_is_the_only_one() -> None:
+def test_an_explicitly_chosen_planner_is_the_only_one_asked() -> None:
     assert names(planners("zeal", **ALL), ":strips") == ["zeal"]
     assert names(planners("zeal", **ALL), ":durative-actions") == []
 
 
-def test_where_none_fits_each_says_why_not() -> None:
+def test_if_no_planner_fits_each_one_is_listed_with_its_reason() -> None:
     choice = planners(kairos=TEMPORAL, zeal=CLASSICAL)
 
     assert choice.why_none((":typing", ":adl")) == (
@@ -73,7 +73,7 @@ def test_where_none_fits_each_says_why_not() -> None:
         ((":quantified-preconditions",), (":existential-preconditions",), (":universal-preconditions",)),
     ],
 )
-def test_words_that_are_short_for_others_count_as_these(
+def test_requirement_abbreviations_are_expanded(
     requirements: tuple[str, ...], supports: tuple[str, ...], missing: object
 ) -> None:
     found = lacking(requirements, supports)
@@ -81,7 +81,7 @@ def test_words_that_are_short_for_others_count_as_these(
     assert bool(found) if missing is True else found == missing
 
 
-def test_a_planner_is_made_once_and_only_when_those_before_it_did_not_do() -> None:
+def test_a_planner_is_created_once_and_only_after_the_previous_ones_failed() -> None:
     made: list[str] = []
 
     def make(name: str) -> Planner:
@@ -96,7 +96,7 @@ def test_a_planner_is_made_once_and_only_when_those_before_it_did_not_do() -> No
     assert made == ["fast-downward"]
 
 
-def test_one_that_cannot_be_made_is_passed_over_and_named_when_it_is_missed() -> None:
+def test_a_planner_that_cannot_be_created_is_skipped_and_named_if_no_other_works() -> None:
     def make(name: str) -> Planner:
         if name == "fast-downward":
             raise UsageError("its wheel is broken")
@@ -108,7 +108,7 @@ def test_one_that_cannot_be_made_is_passed_over_and_named_when_it_is_missed() ->
     assert "fast-downward is not there (its wheel is broken)" in choice.why_none((":time",))
 
 
-def test_closing_closes_what_was_made_and_nothing_is_asked_any_more() -> None:
+def test_closing_closes_all_created_planners_and_refuses_later_requests() -> None:
     planner = Named("zeal", CLASSICAL)
     choice = Planners.only(planner)
     assert names(choice, ":strips") == ["zeal"]

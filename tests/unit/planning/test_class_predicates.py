@@ -8,14 +8,14 @@ from skiros_py.testing.tiny import IN_CONTAINER
 BENCH = "scene:bench_1 a tiny:Bench ; sk:on scene:floor . scene:ball_5 a tiny:Ball ; sk:in scene:bench_1 ."
 
 
-def test_the_primary_line_follows_primary_parents_only() -> None:
+def test_the_primary_ancestors_follow_primary_parents_only() -> None:
     line = primary_line(tiny_ontology(), "tiny:Bench")
 
     assert line[0] == "sk:Furniture"
     assert "tiny:Box" not in line
 
 
-def test_the_common_class_is_the_nearest_on_both_lines() -> None:
+def test_the_common_class_is_the_nearest_shared_ancestor() -> None:
     ontology = tiny_ontology()
 
     assert common_class("tiny:Ball", "tiny:RedBall", ontology) == "tiny:Ball"
@@ -30,7 +30,7 @@ def test_without_second_parents_in_the_scene_classes_are_types_only() -> None:
     assert not [name for name in domain.predicates if name.startswith("is ")]
 
 
-def test_a_class_had_by_a_second_parent_is_asked_for_by_a_predicate() -> None:
+def test_membership_by_a_second_parent_is_a_predicate() -> None:
     task = tiny_task(tiny_world(BENCH), IN_CONTAINER("ball_1", "slot_1"))
     pick = next(action for action in task.domain.actions if action.name == "pick")
 
@@ -40,7 +40,7 @@ def test_a_class_had_by_a_second_parent_is_asked_for_by_a_predicate() -> None:
     assert members == {"bench_1", "box_a", "box_b"}
 
 
-def test_what_there_must_not_be_is_asked_for_by_the_predicate_too() -> None:
+def test_absence_conditions_use_the_class_predicate_too() -> None:
     none = NoneSuch((Variable("?b", "tiny:Box"),), (Atom("sk:in", ("?x", "?b")),))
     action = Action("look", "look", (Variable("?x", "tiny:Ball"),), (), (), (), none=(none,))
 

@@ -35,7 +35,7 @@ PYPERPLAN = "pyperplan -s gbf -H hff {domain} {problem}"
     ],
     ids=["usual name", "own name", "where we want it", "printed", "pattern"],
 )
-def test_planners_leave_their_plan_where_they_like(planner: CommandPlanner) -> None:
+def test_a_plan_is_read_from_any_file_or_from_the_output(planner: CommandPlanner) -> None:
     texts = tiny_pddl(tiny_world(), IN_CONTAINER("ball_1", "slot_1"))
 
     answer = answer_of(planner, texts.domain, texts.problem)
@@ -45,7 +45,7 @@ def test_planners_leave_their_plan_where_they_like(planner: CommandPlanner) -> N
 
 
 @pytest.mark.parametrize("no_plan", ["unsolvable: (.*)", {10}])
-def test_by_its_words_or_its_code_it_is_known_that_it_has_proved_there_is_no_plan(no_plan: str | set[int]) -> None:
+def test_a_proof_that_there_is_no_plan_is_recognised_by_output_or_exit_code(no_plan: str | set[int]) -> None:
     planner = CommandPlanner("it", "sh -c 'echo unsolvable: no way; exit 10' {domain} {problem}", no_plan=no_plan)
 
     assert answer_of(planner) == Unsolvable()
@@ -66,7 +66,7 @@ def test_a_search_without_a_plan_proves_nothing() -> None:
         ("popf '{domain} {problem}", "No closing quotation"),
     ],
 )
-def test_a_command_line_that_cannot_work_says_what_would(template: str, words: str) -> None:
+def test_an_invalid_command_line_is_refused_with_a_valid_form(template: str, words: str) -> None:
     with pytest.raises(UsageError) as caught:
         CommandPlanner("it", template)
 

@@ -21,14 +21,14 @@ def at(element: str, x: float) -> str:
 FACTS = at("ball_1", 0.0), at("slot_1", 2.0), at("slot_2", 0.3)
 
 
-def test_what_a_reasoner_computes_is_a_fact_of_the_problem_for_every_pair_it_holds_for() -> None:
+def test_each_pair_of_a_computed_relation_is_a_fact_of_the_problem() -> None:
     task = tiny_task(tiny_world(*FACTS), IN_CONTAINER("ball_1", "slot_2"), skills=(DRIVE, PICK, PLACE_NEAR))
 
     near = {atom for atom in task.problem.init if atom.predicate == "sk:near"}
     assert near == {Atom("sk:near", ("ball_1", "slot_2"))}
 
 
-def test_a_plan_is_made_only_where_the_reasoner_says_so() -> None:
+def test_a_plan_exists_only_if_the_computed_relation_holds() -> None:
     with Bench(tiny_world(*FACTS), [pretend(skill) for skill in (DRIVE, PICK, PLACE_NEAR)]) as bench:
         assert not isinstance(bench.plan("In(ball_1, slot_2)").outcome, NoPlan)
         assert isinstance(bench.plan("In(ball_1, slot_1)").outcome, NoPlan)

@@ -108,7 +108,7 @@ TASK = tiny_task(
 
 @settings(max_examples=200, deadline=None)
 @given(st.lists(st.one_of([steps_of(skill) for skill in (LEAVE, ENTER, LEARN)]), max_size=6))
-def test_the_task_and_the_world_agree_on_what_is_possible(steps: list[Step]) -> None:
+def test_the_task_and_the_world_agree_on_possible_actions(steps: list[Step]) -> None:
     flaw = replay(WORLD, steps, [], {skill.name: skill for skill in SOME})
 
     assert first_impossible(TASK, steps) == (None if flaw is None else flaw.step)
@@ -126,7 +126,7 @@ def names(world: World, goal: str, *skills: SkillDescription) -> list[str]:
     return [step.skill for step in outcome.steps]
 
 
-def test_an_effect_undone_and_redone_is_planned() -> None:
+def test_an_effect_can_be_planned_to_be_undone_and_restored() -> None:
     world = tiny_world()
     with world.transaction("test", "knows its way") as tx:
         tx.relate("robot_1", "tiny:knows", "box_a")
@@ -142,7 +142,7 @@ def test_a_robot_drives_away_from_where_it_is() -> None:
     assert names(world, "not At(robot_1, box_a)", LEAVE) == ["leave"]
 
 
-def test_a_robot_makes_way_before_another_one_comes() -> None:
+def test_a_robot_leaves_a_place_before_another_one_arrives() -> None:
     world = tiny_world(robots=2)
     with world.transaction("test", "in the way") as tx:
         tx.place("robot_1", "sk:at", "box_a")
@@ -150,7 +150,7 @@ def test_a_robot_makes_way_before_another_one_comes() -> None:
     assert names(world, "At(robot_2, box_a)", ENTER) == ["enter", "enter"]
 
 
-def test_only_what_is_asked_about_is_a_fact() -> None:
+def test_only_queried_negations_are_facts() -> None:
     task = tiny_task(
         WORLD, ~KNOWS("robot_1", "box_a"), KNOWS("robot_1", "box_b"), skills=(replace(LEARN, pre=()), FORGET)
     )
@@ -159,7 +159,7 @@ def test_only_what_is_asked_about_is_a_fact() -> None:
     assert denied == {Atom("not tiny:knows", ("robot_1", "box_a"))}
 
 
-def test_nothing_is_kept_where_nobody_asks() -> None:
+def test_no_negations_are_tracked_without_a_condition_on_them() -> None:
     task = tiny_task(WORLD, AT_LOCATION("robot_1", "box_a"))
 
     assert not [name for name in task.domain.predicates if name.startswith("not ")]
@@ -174,7 +174,7 @@ def actions(skill: SkillDescription) -> tuple[Action, ...]:
     return actions_of(skill, tiny_ontology())
 
 
-def test_driving_to_where_it_is_is_a_variant_that_changes_nothing() -> None:
+def test_driving_to_the_current_place_is_a_variant_without_effects() -> None:
     away, staying = drive_variants()
     here = Atom("sk:at", ("?Robot", "?Location"))
 
@@ -184,7 +184,7 @@ def test_driving_to_where_it_is_is_a_variant_that_changes_nothing() -> None:
     assert any(note.startswith("variant:") for note in staying.notes)
 
 
-def test_a_skill_that_ends_and_brings_about_what_may_be_the_same_is_refused_by_name() -> None:
+def test_a_skill_that_may_delete_and_add_the_same_fact_is_refused_by_name() -> None:
     swap = replace(
         LEARN,
         name="swap",
@@ -200,7 +200,7 @@ def test_a_skill_that_ends_and_brings_about_what_may_be_the_same_is_refused_by_n
 @pytest.mark.parametrize(
     ("relation", "place"), [("sk:at", "unknown_location"), ("sk:at", "floor"), ("sk:on", "floor"), ("sk:in", "box_b")]
 )
-def test_a_robot_drives_from_wherever_and_however_it_is(relation: str, place: str) -> None:
+def test_a_robot_drives_from_any_place_and_any_relation_to_it(relation: str, place: str) -> None:
     world = tiny_world()
     with world.transaction("test", "somewhere") as tx:
         tx.place("robot_1", relation, place)
@@ -208,11 +208,11 @@ def test_a_robot_drives_from_wherever_and_however_it_is(relation: str, place: st
     assert names(world, "At(robot_1, box_a)", DRIVE) == ["drive"]
 
 
-def test_variants_that_nothing_here_can_need_are_left_out() -> None:
+def test_variants_that_no_element_can_use_are_left_out() -> None:
     assert [a.name for a in possible_variants(actions(DRIVE), tiny_world())] == ["drive"]
 
 
-def test_robots_that_are_in_different_ways_somewhere_have_a_variant_each() -> None:
+def test_robots_placed_by_different_relations_each_have_a_variant() -> None:
     world = tiny_world(robots=2)
     with world.transaction("test", "on the floor") as tx:
         tx.place("robot_1", "sk:on", "floor")
@@ -250,7 +250,7 @@ def test_a_general_relation_in_a_precondition_is_met_by_any_narrower_one() -> No
     assert names(world, "In(ball_7, slot_1)", DRIVE, grab, PLACE) == ["drive", "pick", "place"]
 
 
-def test_a_condition_that_none_such_is_there_is_written_with_what_that_needs() -> None:
+def test_an_absence_condition_is_written_with_its_required_features() -> None:
     task = tiny_task(WORLD, AT_LOCATION("robot_2", "box_a"), skills=(ENTER,))
 
     (enter,) = task.domain.actions
@@ -258,7 +258,7 @@ def test_a_condition_that_none_such_is_there_is_written_with_what_that_needs() -
     assert {"robot_1", "robot_2"} <= set(task.problem.objects), "who may be in the way is in the problem"
 
 
-def test_no_second_box_of_a_kind_is_a_precondition_too() -> None:
+def test_an_absence_condition_on_another_box_works_as_a_precondition() -> None:
     crowded = ConditionType(
         "Full",
         (Role("slot", "tiny:Slot"),),

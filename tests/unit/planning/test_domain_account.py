@@ -25,14 +25,14 @@ def notes(account: SkillAccount) -> str:
     return "\n".join(note for action in account.actions for note in action.notes)
 
 
-def test_what_the_author_wrote_comes_first() -> None:
+def test_the_declared_conditions_come_first_in_the_account() -> None:
     drive = told(AT_LOCATION("robot_1", "box_a"))["drive"]
 
     assert drive.pre == ("HasPart(Robot, Base)", "Reachable(Location)")
     assert drive.post == ("At(Robot, Location)",)
 
 
-def test_who_can_and_what_is_left_is_told_of_driving() -> None:
+def test_the_account_of_driving_explains_the_capability_and_the_left_place() -> None:
     drive = notes(told(AT_LOCATION("robot_1", "box_a"))["drive"])
 
     assert "precondition can_drive(Base): who has the skill" in drive
@@ -40,14 +40,14 @@ def test_who_can_and_what_is_left_is_told_of_driving() -> None:
     assert "effect not at(Robot, Robot_from): Robot has one place only" in drive
 
 
-def test_that_places_fill_and_empty_is_told() -> None:
+def test_the_account_explains_how_places_become_full_and_empty() -> None:
     account = told(IN_CONTAINER("ball_1", "slot_1"))
 
     assert "effect not nothing heldBy(Gripper): something is there now" in notes(account["pick"])
     assert "effect nothing heldBy(Gripper): it held one thing only" in notes(account["place"])
 
 
-def test_what_is_denied_somewhere_is_told_where_it_changes() -> None:
+def test_the_account_explains_where_negated_facts_change() -> None:
     account = told(~IN_CONTAINER("ball_1", "box_a"))
 
     assert "effect not in(Ball, Box): others ask that something is not so" in notes(account["pick"])
@@ -62,7 +62,7 @@ def test_a_skill_that_the_goal_cannot_need_has_no_action() -> None:
     assert pick.actions == ()
 
 
-def test_each_variant_says_which_way_it_stands_for() -> None:
+def test_each_variant_names_the_alternative_it_stands_for() -> None:
     either = any_of(HOLDING("Gripper", "Ball"), IN_CONTAINER("Ball", "Box"))
     again = replace(PICK, pre=(*(c for c in PICK.pre if c.type is not IN_CONTAINER), either))
     world = tiny_world("scene:ball_8 a tiny:Ball ; sk:heldBy scene:gripper_1 .")
@@ -73,14 +73,14 @@ def test_each_variant_says_which_way_it_stands_for() -> None:
     assert "variant: way 2 of" in pick.actions[1].notes[1]
 
 
-def test_a_class_that_is_asked_for_by_a_predicate_is_told() -> None:
+def test_the_account_explains_class_predicates() -> None:
     bench = "scene:bench_1 a tiny:Bench ; sk:on scene:floor . scene:ball_5 a tiny:Ball ; sk:in scene:bench_1 ."
     account = told(IN_CONTAINER("ball_5", "slot_1"), world=tiny_world(bench))
 
     assert "class tiny:Box is asked for by a predicate, some have it by a second parent" in notes(account["pick"])
 
 
-def test_the_bookkeeping_of_a_goal_comes_last_and_says_what_it_is_for() -> None:
+def test_the_bookkeeping_of_a_goal_comes_last_with_its_purpose() -> None:
     account = told(IN_CONTAINER("tiny:Ball", "slot_1"))
 
     assert list(account)[-1] == ""
@@ -88,7 +88,7 @@ def test_the_bookkeeping_of_a_goal_comes_last_and_says_what_it_is_for() -> None:
     assert "precondition working: all is done before the goal is looked for" in notes(account["drive"])
 
 
-def test_a_quantifier_that_takes_the_place_of_bookkeeping_is_told() -> None:
+def test_the_account_explains_a_quantifier_used_instead_of_bookkeeping() -> None:
     careless = replace(PLACE, name="throw", pre=tuple(c for c in PLACE.pre if not isinstance(c.pattern, Nothing)))
     account = told(IN_CONTAINER("ball_1", "slot_1"), skills=(*_TINY, careless))
 
@@ -97,7 +97,7 @@ def test_a_quantifier_that_takes_the_place_of_bookkeeping_is_told() -> None:
     )
 
 
-def test_the_account_is_plain_data_too() -> None:
+def test_the_account_is_available_as_plain_data() -> None:
     data = asdict(told(AT_LOCATION("robot_1", "box_a"))["drive"])
 
     assert data["skill"] == "drive"

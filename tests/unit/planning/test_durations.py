@@ -42,7 +42,7 @@ def test_the_median_of_the_last_runs_counts(times: list[float]) -> None:
 
 
 @pytest.mark.parametrize(("seconds", "agent"), [(0.0, "base_1"), (9.0, "gone")])
-def test_runs_that_say_nothing_teach_nothing(seconds: float, agent: str) -> None:
+def test_invalid_runs_change_no_learned_duration(seconds: float, agent: str) -> None:
     world = tiny_world()
     before = world.version
 
@@ -52,7 +52,7 @@ def test_runs_that_say_nothing_teach_nothing(seconds: float, agent: str) -> None
     assert world.version == before
 
 
-def test_each_skill_and_class_of_agent_has_times_of_its_own() -> None:
+def test_each_skill_and_agent_class_has_its_own_durations() -> None:
     world = tiny_world()
     ran(world, 4.0)
     ran(world, 7.0, skill="push")
@@ -63,7 +63,7 @@ def test_each_skill_and_class_of_agent_has_times_of_its_own() -> None:
     assert duration_of(world, replace(DECLARED, name="push"), "sk:Base") == 7.0
 
 
-def test_a_task_says_how_long_its_actions_take() -> None:
+def test_a_task_contains_the_durations_of_its_actions() -> None:
     world = tiny_world()
     ran(world, 4.0)
     task = timed(tiny_task(world, AT_LOCATION("robot_1", "box_a"), skills=[DECLARED]))
@@ -72,6 +72,6 @@ def test_a_task_says_how_long_its_actions_take() -> None:
 
 
 @pytest.mark.parametrize("seconds", [0.0, -1.0, float("inf"), float("nan")])
-def test_a_duration_that_is_none_is_refused(seconds: float) -> None:
+def test_an_invalid_duration_is_refused(seconds: float) -> None:
     with pytest.raises(DescriptionError, match="duration of skill 'drive'"):
         replace(DRIVE, duration=seconds)

@@ -25,7 +25,7 @@ def maintained(*skills: SkillDescription) -> dict[str, Action]:
     return {action.name: action for action in maintain_emptiness(drafts, tiny_ontology())}
 
 
-def test_what_each_emptiness_is_asked_of_is_found_in_the_preconditions() -> None:
+def test_classes_with_tracked_emptiness_are_found_in_the_preconditions() -> None:
     actions = [action for skill in (PICK, PLACE) for action in actions_of(skill, tiny_ontology())]
 
     assert emptiness_classes(actions) == {"nothing sk:heldBy": "sk:Gripper", "nothing sk:in": "tiny:Slot"}
@@ -45,7 +45,7 @@ def test_placing_fills_the_slot_and_taking_out_frees_it() -> None:
     assert Atom("nothing sk:in", ("?Slot",)) in actions["take"].add
 
 
-def test_a_box_whose_emptiness_nobody_asks_about_has_none() -> None:
+def test_emptiness_without_a_condition_on_it_is_not_tracked() -> None:
     assert not [atom for atom in maintained(PICK, PLACE)["pick"].add if atom.predicate == "nothing sk:in"]
 
 
@@ -54,7 +54,7 @@ def none_there(place: str) -> NoneSuch:
     return NoneSuch((Variable(holder, "sk:SpatialThing"),), (Atom("sk:in", (holder, place)),))
 
 
-def test_where_somebody_fills_without_asking_each_precondition_looks_for_itself() -> None:
+def test_if_a_skill_fills_without_checking_each_emptiness_precondition_is_quantified() -> None:
     careless = replace(PLACE, name="throw", pre=tuple(c for c in PLACE.pre if c.type is not FREE))
     actions = maintained(PLACE, careless)
 
@@ -63,7 +63,7 @@ def test_where_somebody_fills_without_asking_each_precondition_looks_for_itself(
     assert not [a for action in actions.values() for a in action.atoms if a.predicate == "nothing sk:in"]
 
 
-def test_where_things_are_taken_from_a_class_too_wide_to_tell_each_precondition_looks_for_itself() -> None:
+def test_if_the_source_class_is_too_general_each_emptiness_precondition_is_quantified() -> None:
     anywhere = replace(
         TAKE, name="grab", params=(*TAKE.params[:3], Param("Slot", "sk:Container", "Where."), TAKE.params[4])
     )
@@ -71,14 +71,14 @@ def test_where_things_are_taken_from_a_class_too_wide_to_tell_each_precondition_
     assert maintained(PLACE, anywhere)["place"].none == (none_there("?Slot"),)
 
 
-def test_where_two_classes_of_place_are_asked_for_each_precondition_looks_for_itself() -> None:
+def test_if_two_place_classes_are_queried_each_emptiness_precondition_is_quantified() -> None:
     box = Param("Box", "tiny:Box", "Where.")
     boxed = replace(PLACE, name="pack", params=(*PLACE.params, box), pre=(*PLACE.pre, EMPTY_BOX("Box")))
 
     assert maintained(PLACE, boxed)["pack"].none == (none_there("?Slot"), none_there("?Box"))
 
 
-def test_the_emptiness_of_grippers_is_kept_where_that_of_places_cannot_be() -> None:
+def test_gripper_emptiness_is_tracked_even_if_place_emptiness_cannot_be() -> None:
     careless = replace(PLACE, name="throw", pre=tuple(c for c in PLACE.pre if c.type is not FREE))
 
     assert Atom("nothing sk:heldBy", ("?Gripper",)) in maintained(PICK, PLACE, careless)["place"].add

@@ -17,7 +17,7 @@ from skiros_py.testing.tiny import IN_CONTAINER
 PARTS = "".join(f"scene:ball_{n} a tiny:Ball ; sk:in scene:box_a . " for n in range(2, 5))
 
 
-def test_eight_solves_at_once_each_get_their_own_right_plan() -> None:
+def test_eight_concurrent_solves_each_get_their_own_correct_plan() -> None:
     world = tiny_world(PARTS)
     wanted = [(f"ball_{n}", slot) for n, slot in product(range(1, 5), ("slot_1", "slot_2"))]
     texts = [tiny_pddl(world, IN_CONTAINER(*pair)) for pair in wanted]
@@ -32,7 +32,7 @@ def test_eight_solves_at_once_each_get_their_own_right_plan() -> None:
     assert placed == wanted
 
 
-def test_no_plan_is_an_answer() -> None:
+def test_a_search_without_a_plan_is_an_answer_and_not_a_fault() -> None:
     texts = tiny_pddl(tiny_world(), IN_CONTAINER("ball_1", "slot_1"), IN_CONTAINER("ball_1", "slot_2"))
     planner = FastDownward()
 
@@ -42,7 +42,7 @@ def test_no_plan_is_an_answer() -> None:
     assert answer == Unsolvable()
 
 
-def test_a_goal_that_holds_has_an_empty_plan() -> None:
+def test_a_goal_that_already_holds_has_an_empty_plan() -> None:
     texts = tiny_pddl(tiny_world(), IN_CONTAINER("ball_1", "box_a"))
     planner = FastDownward()
 
@@ -52,7 +52,7 @@ def test_a_goal_that_holds_has_an_empty_plan() -> None:
     assert answer == Solved(())
 
 
-def test_texts_that_are_not_pddl_break_the_planner_with_its_own_last_words() -> None:
+def test_invalid_pddl_is_a_fault_with_the_last_output_of_the_planner() -> None:
     planner = FastDownward()
 
     with pytest.raises(PlanningError, match=r"Fast Downward ended with code \d+"):
@@ -60,7 +60,7 @@ def test_texts_that_are_not_pddl_break_the_planner_with_its_own_last_words() -> 
     planner.close()
 
 
-def test_nothing_is_left_in_the_folder_where_it_was_called(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_planner_leaves_no_files_in_the_current_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     texts = tiny_pddl(tiny_world(), IN_CONTAINER("ball_1", "slot_1"))
     planner = FastDownward()

@@ -72,11 +72,11 @@ def answer_of(what: str, limits: Limits = USUAL_LIMITS) -> Answer:
         planner.close()
 
 
-def test_times_are_read_where_the_plan_has_them() -> None:
+def test_start_times_are_read_if_the_plan_has_them() -> None:
     assert answer_of("timed") == Solved((("b",), ("a", "x")), (0.0, 0.5), (0.5, 2.0))
 
 
-def test_a_search_given_up_is_no_proof() -> None:
+def test_a_search_that_was_given_up_proves_nothing() -> None:
     assert answer_of("doubt") == Unsolvable("too hard", proven=False)
 
 
@@ -91,12 +91,12 @@ def test_a_search_given_up_is_no_proof() -> None:
         ("eat", r"planner 'acting' broke: it ran out of memory"),
     ],
 )
-def test_what_it_does_wrong_is_a_fault_in_words(what: str, words: str) -> None:
+def test_wrong_behaviour_of_a_planner_is_a_fault_with_a_message(what: str, words: str) -> None:
     with pytest.raises(PlanningError, match=words):
         answer_of(what)
 
 
-def test_one_that_never_returns_is_given_up_and_its_process_is_gone() -> None:
+def test_a_planner_that_never_returns_is_stopped_and_its_process_is_gone() -> None:
     before = set(psutil.Process().children(recursive=True))
 
     with pytest.raises(PlanningError, match=r"planner 'acting' found no answer in 0\.5 s"):

@@ -40,7 +40,7 @@ def test_a_classical_plan_has_no_times() -> None:
     assert (answer.starts, answer.durations) == ((), ())
 
 
-def test_a_temporal_plan_has_starts_and_durations_and_goes_on_side_by_side() -> None:
+def test_a_temporal_plan_has_start_times_durations_and_parallel_steps() -> None:
     answer = answer_of(DOMAIN, PROBLEM)
 
     assert isinstance(answer, Solved)
@@ -55,16 +55,16 @@ def test_the_same_task_always_has_the_same_plan() -> None:
     assert answer_of(DOMAIN, PROBLEM) == answer_of(DOMAIN, PROBLEM)
 
 
-def test_a_proof_that_there_is_no_plan_is_one() -> None:
+def test_kairos_reports_a_proof_that_there_is_no_plan() -> None:
     assert answer_of(DOMAIN, PROBLEM.replace("(out bert)", "")) == Unsolvable()
 
 
-def test_what_it_does_not_understand_is_a_fault_with_its_own_words() -> None:
+def test_input_that_kairos_does_not_understand_is_a_fault_with_its_message() -> None:
     with pytest.raises(PlanningError, match=r"Kairos ended with code 2:\n(.|\n)*way"):
         answer_of(DOMAIN.replace("(way ?d - dove)", ""), PROBLEM)
 
 
-def test_what_it_is_said_to_take_is_what_it_says_itself() -> None:
+def test_the_declared_features_of_kairos_match_those_it_reports() -> None:
     said = subprocess.run([program_path(), "--features"], capture_output=True, text=True, check=True).stdout
     words = {word for word in said.split() if word.startswith(":")} - {":negative", ":typing"}
 

@@ -53,13 +53,13 @@ KINDS = [kind for kind in vars(conditions).values() if isinstance(kind, type) an
 _kinds = pytest.mark.parametrize("kind", sorted(set(KINDS) - {Pattern}, key=lambda k: k.__name__))
 
 
-def test_there_is_an_example_of_every_kind() -> None:
+def test_there_is_an_example_of_every_kind_of_pattern() -> None:
     assert set(EXAMPLES) == set(KINDS) - {Pattern}
 
 
 @_kinds
 @pytest.mark.parametrize("negated", [False, True])
-def test_each_kind_of_pattern_is_said_in_a_precondition_or_refused_by_name(kind: type, negated: bool) -> None:
+def test_each_kind_of_pattern_is_a_precondition_or_refused_by_name(kind: type, negated: bool) -> None:
     pattern = Not(EXAMPLES[kind]) if negated else EXAMPLES[kind]
     if kind in REFUSED:
         with pytest.raises(PlanningError, match=f"here: {REFUSED[kind]}"):
@@ -116,12 +116,12 @@ class _Homemade:
 
 
 @pytest.mark.parametrize("pattern", [_Homemade(), Not(_Homemade()), AllOf((_IN, _Homemade())), AnyOf((_Homemade(),))])
-def test_a_kind_of_pattern_from_elsewhere_is_refused_by_name(pattern: Pattern) -> None:
+def test_an_unknown_kind_of_pattern_is_refused_by_name(pattern: Pattern) -> None:
     with pytest.raises(PlanningError, match="here: a pattern of kind _Homemade cannot be planned with"):
         expand(pattern, "here", tiny_ontology(), count(1))
 
 
-def test_a_parameter_that_nothing_is_said_of_stays_a_parameter() -> None:
+def test_an_unconstrained_parameter_stays_a_parameter() -> None:
     extra = Param("Extra", "tiny:Ball", "-")
 
     assert "?Extra" in actions_of(replace(PICK, params=(*PICK.params, extra)), tiny_ontology())[0].types

@@ -19,7 +19,7 @@ names = st.one_of(
 
 @settings(deadline=None)
 @given(st.lists(names, max_size=30))
-def test_names_go_there_and_back_without_collisions(given_names: list[str]) -> None:
+def test_names_map_to_pddl_and_back_without_collisions(given_names: list[str]) -> None:
     mapping = NameMap(given_names)
 
     assert [mapping.back(mapping.pddl(name)) for name in given_names] == given_names
@@ -41,7 +41,7 @@ def test_the_same_names_in_the_same_order_give_the_same_map(given_names: list[st
 
 @settings(deadline=None)
 @given(st.lists(names, min_size=1, max_size=20))
-def test_asking_again_changes_nothing(given_names: list[str]) -> None:
+def test_mapping_a_name_again_gives_the_same_name(given_names: list[str]) -> None:
     mapping = NameMap()
     first = [mapping.pddl(name) for name in given_names]
 
@@ -53,7 +53,7 @@ def test_keywords_are_never_used(keyword: str) -> None:
     assert NameMap().pddl(keyword) not in KEYWORDS
 
 
-def test_the_first_of_two_that_look_alike_keeps_the_plain_name() -> None:
+def test_of_two_names_with_the_same_pddl_form_the_first_keeps_it() -> None:
     mapping = NameMap(["a:Ball", "b:Ball"])
 
     assert (mapping.pddl("a:Ball"), mapping.pddl("b:Ball")) == ("ball", "ball-2")
@@ -63,12 +63,12 @@ def test_camel_case_is_written_with_underscores() -> None:
     assert NameMap().pddl("sk:drivingPose") == "driving_pose"
 
 
-def test_a_planner_may_answer_in_capitals() -> None:
+def test_a_planner_may_answer_in_upper_case() -> None:
     mapping = NameMap(["box_a"])
 
     assert mapping.back("BOX_A") == "box_a"
 
 
-def test_a_name_that_stands_for_nothing_is_refused() -> None:
+def test_an_unmapped_name_is_refused() -> None:
     with pytest.raises(KeyError):
         NameMap(["box_a"]).back("box_b")

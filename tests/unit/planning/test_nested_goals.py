@@ -78,7 +78,7 @@ def holds_at_once(task: PlanningTask) -> bool:
 
 @settings(max_examples=300, deadline=None)
 @given(patterns(3))
-def test_a_goal_needs_nothing_done_exactly_where_it_holds(pattern: Pattern) -> None:
+def test_a_nested_goal_needs_an_empty_plan_exactly_if_it_holds(pattern: Pattern) -> None:
     goal = said(pattern)
 
     assert holds_at_once(tiny_task(WORLD, goal)) == bool(goal.evaluate(WORLD))
@@ -103,7 +103,7 @@ def test_a_task_grows_with_the_goal_and_not_with_its_combinations() -> None:
     assert sizes[2] - sizes[1] == sizes[1] - sizes[0]
 
 
-def test_for_all_of_for_all_is_said_once_for_each_element_not_for_each_pair() -> None:
+def test_nested_for_all_is_expanded_once_per_element_and_not_per_pair() -> None:
     def pairs(balls: int) -> PlanningTask:
         world = tiny_world(*(f"scene:b_{i} a tiny:Ball ; sk:in scene:box_a ." for i in range(balls)))
         together = AnyOf((Related("sk:in", "x", "p"), Has("tiny:scanned", "y")))
@@ -116,13 +116,13 @@ def test_for_all_of_for_all_is_said_once_for_each_element_not_for_each_pair() ->
     assert sizes[2] - sizes[1] == sizes[1] - sizes[0]
 
 
-def test_what_no_skill_makes_untrue_is_not_asked_for() -> None:
+def test_conditions_that_no_skill_makes_false_are_not_required() -> None:
     task = tiny_task(WORLD, said(Nothing("sk:in", "box_a")))
 
     assert task.problem.goal == (Atom("not sk:in", ("ball_1", "box_a")),), "nothing else is there, or gets there"
 
 
-def test_parts_of_one_goal_have_facts_of_their_own() -> None:
+def test_each_part_of_a_goal_has_its_own_facts() -> None:
     either = AnyOf((Related("sk:in", "ball_1", "slot_1"), Related("sk:in", "ball_2", "slot_1")))
     other = Exists("b", "tiny:Ball", Related("sk:in", "b", "slot_2"))
 
@@ -160,7 +160,7 @@ def test_nested_goals_are_planned_for(pattern: Pattern, steps: list[str]) -> Non
     assert [step.skill for step in outcome.steps] == steps
 
 
-def test_a_goal_for_all_that_cannot_be_has_no_plan() -> None:
+def test_an_unreachable_goal_for_all_has_no_plan() -> None:
     every = Not(Exists("b", "tiny:Ball", Not(Related("sk:in", "b", "slot_1"))))
     word = ConditionType("AllThere", (Role("slot_1", "tiny:Slot"),), every, "-")
     with Bench(tiny_world(), conditions={**CONDITIONS, "AllThere": word}) as bench:

@@ -57,13 +57,13 @@ def ordered(steps: Sequence[Step], *goal: Condition) -> tuple[Plan, PlanningTask
     return order(task, plan), task, texts
 
 
-def test_steps_of_one_robot_that_build_on_each_other_stay_in_order() -> None:
+def test_dependent_steps_of_one_robot_stay_in_order() -> None:
     plan, _, _ = ordered(delivery(1, "ball_1", "slot_1"), IN_CONTAINER("ball_1", "slot_1"))
 
     assert plan.after == (frozenset(), frozenset({0}), frozenset({1}))
 
 
-def test_steps_of_two_robots_that_have_nothing_in_common_run_side_by_side() -> None:
+def test_independent_steps_of_two_robots_run_in_parallel() -> None:
     steps = [*delivery(1, "ball_1", "slot_1"), *delivery(2, "ball_3", "slot_2")]
     plan, _, _ = ordered(steps, IN_CONTAINER("ball_1", "slot_1"), IN_CONTAINER("ball_3", "slot_2"))
 
@@ -71,14 +71,14 @@ def test_steps_of_two_robots_that_have_nothing_in_common_run_side_by_side() -> N
     assert plan.after[3:] == (frozenset(), frozenset({3}), frozenset({4}))
 
 
-def test_who_leaves_a_place_waits_for_those_who_need_him_there() -> None:
+def test_a_robot_leaves_a_place_only_after_the_steps_that_need_it_there() -> None:
     steps = [*delivery(1, "ball_1", "slot_1"), drive(1, "box_b")]
     plan, _, _ = ordered(steps, IN_CONTAINER("ball_1", "slot_1"), AT_LOCATION("robot_1", "box_b"))
 
     assert plan.after[3] == {1}, "once picked, the ball may be placed from anywhere"
 
 
-def test_bookkeeping_of_the_goal_orders_nothing() -> None:
+def test_goal_bookkeeping_adds_no_ordering() -> None:
     steps = [*delivery(1, "ball_1", "slot_1"), *delivery(2, "ball_3", "slot_2")]
     plan, task, _ = ordered(steps, IN_CONTAINER("tiny:Ball", "slot_1"), IN_CONTAINER("tiny:Ball", "slot_2"))
 
@@ -87,7 +87,7 @@ def test_bookkeeping_of_the_goal_orders_nothing() -> None:
     assert plan.after[3] == frozenset()
 
 
-def test_a_plan_says_when_its_steps_start_where_all_durations_are_known() -> None:
+def test_a_plan_has_start_times_if_all_durations_are_known() -> None:
     steps = [*delivery(1, "ball_1", "slot_1"), *delivery(2, "ball_3", "slot_2")]
     goal = IN_CONTAINER("ball_1", "slot_1"), IN_CONTAINER("ball_3", "slot_2")
     task = tiny_task(WORLD, *goal, skills=[replace(skill, duration=2.0) for skill in SKILLS.values()])
@@ -106,7 +106,7 @@ def test_a_plan_without_its_actions_stays_strictly_sequential() -> None:
     assert plan.order == (frozenset(), frozenset({0}), frozenset({1}))
 
 
-def test_an_order_that_the_conditions_do_not_bear_out_is_not_believed() -> None:
+def test_a_partial_order_that_fails_the_conditions_is_discarded() -> None:
     """Actions that hide what the steps need of each other, as those of a task that knows less would."""
     task = tiny_task(WORLD, IN_CONTAINER("ball_1", "slot_1"))
     texts = write_pddl(task.domain, task.problem, name="tiny")
@@ -116,7 +116,7 @@ def test_an_order_that_the_conditions_do_not_bear_out_is_not_believed() -> None:
     assert order(task, plan) is plan
 
 
-def test_what_must_not_be_there_orders_who_brings_it_and_who_takes_it_away() -> None:
+def test_absence_conditions_order_the_steps_that_add_and_remove_things() -> None:
     blocked = NoneSuch((Variable("?any", ""),), (Atom("blocks", ("?any", "?door")),))
     actions = {
         "open": Action("open", "drive", (Variable("?door", ""),), (), (Atom("open", ("?door",)),), (), none=(blocked,)),
@@ -158,7 +158,9 @@ def shuffled(chosen: Sequence[tuple[int, str, str]], seed: int) -> list[Step]:
 
 @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(deliveries, st.integers(0, 2**16))
-def test_every_sequence_that_keeps_to_the_order_reaches_the_goal(chosen: list[tuple[int, str, str]], seed: int) -> None:
+def test_every_linearisation_of_the_partial_order_reaches_the_goal(
+    chosen: list[tuple[int, str, str]], seed: int
+) -> None:
     goal = [IN_CONTAINER(ball, slot) for _, ball, slot in chosen]
     plan, task, _ = ordered(shuffled(chosen, seed), *goal)
 
@@ -170,7 +172,7 @@ def test_every_sequence_that_keeps_to_the_order_reaches_the_goal(chosen: list[tu
 
 @settings(max_examples=20, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(st.integers(0, 2**16))
-def test_no_sequence_at_all_that_keeps_to_a_small_order_fails(seed: int) -> None:
+def test_all_linearisations_of_a_small_order_reach_the_goal(seed: int) -> None:
     chosen = [(1, "ball_1", "slot_1"), (2, "ball_3", "slot_2")]
     plan, task, _ = ordered(shuffled(chosen, seed), *(IN_CONTAINER(b, s) for _, b, s in chosen))
     kept = [p for p in permutations(range(6)) if all(p.index(e) < p.index(i) for i in range(6) for e in plan.after[i])]
@@ -181,7 +183,7 @@ def test_no_sequence_at_all_that_keeps_to_a_small_order_fails(seed: int) -> None
 
 @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(deliveries, st.integers(0, 2**16))
-def test_no_wait_is_said_that_another_implies(chosen: list[tuple[int, str, str]], seed: int) -> None:
+def test_the_partial_order_has_no_redundant_waits(chosen: list[tuple[int, str, str]], seed: int) -> None:
     plan, _, _ = ordered(shuffled(chosen, seed), *(IN_CONTAINER(ball, slot) for _, ball, slot in chosen))
     before: list[set[int]] = []
     for waits in plan.after:
@@ -203,7 +205,7 @@ graphs = st.integers(1, 8).flatmap(
 
 
 @given(graphs)
-def test_a_schedule_keeps_to_the_order_and_gives_nothing_to_two_at_once(
+def test_a_schedule_respects_the_order_and_never_shares_a_resource(
     graph: tuple[tuple[frozenset[int], ...], list[float], list[frozenset[str]]],
 ) -> None:
     after, durations, needs = graph
@@ -219,7 +221,7 @@ def test_a_schedule_keeps_to_the_order_and_gives_nothing_to_two_at_once(
 
 
 @given(graphs)
-def test_the_contrary_sequence_keeps_to_the_order(
+def test_the_contrary_linearisation_respects_the_order(
     graph: tuple[tuple[frozenset[int], ...], list[float], list[frozenset[str]]],
 ) -> None:
     sequence = contrary(graph[0])
@@ -228,7 +230,7 @@ def test_the_contrary_sequence_keeps_to_the_order(
     assert all(sequence.index(e) < sequence.index(i) for i, waits in enumerate(graph[0]) for e in waits)
 
 
-def test_the_contrary_sequence_always_takes_the_last_of_what_may_come_next() -> None:
+def test_the_contrary_linearisation_always_takes_the_last_ready_step() -> None:
     chance = random.Random(1)
     for length in range(30):
         after = tuple(frozenset(e for e in range(i) if chance.random() < 0.1) for i in range(length))
@@ -239,12 +241,12 @@ def test_the_contrary_sequence_always_takes_the_last_of_what_may_come_next() -> 
         assert list(contrary(after)) == expected
 
 
-def test_a_contrary_sequence_of_very_many_steps_is_found() -> None:
+def test_a_contrary_linearisation_of_very_many_steps_is_found() -> None:
     assert contrary((frozenset(),) * 50_000)[:2] == (49_999, 49_998)
 
 
 @pytest.mark.parametrize(("needs", "end"), [(None, 5.0), ([frozenset("a")] * 3, 8.0)])
-def test_what_has_more_behind_it_goes_first(needs: list[frozenset[str]] | None, end: float) -> None:
+def test_steps_with_longer_remaining_work_are_scheduled_first(needs: list[frozenset[str]] | None, end: float) -> None:
     starts = schedule((frozenset(), frozenset({0}), frozenset()), [2.0, 1.0, 5.0], needs)
 
     assert max(map(sum, zip(starts, [2.0, 1.0, 5.0], strict=True))) == end

@@ -149,7 +149,7 @@ def test_equal_worlds_give_equal_texts(
 
 
 @pytest.mark.parametrize(("facts", "skills", "goal"), DOMAINS)
-def test_nothing_but_strips_and_typing_is_asked_for(
+def test_the_domain_requires_only_strips_and_typing(
     facts: tuple[str, ...], skills: tuple[SkillDescription, ...], goal: tuple[Condition, ...]
 ) -> None:
     domain = texts_of(facts, skills, goal).domain
@@ -184,7 +184,7 @@ def test_elements_that_a_goal_of_a_class_names_are_constants() -> None:
     assert "slot_1 - slot" not in texts.problem
 
 
-def test_only_what_some_parameter_could_be_is_in_the_problem() -> None:
+def test_only_elements_that_some_parameter_accepts_are_in_the_problem() -> None:
     texts = texts_of((), (DRIVE,), (AT_LOCATION("robot_1", "box_a"),))
 
     assert "box_b - box" in texts.problem
@@ -192,7 +192,7 @@ def test_only_what_some_parameter_could_be_is_in_the_problem() -> None:
     assert "gripper_1" not in texts.problem
 
 
-def test_what_the_robots_cannot_do_is_no_fact() -> None:
+def test_capabilities_that_robots_lack_are_not_facts() -> None:
     texts = texts_of((), (DRIVE, PICK, PLACE), (IN_CONTAINER("ball_1", "slot_1"),))
 
     assert re.findall(r"\(can_\w+ \w+\)", texts.problem) == [
@@ -236,7 +236,7 @@ def test_variants_are_numbered_after_their_skill() -> None:
     assert re.findall(r"\(:action ([\w-]+)", texts.domain) == ["drive_1", "drive_2"]
 
 
-def test_variables_of_two_existentials_are_told_apart_by_number() -> None:
+def test_variables_of_two_existentials_are_distinguished_by_number() -> None:
     domain = texts_of((), (_FETCH,), (CARRIES("robot_1", "ball_1"),)).domain
 
     assert "(in ?ball ?box-2)" in domain

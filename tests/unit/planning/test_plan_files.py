@@ -16,16 +16,14 @@ STEPS = st.lists(st.lists(WORD, min_size=1, max_size=4).map(tuple), max_size=6).
 
 
 @given(STEPS)
-def test_what_is_written_as_a_plan_is_read_as_it(steps: tuple[tuple[str, ...], ...]) -> None:
+def test_a_written_plan_is_read_back_unchanged(steps: tuple[tuple[str, ...], ...]) -> None:
     text = "".join(f"({' '.join(step)}) \n" for step in steps) + "; cost = 3 (unit cost)\n"
 
     assert read_plan_text("it", text) == Solved(steps)
 
 
 @given(STEPS, st.randoms())
-def test_a_plan_with_times_is_read_in_the_order_of_the_starts(
-    steps: tuple[tuple[str, ...], ...], random: object
-) -> None:
+def test_a_plan_with_times_is_read_in_order_of_start_times(steps: tuple[tuple[str, ...], ...], random: object) -> None:
     lines = [f"{0.5 * i:.3f}: ({' '.join(step)})  [{i}.250]" for i, step in enumerate(steps)]
     random.shuffle(lines)  # type: ignore[attr-defined]
 
@@ -37,7 +35,7 @@ def test_a_plan_with_times_is_read_in_the_order_of_the_starts(
 
 
 @given(st.text(max_size=200))
-def test_whatever_is_no_plan_is_a_fault_in_words_and_nothing_worse(text: str) -> None:
+def test_any_text_is_a_plan_or_a_planning_error(text: str) -> None:
     with contextlib.suppress(PlanningError):
         assert isinstance(read_plan_text("it", text), Solved)
 
@@ -62,14 +60,14 @@ def test_names_are_read_in_lower_case() -> None:
     assert read_plan_text("it", "(DRIVE Base_1)") == Solved((("drive", "base_1"),))
 
 
-def test_steps_are_found_among_what_else_is_printed() -> None:
+def test_steps_are_found_among_other_output() -> None:
     text = "Planning...\n;;;; Solution Found\n0.000: (a x)  [1.000]\nTime: 0.1 (b)\n"
 
     assert steps_among("it", text) == Solved((("a", "x"),), (0.0,), (1.0,))
     assert steps_among("it", "Planning...\nno luck") is None
 
 
-def test_of_numbered_plans_the_last_counts(tmp_path: Path) -> None:
+def test_the_last_of_several_numbered_plans_is_used(tmp_path: Path) -> None:
     for number in (1, 2, 10):
         (tmp_path / f"sas_plan.{number}").write_text("")
 
@@ -77,7 +75,7 @@ def test_of_numbered_plans_the_last_counts(tmp_path: Path) -> None:
     assert last_plan_file(tmp_path, "plan") is None
 
 
-def test_a_link_out_of_the_folder_is_no_plan_file(tmp_path: Path) -> None:
+def test_a_symbolic_link_out_of_the_folder_is_not_read_as_a_plan(tmp_path: Path) -> None:
     (tmp_path / "secret").write_text("(a)")
     folder = tmp_path / "folder"
     folder.mkdir()

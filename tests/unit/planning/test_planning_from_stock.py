@@ -65,7 +65,7 @@ def test_a_world_without_stock_is_planned_with_as_it_is() -> None:
     assert stocked(world, *TWO) is world
 
 
-def test_a_plan_speaks_of_a_thing_that_is_only_counted() -> None:
+def test_a_plan_can_use_a_thing_that_is_only_counted_in_stock() -> None:
     outcome = planned(tiny_world(stock(3, "tiny:Giant", name="giants"), stock(3)), "In(RedBall, slot_1)").outcome
 
     assert isinstance(outcome, Plan)
@@ -84,7 +84,7 @@ def test_each_condition_gets_a_thing_of_its_own() -> None:
     assert sorted(tokens_of(outcome.steps)) == ["reds#1", "reds#2"]
 
 
-def test_planning_changes_nothing() -> None:
+def test_planning_from_stock_does_not_change_the_world() -> None:
     world = tiny_world(stock(2))
     before = world.version
 
@@ -109,14 +109,14 @@ def test_planning_changes_nothing() -> None:
         (("Free(slot_1)",), 50),
     ],
 )
-def test_of_a_stock_so_many_are_shown_as_the_goal_speaks_of(goal: tuple[str, ...], shown: int) -> None:
+def test_a_stock_offers_as_many_tokens_as_the_goal_needs(goal: tuple[str, ...], shown: int) -> None:
     view = stocked(tiny_world(stock(50)), *goal)
 
     assert isinstance(view, Stocked)
     assert len(view.further) == shown
 
 
-def test_never_more_are_shown_than_there_are_and_of_very_many_never_all() -> None:
+def test_a_stock_never_offers_more_tokens_than_it_has_and_a_large_one_only_some() -> None:
     few, many = stocked(tiny_world(stock(1)), *TWO), stocked(tiny_world(stock(1_000_000)), "not In(RedBall, box_a)")
 
     assert isinstance(few, Stocked)
@@ -127,7 +127,7 @@ def test_never_more_are_shown_than_there_are_and_of_very_many_never_all() -> Non
     assert many.short
 
 
-def test_a_plan_may_use_up_more_than_the_goal_speaks_of() -> None:
+def test_a_plan_may_use_more_stock_than_the_goal_mentions() -> None:
     """Things that are spent on the way: four doors, each opened with a key that stays in the lock."""
     doors = "".join(f"scene:door_{n} a tiny:Door ; sk:on scene:floor .\n" for n in range(1, 5))
     world = tiny_world(stock(5, "tiny:Key", name="keys"), doors)
@@ -138,7 +138,7 @@ def test_a_plan_may_use_up_more_than_the_goal_speaks_of() -> None:
     assert len(tokens_of(outcome.steps)) == 4
 
 
-def test_what_a_plan_speaks_of_is_shown_whatever_number_it_has_as_long_as_something_is_left() -> None:
+def test_tokens_named_in_a_plan_are_offered_as_long_as_stock_is_left() -> None:
     enough, short = (stocked(tiny_world(stock(n)), named=("reds#7", "reds#9")) for n in (2, 1))
 
     assert isinstance(enough, Stocked)
@@ -147,7 +147,7 @@ def test_what_a_plan_speaks_of_is_shown_whatever_number_it_has_as_long_as_someth
     assert short.further == ("reds#7",)
 
 
-def test_too_few_in_stock_is_said_and_one_more_would_do() -> None:
+def test_a_stock_shortage_is_reported_and_one_more_item_is_enough() -> None:
     world = tiny_world(stock(1), slots(3))
 
     outcome = planned(world, *TWO, "In(RedBall, slot_3)").outcome
@@ -157,7 +157,7 @@ def test_too_few_in_stock_is_said_and_one_more_would_do() -> None:
     assert any("bring one more RedBall" in repair.text for repair in outcome.repairs)
 
 
-def test_a_goal_about_a_class_holds_by_what_is_in_stock() -> None:
+def test_stock_items_fulfil_a_goal_about_their_class() -> None:
     world = tiny_world(stock(2))
     here, there = parse_goal(("In(RedBall, box_a)", "not In(RedBall, box_a)"), world, CONDITIONS)
 
@@ -174,7 +174,7 @@ def test_a_place_with_stock_is_not_empty() -> None:
 
 @settings(max_examples=25, deadline=None)
 @given(st.integers(1, 4), st.integers(0, 5), st.integers(0, 3))
-def test_there_is_a_plan_exactly_where_individuals_and_stock_suffice(wanted: int, count: int, known: int) -> None:
+def test_a_plan_exists_exactly_if_individuals_and_stock_suffice(wanted: int, count: int, known: int) -> None:
     reds = "".join(f"scene:red_ball_{n} a tiny:RedBall ; sk:in scene:box_b .\n" for n in range(2, known + 1))
     world = tiny_world(stock(count), slots(4), reds)
     if not known:

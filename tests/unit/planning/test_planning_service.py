@@ -36,7 +36,7 @@ def planned(*steps: str, goal: str = GOAL) -> Plan | NoPlan:
         return bench.plan(goal).outcome
 
 
-def test_a_right_plan_survives_the_replay() -> None:
+def test_a_correct_plan_passes_the_replay() -> None:
     plan = planned(*RIGHT)
 
     assert isinstance(plan, Plan)
@@ -44,7 +44,7 @@ def test_a_right_plan_survives_the_replay() -> None:
     assert plan.steps[0] == Step("drive", {"Base": "base_1", "Robot": "robot_1", "Location": "box_a"})
 
 
-def test_detours_are_left_out() -> None:
+def test_detours_are_removed_from_a_plan() -> None:
     wandering = (RIGHT[0], "drive base_1 robot_1 box_a box_a", *RIGHT[1:])
 
     assert planned(*wandering) == planned(*RIGHT)
@@ -58,9 +58,7 @@ def test_detours_are_left_out() -> None:
         ((RIGHT[0], RIGHT[2]), r"the plan of given breaks at step 2 \(place\(.*\)\): Holding\(gripper_1, ball_1\)"),
     ],
 )
-def test_a_plan_that_does_not_survive_the_replay_is_a_fault_that_says_where_it_breaks(
-    steps: tuple[str, ...], reason: str
-) -> None:
+def test_a_plan_that_fails_the_replay_is_a_fault_with_its_first_bad_step(steps: tuple[str, ...], reason: str) -> None:
     with pytest.raises(PlanningError) as caught:
         planned(*steps)
 
@@ -74,14 +72,12 @@ def test_a_plan_that_does_not_survive_the_replay_is_a_fault_that_says_where_it_b
         (("drive base_1 robot_1 moon unknown_location",), "'moon', which is not in the task"),
     ],
 )
-def test_an_answer_that_names_what_the_task_lacks_is_a_fault_of_the_planner(
-    steps: tuple[str, ...], message: str
-) -> None:
+def test_an_answer_with_unknown_names_is_a_fault_of_the_planner(steps: tuple[str, ...], message: str) -> None:
     with pytest.raises(PlanningError, match=message):
         planned(*steps)
 
 
-def test_a_planner_may_answer_in_capitals() -> None:
+def test_a_planner_may_answer_in_upper_case() -> None:
     assert planned(*(step.upper() for step in RIGHT)) == planned(*RIGHT)
 
 
@@ -208,19 +204,19 @@ def names(outcome: Plan | NoPlan) -> list[str]:
         ("not At(robot_1, box_a)", []),
     ],
 )
-def test_that_something_is_not_so_is_a_goal(goal: str, steps: list[str]) -> None:
+def test_a_negated_condition_can_be_a_goal(goal: str, steps: list[str]) -> None:
     assert names(really_planned(goal)) == steps
 
 
-def test_that_a_gripper_is_not_empty_is_a_goal() -> None:
+def test_a_non_empty_gripper_can_be_a_goal() -> None:
     assert names(really_planned("not EmptyHanded(gripper_1)")) == ["drive", "pick"]
 
 
-def test_that_nothing_is_in_a_place_nobody_keeps_track_of_is_a_goal() -> None:
+def test_an_untracked_empty_place_can_be_a_goal() -> None:
     assert names(really_planned("EmptyBox(box_a)")) == ["drive", "pick"]
 
 
-def test_that_nothing_is_in_a_place_that_is_tracked_is_a_goal() -> None:
+def test_a_tracked_empty_place_can_be_a_goal() -> None:
     take = replace(
         PICK,
         name="take",
@@ -232,7 +228,7 @@ def test_that_nothing_is_in_a_place_that_is_tracked_is_a_goal() -> None:
     assert names(really_planned("Free(slot_1)", world, (*SKILLS, pretend(take)))) == ["take"]
 
 
-def test_a_general_relation_as_a_goal_holds_where_a_narrower_one_does() -> None:
+def test_a_goal_with_a_relation_is_reached_by_a_subrelation() -> None:
     assert names(really_planned("Somewhere(ball_1, slot_1)")) == ["drive", "pick", "place"]
 
 
@@ -254,7 +250,7 @@ def test_two_goals_of_one_class_are_reached_by_elements_of_their_own() -> None:
     assert set(placed.values()) == {"ball_1", "red_ball_1"}
 
 
-def test_what_must_hold_while_driving_is_seen_to_before_driving() -> None:
+def test_hold_conditions_of_driving_are_achieved_before_driving() -> None:
     gripper = Param("Gripper", "sk:Gripper", "What it must not carry.")
     careful = replace(DRIVE, params=(*DRIVE.params, gripper), hold=(EMPTY_HANDED("Gripper"),))
     world = tiny_world()
@@ -265,13 +261,13 @@ def test_what_must_hold_while_driving_is_seen_to_before_driving() -> None:
 
 
 @pytest.mark.parametrize("name", ["finish", "reach-goal-1", "place/1", "Größe", "42"])
-def test_a_skill_may_be_called_anything(name: str) -> None:
+def test_a_skill_may_have_any_name(name: str) -> None:
     skills = (pretend(replace(DRIVE, name=name)), *SKILLS[1:])
 
     assert names(really_planned("In(RedBall, slot_1)", None, skills)) == [name, "pick", "place"]
 
 
-def test_the_goal_is_kept_beside_the_atoms_that_stand_for_it() -> None:
+def test_the_goal_is_kept_with_its_atoms() -> None:
     goal = (IN_CONTAINER("ball_1", "slot_1"), IN_CONTAINER("tiny:RedBall", "slot_2"))
 
     task = tiny_task(tiny_world(), *goal)
@@ -287,14 +283,14 @@ def test_the_goal_is_kept_beside_the_atoms_that_stand_for_it() -> None:
 # ------------------------------------------------------------------ which planner, and in time
 
 
-def test_a_plan_says_who_made_it() -> None:
+def test_a_plan_names_its_planner() -> None:
     with Bench(tiny_world(), planner=GivenPlanner(*RIGHT)) as bench:
         found = bench.plan(GOAL)
 
     assert (found.planner, found.notes) == ("given", ())
 
 
-def test_where_no_planner_takes_the_task_the_fault_says_what_each_lacks() -> None:
+def test_if_no_planner_supports_the_task_the_fault_lists_what_each_lacks() -> None:
     poor = GivenPlanner(*RIGHT)
     poor.supports = frozenset({":strips"})
 
@@ -302,7 +298,7 @@ def test_where_no_planner_takes_the_task_the_fault_says_what_each_lacks() -> Non
         bench.plan(GOAL)
 
 
-def test_a_task_in_time_is_planned_by_a_planner_that_takes_it_and_has_an_order_and_starts() -> None:
+def test_a_temporal_task_is_planned_with_an_order_and_start_times() -> None:
     world = tiny_world()
     able = [Capability(s.description, world.instances(s.description.agent_class)) for s in SKILLS]
     names = ("fast-downward", "kairos")

@@ -112,7 +112,7 @@ def test_doors_are_opened_to_scan_what_is_behind_and_shut_again() -> None:
     assert replay(WORLD, outcome.steps, [SCANNED("ball_2")], {s.name: s for s in SKILLS}) is None
 
 
-def test_the_replay_finds_what_a_step_would_miss() -> None:
+def test_the_replay_finds_the_missing_precondition_of_a_step() -> None:
     scan = Step("scan", {"Robot": "robot_1", "Part": "ball_2", "Door": "door_1"})
 
     flaw = replay(WORLD, [scan], [], {"scan": SCAN})
@@ -129,7 +129,7 @@ def test_a_goal_of_a_class_and_a_negated_goal_are_planned() -> None:
     assert {s.arguments["Door"] for s in outcome.steps if s.skill == "unlock"} == {"door_1", "door_2"}
 
 
-def test_a_value_that_is_so_at_the_start_needs_no_step() -> None:
+def test_a_value_that_already_holds_needs_no_step() -> None:
     ajar = tiny_world(*FACTS, CHARGE, 'scene:door_1 tiny:opening "ajar" .')
 
     assert steps_of(planned(ajar, SCANNED("ball_2")).outcome) == ["push", "scan"]
@@ -164,7 +164,7 @@ def test_an_unreachable_goal_is_reported_with_the_present_state() -> None:
 
 
 @pytest.mark.parametrize("goal", [(SCANNED("ball_2"), CLOSED("door_1")), (SCANNED("tiny:RedBall"), ~CLOSED("door_1"))])
-def test_a_validator_of_others_accepts_domain_and_plan(goal: tuple[Condition, ...], tmp_path: Path) -> None:
+def test_an_external_validator_accepts_domain_and_plan(goal: tuple[Condition, ...], tmp_path: Path) -> None:
     result = planned(WORLD, *goal)
     assert isinstance(result.outcome, Plan)
     assert result.texts is not None
@@ -180,7 +180,7 @@ def test_a_validator_of_others_accepts_domain_and_plan(goal: tuple[Condition, ..
     assert SequentialPlanValidator().validate(problem, plan).status is ValidationResultStatus.VALID
 
 
-def test_an_effect_on_a_property_decides_everything_asked_about_it() -> None:
+def test_an_effect_on_a_property_determines_all_comparisons_of_it() -> None:
     actions = {a.name: a for a in tiny_task(WORLD, AJAR("door_1"), OPEN("door_2"), skills=SKILLS).domain.actions}
 
     assert Atom('value tiny:opening = "open"', ("?Door",)) in actions["push"].add
@@ -202,7 +202,7 @@ def test_properties_have_readable_names_in_pddl() -> None:
     )
 
 
-def test_what_is_taken_away_is_had_no_longer() -> None:
+def test_a_removed_value_no_longer_holds() -> None:
     forget = skill("forget", _PART, pre=(CODED("Part"),), post=(~CODED("Part"),))
     world = tiny_world(*FACTS, CHARGE, "scene:ball_1 tiny:scanned true .")
 
@@ -226,7 +226,7 @@ def test_negated_facts_that_no_skill_changes_are_evaluated_at_the_start() -> Non
     )
 
 
-def test_a_negated_computed_relation_holds_where_it_does_not() -> None:
+def test_a_negated_computed_relation_holds_if_the_relation_does_not() -> None:
     world = tiny_world("scene:giant_1 a tiny:Giant ; sk:in scene:box_a .")
     balls, slots = Param("Ball", "tiny:Ball", "-"), Param("Slot", "tiny:Slot", "-")
     grow = skill("reject", balls, slots, pre=(~FITS("Ball", "Slot"),), post=(SCANNED("Ball"),))
@@ -239,7 +239,7 @@ def test_a_negated_computed_relation_holds_where_it_does_not() -> None:
     }
 
 
-def test_not_any_and_not_all_are_pushed_inwards() -> None:
+def test_negations_of_any_and_all_are_pushed_inwards() -> None:
     either = AnyOf((Compare("tiny:opening", "=", "door", "open"), Compare("tiny:opening", "=", "door", "ajar")))
     neither = ConditionType("Neither", (DOOR,), Not(either), "-")
     not_both = ConditionType("NotBoth", (DOOR,), Not(AllOf(either.patterns)), "-")

@@ -54,7 +54,7 @@ def things(found: PlanningTask, *classes: str) -> set[str]:
 # ------------------------------------------------------------------ what a goal names, and what follows from that
 
 
-def test_a_problem_holds_the_things_of_the_goal_where_they_are_and_who_can_do_it() -> None:
+def test_a_problem_contains_the_goal_things_their_places_and_capable_agents() -> None:
     found = task(tiny_world(), IN_CONTAINER("ball_1", "slot_1"), width=1)
 
     assert set(found.problem.objects) == {
@@ -62,19 +62,19 @@ def test_a_problem_holds_the_things_of_the_goal_where_they_are_and_who_can_do_it
     }  # fmt: skip
 
 
-def test_skills_that_cannot_help_are_left_out() -> None:
+def test_irrelevant_skills_are_left_out_of_the_problem() -> None:
     found = task(tiny_world(), AT_LOCATION("robot_1", "box_a"))
 
     assert [action.skill for action in found.domain.actions] == ["drive"]
     assert set(found.problem.objects) == {"base_1", "box_a", "robot_1", "unknown_location"}
 
 
-def test_only_the_complete_problem_says_that_it_is() -> None:
+def test_only_the_complete_problem_is_marked_as_complete() -> None:
     assert task(tiny_world(), IN_CONTAINER("ball_1", "slot_1")).complete
     assert not task(tiny_world(), IN_CONTAINER("ball_1", "slot_1"), width=1).complete
 
 
-def test_what_is_in_the_way_and_where_it_can_go_are_in_the_problem() -> None:
+def test_obstacles_and_their_possible_targets_are_in_the_problem() -> None:
     world = tiny_world("scene:ball_9 a tiny:Ball ; sk:in scene:slot_1 .")
 
     found = task(world, IN_CONTAINER("ball_1", "slot_1"), width=1, skills=(*SKILLS, TAKE))
@@ -95,7 +95,7 @@ CLIMB = replace(
 
 
 @pytest.mark.parametrize("width", [1, None])
-def test_a_way_over_several_places_is_in_the_problem_and_no_place_aside(width: int | None) -> None:
+def test_a_route_over_several_places_is_in_the_problem_without_unrelated_places(width: int | None) -> None:
     world = tiny_world("scene:slot_9 a tiny:Slot ; sk:on scene:box_b .", boxes(20))
     with world.transaction("test", "on the ground") as tx:
         tx.place("robot_1", "sk:at", "floor")
@@ -116,14 +116,14 @@ def balls(number: int, where: str = "sk:in scene:box_a", class_: str = "tiny:Bal
     return "\n".join(f"scene:ball_{n} a {class_} ; {where} ." for n in range(100, 100 + number))
 
 
-def test_of_many_that_would_do_a_few_are_taken() -> None:
+def test_only_a_few_of_many_candidates_are_in_the_problem() -> None:
     found = task(tiny_world(balls(50), boxes(50)), IN_CONTAINER("tiny:Ball", "slot_1"), width=3)
 
     assert len(things(found, "tiny:Ball", "tiny:RedBall")) == 3
     assert len(things(found, "tiny:Box")) <= 3
 
 
-def test_each_choice_of_a_goal_has_candidates_of_its_own() -> None:
+def test_each_choice_in_a_goal_has_its_own_candidates() -> None:
     goal = (IN_CONTAINER("tiny:Ball", "slot_1"), IN_CONTAINER("tiny:Ball", "slot_2"))
 
     found = task(tiny_world(balls(50)), *goal, width=1)
@@ -131,7 +131,7 @@ def test_each_choice_of_a_goal_has_candidates_of_its_own() -> None:
     assert len(things(found, "tiny:Ball")) == 2
 
 
-def test_candidates_are_such_as_can_be_taken_and_fit_though_others_come_first() -> None:
+def test_candidates_are_usable_and_fitting_even_if_others_come_first() -> None:
     world = tiny_world(
         balls(30, "sk:on scene:floor"),
         "scene:giant_1 a tiny:Giant ; sk:in scene:box_a .",
@@ -146,14 +146,14 @@ def test_candidates_are_such_as_can_be_taken_and_fit_though_others_come_first() 
     assert things(found, "tiny:Ball", "tiny:RedBall", "tiny:Giant") == {"zebra_1"}
 
 
-def test_the_problem_is_the_same_however_much_else_there_is() -> None:
+def test_the_problem_does_not_depend_on_unrelated_elements() -> None:
     goal = (IN_CONTAINER("tiny:RedBall", "slot_1"), AT_LOCATION("robot_1", "box_a"))
     crowd = tiny_world(boxes(100), balls(200), "scene:door_1 a tiny:Door ; sk:on scene:floor .")
 
     assert task(crowd, *goal, width=1).problem == task(tiny_world(), *goal, width=1).problem
 
 
-def test_views_of_one_world_give_one_problem() -> None:
+def test_all_views_of_one_world_give_the_same_problem() -> None:
     world = tiny_world(balls(80))
     goal = IN_CONTAINER("tiny:Ball", "slot_1")
     problems = [task(view, goal, width=2).problem for view in (world, world.snapshot(), Overlay(world))]
@@ -161,7 +161,7 @@ def test_views_of_one_world_give_one_problem() -> None:
     assert problems[0] == problems[1] == problems[2]
 
 
-def test_what_does_not_take_part_is_no_candidate() -> None:
+def test_elements_hidden_by_a_view_are_not_candidates() -> None:
     found = task(
         Overlay(tiny_world(balls(80)), frozenset({"ball_1", "ball_100"})),
         IN_CONTAINER("tiny:Ball", "slot_1"),
@@ -174,7 +174,7 @@ def test_what_does_not_take_part_is_no_candidate() -> None:
 # ------------------------------------------------------------------ things that differ by name only
 
 
-def test_of_things_that_differ_by_name_only_the_complete_problem_has_as_many_as_the_goal_can_use() -> None:
+def test_the_complete_problem_has_as_many_equal_things_as_the_goal_can_use() -> None:
     goal = (IN_CONTAINER("tiny:Ball", "slot_1"), IN_CONTAINER("tiny:Ball", "slot_2"))
 
     found = task(tiny_world(balls(50)), *goal)
@@ -182,19 +182,19 @@ def test_of_things_that_differ_by_name_only_the_complete_problem_has_as_many_as_
     assert len(things(found, "tiny:Ball")) == 2
 
 
-def test_things_in_different_places_differ() -> None:
+def test_things_in_different_places_are_not_equal() -> None:
     world = tiny_world(balls(20), "scene:ball_900 a tiny:Ball ; sk:in scene:box_b .")
 
     assert things(task(world, IN_CONTAINER("tiny:Ball", "slot_1")), "tiny:Ball") == {"ball_1", "ball_900"}
 
 
-def test_what_the_goal_names_is_itself() -> None:
+def test_elements_named_in_the_goal_are_not_interchangeable() -> None:
     goal = (IN_CONTAINER("ball_120", "slot_1"), IN_CONTAINER("tiny:Ball", "slot_2"))
 
     assert things(task(tiny_world(balls(30)), *goal), "tiny:Ball") == {"ball_1", "ball_120"}
 
 
-def test_things_that_are_used_up_are_all_there() -> None:
+def test_consumable_things_are_all_in_the_problem() -> None:
     token = Param("Token", "tiny:Ball", "What it costs.")
     paid = replace(
         DRIVE,
@@ -213,16 +213,18 @@ def test_things_that_are_used_up_are_all_there() -> None:
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_what_is_left_out_changes_nothing_about_whether_there_is_a_plan(seed: int, planner: Kairos) -> None:
+def test_leaving_out_elements_does_not_change_plan_existence(seed: int, planner: Kairos) -> None:
     assert disagreement(random_task(seed), planner) == ""
 
 
 @pytest.mark.parametrize("seed", [*range(12), 89, 174, 357])
-def test_nor_does_it_with_composite_goals_numbers_and_stock(seed: int, planner: Kairos) -> None:
+def test_leaving_out_elements_does_not_change_plan_existence_for_composite_goals_numbers_and_stock(
+    seed: int, planner: Kairos
+) -> None:
     assert disagreement(mixed_task(seed), planner) == ""
 
 
-def test_emptying_a_hand_by_putting_things_anywhere_is_possible_in_the_complete_problem(planner: Kairos) -> None:
+def test_the_complete_problem_allows_a_gripper_to_be_emptied_anywhere(planner: Kairos) -> None:
     """Two balls change places: one must be put down in a third slot, which nothing speaks of."""
     world: World = tiny_world("scene:slot_3 a tiny:Slot ; sk:on scene:floor .")
     with world.transaction("test", "each in the slot of the other") as tx:

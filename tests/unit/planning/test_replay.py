@@ -24,7 +24,7 @@ WORLD = tiny_world("scene:giant_1 a tiny:Giant ; sk:in scene:slot_2 .", robots=2
 TASK = tiny_task(WORLD, GOAL)
 
 
-def test_a_right_plan_has_no_flaw_and_leaves_the_world_as_it_was() -> None:
+def test_a_correct_plan_has_no_flaw_and_does_not_change_the_world() -> None:
     before = WORLD.version
 
     assert replay(WORLD, [DRIVE_A, PICK_1, PLACE_1], [GOAL], SKILLS) is None
@@ -81,7 +81,7 @@ def test_a_hold_condition_that_does_not_hold_at_the_start_is_a_flaw() -> None:
     assert (flaw.step, flaw.verdict.text) == (0, "EmptyHanded(gripper_1)")
 
 
-def test_driving_to_where_one_already_is_changes_nothing() -> None:
+def test_driving_to_the_current_place_changes_nothing() -> None:
     there = Overlay(WORLD)
     apply_effects(there, DRIVE.post, DRIVE_A.arguments)
     apply_effects(there, DRIVE.post, DRIVE_A.arguments)
@@ -90,7 +90,7 @@ def test_driving_to_where_one_already_is_changes_nothing() -> None:
     assert replay(there, [DRIVE_A, PICK_1, PLACE_1], [GOAL], SKILLS) is None
 
 
-def test_effects_move_what_a_subject_place_carries() -> None:
+def test_effects_move_the_load_of_a_subject_place() -> None:
     overlay = Overlay(WORLD)
 
     apply_effects(overlay, (CARRIES("Robot", "Ball"),), {"Robot": "robot_2", "Ball": "ball_1"})

@@ -75,9 +75,7 @@ def test_a_module_runs_with_what_is_loaded_already_and_then_the_program_that_rea
     assert (ended.code, ended.output) == (0, "argument one loaded True\nread")
 
 
-def test_where_the_module_ends_with_a_code_that_is_the_code_and_nothing_follows(
-    resident: Resident, tmp_path: Path
-) -> None:
+def test_an_exit_code_of_the_module_is_returned_and_the_program_is_not_run(resident: Resident, tmp_path: Path) -> None:
     ended = ran(resident, tmp_path, of("says", "one", "1"))
 
     assert (ended.code, ended.output) == (7, "argument one loaded True\n")
@@ -108,14 +106,14 @@ def test_a_run_is_killed_when_its_caller_stops_waiting(resident: Resident, tmp_p
     process.wait(5.0)
 
 
-def test_closing_ends_what_runs(resident: Resident, tmp_path: Path) -> None:
+def test_closing_ends_running_processes(resident: Resident, tmp_path: Path) -> None:
     _, process = waiting(resident, tmp_path)
     resident.close()
 
     process.wait(5.0)
 
 
-def test_where_the_resident_program_is_killed_its_run_is_over_and_the_next_run_starts_another(
+def test_killing_the_resident_program_ends_its_run_and_the_next_run_starts_a_new_one(
     resident: Resident, tmp_path: Path
 ) -> None:
     run, process = waiting(resident, tmp_path)
@@ -130,7 +128,7 @@ def test_where_the_resident_program_is_killed_its_run_is_over_and_the_next_run_s
     assert ran(resident, tmp_path, of("says", "two", "0")).code == 0
 
 
-def test_a_run_ends_though_the_resident_program_is_killed_as_soon_as_it_has_started_it(
+def test_a_run_ends_even_if_the_resident_program_is_killed_right_after_starting_it(
     modules: Path, tmp_path: Path
 ) -> None:
     with closing(Resident("the program", modules, ["said", "dies"])) as resident:

@@ -85,7 +85,7 @@ def test_no_robot_visits_a_lower_number_after_a_higher_one(planner: Planner, a: 
     assert visits(plan) == (["box_a", "box_b"] if a < b else ["box_b", "box_a"])
 
 
-def test_numbers_that_are_switched_off_change_nothing() -> None:
+def test_disabled_sequence_numbers_change_nothing() -> None:
     world = tiny_world("scene:box_a sk:sequenceNumber 2 .", "scene:box_b sk:sequenceNumber 1 .")
     task = tiny_task(world, *BOTH)
 
@@ -93,7 +93,7 @@ def test_numbers_that_are_switched_off_change_nothing() -> None:
     assert in_sequence(task) is task
 
 
-def test_numbers_are_switched_on_and_set_like_any_property() -> None:
+def test_sequence_numbers_are_enabled_and_set_like_any_property() -> None:
     world = tiny_world()
     with world.transaction(author="person", reason="our round") as tx:
         tx.set("floor", "sk:useSequenceNumbers", True)
@@ -119,7 +119,7 @@ def test_locations_without_a_number_are_free_at_any_time() -> None:
     assert planned(world, *BOTH, AT_LOCATION("robot_1", "box_a")) is not None
 
 
-def test_each_robot_is_on_a_round_of_its_own() -> None:
+def test_each_robot_follows_its_own_sequence() -> None:
     world = numbered(robots=2)
     goal = AT_LOCATION("robot_1", "box_a"), AT_LOCATION("robot_2", "box_b")
 
@@ -127,7 +127,7 @@ def test_each_robot_is_on_a_round_of_its_own() -> None:
     assert replay(world, [drive("box_a", 1), drive("box_b", 2)], goal, SKILLS) is None
 
 
-def test_what_was_reached_before_counts_when_a_task_is_planned_again() -> None:
+def test_numbers_already_reached_count_when_replanning() -> None:
     world = numbered()
 
     assert planned(world, BOTH[0], reached={"robot_1": 2}) is not None
@@ -136,7 +136,7 @@ def test_what_was_reached_before_counts_when_a_task_is_planned_again() -> None:
     assert planned(world, BOTH[0], reached={"robot_1": 3}) is None
 
 
-def test_a_robot_may_start_a_new_task_from_wherever_it_stands() -> None:
+def test_a_robot_may_start_a_new_task_from_any_place() -> None:
     world = Overlay(numbered())
     world.place("robot_1", "sk:at", "box_a")
 
@@ -176,7 +176,7 @@ def test_the_replay_of_the_rest_knows_what_was_reached_and_what_the_present_step
     assert checked(world, [drive("box_b")], [drive("box_a")], {"robot_1": 1}) is None
 
 
-def test_a_round_tells_how_far_each_robot_came() -> None:
+def test_the_progress_of_each_robot_in_the_sequence_is_reported() -> None:
     world = numbered(robots=2)
     way = Round(world, reached={"robot_2": 1})
     for step in (drive("box_b", 1), drive("box_a", 2)):
@@ -191,7 +191,7 @@ def test_a_round_tells_how_far_each_robot_came() -> None:
     st.lists(st.sampled_from([0, 1, 2]), min_size=1, max_size=3, unique=True),
     st.one_of(st.none(), st.integers(1, 5)),
 )
-def test_there_is_a_plan_exactly_where_the_numbers_leave_one(
+def test_a_plan_exists_exactly_if_the_sequence_numbers_allow_one(
     numbers: list[int | None], wanted: list[int], start: int | None
 ) -> None:
     stores = [
@@ -210,7 +210,7 @@ def test_there_is_a_plan_exactly_where_the_numbers_leave_one(
         assert replay(world, plan.steps, goal, SKILLS, reached=reached) is None
 
 
-def test_where_only_the_numbers_stand_in_the_way_the_reason_says_so() -> None:
+def test_if_only_sequence_numbers_prevent_a_plan_the_reason_says_so() -> None:
     world = numbered()
     task = tiny_task(world, BOTH[1])
     texts = write_pddl(task.domain, task.problem, name="round")
@@ -231,7 +231,7 @@ def test_where_only_the_numbers_stand_in_the_way_the_reason_says_so() -> None:
 # ------------------------------------------------------------ costs
 
 
-def test_the_way_through_the_numbers_costs_their_differences() -> None:
+def test_driving_between_numbers_costs_their_difference() -> None:
     world = numbered(a=7, b=3)
     _, texts = written(world, *BOTH)
 
@@ -242,7 +242,7 @@ def test_the_way_through_the_numbers_costs_their_differences() -> None:
     assert texts.domain.count("(increase (total-cost) (sequence-cost ?location_last ?location))") == 1
 
 
-def test_other_readers_accept_costs_as_functions_and_a_planner_keeps_them_low() -> None:
+def test_other_pddl_parsers_accept_the_costs_and_a_planner_minimises_them() -> None:
     world = numbered("scene:slot_3 a tiny:Slot ; sk:on scene:floor .", a=7, b=3)
     _, texts = written(world, *BOTH)
     read = PDDLReader().parse_problem_string(texts.domain, texts.problem)
@@ -305,7 +305,7 @@ def test_the_kit_of_the_lower_number_is_finished_first(first: int, second: int) 
     assert kits_filled(planned(kits(first, second), *FILLED)) == (expected if first < second else expected[::-1])
 
 
-def test_any_parts_in_kits_keep_the_order_of_the_kits_too() -> None:
+def test_goals_by_class_respect_the_order_of_the_kits() -> None:
     world = kits(2, 1)
     goal = IN_KIT("tiny:RedBall", "kit_1"), IN_KIT("part_1", "kit_2")
 
@@ -343,7 +343,7 @@ def outcome(
     return plan_for(by or FastDownward(), world, able, goal, reached=reached).outcome
 
 
-def test_that_sequence_numbers_are_why_there_is_no_plan_is_said_in_words() -> None:
+def test_a_plan_prevented_by_sequence_numbers_is_explained_in_a_sentence() -> None:
     world = numbered(a=1, b=2)
     found = outcome(world, AT_LOCATION("robot_1", "box_a"), BOTH[1])
 
@@ -382,7 +382,7 @@ def in_turns() -> World:
         "for all s: Slot (In(red_ball_1, s) or In(ball_1, s) or not In(ball_1, box_a)) and In(ball_1, slot_2)",
     ],
 )
-def test_any_way_to_do_what_comes_first_will_do(first: str) -> None:
+def test_any_alternative_of_the_earlier_goal_satisfies_the_sequence(first: str) -> None:
     world = in_turns()
     found = outcome(world, *parse_goal([first, "In(red_ball_1, slot_1)"], world, CONDITIONS))
 
@@ -390,7 +390,7 @@ def test_any_way_to_do_what_comes_first_will_do(first: str) -> None:
     assert [step.arguments["Slot"] for step in found.steps if step.skill == "place"] == ["slot_2", "slot_1"]
 
 
-def test_a_place_that_comes_later_than_all_that_is_wanted_waits_too() -> None:
+def test_a_place_with_a_higher_number_than_all_goals_is_filled_last() -> None:
     world = tiny_world(ON, "scene:slot_1 sk:workNumber 1 .", "scene:slot_2 sk:workNumber 9 .")
     goal = parse_goal(["In(ball_1, slot_1)", "not In(red_ball_1, box_b)", "EmptyHanded(gripper_1)"], world, CONDITIONS)
     found = outcome(world, *goal)
@@ -399,7 +399,7 @@ def test_a_place_that_comes_later_than_all_that_is_wanted_waits_too() -> None:
     assert [step.arguments["Slot"] for step in found.steps if step.skill == "place"] == ["slot_1", "slot_2"]
 
 
-def test_what_can_hold_in_very_many_ways_is_left_to_the_replay() -> None:
+def test_goals_with_very_many_alternatives_are_left_to_the_replay() -> None:
     world = in_turns()
     many = " or ".join(f"(In(ball_1, slot_{n % 2 + 1}) and not Free(slot_{n % 2 + 1}))" for n in range(60))
     task, _ = written(

@@ -59,7 +59,7 @@ def test_the_answer_of_a_temporal_planner_is_replayed_like_any_other() -> None:
     assert not isinstance(validate(task, texts, backwards), Plan)
 
 
-def test_nobody_leaves_while_his_arm_needs_him_there() -> None:
+def test_a_base_does_not_leave_while_its_arm_works_there() -> None:
     world = tiny_world()
     _, texts = temporal(world, *BOTH)
     answer = solved(texts)
@@ -72,14 +72,14 @@ def test_nobody_leaves_while_his_arm_needs_him_there() -> None:
     assert not any(start < b and a < end for start, end in drives for a, b in picks)
 
 
-def test_requirements_say_exactly_what_is_used() -> None:
+def test_the_requirements_list_exactly_the_used_features() -> None:
     _, texts = temporal(tiny_world(), *BOTH)
 
     assert texts.requirements == (":strips", ":typing", ":durative-actions")
     assert "(:requirements :strips :typing :durative-actions)" in texts.domain
 
 
-def test_bookkeeping_takes_no_time() -> None:
+def test_bookkeeping_actions_have_no_duration() -> None:
     _, texts = temporal(tiny_world(), HOLDING("gripper_1", "tiny:RedBall"))
 
     assert "(:action finish" in texts.domain
@@ -87,21 +87,21 @@ def test_bookkeeping_takes_no_time() -> None:
     assert isinstance(Kairos().solve(texts.domain, texts.problem).result(), Solved)
 
 
-def test_a_skill_of_unknown_duration_takes_the_usual_time() -> None:
+def test_a_skill_of_unknown_duration_has_the_default_duration() -> None:
     world = tiny_world()
     texts = write_temporal(tiny_task(world, *BOTH), name="tiny")
 
     assert texts.domain.count(":duration (= ?duration 10.000)") == 3
 
 
-def test_that_there_is_no_plan_in_time_is_said_too() -> None:
+def test_the_absence_of_a_temporal_plan_is_reported() -> None:
     world = tiny_world("scene:giant_1 a tiny:Giant ; sk:in scene:box_a .")
     _, texts = temporal(world, IN_CONTAINER("giant_1", "slot_1"))
 
     assert isinstance(Kairos().solve(texts.domain, texts.problem).result(), Unsolvable)
 
 
-def test_other_readers_accept_the_texts_and_the_plan() -> None:
+def test_other_pddl_parsers_accept_the_temporal_texts_and_the_plan() -> None:
     world = tiny_world(robots=2)
     _, texts = temporal(world, *BOTH)
     read = PDDLReader().parse_problem_string(texts.domain, texts.problem)

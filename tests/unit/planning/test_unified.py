@@ -23,7 +23,7 @@ def test_several_tasks_at_once_each_get_their_own_plan() -> None:
     assert placed == ["slot_1", "slot_2"]
 
 
-def test_an_engine_that_is_not_there_is_named_with_those_that_are() -> None:
+def test_an_unknown_engine_is_answered_with_the_known_ones() -> None:
     planner = UnifiedPlanning("warp")
     texts = tiny_pddl(tiny_world(), IN_CONTAINER("ball_1", "slot_1"))
 

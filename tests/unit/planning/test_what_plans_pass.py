@@ -46,7 +46,7 @@ def passed(outcome: Plan | NoPlan) -> Mapping[str, str]:
 
 
 @pytest.mark.parametrize("class_", ["tiny:Slot", "tiny:Giant"])
-def test_an_optional_element_is_left_open_whether_there_is_one_or_not(class_: str) -> None:
+def test_a_plan_leaves_an_optional_element_open(class_: str) -> None:
     helper = Param("Helper", class_, "One that helps.", Kind.OPTIONAL)
     spoken = (IN_CONTAINER("Ball", "Helper"),) if class_ == "tiny:Slot" else ()
 
@@ -55,7 +55,7 @@ def test_an_optional_element_is_left_open_whether_there_is_one_or_not(class_: st
 
 
 @pytest.mark.parametrize(("slot", "is_plan"), [("slot_2", True), ("slot_1", False)])
-def test_a_default_is_what_conditions_mean(slot: str, is_plan: bool) -> None:
+def test_conditions_on_a_parameter_with_a_default_use_the_default(slot: str, is_plan: bool) -> None:
     spare = Param("Spare", "tiny:Slot", "A slot that must be free.", Kind.OFFLINE, default=slot)
     world = tiny_world("scene:ball_9 a tiny:Ball ; sk:in scene:slot_1 .")
 
@@ -69,7 +69,7 @@ def test_a_default_is_what_conditions_mean(slot: str, is_plan: bool) -> None:
         assert "needs that nothing is in slot_1, and ball_9 is in slot_1" in outcome.reasons[0]
 
 
-def test_effects_on_a_default_lead_to_goals_and_are_believed_in_the_end() -> None:
+def test_effects_on_a_default_reach_goals_and_are_written() -> None:
     tray = Param("Tray", "tiny:Slot", "Where it is put at last.", Kind.OFFLINE, default="slot_2")
     tidy = replace(pick_with(tray, pre=(FREE("Tray"),)), post=(IN_CONTAINER("Ball", "Tray"),))
 
@@ -81,7 +81,7 @@ def test_effects_on_a_default_lead_to_goals_and_are_believed_in_the_end() -> Non
     assert isinstance(outcome, NoPlan)
 
 
-def test_a_skill_whose_default_is_gone_is_not_planned_with() -> None:
+def test_a_skill_whose_default_element_was_removed_is_not_planned() -> None:
     spare = Param("Spare", "tiny:Slot", "A slot that must be free.", Kind.OFFLINE, default="slot_9")
 
     assert isinstance(plan(pick_with(spare, pre=(FREE("Spare"),))), NoPlan)
@@ -95,7 +95,7 @@ def test_a_skill_whose_default_is_gone_is_not_planned_with() -> None:
     ],
     ids=["cost", "prefer"],
 )
-def test_what_no_condition_speaks_of_is_chosen_at_the_start_as_its_author_prefers(param: Param) -> None:
+def test_parameters_without_conditions_are_chosen_at_the_start_by_preference(param: Param) -> None:
     world = tiny_world("scene:slot_3 a tiny:Slot ; sk:on scene:box_a .") if param.preferred else tiny_world()
 
     with Bench(world, (pretend(DRIVE), pretend(pick_with(param)))) as bench:
@@ -107,13 +107,13 @@ def test_what_no_condition_speaks_of_is_chosen_at_the_start_as_its_author_prefer
     assert f"Tool={'slot_3' if param.preferred else 'slot_2'}" in told
 
 
-def test_a_parameter_that_is_described_is_passed() -> None:
+def test_a_plan_passes_a_parameter_with_a_description() -> None:
     full = Param("Other", "tiny:Box", "A box with something in it.", where=Related(IN, "Ball", IT))
 
     assert passed(plan(pick_with(full)))["Other"] == "box_a"
 
 
-def test_a_required_element_of_which_there_is_none_makes_no_plan() -> None:
+def test_a_missing_required_element_makes_planning_impossible() -> None:
     outcome = plan(pick_with(Param("Tool", "tiny:Giant", "Any giant.")))
 
     assert isinstance(outcome, NoPlan)
@@ -127,7 +127,7 @@ def ways(*whens: tuple[Condition, ...]) -> SkillDescription:
     return DRIVE.under(whens)
 
 
-def test_a_skill_whose_only_way_asks_for_more_is_planned_with_what_it_asks_for() -> None:
+def test_a_skill_with_one_implementation_is_planned_with_the_condition_of_that_implementation() -> None:
     never = pretend(DRIVE)
     never = replace(never, when=(AT_LOCATION("Robot", "Location"),))
 
@@ -144,7 +144,7 @@ def test_a_skill_whose_only_way_asks_for_more_is_planned_with_what_it_asks_for()
     assert not report.steps
 
 
-def test_other_skills_bring_about_what_one_of_the_ways_asks_for() -> None:
+def test_other_skills_establish_the_condition_of_an_implementation() -> None:
     full = replace(pretend(DRIVE), label="full", when=(~FREE("Location"),))
     params = tuple(replace(p, type="tiny:Slot") if p.key == "Location" else p for p in DRIVE.params)
     to_slot = replace(DRIVE, name="visit", params=params, pre=DRIVE.pre[:1])
@@ -157,12 +157,12 @@ def test_other_skills_bring_about_what_one_of_the_ways_asks_for() -> None:
     assert [step.skill for step in outcome.steps] == ["drive", "pick", "place", "visit"]
 
 
-def test_one_way_that_asks_for_nothing_is_enough() -> None:
+def test_an_implementation_without_a_condition_is_sufficient() -> None:
     assert ways((), (FREE("Location"),)) is DRIVE
     assert ways() is DRIVE
 
 
-def test_any_one_of_the_ways_is_enough() -> None:
+def test_any_implementation_is_sufficient() -> None:
     both = (REACHABLE("Location"), AT_LOCATION("Robot", "Location"))
     either = ways((FREE("Location"),), both, both)
 

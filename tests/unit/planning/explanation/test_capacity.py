@@ -55,7 +55,7 @@ def causes(world: World, *goal: str, skills: tuple[SkillDescription, ...] = (DRI
         "for all b: Ball (exists t: Container (In(b, t) and HasPart(tray_1, t)))",
     ],
 )
-def test_for_all_wants_room_for_each(goal: str) -> None:
+def test_a_goal_for_all_needs_room_for_each_element(goal: str) -> None:
     (cause,) = causes(tray(1), goal)
 
     assert cause.kind is CauseKind.FULL
@@ -63,21 +63,21 @@ def test_for_all_wants_room_for_each(goal: str) -> None:
     assert causes(tray(2), goal) == ()
 
 
-def test_one_of_the_things_that_exist_is_wanted_in_each_place() -> None:
+def test_a_goal_that_needs_more_things_than_exist_is_explained_by_their_number() -> None:
     (cause,) = causes(tray(2), "for all s: Slot (exists b: RedBall (In(b, s)))")
 
     assert cause.kind is CauseKind.TOO_FEW
     assert "4 of RedBall are wanted, but there is only red_ball_1" in cause.text
 
 
-def test_what_holds_two_things_already_may_go_on_to() -> None:
+def test_a_place_that_already_holds_two_things_is_not_explained_as_full() -> None:
     crowded = [f"scene:{ball} sk:in scene:tray_1_1 ." for ball in ("ball_8", "ball_9")]
     world = tray(1, *(f"scene:{ball} a tiny:Ball ." for ball in ("ball_8", "ball_9")), *crowded)
 
     assert causes(world, "In(ball_8, tray_1_1)", "In(ball_9, tray_1_1)") == ()
 
 
-def test_a_place_that_robots_want_to_be_empty_takes_one_robot_only() -> None:
+def test_a_place_that_robots_need_empty_has_room_for_one_robot() -> None:
     skills = ALONE, PICK, PLACE
 
     (cause,) = causes(tray(1, robots=2), "At(robot_1, box_a)", "At(robot_2, box_a)", skills=skills)
@@ -87,7 +87,7 @@ def test_a_place_that_robots_want_to_be_empty_takes_one_robot_only() -> None:
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_a_goal_with_a_certain_cause_has_no_plan(seed: int, planners: Planners) -> None:
+def test_a_goal_with_a_proven_cause_has_no_plan(seed: int, planners: Planners) -> None:
     random = Random(seed)
     world = tray(random.randint(1, 2), *drawn_balls(random))
     goal = parse_goal([drawn(random, 2) for _ in range(random.randint(1, 2))], world, WORDS)

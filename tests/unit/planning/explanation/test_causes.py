@@ -82,7 +82,7 @@ def lost() -> World:
         ),
     ],
 )
-def test_the_reason_names_skill_and_obstacle(
+def test_the_reason_names_the_skill_and_the_obstacle(
     world: World, goal: Condition, agents: tuple[str, ...] | None, reason: str
 ) -> None:
     (given_reason,) = reasons(world, goal, agents=agents)
@@ -90,14 +90,14 @@ def test_the_reason_names_skill_and_obstacle(
     assert given_reason.startswith(reason)
 
 
-def test_a_part_at_an_unknown_place_is_blamed_on_where_it_is() -> None:
+def test_a_part_at_an_unknown_place_is_explained_by_its_place() -> None:
     (reason,) = reasons(lost(), IN_CONTAINER("ball_1", "slot_1"))
 
     assert "needs that ball_1 is held by gripper_1" in reason
     assert "skill 'pick' would do it, but needs that ball_1 is in a Box" in reason
 
 
-def test_a_cause_says_as_data_which_skill_never_gets_what() -> None:
+def test_a_cause_contains_the_skill_and_its_unreachable_precondition_as_data() -> None:
     world = lost()
 
     (found,) = find_causes(tiny_task(world, IN_CONTAINER("ball_1", "slot_1")))
@@ -114,11 +114,11 @@ def test_only_conditions_that_can_never_hold_are_explained() -> None:
     assert [reason.partition(" cannot")[0] for reason in found] == ["In(giant_1, slot_2)"]
 
 
-def test_what_holds_already_needs_no_explanation() -> None:
+def test_a_condition_that_already_holds_needs_no_explanation() -> None:
     assert reasons(tiny_world(), FREE("slot_1"), HOLDING("gripper_1", "ball_1")) == ()
 
 
-def test_a_property_that_nothing_has_is_said_of_the_class() -> None:
+def test_a_property_that_no_element_has_is_reported_for_the_class() -> None:
     skill = replace(DRIVE, params=(*DRIVE.params, Param("Slot", "tiny:Slot", "A slot.")), pre=(REACHABLE("Slot"),))
     world = tiny_world()
 
@@ -127,7 +127,7 @@ def test_a_property_that_nothing_has_is_said_of_the_class() -> None:
     assert "needs that a Slot has a driving pose, and no Slot has a driving pose" in found.cause.text
 
 
-def test_a_skill_that_needs_what_it_is_wanted_for_is_told_once() -> None:
+def test_a_skill_that_needs_its_own_effect_is_named_once() -> None:
     skill = replace(DRIVE, pre=(*DRIVE.pre, AT_LOCATION("Robot", "Location")))
     world = tiny_world()
 
@@ -164,7 +164,7 @@ def test_many_like_things_do_not_change_the_cause() -> None:
         (["In(red_ball_1, slot_1)", "In(RedBall, slot_2)"], CauseKind.TOO_FEW, {"red_ball_1"}),
     ],
 )
-def test_conditions_that_exclude_each_other_are_named_with_what_they_are_about(
+def test_mutually_exclusive_conditions_are_named_with_their_subject(
     goal: list[str], kind: CauseKind, elements: set[str]
 ) -> None:
     from skiros_py.tasks.goals import parse_goal
@@ -180,7 +180,7 @@ def test_conditions_that_exclude_each_other_are_named_with_what_they_are_about(
     assert set(found.cause.conditions) == set(conditions)
 
 
-def test_a_condition_that_undoes_what_it_needs_is_said_to() -> None:
+def test_a_condition_that_undoes_its_own_requirement_is_explained_as_such() -> None:
     """Nothing here finds out why: the explanation says no more than it knows."""
     world = tiny_world()
 

@@ -38,18 +38,18 @@ def test_the_smallest_change_is_offered_first() -> None:
 
 
 @pytest.mark.parametrize("answer", [False, None])
-def test_what_is_not_known_to_work_is_not_offered(answer: bool | None) -> None:
+def test_repairs_that_are_not_known_to_work_are_not_offered(answer: bool | None) -> None:
     assert explained(full(), IN_CONTAINER("ball_1", "slot_1"), works=answer).repairs == ()
 
 
-def test_the_only_condition_is_never_given_up() -> None:
+def test_giving_up_the_only_condition_is_never_offered() -> None:
     found = explained(full(), IN_CONTAINER("ball_1", "slot_1"))
 
     assert found.repairs
     assert not any(repair.without for repair in found.repairs)
 
 
-def test_several_causes_are_repaired_together() -> None:
+def test_one_repair_covers_several_causes() -> None:
     stray = [f"scene:ball_{n} a tiny:Ball ; sk:in scene:slot_{n - 7} ." for n in (8, 9)]
 
     found = explained(tiny_world(*stray), IN_CONTAINER("ball_1", "slot_1"), IN_CONTAINER("red_ball_1", "slot_2"))
@@ -77,7 +77,7 @@ def test_a_repair_is_one_transaction_with_author_and_reason() -> None:
     assert len(change.edits) == 2
 
 
-def test_what_is_done_by_applying_a_repair_is_told_without_the_goal() -> None:
+def test_the_text_of_an_applied_repair_omits_goal_changes() -> None:
     more = Add("tiny:Ball", Placement("sk:in", "box_b"))
     edits = more, more, Move("ball_9", "sk:in", "box_a")
     repair = Repair("all of it", edits, without=(IN_CONTAINER("ball_1", "slot_1"),))
@@ -86,7 +86,7 @@ def test_what_is_done_by_applying_a_repair_is_told_without_the_goal() -> None:
     assert Repair("see to it").done == ""
 
 
-def test_a_repair_that_is_not_possible_any_more_changes_nothing() -> None:
+def test_an_outdated_repair_changes_nothing() -> None:
     world = full()
     repair = Repair("impossible", (Move("ball_1", "sk:in", "box_b"), Remove("ball_77")))
 
@@ -97,7 +97,7 @@ def test_a_repair_that_is_not_possible_any_more_changes_nothing() -> None:
 
 
 @pytest.mark.parametrize("edit", [Move("reds#2", "sk:in", "slot_1"), Assign("reds#2", "tiny:scanned", True)])
-def test_what_is_said_of_a_thing_in_stock_is_written_of_a_new_element_and_the_stock_has_one_less(
+def test_a_repair_of_a_stock_item_makes_it_an_element_and_reduces_the_stock(
     edit: SceneEdit,
 ) -> None:
     stock = 'scene:box_a sk:hasA scene:reds . scene:reds a sk:Stock ; sk:stockOf "tiny:RedBall" ; sk:stockCount 2 .'
@@ -120,7 +120,7 @@ def test_what_is_said_of_a_thing_in_stock_is_written_of_a_new_element_and_the_st
         (Relate("robot_1", "tiny:knows", "box_a"), "state that robot_1 knows box_a"),
     ],
 )
-def test_what_is_supposed_is_what_is_written(edit: SceneEdit, text: str) -> None:
+def test_a_repair_writes_exactly_what_was_assumed(edit: SceneEdit, text: str) -> None:
     world = tiny_world()
     supposed = HypotheticalView(world)
 

@@ -38,11 +38,11 @@ def blamed(*goal: Condition, drive: SkillDescription = CAREFUL) -> set[Condition
     return set(cause.conditions)
 
 
-def test_of_a_long_goal_the_two_that_never_hold_at_once_are_named() -> None:
+def test_the_two_incompatible_conditions_of_a_long_goal_are_named() -> None:
     assert blamed(IN_CONTAINER("red_ball_1", "slot_1"), HELD, ELSEWHERE) == {HELD, ELSEWHERE}
 
 
-def test_what_can_hold_at_once_is_not_blamed() -> None:
+def test_compatible_conditions_are_not_blamed() -> None:
     goal = IN_CONTAINER("red_ball_1", "slot_1"), HELD, ELSEWHERE
 
     assert blamed(*goal, drive=DRIVE) == set(goal)  # there is a plan: no pair is found that excludes itself

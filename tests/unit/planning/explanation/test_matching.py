@@ -15,14 +15,14 @@ def lacks(wanted: list[frozenset[str]], indices: tuple[int, ...]) -> bool:
 
 
 @given(WANTED)
-def test_those_who_fall_short_want_fewer_things_than_they_are(wanted: list[frozenset[str]]) -> None:
+def test_a_reported_group_wants_fewer_things_than_it_has_members(wanted: list[frozenset[str]]) -> None:
     found = short(wanted)
 
     assert not found or lacks(wanted, found)
 
 
 @given(WANTED)
-def test_somebody_is_found_short_wherever_some_group_is(wanted: list[frozenset[str]]) -> None:
+def test_a_group_is_reported_exactly_if_some_group_wants_too_few_things(wanted: list[frozenset[str]]) -> None:
     groups = (group for size in range(1, len(wanted) + 1) for group in combinations(range(len(wanted)), size))
 
     assert bool(short(wanted)) == any(lacks(wanted, group) for group in groups)

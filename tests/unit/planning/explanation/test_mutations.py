@@ -23,7 +23,7 @@ def planners() -> Iterator[Planners]:
 
 
 @pytest.mark.parametrize("mutation", SPOILT, ids=lambda m: m.name)
-def test_the_cause_is_how_the_task_was_spoilt_and_every_repair_works(mutation: Mutation, planners: Planners) -> None:
+def test_the_cause_is_the_mutation_of_the_task_and_every_repair_works(mutation: Mutation, planners: Planners) -> None:
     trial = Trial(planners, mutation.capabilities, each=30.0, together=300.0)
     before = mutation.world.version
 
@@ -41,13 +41,13 @@ def test_the_cause_is_how_the_task_was_spoilt_and_every_repair_works(mutation: M
             assert trial(fresh.world, goal), repair.text
 
 
-def test_one_seed_draws_the_same_tasks_again() -> None:
+def test_a_seed_always_gives_the_same_tasks() -> None:
     again = list(mutations(seed=7, rounds=1))
 
     assert [(m.name, m.goal, m.expected) for m in again] == [(m.name, m.goal, m.expected) for m in SPOILT]
 
 
-def test_an_unspoilt_task_is_what_a_mutation_starts_from(planners: Planners) -> None:
+def test_the_goal_without_the_mutated_conditions_is_reachable(planners: Planners) -> None:
     """The rest of the goal can be reached: what was spoilt is the only thing that is wrong."""
     for mutation in SPOILT:
         rest = [condition for condition in mutation.goal if condition not in mutation.spoilt]

@@ -41,7 +41,7 @@ def texts(found: NoPlan) -> list[str]:
     return [repair.text for repair in found.repairs]
 
 
-def test_a_free_place_is_offered_to_each_before_one_is_left_out(planners: Planners) -> None:
+def test_each_thing_is_offered_a_free_place_before_one_is_given_up(planners: Planners) -> None:
     found = explained(planners, "In(ball_1, slot_1)", "In(red_ball_1, slot_1)")
 
     assert texts(found) == [
@@ -52,7 +52,7 @@ def test_a_free_place_is_offered_to_each_before_one_is_left_out(planners: Planne
     ]
 
 
-def test_a_thing_is_moved_and_one_condition_given_up_before_both_are_given_up(planners: Planners) -> None:
+def test_moving_a_thing_and_giving_up_one_condition_comes_before_giving_up_both(planners: Planners) -> None:
     there = "scene:ball_9 a tiny:Ball ; sk:in scene:slot_1 ."
 
     found = explained(planners, "In(ball_1, slot_1)", "In(red_ball_1, slot_1)", "Free(slot_2)", facts=(there,))
@@ -77,7 +77,7 @@ def test_another_place_and_one_more_thing_are_offered_before_something_is_given_
 
 
 @pytest.mark.parametrize("other", ["red_ball_1", "RedBall"])
-def test_that_one_place_takes_one_thing_is_said_first_though_the_one_is_there_already(
+def test_that_a_place_takes_only_one_thing_is_the_first_cause_even_if_it_is_occupied(
     other: str, planners: Planners
 ) -> None:
     """Whoever is told that it has to be taken away would take away what is wanted there."""
@@ -91,7 +91,7 @@ def test_that_one_place_takes_one_thing_is_said_first_though_the_one_is_there_al
     assert not [repair for repair in found.repairs if repair.edits]
 
 
-def test_that_something_else_is_there_is_said_as_well(planners: Planners) -> None:
+def test_an_occupied_place_is_named_as_a_further_cause(planners: Planners) -> None:
     there = "scene:ball_9 a tiny:Ball ; sk:in scene:slot_1 ."
 
     found = explained(planners, "In(ball_1, slot_1)", "In(red_ball_1, slot_1)", facts=(there,))
@@ -100,7 +100,7 @@ def test_that_something_else_is_there_is_said_as_well(planners: Planners) -> Non
     assert found.causes[1].why == "ball_9 is in slot_1, and no skill takes it away"
 
 
-def test_a_place_that_the_goal_names_already_or_that_is_taken_is_not_offered(planners: Planners) -> None:
+def test_places_that_are_occupied_or_named_in_the_goal_are_not_offered(planners: Planners) -> None:
     there = "scene:ball_9 a tiny:Ball ; sk:in scene:slot_2 ."
     wanted = "In(ball_1, slot_1)", "In(red_ball_1, slot_1)"
 
@@ -108,7 +108,7 @@ def test_a_place_that_the_goal_names_already_or_that_is_taken_is_not_offered(pla
     assert not any(repair.instead for repair in explained(planners, *wanted, "Free(slot_2)").repairs)
 
 
-def test_where_nothing_is_wanted_no_other_place_is_offered(planners: Planners) -> None:
+def test_a_goal_that_wants_a_place_free_offers_no_other_place(planners: Planners) -> None:
     there = "scene:ball_9 a tiny:Ball ; sk:in scene:slot_1 ."
 
     found = explained(planners, "Free(slot_1)", facts=(there,))
@@ -116,14 +116,14 @@ def test_where_nothing_is_wanted_no_other_place_is_offered(planners: Planners) -
     assert texts(found) == ["put ball_9 in box_a", "remove ball_9 from the scene"]
 
 
-def test_a_place_of_the_wrong_kind_is_said_with_a_right_one(planners: Planners) -> None:
+def test_a_place_of_the_wrong_class_is_reported_with_a_suitable_one(planners: Planners) -> None:
     found = explained(planners, "In(ball_1, box_b)")
 
     assert found.causes[0].kind is CauseKind.NO_SKILL
     assert found.repairs[0].instead[0].as_json() == {"condition": "In(ball_1, box_b)", "by": "In(ball_1, slot_1)"}
 
 
-def test_the_names_in_a_repair_are_data(planners: Planners) -> None:
+def test_a_repair_lists_its_names_as_data(planners: Planners) -> None:
     there = "scene:ball_9 a tiny:Ball ; sk:in scene:slot_1 ."
 
     found = explained(planners, "In(ball_1, slot_1)", facts=(there,))

@@ -51,7 +51,7 @@ def ball(number: int, place: str) -> str:
     return f"scene:ball_{number} a tiny:Ball ; sk:in scene:{place} ."
 
 
-def test_a_thing_is_put_where_such_things_are_stored_and_never_into_a_place_for_one(planners: Planners) -> None:
+def test_a_repair_puts_a_thing_into_its_storage_and_never_into_a_place_for_one(planners: Planners) -> None:
     """The other balls lie in slots: in full ones, and one that is free."""
     world = tiny_world(*TRAY, ball(8, "tray_1_1"), ball(9, "tray_1_2"))
 
@@ -69,7 +69,7 @@ def test_a_thing_is_put_where_such_things_are_stored_and_never_into_a_place_for_
         ("not In(ball_8, tray_1_1)", "tray_1_1 is not a Box, which skill 'pick' needs"),
     ],
 )
-def test_what_should_not_lie_where_nothing_takes_it_from_is_put_elsewhere(
+def test_a_thing_at_a_place_without_a_removing_skill_is_put_elsewhere(
     goal: str, reason: str, planners: Planners
 ) -> None:
     found = explained(tiny_world(*TRAY, ball(8, "tray_1_1")), planners, goal)
@@ -78,7 +78,7 @@ def test_what_should_not_lie_where_nothing_takes_it_from_is_put_elsewhere(
     assert found.repairs[0].text == "put ball_8 in box_a"
 
 
-def test_parts_that_there_is_no_room_for_may_be_taken_out_of_the_scene(planners: Planners) -> None:
+def test_parts_without_room_may_be_removed_from_the_scene(planners: Planners) -> None:
     world = tiny_world(*TRAY, *(ball(n, "box_a") for n in (8, 9)))
 
     found = explained(world, planners, "for all b: Ball (InTray(b, tray_1))")
@@ -87,7 +87,7 @@ def test_parts_that_there_is_no_room_for_may_be_taken_out_of_the_scene(planners:
     assert found.repairs[0].text == "remove ball_1 from the scene and remove ball_8 from the scene"
 
 
-def test_what_a_repair_brings_is_not_changed_by_it(planners: Planners) -> None:
+def test_a_repair_does_not_change_the_elements_it_adds(planners: Planners) -> None:
     """It is brought to where it hinders something else: its name is known only when it is there."""
     world = tiny_world(*TRAY, ball(8, "tray_1_1"))
     with world.transaction("test", "only one ball, in a slot") as tx:

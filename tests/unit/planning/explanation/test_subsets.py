@@ -20,11 +20,11 @@ def smallest(goal: Sequence[Condition], bad: Sequence[Condition], *, known: bool
 
 
 @given(st.sets(st.sampled_from(GOAL), min_size=1))
-def test_what_is_left_is_exactly_what_cannot_be_reached_together(bad: set[Condition]) -> None:
+def test_the_smallest_subset_is_exactly_the_conflicting_conditions(bad: set[Condition]) -> None:
     assert set(smallest(GOAL, tuple(bad))) == bad
 
 
-def test_where_the_planner_does_not_know_nothing_is_left_out() -> None:
+def test_without_a_proof_of_the_planner_no_condition_is_left_out() -> None:
     assert smallest(GOAL, GOAL[:2], known=False) == GOAL
 
 
