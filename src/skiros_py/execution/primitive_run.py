@@ -46,7 +46,6 @@ class PrimitiveRun(ModuleRun):
         self._loaded: Loaded
         self._values = given
         self._take = take
-        self._claim: Claim | None = None
         self._board = scope.context.board
         self._calls = self.inner_scope()
         self._open: dict[int, Execution[Outcome]] = {}
@@ -117,11 +116,6 @@ class PrimitiveRun(ModuleRun):
             self._tidy("when it was stopped", made.stop)
             self._outer.unfinished.append(Unfinished(made.name, made.recover, claim))
         return made is not None
-
-    def release(self) -> None:
-        """Gives its devices back."""
-        if self._claim is not None:
-            self._claim.release()
 
     def _tick(self) -> Outcome | None:
         """Runs its author's code up to the next ``yield``; returns how it ended, None while it goes on.

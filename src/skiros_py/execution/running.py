@@ -101,9 +101,6 @@ class BehaviourRun(ModuleRun):
         self._outer.unfinished.extend(self._scope.unfinished)
         return False
 
-    def release(self) -> None:
-        """It has no devices of its own."""
-
 
 class Running(Protocol):
     """A module that was started, wherever it runs."""

@@ -296,6 +296,7 @@ class ModuleRun(ABC):
         self.started = False
         self._kind = kind
         self._outer = scope
+        self._claim: Claim | None = None
 
     def execute(self) -> Execution[Outcome]:
         """Runs it until it ends or is cancelled, reports that, and gives its devices back.
@@ -357,6 +358,7 @@ class ModuleRun(ABC):
     def leave(self) -> bool:
         """Ends it at once where it is; returns whether it keeps its devices to recover."""
 
-    @abstractmethod
     def release(self) -> None:
         """Gives its devices back; may be called twice."""
+        if self._claim is not None:
+            self._claim.release()

@@ -49,7 +49,6 @@ class SkillRun(ModuleRun):
         self._given = given
         self._take = take
         self._cancelled = ""
-        self._claim: Claim | None = None
         self._finish: Behaviour | None = None
         self._found: dict[tuple[str, str], ConditionRow] = {}
         self._way: Skill | None = None
@@ -94,11 +93,6 @@ class SkillRun(ModuleRun):
             return False
         self._outer.unfinished.append(Unfinished(self.name, self.recover, self._claim))
         return True
-
-    def release(self) -> None:
-        """Gives its devices back."""
-        if self._claim is not None:
-            self._claim.release()
 
     # ------------------------------------------------------------------ parameters and devices
 

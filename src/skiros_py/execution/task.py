@@ -6,6 +6,7 @@ from collections.abc import Callable, Generator
 from typing import Any, Generic, Protocol, TypeVar
 
 from skiros_py.errors import DeviceError, ModuleError
+from skiros_py.execution.containment import words
 from skiros_py.interruptions import CycleOverrun
 from skiros_py.ports.board import DeviceBoard
 
@@ -211,14 +212,9 @@ class Task(Generic[T]):
 
 
 def _words(fault: BaseException) -> str:
-    match fault:
-        case CycleOverrun():
-            stack = "" if fault.overrun is None else f"\n{fault.overrun.stack}"
-            return f"{fault}{stack}"
-        case SystemExit():
-            return f"tried to end the program: sys.exit({fault.code!r})"
-        case _:
-            return f"{type(fault).__name__}: {fault}"
+    if isinstance(fault, CycleOverrun):
+        return str(fault) if fault.overrun is None else f"{fault}\n{fault.overrun.stack}"
+    return words(fault)
 
 
 _RAMP = 0.3

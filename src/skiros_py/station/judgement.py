@@ -8,7 +8,8 @@ from skiros_py.geometry import Pose, wrap_angle
 from skiros_py.ports.cell import CellSpec
 from skiros_py.simulation.cell import SimulatedCell
 from skiros_py.simulation.truth import Truth
-from skiros_py.skills.conditions import AllOf, AnyOf, Condition, Exists, Not, Nothing, Pattern, Related
+from skiros_py.skills.conditions import Condition, Exists, Nothing, Pattern, Related
+from skiros_py.skills.conditions.pattern import leaves
 from skiros_py.world import vocabulary as v
 from skiros_py.world.element import Element
 from skiros_py.world.overlay import Overlay
@@ -67,15 +68,9 @@ def true_whereabouts(cell: SimulatedCell) -> Callable[[], Whereabouts]:
 
 def _is_physical(pattern: Pattern, view: WorldView) -> bool:
     """Returns whether a pattern concerns only where elements are."""
-    match pattern:
-        case Related(relation, _, _) | Nothing(relation, _):
-            return view.ontology.family(relation) in (Family.PLACEMENT, Family.STRUCTURE)
-        case Not(inner) | Exists(_, _, inner):
-            return _is_physical(inner, view)
-        case AllOf(patterns) | AnyOf(patterns):
-            return all(_is_physical(part, view) for part in patterns)
-        case _:
-            return False
+    atoms = (leaf for leaf, _ in leaves(pattern) if not isinstance(leaf, Exists))
+    physical = (Family.PLACEMENT, Family.STRUCTURE)
+    return all(isinstance(one, Related | Nothing) and view.ontology.family(one.relation) in physical for one in atoms)
 
 
 def _relation(view: WorldView, place: str) -> str:

@@ -96,7 +96,7 @@ def test_an_exit_of_the_program_is_reported_in_words() -> None:
         sys.exit("enough")
         yield
 
-    with pytest.raises(ModuleError, match=r"^careless: tried to end the program: sys\.exit\('enough'\)$"):
+    with pytest.raises(ModuleError, match=r"^careless: it tried to end the program: sys\.exit\('enough'\)$"):
         cycle.run(cycle.start(leaves(), "careless"))
 
 

@@ -16,14 +16,14 @@ from skiros_py.skills.conditions import ConditionType
 from skiros_py.skills.plain import Reader
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.station.document_store import TEMPLATE
-from skiros_py.tasks.goals.forms import FORMS, AllOf, AnyOf, Exists, ForAll, Form, Implication, Name, Negation, Word
+from skiros_py.tasks.goals import forms
+from skiros_py.tasks.goals.forms import Form
 from skiros_py.world.names import local_name
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.view import WorldView
 
 _DEEPEST = 60
 """Maximum nesting: the goal language refuses deeper goals anyway, and recursion over them would fail."""
-_PLAIN = re.compile(r"[^\W\d](?:[\w.-]|:(?=\w))*")
 _VARIABLE = re.compile(r"[^\W\d]\w*")
 
 
@@ -60,20 +60,15 @@ def check_structure(data: dict[str, Any], where: str) -> None:
 
 def _forms(data: Sequence[object], where: str, *, alone: bool) -> list[Form]:
     try:
-        return FORMS.validate_python(list(data))
+        return forms.FORMS.validate_python(list(data))
     except ValidationError as error:
         raise DocumentError(_pydantic_faults(where, error, skip=int(alone))) from None
 
 
 def _pydantic_faults(where: str, error: ValidationError, *, skip: int) -> list[DocumentFault]:
     faults = error.errors(include_url=False)[:20]
-    return [DocumentFault(f"{where}{_path(one['loc'][skip:])}".lstrip("."), fault_words(one)) for one in faults]
-
-
-def _path(loc: Sequence[int | str]) -> str:
-    """Returns the path to a field: "[0].not.arguments[1]"; names in angle brackets are kinds, not fields."""
-    fields = [f"[{name}]" if isinstance(name, int) else f".{name}" for name in loc if not str(name).startswith("<")]
-    return "".join(fields[:20])[:200]
+    paths = [f"{where}{forms.field_path(one['loc'][skip:])[:200]}" for one in faults]
+    return [DocumentFault(path.lstrip("."), fault_words(one)) for path, one in zip(paths, faults, strict=True)]
 
 
 def _text(form: Form, variables: frozenset[str], depth: int) -> str:
@@ -81,36 +76,31 @@ def _text(form: Form, variables: frozenset[str], depth: int) -> str:
     if depth > _DEEPEST:
         raise UsageError(f"the goal is nested deeper than {_DEEPEST} levels: say it in several conditions")
     match form:
-        case Word(condition=word, arguments=arguments):
-            return f"{_word(word)}({', '.join(_name(argument, variables) for argument in arguments)})"
-        case Negation(part=part):
+        case forms.Word(condition=word, arguments=arguments):
+            return f"{_word(word)}({', '.join(_name(argument.text, variables) for argument in arguments)})"
+        case forms.Negation(part=part):
             return f"not ({_text(part, variables, depth + 1)})"
-        case AllOf(parts=parts) | AnyOf(parts=parts):
+        case forms.AllOf(parts=parts) | forms.AnyOf(parts=parts):
             return f" {form.word} ".join(f"({_text(part, variables, depth + 1)})" for part in parts)
-        case Implication(premise=premise, then=then):
+        case forms.Implication(premise=premise, then=then):
             return f"({_text(premise, variables, depth + 1)}) implies ({_text(then, variables, depth + 1)})"
-        case ForAll(variable=variable, holds=holds) | Exists(variable=variable, holds=holds):
+        case forms.ForAll(variable=variable, holds=holds) | forms.Exists(variable=variable, holds=holds):
             if not _VARIABLE.fullmatch(variable):
                 raise UsageError(f"'{variable[:100]}' cannot be a variable: letters, digits and _ only")
             inner = _text(holds, variables | {variable}, depth + 1)
-            return f"{form.quantifier} {variable}: {_quoted(form.class_)} ({inner})"
+            return f"{form.quantifier} {variable}: {_name(form.class_)} ({inner})"
 
 
 def _word(word: str) -> str:
-    if not _PLAIN.fullmatch(word):
+    if not forms.PLAIN.fullmatch(word):
         raise UsageError(f"unknown condition '{word[:100]}' in the goal: a word consists of letters, digits and _")
     return word
 
 
-def _name(name: Name, variables: frozenset[str]) -> str:
-    return name.text if name.text in variables else _quoted(name.text)
-
-
-def _quoted(name: str) -> str:
-    """Returns a name unchanged, or in double quotes if the grammar requires them."""
+def _name(name: str, variables: frozenset[str] = frozenset()) -> str:
     if not name:
         raise UsageError("a name in the goal is empty")
-    return name if _PLAIN.fullmatch(name) else '"' + re.sub(r'(["\\])', r"\\\1", name) + '"'
+    return name if name in variables else forms.quoted(name)
 
 
 _FIELDS = ("class", "definition", "id", "location", "lot", "use")

@@ -127,6 +127,27 @@ Form = Annotated[
 FORMS: TypeAdapter[list[Form]] = TypeAdapter(list[Form])
 """A list of goals as plain data."""
 
+_LONGEST_PATH = 20
+
+
+def field_path(location: Sequence[int | str]) -> str:
+    """Returns the path to a field of a goal ("[0].not.arguments[1]"); names in angle brackets are kinds, not fields."""
+    fields = [
+        f"[{part}]" if isinstance(part, int) else f".{part}" for part in location if not str(part).startswith("<")
+    ]
+    if len(fields) > _LONGEST_PATH:
+        fields[_LONGEST_PATH // 2 : -_LONGEST_PATH // 2] = ["…"]
+    return "".join(fields)
+
+
+PLAIN = re.compile(r"[^\W\d](?:[\w.-]|:(?=\w))*")
+"""A name that needs no quotes."""
+
+
+def quoted(name: str) -> str:
+    """Returns a name as goals are written, in double quotes if the grammar requires them."""
+    return name if PLAIN.fullmatch(name) else '"' + re.sub(r'(["\\])', r"\\\1", name) + '"'
+
 
 _WORDS: Mapping[str, str] = {
     "LPAR": "'('",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from math import prod
@@ -13,19 +12,8 @@ from pydantic import ValidationError
 from skiros_py.errors import DescriptionError, UnknownName, UsageError
 from skiros_py.planning.domain.pddl import NameMap
 from skiros_py.skills.conditions import Condition, ConditionType, Junction, Quantified, all_of, any_of, exists, for_all
-from skiros_py.tasks.goals.forms import (
-    FORMS,
-    AllOf,
-    AnyOf,
-    Exists,
-    ForAll,
-    Form,
-    Implication,
-    Name,
-    Negation,
-    Word,
-    read,
-)
+from skiros_py.tasks.goals import forms
+from skiros_py.tasks.goals.forms import Form
 from skiros_py.world.element import is_abstract
 from skiros_py.world.names import local_name
 from skiros_py.world.view import WorldView
@@ -44,11 +32,11 @@ _Scope = Mapping[str, str]
 """Class by variable."""
 
 
-def goal_of(forms: Iterable[Form], view: WorldView, conditions: Mapping[str, ConditionType]) -> tuple[Condition, ...]:
+def goal_of(parsed: Iterable[Form], view: WorldView, conditions: Mapping[str, ConditionType]) -> tuple[Condition, ...]:
     """Returns the conditions that must hold together, each once; what "and" joins becomes several.
 
     Args:
-        forms: The parsed goals.
+        parsed: The parsed goals.
         view: The world, for elements and classes.
         conditions: The known condition words.
 
@@ -57,25 +45,22 @@ def goal_of(forms: Iterable[Form], view: WorldView, conditions: Mapping[str, Con
         UsageError: An argument is of the wrong class, abstract where that is not allowed, or a variable out of place.
     """
     meaning = Meaning(view, conditions)
-    found = (condition for one in forms for condition in _split(meaning.of(one, {})))
-    goal = tuple(dict.fromkeys(found))
-    _check_work(sum(_work(condition, view) for condition in goal))
-    return goal
-
-
-def _split(condition: Condition) -> tuple[Condition, ...]:
-    together = isinstance(condition, Junction) and condition.word == "and" and not condition.negated
-    return condition.parts if isinstance(condition, Junction) and together else (condition,)
-
-
-def _check_work(number: int) -> None:
-    """Refuses goals that take too long to evaluate."""
+    goal = tuple(dict.fromkeys(condition for one in parsed for condition in _split(meaning.of(one, {}))))
+    number = sum(_work(condition, view) for condition in goal)
     if number > MOST_LOOKED_AT:
         raise UsageError(
             f"the goal has to be looked at in {number} places to tell whether it holds, and {MOST_LOOKED_AT} are"
             " allowed: each element that a quantifier stands for counts, in nested ones each combination of them;"
             " choose narrower classes, or say it in several goals"
         )
+    return goal
+
+
+def _split(condition: Condition) -> tuple[Condition, ...]:
+    match condition:
+        case Junction(word="and", negated=False, parts=parts):
+            return parts
+    return (condition,)
 
 
 def _work(condition: Condition, view: WorldView) -> int:
@@ -119,21 +104,21 @@ class Meaning:
         if depth > DEEPEST:
             raise UsageError(f"the goal is nested deeper than {DEEPEST} levels: say it in several conditions")
         match form:
-            case Word():
+            case forms.Word():
                 return self._word(form, scope)
-            case Negation(part=part):
+            case forms.Negation(part=part):
                 return ~self.of(part, scope, depth + 1)
-            case Implication(premise=premise, then=then):
+            case forms.Implication(premise=premise, then=then):
                 return any_of(~self.of(premise, scope, depth + 1), self.of(then, scope, depth + 1))
-            case AllOf(parts=parts) | AnyOf(parts=parts):
+            case forms.AllOf(parts=parts) | forms.AnyOf(parts=parts):
                 if not parts:
                     raise UsageError(f"'{form.word}' joins nothing: give at least one condition")
                 conditions = [self.of(part, scope, depth + 1) for part in parts]
-                return (all_of if isinstance(form, AllOf) else any_of)(*conditions)
-            case ForAll() | Exists():
+                return (all_of if isinstance(form, forms.AllOf) else any_of)(*conditions)
+            case forms.ForAll() | forms.Exists():
                 return self._quantified(form, scope, depth)
 
-    def _quantified(self, form: ForAll | Exists, scope: _Scope, depth: int) -> Condition:
+    def _quantified(self, form: forms.ForAll | forms.Exists, scope: _Scope, depth: int) -> Condition:
         where = f"in '{form.quantifier} {form.variable}'"
         class_ = self._class_of(form.class_, ELEMENT)
         if class_ is None:
@@ -146,20 +131,20 @@ class Meaning:
             raise UsageError(f"{where}: something else is called {form.variable}; call the variable otherwise")
         inner = {**scope, form.variable: class_}
         part = self.of(form.holds, inner, depth + 1)
-        make = for_all if isinstance(form, ForAll) else exists
+        make = for_all if isinstance(form, forms.ForAll) else exists
         try:
             return make(form.variable, class_, part)
         except DescriptionError as error:
             raise UsageError(f"goal: {error}") from error
 
-    def _word(self, form: Word, scope: _Scope) -> Condition:
+    def _word(self, form: forms.Word, scope: _Scope) -> Condition:
         type_ = self._type(form.condition)
         if len(form.arguments) != len(type_.roles):
             roles = ", ".join(f"{role.name}: {local_name(role.class_)}" for role in type_.roles)
             raise UsageError(f"{type_.name} takes {len(type_.roles)} arguments ({roles}), got {len(form.arguments)}")
         return type_(*(self._argument(name, index, type_, scope) for index, name in enumerate(form.arguments)))
 
-    def _argument(self, name: Name, index: int, type_: ConditionType, scope: _Scope) -> str:
+    def _argument(self, name: forms.Name, index: int, type_: ConditionType, scope: _Scope) -> str:
         role = type_.roles[index]
         where = f"{type_.name}, argument {index + 1} ({role.name})"
         if name.variable is not False and name.text in scope:
@@ -289,9 +274,6 @@ def _back(spelt: NameMap, name: str) -> str | None:
     return spelt.back(name) if spelt.gives(name.lower()) else None
 
 
-_PLAIN = re.compile(r"[^\W\d](?:[\w.-]|:(?=\w))*")
-
-
 def parse_goal(texts: Sequence[str], view: WorldView, conditions: Mapping[str, ConditionType]) -> tuple[Condition, ...]:
     """Reads goals such as ``"InKit(Starter, kit_1) and not EmptyHanded(gripper_1)"``, or such in PDDL.
 
@@ -308,27 +290,12 @@ def parse_goal(texts: Sequence[str], view: WorldView, conditions: Mapping[str, C
         UnknownName: A word is unknown; the message gives the nearest that exists.
         UsageError: An argument is of the wrong class, abstract where that is not allowed, or a variable out of place.
     """
-    return goal_of(map(read, texts), view, conditions)
+    return goal_of(map(forms.read, texts), view, conditions)
 
 
 def goal_as_text(goal: Sequence[Condition]) -> str:
     """Writes a goal as text that :func:`parse_goal` reads back as the same goal in a world with the same elements."""
-    return " and ".join(_enclosed(condition) if len(goal) > 1 else condition.written(_quoted) for condition in goal)
-
-
-def _enclosed(condition: Condition) -> str:
-    text = condition.written(_quoted)
-    return f"({text})" if isinstance(condition, Junction) and not condition.negated else text
-
-
-def _quoted(name: str) -> str:
-    """Returns a name, in double quotes if the grammar requires them."""
-    if _PLAIN.fullmatch(name):
-        return name
-    return '"' + re.sub(r'(["\\])', r"\\\1", name) + '"'
-
-
-_LONGEST_PATH = 20
+    return all_of(*goal).written(forms.quoted) if goal else ""
 
 
 def goal_from_data(data: object, view: WorldView, conditions: Mapping[str, ConditionType]) -> tuple[Condition, ...]:
@@ -348,12 +315,12 @@ def goal_from_data(data: object, view: WorldView, conditions: Mapping[str, Condi
     """
     several = isinstance(data, list | tuple)
     try:
-        forms = FORMS.validate_python(data if several else [data])
+        parsed = forms.FORMS.validate_python(data if several else [data])
     except ValidationError as error:
         problems = [(one["loc"] if several else one["loc"][1:], one["msg"]) for one in error.errors()]
-        lines = (f"goal{_path(loc)}: {message[:1].lower()}{message[1:]}" for loc, message in problems)
+        lines = (f"goal{forms.field_path(loc)}: {message[:1].lower()}{message[1:]}" for loc, message in problems)
         raise UsageError("\n".join(lines)) from None
-    return goal_of(forms, view, conditions)
+    return goal_of(parsed, view, conditions)
 
 
 def goal_as_data(goal: Sequence[Condition]) -> list[dict[str, Any]]:
@@ -371,11 +338,3 @@ def _data(condition: Condition) -> dict[str, Any]:
             return {quantifier.replace(" ", "_"): variable, "class": class_, "holds": _data(part)}
         case _:
             return {"condition": condition.type.name, "arguments": list(condition.arguments)}
-
-
-def _path(loc: Sequence[int | str]) -> str:
-    """Formats the path to a field ("[0].not.arguments[1]"); names in angle brackets are kinds, not fields."""
-    fields = [f"[{name}]" if isinstance(name, int) else f".{name}" for name in loc if not str(name).startswith("<")]
-    if len(fields) > _LONGEST_PATH:
-        fields[_LONGEST_PATH // 2 : -_LONGEST_PATH // 2] = ["…"]
-    return "".join(fields)
