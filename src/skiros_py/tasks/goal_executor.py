@@ -33,7 +33,7 @@ class GoalExecutor(TaskExecutor):
         self._monitor: PlanMonitor | None = None
         self._trouble = ""
         self._doubtful: tuple[Active, ...] = ()
-        self._rounds = 0
+        self._rounds = self._most_rounds = task.policy.attempts * (len(task.goal) + 2)
 
     def _title(self) -> str:
         return " and ".join(map(str, self._task.goal))
@@ -46,12 +46,14 @@ class GoalExecutor(TaskExecutor):
     # ------------------------------------------------------------------ rounds
 
     def _work(self) -> Execution[None]:
-        self._allow_rounds()
-        while self._rounds:
-            self._rounds -= 1
+        while True:
             kept = tuple(c for c in self._task.goal if c not in self.record.given_up)
             if self._all_hold(kept) or (self.record.given_up and not self._task.policy.rest):
                 break
+            if not self._rounds:
+                yield from self._give_up(self._not_reached(kept))
+                continue
+            self._rounds -= 1
             if (yield from self._is_right_for(kept)):
                 self._trace.write(TraceEventKind.RETRIED, f"{self._trouble}: it is tried again")
             else:
@@ -64,10 +66,6 @@ class GoalExecutor(TaskExecutor):
             yield from self._carry_out()
             yield from self._give_up(self._hopeless(kept))
         yield from self._wind_up()
-
-    def _allow_rounds(self) -> None:
-        """Resets the bound on planning and execution rounds."""
-        self._rounds = self._task.policy.attempts * (len(self._task.goal) + 2)
 
     def _all_hold(self, goal: Sequence[Condition]) -> bool:
         return all(believed(c, self._context.world) for c in goal)
@@ -179,6 +177,12 @@ class GoalExecutor(TaskExecutor):
         concerned = (c for c in goal if out.intersection(c.arguments))
         return {c: f"gave up after {attempts} tries" for c in concerned if not believed(c, self._context.world)}
 
+    def _not_reached(self, goal: Sequence[Condition]) -> dict[Condition, str]:
+        """Returns the unmet conditions when no round is left, with the reason."""
+        last = f": {self._trouble}" if self._trouble else ""
+        reason = f"gave up after {self._most_rounds} plans and retries{last}"
+        return {c: reason for c in goal if not believed(c, self._context.world)}
+
     def _unreachable(self, goal: Sequence[Condition], answer: NoPlan) -> Execution[dict[Condition, str]]:
         """Finds a subset of the goal that is reachable together and returns the rest with reasons."""
         kept: list[Condition] = []
@@ -219,7 +223,7 @@ class GoalExecutor(TaskExecutor):
             self._trace.write(TraceEventKind.ASKED, text)
             choice, by = yield from self._answer(text)
             self._trace.write(TraceEventKind.ANSWERED, f"{by} answers: {choice}", {"choice": choice.value, "by": by})
-            self._allow_rounds()
+            self._rounds = self._most_rounds
             match choice:
                 case Choice.RETRY:
                     self.record.forgive()

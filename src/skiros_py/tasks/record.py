@@ -154,7 +154,7 @@ class TaskRecord:
         """Returns the last failure; if there was none, why there is no plan."""
         failed = [(t, r) for t, r in self._reasons.items() if any(self._fits(t, a) for a in condition.arguments)]
         if not failed:
-            return given_up.get(condition, "gave up: plan after plan did not lead there")
+            return given_up.get(condition, "it does not hold any more")
         target, reason = failed[-1]
         gave_up = f"; gave up on {target} after {self._attempts} failed tries" if target in self.left_out else ""
         return reason + gave_up

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from skiros_py.behaviours import Wait
+from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.tasks.handle import Policy, TaskHandle
 from skiros_py.tasks.report import GoalReport, Outcome
 from skiros_py.tasks.trace import TraceEventKind
@@ -55,6 +56,27 @@ def test_an_unreachable_condition_asks_a_person_with_reason_and_choices() -> Non
     assert question.text.startswith("In(giant_1, slot_2) cannot be reached: skill 'place' would do it, but needs that ")
     assert "fits in" in question.text
     assert not task.done
+
+
+def test_a_task_that_runs_out_of_plans_asks_a_person_and_goes_on_after_retry() -> None:
+    with Bench(tiny_world()) as bench:
+        moves = True
+
+        def move_the_ball(event: ModuleEvent) -> None:
+            if moves and event.module == "drive" and event.status is Status.STARTED:
+                here = bench.world.objects("ball_1", "sk:in")[0]
+                with bench.world.transaction("someone", "moved") as tx:
+                    tx.relate("ball_1", "sk:in", "box_b" if here == "box_a" else "box_a")
+
+        bench.monitor.subscribe(move_the_ball)
+        task = begin(bench, GOAL)
+        bench.until(lambda: task.question is not None)
+        moves = False
+        text = answer(bench, task, "retry")
+        report = finish(bench, task)
+
+    assert text.startswith(f"{GOAL} cannot be reached: gave up after 9 plans and retries: ")
+    assert report.reached
 
 
 def test_skip_gives_it_up_and_does_the_rest() -> None:
