@@ -1,7 +1,7 @@
 """Client side of planning: in a separate process, or in threads of this one.
 
 The control thread only posts requests and polls for answers. The process follows the world's change feed; each request
-is answered in a forked worker. A process that dies is restarted and its requests are repeated.
+is answered in a forked copy of it. A process that dies is restarted and its requests are repeated.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from skiros_py.planning.replica import MARK, PROCESSOR_TIME
 from skiros_py.planning.requests import Answer, Asked, Request, answered
 from skiros_py.processes import packed
 from skiros_py.programs import kill_group, kill_marked
-from skiros_py.world.queries.outside import Ended, FollowingReplica
+from skiros_py.world.queries.outside import FollowingReplica
 from skiros_py.world.world import World
 
 T = TypeVar("T")
@@ -33,7 +33,7 @@ _TRIES = 3
 _POLL = 0.05
 """Poll interval for cancellation [s]."""
 _LEAVING = 0.2
-"""How long orphaned workers may take to end their planners [s]."""
+"""How long orphaned copies may take to end their planners [s]."""
 
 
 class PlanningProcess:
@@ -85,10 +85,13 @@ class PlanningProcess:
         why = ""
         for _ in range(_TRIES):
             try:
-                version, ended = self._ended(order, stop)
+                version, pending = self._replica.ask(order)
+                ended = pending.wait_unless(lambda: stop.is_set() or self._closed.is_set(), _POLL)
             except DeviceError as error:
                 why = str(error)
                 continue
+            if ended is None:
+                raise PlanningError("planning was stopped")
             if ended.code == -signal.SIGVTALRM:
                 raise PlanningError(f"planning took more than {PROCESSOR_TIME:g} s of processor time")
             if ended.code == 0:
@@ -99,23 +102,8 @@ class PlanningProcess:
             why = f"the planning process ended with status {ended.code}"
         raise PlanningError(f"planning broke {_TRIES} times: {why}")
 
-    def _ended(self, order: bytes, stop: Event) -> tuple[int, Ended]:
-        """Sends an order to the process and waits for its end.
-
-        Raises:
-            DeviceError: The process died.
-            PlanningError: The answer is no longer wanted.
-        """
-        if self._closed.is_set():
-            raise PlanningError("planning was stopped")
-        version, pending = self._replica.ask(order)
-        ended = pending.wait_unless(lambda: stop.is_set() or self._closed.is_set(), _POLL)
-        if ended is None:
-            raise PlanningError("planning was stopped")
-        return version, ended
-
     def _kill_programs(self, pid: int) -> None:
-        """Ends what a process that died has left: its workers, and their programs."""
+        """Ends what a process that died has left: its copies, and their programs."""
         time.sleep(_LEAVING)
         kill_group(pid)
         kill_marked(MARK, self._mark)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import time
 from collections.abc import Callable, Iterator
 from contextlib import closing
@@ -125,6 +126,21 @@ def test_killing_the_resident_program_ends_its_run_and_the_next_run_starts_a_new
 
     assert run.kill() == -9
     process.wait(5.0)
+    assert ran(resident, tmp_path, of("says", "two", "0")).code == 0
+
+
+def test_a_resident_program_that_does_not_start_a_run_is_killed_and_the_next_run_starts_another(
+    resident: Resident, tmp_path: Path
+) -> None:
+    other, process = waiting(resident, tmp_path)
+    parent = process.parent()
+    assert parent is not None
+    parent.send_signal(signal.SIGSTOP)
+    run = resident.start(of("says", "one", "0"), tmp_path, LIMITS, os.environ)
+
+    assert run.kill() == -9
+    parent.wait(5.0)
+    assert other.kill() == -9
     assert ran(resident, tmp_path, of("says", "two", "0")).code == 0
 
 

@@ -7,6 +7,7 @@ usually starts them, and the translator, are Python programs whose start takes l
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import select
@@ -24,6 +25,9 @@ from skiros_py.planning.planners.planner import Answer, Unsolvable
 from skiros_py.planning.planners.program_planner import CLASSICAL, DOMAIN, PROBLEM, ProgramPlanner, read_plan_file
 from skiros_py.processes import end_connected, start_connected
 from skiros_py.programs import Ended, Limits, Running, kill_group, resource_limits, wait_for_group
+
+_START = 0.3
+"""How long the resident program may take to start a run that is cancelled [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +62,7 @@ class Resident:
         self._modules = modules
         self._lock = Lock()
         self._orders: socket.socket | None = None
+        self._pid = 0
         self._end: Callable[[], object] = lambda: None
 
     def start(self, run: Run, folder: Path, limits: Limits, environment: Mapping[str, str]) -> ResidentRun:
@@ -79,11 +84,16 @@ class Resident:
         finally:
             os.close(output_there)
             os.close(status_there)
-        return ResidentRun(output, status)
+        return ResidentRun(output, status, self._pid)
 
     def warm_up(self) -> None:
         """Starts the resident program if it is not running."""
         with self._lock:
+            waiting = select.poll()
+            if self._orders is not None:
+                waiting.register(self._orders, select.POLLHUP)
+            if waiting.poll(0):
+                self._drop()
             self._started()
 
     def close(self) -> None:
@@ -107,6 +117,7 @@ class Resident:
                 os.environ | {"PYTHONPATH": str(self._search_path)},
                 socket.SOCK_SEQPACKET,
             )
+            self._pid = process.pid
             self._end = weakref.finalize(self, end_connected, process, self._orders)
         return self._orders
 
@@ -120,26 +131,38 @@ class ResidentRun:
 
     Args:
         output, status: Descriptors of the pipes for what it prints, and for its process id and exit code.
+        resident: Process id of the resident program.
     """
 
-    def __init__(self, output: int, status: int) -> None:
+    def __init__(self, output: int, status: int, resident: int) -> None:
         self.output = output
         self._status = status
+        self._resident = resident
         self._said = b""
 
     def has_ended(self) -> bool:
         """Returns whether it has ended, or was lost because the resident program was killed."""
+        return self._has_reported(b"code", 0.0)
+
+    def _has_reported(self, word: bytes, seconds: float) -> bool:
+        """Returns whether a number was reported, at most some time [s] later; also True if none will be."""
         waiting = select.poll()
         waiting.register(self._status, select.POLLIN)
-        while b"code" not in self._said and waiting.poll(0):
+        while word not in self._said and waiting.poll(1e3 * seconds):
             piece = os.read(self._status, 100)
             self._said += piece
             if not piece:
                 return True
-        return b"code" in self._said
+        return word in self._said
 
     def kill(self) -> int:
-        """Kills its group, waits until it is gone and closes the pipes; returns its exit code."""
+        """Kills its group, waits until it is gone and closes the pipes; returns its exit code.
+
+        A resident program that has not started it is stopped or hangs: it is killed, and the next run starts another.
+        """
+        if not self._has_reported(b"pid", _START):
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(self._resident, signal.SIGKILL)
         self.has_ended()  # reads what there is
         said = dict(line.split() for line in self._said.splitlines())
         os.close(self._status)  # for the resident program: to kill it, where it runs

@@ -92,7 +92,10 @@ class FuturePending(Generic[T]):
 
 
 class Planner(Protocol):
-    """Solves PDDL tasks."""
+    """Solves PDDL tasks.
+
+    The planning process makes it once and calls :meth:`solve` in forked copies: threads are started there, not before.
+    """
 
     @property
     def name(self) -> str:

@@ -1,6 +1,6 @@
-"""A process with a replica of the world, which forks for each query from outside.
+"""A process with a replica of the world, which forks for each order: a query from outside, a request for a plan.
 
-A copy costs next to nothing and is a process with limits of its own: whatever a query does to it, the replica stays as
+A copy costs next to nothing and is a process with limits of its own: whatever an order does to it, the replica stays as
 it is. The replica has one thread, so forking is safe.
 """
 
@@ -8,20 +8,20 @@ from __future__ import annotations
 
 import contextlib
 import gc
+import math
 import os
 import pickle
 import selectors
 import signal
 import socket
+import time
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 
-from loky.backend.reduction import dumps
-
 from skiros_py.errors import SkirosError, UsageError
-from skiros_py.processes import limit, receive, send
+from skiros_py.processes import limit, packed, receive, send
 from skiros_py.world.change import Change
 from skiros_py.world.index import Index
 from skiros_py.world.queries.answering import Binding, Question, Result, typed
@@ -48,15 +48,38 @@ def main(control: int, program: str) -> None:
         replica.serve(parent)
 
 
+@dataclass(slots=True, eq=False)
+class _Run:
+    """An order under way.
+
+    Attributes:
+        pid: Id of its process.
+        ended: Descriptor that becomes readable when that process ends.
+        status: The pipe on which its end is reported; "readable" once its reader has closed it.
+        deadline: When it is killed, on the monotonic clock [s].
+    """
+
+    pid: int
+    ended: int
+    status: int
+    deadline: float = math.inf
+
+
 class Replica(ABC):
-    """A replica of the world in a process of its own, which handles orders of its parent.
+    """A replica of the world in a process of its own; each order of its parent is handled in a forked copy.
 
     Attributes:
         index: The world.
+        patience: How long an order may go on when its answer is no longer wanted [s].
     """
+
+    patience = 0.0
 
     def __init__(self, index: Index) -> None:
         self.index = index
+        self._selector = selectors.DefaultSelector()
+        self._runs: list[_Run] = []
+        self._is_open = True
 
     def follow(self, changes: Sequence[Change]) -> None:
         """Applies changes."""
@@ -64,8 +87,106 @@ class Replica(ABC):
             self.index.take(change)
 
     @abstractmethod
+    def answer(self, order: bytes, answer: int) -> object:
+        """Handles an order, in a forked copy of the replica.
+
+        Args:
+            order: The order, pickled.
+            answer: The pipe for the answer; it has an error once nobody reads it.
+
+        Raises:
+            SkirosError: There is no answer; the error is sent instead.
+        """
+
+    def after(self, pid: int, code: int) -> None:  # noqa: B027 - most have nothing to do
+        """Called when the process of an order has ended, with its exit code."""
+
     def serve(self, parent: socket.socket) -> None:
-        """Handles orders until the parent exits."""
+        """Handles orders until the parent exits; those under way are then cancelled."""
+        self._selector.register(parent, selectors.EVENT_READ)
+        while self._is_open or self._runs:
+            for key, _ in self._selector.select(self._kill_late_runs())[:1]:  # the next may be of a run that is over
+                run: _Run | None = key.data
+                if run is None:
+                    self._take_order(parent)
+                elif key.fd == run.ended:
+                    self._report_end(run)
+                else:
+                    self._selector.unregister(run.status)
+                    run.deadline = time.monotonic() + self.patience
+
+    def _take_order(self, parent: socket.socket) -> None:
+        """Starts an order; or cancels those under way if no more will come."""
+        try:
+            payload, (answer, status) = receive(parent, files=2)
+        except EOFError:
+            self._selector.unregister(parent)
+            self._is_open = False
+            for run in self._runs:
+                run.deadline = min(run.deadline, time.monotonic() + self.patience)
+            return
+        changes, order = pickle.loads(payload)  # noqa: S301  from our own parent
+        self.follow(changes)
+        with contextlib.suppress(Exception):  # modules that it imports are then there for all
+            pickle.loads(order)  # noqa: S301  from our own parent
+        pid = os.fork()
+        if pid == 0:
+            parent.close()
+            self._selector.close()
+            for descriptor in (status, *(run.status for run in self._runs)):
+                os.close(descriptor)
+            self._handle(order, answer)
+        os.close(answer)
+        _write(status, "started")
+        run = _Run(pid, os.pidfd_open(pid), status)
+        self._runs.append(run)
+        for descriptor in (run.ended, run.status):
+            self._selector.register(descriptor, selectors.EVENT_READ, run)
+
+    def _report_end(self, run: _Run) -> None:
+        self._runs.remove(run)
+        self._selector.unregister(run.ended)
+        with contextlib.suppress(KeyError):  # cancelled
+            self._selector.unregister(run.status)
+        code = os.waitstatus_to_exitcode(os.waitpid(run.pid, 0)[1])
+        self.after(run.pid, code)
+        if self._is_open:  # otherwise it has been cancelled with the replica
+            _write(run.status, str(code))
+        os.close(run.ended)
+        os.close(run.status)
+
+    def _kill_late_runs(self) -> float | None:
+        """Kills runs after their deadline; returns the time until the next deadline [s], None if there is none."""
+        now = time.monotonic()
+        for run in self._runs:
+            if run.deadline <= now:
+                os.kill(run.pid, signal.SIGKILL)
+                run.deadline = math.inf
+        first = min((run.deadline for run in self._runs), default=math.inf)
+        return None if math.isinf(first) else first - now
+
+    def _handle(self, order: bytes, answer: int) -> None:
+        """Handles an order in this process and ends it."""
+        code = 1
+        try:
+            try:
+                value = self.answer(order, answer)
+            except SkirosError as error:
+                value = error
+            with os.fdopen(answer, "wb") as file:
+                file.write(packed(value))
+            code = 0
+        except MemoryError:
+            code = OUT_OF_MEMORY
+        except BrokenPipeError:
+            code = 0  # the answer is no longer wanted
+        finally:
+            os._exit(code)
+
+
+def _write(status: int, line: str) -> None:
+    with contextlib.suppress(BrokenPipeError):  # it may no longer be wanted
+        os.write(status, f"{line}\n".encode())
 
 
 _MIB = 1 << 20
@@ -119,82 +240,28 @@ class QueryReplica(Replica):
         super().__init__(index)
         _warm_up()
         self._projection = Projection(index)
-        self._selector = selectors.DefaultSelector()
 
     def follow(self, changes: Sequence[Change]) -> None:
         """Applies changes, to the triples too."""
         super().follow(changes)
         self._projection.follow(changes)
 
-    def serve(self, parent: socket.socket) -> None:
-        """Handles orders until the parent exits."""
-        self._selector.register(parent, selectors.EVENT_READ)
+    def answer(self, order: bytes, answer: int) -> Result:  # noqa: ARG002 - the kernel ends what takes too long
+        """Answers a query.
+
+        Raises:
+            SkirosError: There is no answer.
+        """
+        query: Order = pickle.loads(order)  # noqa: S301  from our own parent
+        limit(seconds=query.limits.time, memory=query.limits.memory)
+        gc.disable()
+        os.nice(5)  # queries from outside come after everything else
         try:
-            while True:
-                for key, _ in self._selector.select():
-                    if key.fileobj is parent:
-                        self._take_order(parent)
-                    else:
-                        self._report_end(key)
-        except EOFError:
-            for key in self._selector.get_map().values():
-                if key.data is not None:
-                    os.kill(key.data[0], signal.SIGKILL)
-
-    def _take_order(self, parent: socket.socket) -> None:
-        payload, (answer, status) = receive(parent, files=2)
-        changes, packed = pickle.loads(payload)  # noqa: S301  from our own parent
-        self.follow(changes)
-        order = pickle.loads(packed)  # noqa: S301  from our own parent
-        child = os.fork()
-        if child == 0:
-            parent.close()
-            for other in (status, *(key.data[1] for key in self._selector.get_map().values() if key.data is not None)):
-                os.close(other)
-            self._run(order, answer)
-        os.close(answer)
-        os.write(status, b"started\n")
-        self._selector.register(os.pidfd_open(child), selectors.EVENT_READ, (child, status))
-
-    def _report_end(self, key: selectors.SelectorKey) -> None:
-        """Reports how a query's process has ended."""
-        child, status = key.data
-        self._selector.unregister(key.fileobj)
-        assert isinstance(key.fileobj, int)
-        os.close(key.fileobj)
-        code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
-        with contextlib.suppress(BrokenPipeError):  # the answer may no longer be wanted
-            os.write(status, f"{code}\n".encode())
-        os.close(status)
-
-    def _run(self, order: Order, answer: int) -> None:
-        """Answers one order in this process and ends it."""
-        code = 1
-        try:
-            limit(seconds=order.limits.time, memory=order.limits.memory)
-            gc.disable()
-            os.nice(5)  # queries from outside come after everything else
-            outcome = self._outcome(order)
-            with os.fdopen(answer, "wb") as file:
-                file.write(dumps(outcome))
-            code = 0
-        except MemoryError:
-            code = OUT_OF_MEMORY
-        except BrokenPipeError:
-            code = 0  # the answer is no longer wanted
-        finally:
-            os._exit(code)
-
-    def _outcome(self, order: Order) -> object:
-        """Returns the answer, or the error instead of it."""
-        try:
-            return self._result(order)
-        except SkirosError as error:
-            return error
-        except MemoryError:
+            return self._result(query)
+        except (SkirosError, MemoryError):
             raise
-        except Exception as error:  # noqa: BLE001  a reasoner's fault: it is reported to the caller
-            return UsageError(f"the query cannot be answered: {type(error).__name__}: {error}")
+        except Exception as error:  # a reasoner's fault
+            raise UsageError(f"the query cannot be answered: {type(error).__name__}: {error}") from error
 
     def _result(self, order: Order) -> Result:
         names = self.index.ontology.names
