@@ -6,6 +6,7 @@ import inspect
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, is_dataclass, replace
+from functools import partial
 from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any
@@ -24,7 +25,7 @@ from skiros_py.errors import FileError, PlanningError, SkirosError, UnknownName
 from skiros_py.interruptions import by_user
 from skiros_py.planning.domain.actions import actions_of
 from skiros_py.plugins.installation import GROUPS, installation
-from skiros_py.plugins.loading import LazyPlugins, examined, fault_of, load, unambiguous
+from skiros_py.plugins.loading import LazyPlugins, fault_of, load, unambiguous
 from skiros_py.plugins.plugin import Entry, Plugin, PluginFault
 from skiros_py.ports.adapters import Adapter, adapter_problem
 from skiros_py.ports.device import DeviceSpec
@@ -102,25 +103,23 @@ def _no_text(value: Any) -> str | None:
 
 def _wrong_primitive(plugin: Plugin) -> str | None:
     class_ = plugin.value
-    own = getattr(class_, "name", None)
-    if own != plugin.name:
-        called = f"it calls itself '{own}'" if own else "it has no name"
-        return f"{called}: compositions find it as '{plugin.name}', so both must be the same"
+    if wrong := _wrong_class(plugin, "name", "compositions"):
+        return wrong
     if not is_dataclass(getattr(class_, "Params", None)):
         return "it has no Params: a frozen dataclass, empty where it takes nothing"
     try:
         params_of(class_.Params)
     except SkirosError as error:
         return str(error)
-    missing = sorted(class_.__abstractmethods__) if inspect.isabstract(class_) else []
-    return f"it does not define {', '.join(missing)}" if missing else None
+    return None
 
 
-def _wrong_behaviour(plugin: Plugin) -> str | None:
+def _wrong_class(plugin: Plugin, attribute: str, users: str) -> str | None:
     class_ = plugin.value
-    own = getattr(class_, "kind", None)
+    own = getattr(class_, attribute, None)
     if own != plugin.name:
-        return f"its kind is {own!r}: documents find it as '{plugin.name}', so both must be the same"
+        called = f"its {attribute} is {own!r}" if own else f"it has no {attribute}"
+        return f"{called}: {users} find it as '{plugin.name}', so both must be the same"
     missing = sorted(class_.__abstractmethods__) if inspect.isabstract(class_) else []
     return f"it does not define {', '.join(missing)}" if missing else None
 
@@ -133,6 +132,7 @@ def _subclass_of(base: type) -> Callable[[Any], bool]:
     return lambda value: isinstance(value, type) and issubclass(value, base)
 
 
+_of_kind = partial(_wrong_class, attribute="kind", users="documents")
 _is_files = _instance_of(Path, Traversable)
 _is_robot = _instance_of(RobotModel, Path, Traversable)
 
@@ -141,8 +141,8 @@ KINDS: Mapping[str, Kind] = {
     for kind in (
         Kind("skiros.skills", "a Skill, or a sequence of them", _is_skill, _wrong_skill),
         Kind("skiros.primitives", "a subclass of Primitive", _subclass_of(Primitive), _wrong_primitive),
-        Kind("skiros.behaviours", "a subclass of Behaviour", _subclass_of(Behaviour), _wrong_behaviour),
-        Kind("skiros.documents", "a subclass of DocumentKind", _subclass_of(DocumentKind), _wrong_behaviour),
+        Kind("skiros.behaviours", "a subclass of Behaviour", _subclass_of(Behaviour), _of_kind),
+        Kind("skiros.documents", "a subclass of DocumentKind", _subclass_of(DocumentKind), _of_kind),
         Kind("skiros.conditions", "a ConditionType", _instance_of(ConditionType), _wrong_condition),
         Kind("skiros.reasoners", "a subclass of Reasoner", _subclass_of(Reasoner)),
         Kind("skiros.planners", "what makes a Planner when it is called", callable),
@@ -217,7 +217,7 @@ class _Found:
         return [Named(plugin, plugin.name, plugin.value) for plugin in self._plugins("conditions")]
 
     def _plugins(self, kind: str) -> list[Plugin]:
-        loaded = [checked(entry) for entry in self.entries(kind)]
+        loaded = [load(entry, _problem) for entry in self.entries(kind)]
         self.faults += [one for one in loaded if isinstance(one, PluginFault)]
         return [one for one in loaded if isinstance(one, Plugin)]
 
@@ -245,12 +245,6 @@ def _lazy(entries: Iterable[Entry]) -> LazyPlugins[Any]:
 
 def _problem(plugin: Plugin) -> str | None:
     return KINDS[plugin.group].problem(plugin)
-
-
-def checked(entry: Entry) -> Plugin | PluginFault:
-    """Loads an entry point and checks that it fits its group."""
-    plugin = load(entry)
-    return plugin if isinstance(plugin, PluginFault) else examined(plugin, _problem)
 
 
 def _installed() -> tuple[Ontology | None, tuple[PluginFault, ...]]:
@@ -366,7 +360,7 @@ def survey() -> tuple[tuple[Surveyed, ...], tuple[PluginFault, ...]]:
     for entry in found.entries:
         if entry.group not in GROUPS:
             faults.append(fault_of(entry, str(UnknownName("group of entry points", entry.group, GROUPS))))
-        elif entry.group in _LOADED_BY_USERS and isinstance(one := checked(entry), PluginFault):
+        elif entry.group in _LOADED_BY_USERS and isinstance(one := load(entry, _problem), PluginFault):
             faults.append(one)
     seen = tuple(Surveyed(entry, tuple(f for f in faults if _is_about(f, entry))) for entry in found.entries)
     about = {fault for one in seen for fault in one.faults}

@@ -20,7 +20,7 @@ from skiros_py.checking.contract import Contract, check_contract, check_simulate
 from skiros_py.config import find_scene, ontology_paths, scene_names
 from skiros_py.errors import FileError, SkirosError, UnknownName
 from skiros_py.plugins.installation import as_if_installed, canonical, installation
-from skiros_py.plugins.loading import examined, load
+from skiros_py.plugins.loading import load
 from skiros_py.plugins.plugin import Entry, Plugin, PluginFault, authors_line
 from skiros_py.skills.conditions import ConditionType
 from skiros_py.skills.lint.checking import DOES_NOT_LOAD, RULES, check
@@ -84,8 +84,8 @@ def parts_of(entries: Iterable[Entry]) -> tuple[Part, ...]:
     parts: list[Part] = []
     described: list[object] = []
     for entry in entries:
-        plugin = load(entry) if entry.group in _WITH_SUBJECTS else None
-        if not isinstance(plugin, Plugin) or isinstance(examined(plugin, KINDS[entry.group].problem), PluginFault):
+        plugin = load(entry, KINDS[entry.group].problem) if entry.group in _WITH_SUBJECTS else None
+        if not isinstance(plugin, Plugin):
             continue
         for subject in _subjects(plugin):
             if not any(subject is one for one in described):  # several implementations share one description

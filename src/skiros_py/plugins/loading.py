@@ -26,7 +26,7 @@ _LOADING = RLock()
 
 
 def load_plugins(
-    group: str, problem: Callable[[Plugin], str | None] = lambda _plugin: None
+    group: str, problem: Callable[[Plugin], str | None] = lambda _: None
 ) -> tuple[tuple[Plugin, ...], tuple[PluginFault, ...]]:
     """Loads every entry point of a group, in the order of their names.
 
@@ -35,10 +35,10 @@ def load_plugins(
         problem: Returns the problem of a loaded plug-in, or None.
 
     Returns:
-        The plug-ins that can be used, and the faults of the others.
+        The usable plug-ins, and the faults of the others.
     """
     entries, twins = unambiguous(installation().of(group))
-    loaded = [examined(one, problem) if isinstance(one, Plugin) else one for one in map(load, entries)]
+    loaded = [load(entry, problem) for entry in entries]
     plugins = tuple(one for one in loaded if isinstance(one, Plugin))
     return plugins, (*twins, *(one for one in loaded if isinstance(one, PluginFault)))
 
@@ -85,8 +85,12 @@ def _twin(entry: Entry, named_so: Iterable[Entry]) -> PluginFault:
     return fault_of(entry, f"the name '{entry.name}' stands twice in {kind}: {origins}; neither counts, rename one")
 
 
-def load(entry: Entry) -> Plugin | PluginFault:
+def load(entry: Entry, problem: Callable[[Plugin], str | None] = lambda _: None) -> Plugin | PluginFault:
     """Loads one entry point, unless its distribution requires another skiros-py.
+
+    Args:
+        entry: The entry point.
+        problem: Returns the problem of the loaded plug-in, or None.
 
     Raises:
         KeyboardInterrupt: The user's.
@@ -100,8 +104,12 @@ def load(entry: Entry) -> Plugin | PluginFault:
     except BaseException as error:
         if by_user(error):
             raise
-        return contained(entry, error)
-    return Plugin(entry.group, entry.name, str(entry.distribution), value, entry.module)
+        return _contained(entry, error)
+    plugin = Plugin(entry.group, entry.name, str(entry.distribution), value, entry.module)
+    reason = attempt(plugin, lambda: problem(plugin))
+    if isinstance(reason, PluginFault):
+        return reason
+    return plugin.fault(reason) if reason else plugin
 
 
 def refused(entry: Entry) -> PluginFault | None:
@@ -112,7 +120,7 @@ def refused(entry: Entry) -> PluginFault | None:
     return fault_of(entry, str(reason)) if reason else None
 
 
-def contained(entry: Entry, error: BaseException) -> PluginFault:
+def _contained(entry: Entry, error: BaseException) -> PluginFault:
     """Makes the fault for what a plug-in's code raised."""
     trace = "".join(traceback.format_exception(error))
     if isinstance(error, ModuleNotFoundError) and locate(entry.module) is None:
@@ -132,26 +140,8 @@ def attempt(plugin: Plugin, look: Callable[[], T]) -> T | PluginFault:
     except BaseException as error:
         if by_user(error):
             raise
-        return raised(plugin, error)
-
-
-def examined(plugin: Plugin, problem: Callable[[Plugin], str | None]) -> Plugin | PluginFault:
-    """Returns a plug-in that can be used, else its fault.
-
-    Args:
-        plugin: The plug-in, loaded.
-        problem: Returns its problem, or None.
-    """
-    reason = attempt(plugin, lambda: problem(plugin))
-    if isinstance(reason, PluginFault):
-        return reason
-    return plugin.fault(reason) if reason else plugin
-
-
-def raised(plugin: Plugin, error: BaseException) -> PluginFault:
-    """Makes the fault of a loaded plug-in whose object raised."""
-    fault = plugin.fault(_told(error), "".join(traceback.format_exception(error)))
-    return replace(fault, unknown=_unknown(error))
+        fault = plugin.fault(_told(error), "".join(traceback.format_exception(error)))
+        return replace(fault, unknown=_unknown(error))
 
 
 def _unknown(error: BaseException) -> str:
@@ -230,9 +220,7 @@ class LazyPlugins(Mapping[str, T]):
     def _load(self, name: str) -> None:
         if name in self._loaded or name in self._faults:
             return
-        plugin = load(self._entries[name])
-        if isinstance(plugin, Plugin):
-            plugin = examined(plugin, self._problem)
+        plugin = load(self._entries[name], self._problem)
         if isinstance(plugin, PluginFault):
             self._faults[name] = plugin
         else:
@@ -249,19 +237,15 @@ def files_of(entry: Entry) -> tuple[Path, ...] | PluginFault:
     fault = refused(entry)
     if fault is not None:
         return fault
-    return _named_object(entry) if entry.attribute else _of_package(entry)
+    if not entry.attribute:
+        return _of_package(entry)
+    plugin = load(entry)
+    return plugin if isinstance(plugin, PluginFault) else attempt(plugin, lambda: _named_by(plugin))
 
 
 def folder_of(entry: Entry) -> str:
     """Returns the name of the folder with the files of an entry point in a package ("ontologies")."""
     return entry.group.partition(".")[2]
-
-
-def _named_object(entry: Entry) -> tuple[Path, ...] | PluginFault:
-    plugin = load(entry)
-    if isinstance(plugin, PluginFault):
-        return plugin
-    return attempt(plugin, lambda: _named_by(plugin))
 
 
 def _named_by(plugin: Plugin) -> tuple[Path, ...] | PluginFault:

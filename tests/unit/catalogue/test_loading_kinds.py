@@ -95,7 +95,7 @@ def test_a_valid_object_of_each_kind_has_no_problem(kind: str, value: Any) -> No
         ("skills", replace(SKILL, label=5), "its label is 5, not a text"),  # type: ignore[arg-type]
         ("primitives", SKILL, "it is a Skill, nothing for primitives: name a subclass of Primitive"),
         ("primitives", int, "it is a type, nothing for primitives"),
-        ("primitives", Called, "it calls itself 'that': compositions find it as 'it', so both must be the same"),
+        ("primitives", Called, "its name is 'that': compositions find it as 'it', so both must be the same"),
         ("primitives", Nameless, "it has no name: compositions find it as 'it'"),
         ("primitives", Unfinished, "it does not define execute"),
         ("primitives", Bare, "it has no Params: a frozen dataclass, empty where it takes nothing"),
