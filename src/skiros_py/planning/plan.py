@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from types import MappingProxyType
 from typing import Any
 
@@ -13,6 +13,28 @@ from skiros_py.planning.edits import SceneEdit
 from skiros_py.skills.conditions import Condition
 from skiros_py.world.change import Writer
 from skiros_py.world.world import World
+
+
+class _PlainData:
+    """A dataclass that is shown as data: conditions and edits as text."""
+
+    __slots__ = ()
+
+    def as_json(self) -> dict[str, Any]:
+        """Returns it as plain data."""
+        return {one.name: _plain(getattr(self, one.name)) for one in fields(self)}  # type: ignore[arg-type]
+
+
+def _plain(value: object) -> object:
+    match value:
+        case tuple():
+            return [_plain(one) for one in value]
+        case _PlainData():
+            return value.as_json()
+        case None:
+            return None
+        case _:
+            return str(value)
 
 
 class CauseKind(enum.StrEnum):
@@ -37,7 +59,7 @@ class CauseKind(enum.StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Cause:
+class Cause(_PlainData):
     """One reason.
 
     Attributes:
@@ -58,21 +80,9 @@ class Cause:
     elements: tuple[str, ...] = ()
     why: str = ""
 
-    def as_json(self) -> dict[str, Any]:
-        """Returns it as plain data."""
-        return {
-            "kind": str(self.kind),
-            "text": self.text,
-            "why": self.why,
-            "conditions": [str(condition) for condition in self.conditions],
-            "skill": self.skill,
-            "precondition": self.precondition,
-            "elements": list(self.elements),
-        }
-
 
 @dataclass(frozen=True, slots=True)
-class Exchange:
+class Exchange(_PlainData):
     """A goal condition to be replaced.
 
     Attributes:
@@ -86,13 +96,9 @@ class Exchange:
     def __str__(self) -> str:
         return f"want {self.by} instead of {self.condition}"
 
-    def as_json(self) -> dict[str, str]:
-        """Returns it as plain data."""
-        return {"condition": str(self.condition), "by": str(self.by)}
-
 
 @dataclass(frozen=True, slots=True)
-class Repair:
+class Repair(_PlainData):
     """A minimal change that makes a plan possible.
 
     Repairs with edits or goal changes were verified by planning. Others cannot be made in the scene: they name
@@ -136,13 +142,8 @@ class Repair:
 
     def as_json(self) -> dict[str, Any]:
         """Returns it as plain data."""
-        return {
-            "text": self.text,
-            "edits": [str(edit) for edit in self.edits],
-            "without": [str(condition) for condition in self.without],
-            "instead": [exchange.as_json() for exchange in self.instead],
-            "elements": list(dict.fromkeys(name for edit in self.edits for name in edit.elements)),
-        }
+        elements = dict.fromkeys(name for edit in self.edits for name in edit.elements)
+        return {**_PlainData.as_json(self), "elements": list(elements)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -208,7 +209,7 @@ class Plan:
 
 
 @dataclass(frozen=True, slots=True)
-class NoPlan:
+class NoPlan(_PlainData):
     """There is no plan.
 
     Attributes:
@@ -220,11 +221,3 @@ class NoPlan:
     reasons: tuple[str, ...]
     causes: tuple[Cause, ...] = field(default=(), compare=False)
     repairs: tuple[Repair, ...] = field(default=(), compare=False)
-
-    def as_json(self) -> dict[str, Any]:
-        """Returns it as plain data."""
-        return {
-            "reasons": list(self.reasons),
-            "causes": [cause.as_json() for cause in self.causes],
-            "repairs": [repair.as_json() for repair in self.repairs],
-        }

@@ -30,7 +30,6 @@ from skiros_py.skills.inference import applying
 from skiros_py.skills.parameters import Param
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.ontology import Ontology
-from skiros_py.world.terms import End
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import ELEMENT, PLACEMENT
 
@@ -106,14 +105,20 @@ def _replacing(action: Action, added: Atom, ontology: Ontology) -> tuple[Action,
         return (_without(action, old, f"{subject} has one such thing only"),)
     variable = Variable(_unused(f"{new}_before", action), ontology.relations[added.predicate].range or "")
     fact = Atom(added.predicate, (subject, variable.name))
-    note = f"parameter {variable.name}, precondition {shown(fact)}: what {subject} has had until then"
-    had = replace(action, parameters=(*action.parameters, variable), pre=(*action.pre, fact))
+    had = _with_old(action, variable, fact, f"what {subject} has had until then")
     none = NoneSuch((replace(variable, type=variable.type or ELEMENT),), (fact,))
-    note_none = f"precondition no {shown(fact)}: the other variant is for when there is one"
+    note = f"precondition no {shown(fact)}: the other variant is for when there is one"
     return (
-        _without(replace(had, notes=(*action.notes, note)), (fact,), f"{subject} has one such thing only"),
-        replace(action, none=(*action.none, none), notes=(*action.notes, note_none)),
+        _without(had, (fact,), f"{subject} has one such thing only"),
+        replace(action, none=(*action.none, none), notes=(*action.notes, note)),
     )
+
+
+def _with_old(action: Action, variable: Variable, fact: Atom, what: str) -> Action:
+    """Adds the parameter and the precondition for what an action ends."""
+    note = f"parameter {variable.name}, precondition {shown(fact)}: {what}"
+    parameters = (*action.parameters, variable)
+    return replace(action, parameters=parameters, pre=(*action.pre, fact), notes=(*action.notes, note))
 
 
 def _leaving(action: Action, added: Atom, ontology: Ontology) -> tuple[Action, ...]:
@@ -136,18 +141,14 @@ def _without(action: Action, old: tuple[Atom, ...], why: str) -> Action:
 
 def _possible(class_: str, first: str, ontology: Ontology) -> tuple[str, ...]:
     """Returns the placement relations that something of a class can have, a given one first."""
-    relations = (r for r in storable(PLACEMENT, ontology) if r != first and _can_be_moved(class_, r, ontology))
-    return (first, *relations)
 
+    def can_be_moved(relation: str) -> bool:
+        words = ontology.relations[relation]
+        end = words.domains if words.place_end == "object" else words.ranges
+        below = ontology.subclasses(class_) if class_ in ontology.classes else ()
+        return not below or any(not ontology.missed_end(kind, end) for kind in below)
 
-def _can_be_moved(class_: str, relation: str, ontology: Ontology) -> bool:
-    words = ontology.relations[relation]
-    end = words.domains if words.place_end == "object" else words.ranges
-    return class_ not in ontology.classes or _may_fit(class_, end, ontology)
-
-
-def _may_fit(class_: str, end: End, ontology: Ontology) -> bool:
-    return any(not ontology.missed_end(below, end) for below in ontology.subclasses(class_))
+    return (first, *(r for r in storable(PLACEMENT, ontology) if r != first and can_be_moved(r)))
 
 
 def _with_old_place(action: Action, relation: str, moved: str, ontology: Ontology) -> Action:
@@ -155,9 +156,7 @@ def _with_old_place(action: Action, relation: str, moved: str, ontology: Ontolog
     at_object = words.place_end == "object"
     variable = Variable(_unused(f"{moved}_from", action), (words.range if at_object else words.domain) or "")
     fact = Atom(relation, (moved, variable.name) if at_object else (variable.name, moved))
-    note = f"parameter {variable.name}, precondition {shown(fact)}: the place that {moved} leaves"
-    parameters = (*action.parameters, variable)
-    return replace(action, parameters=parameters, pre=(*action.pre, fact), notes=(*action.notes, note))
+    return _with_old(action, variable, fact, f"the place that {moved} leaves")
 
 
 def _unused(name: str, action: Action) -> str:

@@ -10,7 +10,6 @@ from skiros_py.planning.domain.actions import is_placement, numbered, shown
 from skiros_py.planning.domain.literals import NOT, is_stored, negated, overlap
 from skiros_py.planning.domain.model import Action, Atom
 from skiros_py.world.ontology import Ontology
-from skiros_py.world.view import WorldView
 
 
 def with_complements(actions: Iterable[Action], goal: Iterable[Atom], ontology: Ontology) -> tuple[Action, ...]:
@@ -89,52 +88,3 @@ def _may_be_one(new: Atom, old: Atom, types: Mapping[str, str], ontology: Ontolo
         one == other or overlap(types.get(one, ""), types.get(other, ""), ontology)
         for one, other in zip(new.arguments, old.arguments, strict=True)
     )
-
-
-def complement_facts(
-    atoms: Iterable[tuple[Atom, Mapping[str, str]]], objects: Mapping[str, str], view: WorldView
-) -> frozenset[Atom]:
-    """Returns which relations do not hold at the start, only between things for which it is required.
-
-    Args:
-        atoms: Preconditions and goal, each with the classes of its variables; others than complements do not matter.
-        objects: The things there are in the task, with their classes.
-        view: The world.
-    """
-    asked = dict.fromkeys(
-        (
-            atom.predicate,
-            tuple(argument if argument in objects else types.get(argument, "") for argument in atom.arguments),
-        )
-        for atom, types in atoms
-        if atom.predicate.startswith(NOT) and is_stored(atom.predicate.removeprefix(NOT), view.ontology)
-    )
-    return frozenset(fact for predicate, ends in asked for fact in _facts(predicate, ends, objects, view))
-
-
-def _facts(predicate: str, ends: Sequence[str], objects: Mapping[str, str], view: WorldView) -> Iterable[Atom]:
-    subjects, others = (_meant(end, objects, view.ontology) for end in ends)
-    relation = predicate.removeprefix(NOT)
-    for subject in subjects:
-        related = set(stated_objects(view, subject, relation))
-        yield from (Atom(predicate, (subject, other)) for other in others if other not in related)
-
-
-def _meant(end: str, objects: Mapping[str, str], ontology: Ontology) -> list[str]:
-    """Returns one thing, or all things of a class."""
-    if end in objects:
-        return [end]
-    if end not in ontology.classes:
-        return list(objects)
-    below = set(ontology.subclasses(end))
-    return [thing for thing, class_ in objects.items() if class_ in below]
-
-
-def stated_objects(view: WorldView, subject: str, relation: str) -> tuple[str, ...]:
-    """Returns what a subject is related to by exactly this relation: not by a narrower one, which ends by itself."""
-    narrower = view.ontology.sub_relations(relation)[1:]
-    found = view.objects(subject, relation)
-    if not narrower or not found:
-        return found
-    below = {other for one in narrower for other in view.objects(subject, one)}
-    return tuple(other for other in found if other not in below)

@@ -16,7 +16,7 @@ from itertools import count
 
 from skiros_py.errors import PlanningError, UsageError
 from skiros_py.planning.domain.actions import shown
-from skiros_py.planning.domain.literals import NOT, NOTHING, atom_of, is_stored, normal
+from skiros_py.planning.domain.literals import NOT, NOTHING, atom_of, is_stored, normal, overlap
 from skiros_py.planning.domain.model import Action, Atom, NoneSuch, Variable
 from skiros_py.skills.conditions import AllOf, AnyOf, Condition, Exists, Not, Nothing, Pattern, Related
 from skiros_py.skills.references import variables
@@ -53,8 +53,9 @@ def maintain_emptiness(actions: Iterable[Action], ontology: Ontology) -> tuple[A
     drafts = tuple(actions)
     for predicate in sorted({e.predicate for e in asked_emptiness(drafts)}):
         asked = [e for e in asked_emptiness(drafts) if e.predicate == predicate]
-        if len(asked) == 1 and all(_keeps_track(action, asked[0], ontology) for action in drafts):
-            drafts = tuple(_maintain(action, asked[0], ontology) for action in drafts)
+        kept = [_maintaining(action, asked[0], ontology) for action in drafts]
+        if len(asked) == 1 and None not in kept:
+            drafts = tuple(filter(None, kept))
         else:
             drafts = tuple(_with_quantifier(action, asked[0], ontology) for action in drafts)
     return drafts
@@ -71,33 +72,20 @@ def asked_emptiness(actions: Iterable[Action]) -> tuple[Emptiness, ...]:
     return tuple(dict.fromkeys(found))
 
 
-def _places(atoms: Iterable[Atom], emptiness: Emptiness, but: Iterable[Atom]) -> list[str]:
-    return [atom.arguments[1] for atom in atoms if atom.predicate == emptiness.relation and atom not in but]
+def _maintaining(action: Action, emptiness: Emptiness, ontology: Ontology) -> Action | None:
+    """Returns the action with its effects on emptiness; None if it is not known which places it fills or frees."""
 
+    def concerned(atoms: Iterable[Atom], but: Iterable[Atom]) -> list[str]:
+        places = [a.arguments[1] for a in atoms if a.predicate == emptiness.relation and a not in but]
+        return [place for place in places if overlap(action.types[place], emptiness.class_, ontology)]
 
-def _keeps_track(action: Action, emptiness: Emptiness, ontology: Ontology) -> bool:
-    types = action.types
-    filled = _ends(action, emptiness, ontology)
-    freed = (types[place] for place in _places(action.delete, emptiness, but=action.add))
-    known = (_within(t, emptiness.class_, ontology) or not _overlap(t, emptiness.class_, ontology) for t in freed)
-    return all(atom in action.pre for atom in filled) and all(known)
-
-
-def _ends(action: Action, emptiness: Emptiness, ontology: Ontology) -> tuple[Atom, ...]:
-    types = action.types
-    filled = (
-        p for p in _places(action.add, emptiness, but=action.pre) if _overlap(types[p], emptiness.class_, ontology)
-    )
-    return tuple(Atom(emptiness.predicate, (place,)) for place in filled)
-
-
-def _maintain(action: Action, emptiness: Emptiness, ontology: Ontology) -> Action:
-    types = action.types
-    freed = (
-        p for p in _places(action.delete, emptiness, but=action.add) if _within(types[p], emptiness.class_, ontology)
-    )
+    freed = concerned(action.delete, but=action.add)
     starts = tuple(Atom(emptiness.predicate, (place,)) for place in freed)
-    ends = _ends(action, emptiness, ontology)
+    ends = tuple(Atom(emptiness.predicate, (place,)) for place in concerned(action.add, but=action.pre))
+    if not set(ends) <= set(action.pre) or not all(
+        _within(action.types[place], emptiness.class_, ontology) for place in freed
+    ):
+        return None
     added = [f"effect {shown(atom)}: it held one thing only" for atom in starts]
     ended = [f"effect not {shown(atom)}: something is there now" for atom in ends]
     notes = (*action.notes, *added, *ended)
@@ -115,10 +103,6 @@ def _with_quantifier(action: Action, emptiness: Emptiness, ontology: Ontology) -
     notes = tuple(f"precondition {shown(atom)} with a quantifier: not every skill keeps track of it" for atom in asked)
     pre = tuple(atom for atom in action.pre if atom not in asked)
     return replace(action, pre=pre, none=(*action.none, *none), notes=(*action.notes, *notes))
-
-
-def _overlap(one: str, other: str, ontology: Ontology) -> bool:
-    return _within(one, other, ontology) or _within(other, one, ontology)
 
 
 def _within(class_: str, other: str, ontology: Ontology) -> bool:
@@ -239,7 +223,7 @@ class _Part:
     def _for_all(self, there: Exists, scope: Scope) -> Iterator[Atom]:
         """Yields for each element of the class an atom stating that it does not match."""
         variable, inner = self._opened(there)
-        contrary = normal(Not(inner), self._where, self._view.ontology)
+        contrary = normal(inner, self._where, self._view.ontology, holds=False)
         atoms = tuple(self._all(contrary, {**scope, variable.name: variable.type}))
         for element in self._view.instances(variable.type):
             yield from filter(self._is_open, (atom.bind({variable.name: element}) for atom in atoms))

@@ -103,7 +103,7 @@ def _widened_variables(
     return tuple(Variable(v.name, wide.get(v.type, v.type)) for v in variables), asks
 
 
-def normal(pattern: Pattern, where: str, ontology: Ontology) -> Pattern:
+def normal(pattern: Pattern, where: str, ontology: Ontology, *, holds: bool = True) -> Pattern:
     """Returns an equivalent pattern of AllOf, AnyOf, Exists, Not(Exists), literals and negated literals.
 
     A literal is about one relation, property or class; the body of a quantifier has the same form.
@@ -112,52 +112,37 @@ def normal(pattern: Pattern, where: str, ontology: Ontology) -> Pattern:
         pattern: Any pattern.
         where: For the message of a refusal ("precondition X of skill 'y'").
         ontology: The ontology, with the hierarchy of relations.
+        holds: False for the negation of the pattern.
 
     Raises:
         PlanningError: A part of it cannot be expressed in planning; the message names it.
     """
+    every, some = (_all_of, _any_of) if holds else (_any_of, _all_of)
+
+    def signed(part: Pattern) -> Pattern:
+        return part if holds else Not(part)
+
     match pattern:
         case Not(inner):
-            return _denied(inner, where, ontology)
-        case AnyOf(()):
+            return normal(inner, where, ontology, holds=not holds)
+        case AllOf(()) | AnyOf(()) if isinstance(pattern, AnyOf) is holds:
             raise PlanningError(f"{where}: any of no conditions never holds; say what should hold")
         case Related(relation, subject, object_) if _is_computed(relation, ontology):
-            return Computed(relation, subject, object_)
+            return signed(Computed(relation, subject, object_))
         case Related(relation, subject, object_):
-            return _any_of(Related(r, subject, object_) for r in storable(relation, ontology))
-        case Nothing(relation, object_):
+            return some(signed(Related(r, subject, object_)) for r in storable(relation, ontology))
+        case Nothing(relation, object_) if holds:
             return _all_of(Nothing(r, object_) for r in storable(relation, ontology))
-        case AllOf(patterns):
-            return _all_of(normal(p, where, ontology) for p in patterns)
-        case AnyOf(patterns):
-            return _any_of(normal(p, where, ontology) for p in patterns)
-        case Exists(variable, class_, inner):
-            return Exists(variable, class_, normal(inner, where, ontology))
-        case Has() | Compare() | IsA() | ClassRelated() | Computed():
-            return pattern
-        case _:
-            raise _refused(pattern, where)
-
-
-def _denied(pattern: Pattern, where: str, ontology: Ontology) -> Pattern:
-    """Returns the normal form of a pattern's negation."""
-    match pattern:
-        case Not(inner):
-            return normal(inner, where, ontology)
-        case Related(relation, subject, object_) if _is_computed(relation, ontology):
-            return Not(Computed(relation, subject, object_))
-        case Related(relation, subject, object_):
-            return _all_of(Not(Related(r, subject, object_)) for r in storable(relation, ontology))
         case Nothing(relation, object_):
             return _any_of(_something(r, object_, ontology) for r in storable(relation, ontology))
         case AllOf(patterns):
-            return normal(AnyOf(tuple(Not(p) for p in patterns)), where, ontology)
+            return every(normal(p, where, ontology, holds=holds) for p in patterns)
         case AnyOf(patterns):
-            return normal(AllOf(tuple(Not(p) for p in patterns)), where, ontology)
+            return some(normal(p, where, ontology, holds=holds) for p in patterns)
         case Exists(variable, class_, inner):
-            return Not(Exists(variable, class_, normal(inner, where, ontology)))
+            return signed(Exists(variable, class_, normal(inner, where, ontology)))
         case Has() | Compare() | IsA() | ClassRelated() | Computed():
-            return Not(pattern)
+            return signed(pattern)
         case _:
             raise _refused(pattern, where)
 
@@ -317,12 +302,11 @@ def asked_literals(patterns: Iterable[Pattern], ontology: Ontology) -> dict[str,
 def _asked(pattern: Pattern, ontology: Ontology, *, holds: bool) -> Iterator[Asked | Not]:
     match pattern:
         case Has() | Compare() | IsA():
-            own: Asked = pattern.rename({pattern.subject: "1"})
+            own: Asked = replace(pattern, subject="1")
             yield own if holds else Not(own)
-        case ClassRelated(relation):
-            yield ClassRelated(relation, "1", "2") if holds else Not(ClassRelated(relation, "1", "2"))
-        case Computed(relation, _, _, function):
-            yield Computed(relation, "1", "2", function) if holds else Not(Computed(relation, "1", "2", function))
+        case ClassRelated() | Computed():
+            own = replace(pattern, subject="1", object="2")
+            yield own if holds else Not(own)
         case Related(relation, subject, object_) if not is_stored(relation, ontology):
             yield from _asked(Computed(relation, subject, object_), ontology, holds=holds)
         case AllOf(patterns) | AnyOf(patterns):

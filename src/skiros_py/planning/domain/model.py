@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from skiros_py.skills.conditions import Condition
 from skiros_py.skills.skill import SkillDescription
 
 
@@ -157,20 +156,12 @@ def account_of(skills: Iterable[SkillDescription], actions: Sequence[tuple[str, 
         skills: The skills.
         actions: The actions of the domain, each with its name there.
     """
-    accounts = [
-        SkillAccount(s.name, _texts(s.pre), _texts(s.hold), _texts(s.post), _actions(s.name, actions)) for s in skills
-    ]
-    bookkeeping = _actions(None, actions)
-    return (*accounts, *([SkillAccount("", (), (), (), bookkeeping)] if bookkeeping else ()))
-
-
-def _texts(conditions: Iterable[Condition]) -> tuple[str, ...]:
-    return tuple(map(str, conditions))
-
-
-def _actions(skill: str | None, actions: Sequence[tuple[str, Action]]) -> tuple[ActionAccount, ...]:
-    return tuple(
-        ActionAccount(name, tuple(f"{v.name.lstrip('?')}: {v.type or 'anything'}" for v in a.parameters), a.notes)
-        for name, a in actions
-        if a.skill == skill
-    )
+    own: dict[str | None, tuple[ActionAccount, ...]] = {}
+    for name, action in actions:
+        parameters = tuple(f"{v.name.lstrip('?')}: {v.type or 'anything'}" for v in action.parameters)
+        own[action.skill] = (*own.get(action.skill, ()), ActionAccount(name, parameters, action.notes))
+    accounts = []
+    for skill in skills:
+        pre, hold, post = (tuple(map(str, conditions)) for conditions in (skill.pre, skill.hold, skill.post))
+        accounts.append(SkillAccount(skill.name, pre, hold, post, own.get(skill.name, ())))
+    return (*accounts, *([SkillAccount("", (), (), (), own[None])] if None in own else ()))

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import reduce
-from itertools import combinations
+from functools import cache, reduce
+from itertools import combinations, islice
+from typing import NamedTuple
 
 from skiros_py.planning.domain.actions import is_placement
 from skiros_py.planning.domain.literals import NOTHING, allows_value, common_class, property_of
@@ -25,6 +26,14 @@ _MOST = 2000
 """How many ways to fulfil one condition are considered; with more, the condition is skipped."""
 
 
+class _Want(NamedTuple):
+    """One of these things is required in one of these places, regardless of the condition."""
+
+    relation: str
+    things: frozenset[str]
+    places: frozenset[str]
+
+
 @dataclass(frozen=True, slots=True)
 class Demand:
     """A condition requires one of these things in one of these places.
@@ -41,86 +50,54 @@ class Demand:
     relation: str
     things: frozenset[str]
     places: frozenset[str]
-    meant: bool = False
+    meant: bool
 
 
-@dataclass(frozen=True, slots=True)
-class _Want:
-    """One of these things is required in one of these places, regardless of the condition."""
+def _demands_of(relaxed: Relaxation) -> list[Demand]:
+    """Returns all placement demands of the goal; conditions with very many alternatives are left out.
 
-    relation: str
-    things: frozenset[str]
-    places: frozenset[str]
+    Traces the goal's bookkeeping actions backwards: which facts must hold, and in which ways they can.
+    """
+    ontology = relaxed.task.view.ontology
+    closing = [(a, e) for a in relaxed.task.domain.actions if a.skill is None for e in a.add]
 
-    def or_(self, other: _Want) -> _Want:
-        """Returns what is required if either of the two is."""
-        return _Want(self.relation, self.things | other.things, self.places | other.places)
+    @cache
+    def wants(atom: Atom) -> tuple[_Want, ...]:
+        """Returns what is required, all of it in some way, whenever a goal fact holds."""
+        if is_placement(atom, ontology):
+            thing, placement = ontology.placed(atom.arguments[0], atom.predicate, atom.arguments[1])
+            things, places = (frozenset(relaxed.alike(one)) for one in (thing, placement.place))
+            return (_Want(atom.predicate, things, places),)
+        each = [tuple(w for pre in a.pre for w in wants(pre.bind(b))) for a, b in islice(ways(atom), _MOST + 1)]
+        return _any_of(each) if len(each) <= _MOST else ()
 
+    def ways(atom: Atom) -> Iterator[tuple[Action, Binding]]:
+        for action, effect in closing:
+            if effect.predicate == atom.predicate:
+                start = unified(effect, atom, {}, action.types, relaxed.fits)
+                if start is not None:
+                    for binding in relaxed.ways(action, action.pre, start, {}, _MOST):
+                        yield action, binding
 
-def demands_of(relaxed: Relaxation) -> list[Demand]:
-    """Returns all placement demands of the goal; conditions with very many alternatives are left out."""
-    wants = _Wants(relaxed)
     return [
-        Demand(condition, want.relation, want.things, want.places, want.things.issubset(named))
+        Demand(condition, *want, meant=want.things <= {*condition.arguments, *atom.arguments})
         for condition, atoms in relaxed.task.goal
         for atom in atoms
-        for named in ({*condition.arguments, *atom.arguments},)
-        for want in wants.of(atom)
+        for want in wants(atom)
     ]
-
-
-class _Wants:
-    """Traces the goal's bookkeeping actions backwards: which facts must hold, and in which ways they can."""
-
-    def __init__(self, relaxed: Relaxation) -> None:
-        self._relaxed = relaxed
-        self._ontology = relaxed.task.view.ontology
-        self._known: dict[Atom, tuple[_Want, ...]] = {}
-        self._closing: dict[str, list[tuple[Action, Atom]]] = {}
-        for action in relaxed.task.domain.actions:
-            for effect in action.add if action.skill is None else ():
-                self._closing.setdefault(effect.predicate, []).append((action, effect))
-
-    def of(self, atom: Atom) -> tuple[_Want, ...]:
-        """Returns the demands that all hold, each in some way, whenever a goal fact holds."""
-        if atom not in self._known:
-            self._known[atom] = self._worked_out(atom)
-        return self._known[atom]
-
-    def _worked_out(self, atom: Atom) -> tuple[_Want, ...]:
-        if is_placement(atom, self._ontology):
-            return (self._stated(atom),)
-        ways: list[tuple[_Want, ...]] = []
-        for action, binding in self._ways(atom):
-            if len(ways) == _MOST:
-                return ()
-            ways.append(tuple(want for pre in action.pre for want in self.of(pre.bind(binding))))
-        return _any_of(ways)
-
-    def _ways(self, atom: Atom) -> Iterator[tuple[Action, Binding]]:
-        for action, effect in self._closing.get(atom.predicate, ()):
-            start = unified(effect, atom, {}, action.types, self._relaxed.fits)
-            if start is not None:
-                for binding in self._relaxed.ways(action, action.pre, start, {}, _MOST):
-                    yield action, binding
-
-    def _stated(self, atom: Atom) -> _Want:
-        thing, placement = self._ontology.placed(atom.arguments[0], atom.predicate, atom.arguments[1])
-        alike = self._relaxed.alike
-        return _Want(atom.predicate, frozenset(alike(thing)), frozenset(alike(placement.place)))
 
 
 def _any_of(ways: Sequence[Sequence[_Want]]) -> tuple[_Want, ...]:
     """Returns what is required if one of several ways is taken: every choice of one demand per way."""
     if not ways or not all(ways):
         return ()
-    count = max(map(len, ways))
-    chosen = ([way[min(i, len(way) - 1)] for way in ways] for i in range(count))
-    return tuple(dict.fromkeys(_joined(wants) for wants in chosen if len({want.relation for want in wants}) == 1))
+    chosen = [[way[min(i, len(way) - 1)] for way in ways] for i in range(max(map(len, ways)))]
+    alike = [wants for wants in chosen if len({want.relation for want in wants}) == 1]
+    return tuple(dict.fromkeys(_Want(wants[0].relation, _all(wants, 1), _all(wants, 2)) for wants in alike))
 
 
-def _joined(wants: Iterable[_Want]) -> _Want:
-    return reduce(_Want.or_, dict.fromkeys(wants))
+def _all(wants: Iterable[_Want], which: int) -> frozenset[str]:
+    return frozenset().union(*(want[which] for want in wants))
 
 
 def is_exclusive(relaxed: Relaxation, relation: str, place: str, ontology: Ontology) -> bool:
@@ -166,7 +143,7 @@ class Contradictions:
     def __init__(self, relaxed: Relaxation) -> None:
         self._relaxed = relaxed
         self._ontology = relaxed.task.view.ontology
-        self._demands = demands_of(relaxed)
+        self._demands = _demands_of(relaxed)
         self._exclusive: dict[tuple[str, str], bool] = {}
 
     def found(self) -> tuple[Found, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from functools import cache, partial
 from typing import NamedTuple
 
 from skiros_py.planning.domain.literals import CAN, NOTHING, Asked, overlap
@@ -30,6 +31,7 @@ class Lifted:
 
     Attributes:
         view, asked: The same.
+        overlap: Returns whether something may be of both classes.
     """
 
     def __init__(self, actions: Sequence[Action], view: WorldView, asked: Mapping[str, Asked | Not]) -> None:
@@ -42,7 +44,7 @@ class Lifted:
         self._deleting: dict[str, list[tuple[Action, Atom]]] = {}
         self._needing: dict[Slot, list[Atom]] = {}
         self._givers: dict[tuple[str, Atom], tuple[tuple[Action, Atom], ...]] = {}
-        self._overlaps: dict[tuple[str, str], bool] = {}
+        self.overlap: Callable[[str, str], bool] = cache(partial(overlap, ontology=view.ontology))
         for action in actions:
             for table, atoms in ((self._adding, action.add), (self._deleting, action.delete)):
                 for atom in atoms:
@@ -101,13 +103,6 @@ class Lifted:
     def breakers(self, atom: Atom) -> Sequence[tuple[Action, Atom]]:
         """Returns the actions, with the effect, that delete facts of an atom's kind."""
         return self._deleting.get(atom.predicate, ())
-
-    def overlap(self, one: str, other: str) -> bool:
-        """Returns True when something may be of both classes."""
-        key = one, other
-        if key not in self._overlaps:
-            self._overlaps[key] = overlap(one, other, self._ontology)
-        return self._overlaps[key]
 
     def is_passive(self, class_: str) -> bool:
         """Returns True when actions on a thing of this class only help conditions about that thing.

@@ -11,15 +11,17 @@ from itertools import product
 from skiros_py.errors import PlanningError, SkirosError
 from skiros_py.interruptions import Interruption
 from skiros_py.planning.domain.actions import actions_of, needs_of, possible_variants
-from skiros_py.planning.domain.complements import complement_facts, stated_objects, with_complements
+from skiros_py.planning.domain.complements import with_complements
 from skiros_py.planning.domain.goals import CompiledGoal, compile_goal, maintain_emptiness
 from skiros_py.planning.domain.literals import (
     CAN,
     IS,
+    NOT,
     NOTHING,
     Asked,
     asked_literals,
     common_class,
+    is_stored,
     primary_line,
     with_class_predicates,
 )
@@ -66,13 +68,31 @@ class Facts:
         Raises:
             PlanningError: A condition's own function failed; the message names the condition.
         """
-        return {atom for name, types in predicates.items() for atom in self._facts(name, types)}
+        positive = ((name, types) for name, types in predicates.items() if not self._is_denied(name))
+        return {atom for name, types in positive for atom in self._facts(name, types)}
 
-    def _facts(self, name: str, types: tuple[str, ...]) -> tuple[Atom, ...]:
-        key = name, types
+    def denied(self, actions: Iterable[Action], goal: Iterable[Atom]) -> set[Atom]:
+        """Returns which stored relations do not hold, only between things for which it is required."""
+        said: list[tuple[Atom, Mapping[str, str]]] = [(a, action.types) for action in actions for a in action.pre]
+        said += [(atom, {}) for atom in goal]
+        wanted = dict.fromkeys(
+            (atom.predicate, tuple(a if a in self._objects else types.get(a, "") for a in atom.arguments))
+            for atom, types in said
+            if self._is_denied(atom.predicate)
+        )
+        return {atom for name, ends in wanted for atom in self._facts(name, ends)}
+
+    def _is_denied(self, name: str) -> bool:
+        """Returns whether a predicate says that a stored relation does not hold."""
+        is_negative = name.startswith(NOT) and name not in self._asked
+        return is_negative and is_stored(name.removeprefix(NOT), self._view.ontology)
+
+    def _facts(self, name: str, ends: tuple[str, ...]) -> tuple[Atom, ...]:
+        """Returns the facts of a predicate about classes or elements."""
+        key = name, ends
         if key not in self._found:
             try:
-                self._found[key] = tuple(self._worked_out(name, [self._fitting(type_) for type_ in types]))
+                self._found[key] = tuple(self._worked_out(name, [self._fitting(end) for end in ends]))
             except (SkirosError, KeyboardInterrupt, Interruption):
                 raise
             except BaseException as error:
@@ -89,14 +109,15 @@ class Facts:
         if name.startswith(IS):
             class_, ontology = name.removeprefix(IS), self._view.ontology
             return (Atom(name, (o,)) for o in fitting[0] if ontology.is_a(self._objects[o], class_))
-        return self._stored(name, fitting) if name in self._view.ontology.relations else ()
+        relation = name.removeprefix(NOT)
+        return self._stored(name, relation, fitting) if relation in self._view.ontology.relations else ()
 
-    def _stored(self, relation: str, fitting: Sequence[Sequence[str]]) -> Iterable[Atom]:
-        targets = set(fitting[1])
+    def _stored(self, name: str, relation: str, fitting: Sequence[Sequence[str]]) -> Iterable[Atom]:
+        targets = frozenset(fitting[1])
         for subject in fitting[0]:
-            for object_ in stated_objects(self._view, subject, relation):
-                if object_ in targets:
-                    yield Atom(relation, (subject, object_))
+            stated = _stated_objects(self._view, subject, relation)
+            found = (o for o in stated if o in targets) if name == relation else targets.difference(stated)
+            yield from (Atom(name, (subject, object_)) for object_ in found)
 
     def _holding(self, literal: Asked | Not, fitting: Sequence[Sequence[str]]) -> Iterable[tuple[str, ...]]:
         """Returns the tuples a literal holds for, among fitting arguments."""
@@ -108,17 +129,24 @@ class Facts:
             return (ids for ids in tuples if ids not in there)
         return (ids for ids in tuples if literal.evaluate(self._view, dict(zip(("1", "2"), ids, strict=False))))
 
-    def _fitting(self, class_: str) -> tuple[str, ...]:
-        if class_ not in self._of_class:
-            self._of_class[class_] = tuple(_fitting(self._objects, class_, self._view.ontology))
-        return self._of_class[class_]
+    def _fitting(self, end: str) -> tuple[str, ...]:
+        """Returns an element itself, or the elements of a class."""
+        if end in self._objects:
+            return (end,)
+        if end not in self._of_class:
+            below = None if end in ("", "object") else frozenset(self._view.ontology.subclasses(end))
+            self._of_class[end] = tuple(o for o, type_ in self._objects.items() if below is None or type_ in below)
+        return self._of_class[end]
 
 
-def _fitting(objects: Mapping[str, str], class_: str, ontology: Ontology) -> Iterable[str]:
-    if class_ in ("", "object"):
-        return objects
-    below = frozenset(ontology.subclasses(class_))
-    return (o for o, type_ in objects.items() if type_ in below)
+def _stated_objects(view: WorldView, subject: str, relation: str) -> tuple[str, ...]:
+    """Returns what a subject is related to by exactly this relation: not by a narrower one, which ends by itself."""
+    narrower = view.ontology.sub_relations(relation)[1:]
+    found = view.objects(subject, relation)
+    if not narrower or not found:
+        return found
+    below = {other for one in narrower for other in view.objects(subject, one)}
+    return tuple(other for other in found if other not in below)
 
 
 def living(actions: Iterable[Action], view: WorldView) -> tuple[Action, ...]:
@@ -314,17 +342,11 @@ class _Building:
         able = {Atom(can, (agent,)) for can, agents in self._agents.items() for agent in agents}
         known = {atom for atom in (*given, *able) if all(argument in objects for argument in atom.arguments)}
         predicates = _predicates(actions, goal, objects, self._ontology)
-        start = known | facts.of(predicates) | self._denied(actions, goal, objects)
+        start = known | facts.of(predicates) | facts.denied(actions, goal)
         possible = supported(actions, start, objects, self._ontology)
         predicates = _predicates(possible, goal, objects, self._ontology)
         init = {atom for atom in known if atom.predicate in predicates}
-        return possible, predicates, init | facts.of(predicates) | self._denied(possible, goal, objects)
-
-    def _denied(self, actions: Iterable[Action], goal: Iterable[Atom], objects: Mapping[str, str]) -> frozenset[Atom]:
-        said: list[tuple[Atom, Mapping[str, str]]] = [(a, action.types) for action in actions for a in action.pre]
-        said += [(atom, {}) for atom in goal]
-        stored = [(atom, types) for atom, types in said if atom.predicate not in self._asked]
-        return complement_facts(stored, objects, self._view)
+        return possible, predicates, init | facts.of(predicates) | facts.denied(possible, goal)
 
     def _who_asks(self, predicate: str) -> str:
         words = (*(c for s in self._skills for c in needs_of(s)), *self._goal)

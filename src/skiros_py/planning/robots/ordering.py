@@ -147,37 +147,17 @@ def contrary(after: Order) -> tuple[int, ...]:
     return tuple(taken)
 
 
-def schedule(
-    after: Order, durations: Sequence[float], needs: Sequence[frozenset[str]] | None = None
-) -> tuple[float, ...]:
+def schedule(after: Order, durations: Sequence[float]) -> tuple[float, ...]:
     """Returns the start time of each step [s] if all start as early as possible.
 
     >>> schedule((frozenset(), frozenset({0}), frozenset()), [2.0, 1.0, 5.0])
     (0.0, 2.0, 0.0)
 
     Args:
-        after: The order.
+        after: The order; no step waits for a later one.
         durations: How long each step takes [s].
-        needs: The exclusive resources of each step; of two steps that share one, the one with the longer tail goes
-            first. Omit it if the order is complete.
     """
-    wanted = needs if needs is not None else [frozenset[str]()] * len(after)
-    tails = _tails(after, durations)
-    starts: dict[int, float] = {}
-    free: dict[str, float] = {}
-    while len(starts) < len(after):
-        ready = [i for i in range(len(after)) if i not in starts and after[i] <= starts.keys()]
-        ends = {i: [starts[e] + durations[e] for e in after[i]] + [free.get(n, 0.0) for n in wanted[i]] for i in ready}
-        first = min(ready, key=lambda i: (max(ends[i], default=0.0), -tails[i], i))
-        starts[first] = max(ends[first], default=0.0)
-        free |= dict.fromkeys(wanted[first], starts[first] + durations[first])
-    return tuple(starts[i] for i in range(len(after)))
-
-
-def _tails(after: Order, durations: Sequence[float]) -> list[float]:
-    """The minimum time from the start of each step to the end of the plan [s]."""
-    tails = list(durations)
-    for index in reversed(range(len(after))):
-        for earlier in after[index]:
-            tails[earlier] = max(tails[earlier], durations[earlier] + tails[index])
-    return tails
+    starts: list[float] = []
+    for waits in after:
+        starts.append(max((starts[i] + durations[i] for i in waits), default=0.0))
+    return tuple(starts)
