@@ -193,6 +193,8 @@ def test_planners_stay_loaded_between_requests_and_are_started_again_if_they_die
     assert len(before) == 1
     assert residents(process) == before
     os.kill(before[0], signal.SIGKILL)
+    while residents(process) == before:
+        time.sleep(0.01)
     assert isinstance(process.ask(request(world)).result().value.outcome, Plan)
     assert residents(process) not in ([], before)
 
