@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from skiros_py.station.session import Options, Session
-from skiros_py.tasks.jobs import JobOrder, Outcome
+from skiros_py.tasks.jobs.job import JobOrder, Outcome
 
 
 def materials(session: Session, job: str) -> list[tuple[str, str, str]]:

@@ -12,7 +12,7 @@ import pytest
 from skiros_py.errors import UnknownName, UsageError
 from skiros_py.station.session import Options, Session
 from skiros_py.tasks.handle import Policy
-from skiros_py.tasks.jobs import JobOrder, JobState, Outcome
+from skiros_py.tasks.jobs.job import JobOrder, JobState, Outcome
 
 STARTER = "InKit(Starter, kit_1)"
 ALTERNATOR = "InKit(Alternator, kit_1)"
@@ -186,7 +186,7 @@ _KILLED = """
 import json, sys
 from pathlib import Path
 from skiros_py.station.session import Options, Session
-from skiros_py.tasks.jobs import JobOrder
+from skiros_py.tasks.jobs.job import JobOrder
 with Session("kitting", Options(fake=True, data=Path(sys.argv[1]), pace=2.0)) as session:
     session.jobs.submit(JobOrder(id="a", goal=("InKit(Starter, kit_1)",)))
     session.jobs.submit(JobOrder(id="b", goal=("InKit(Alternator, kit_1)",)))

@@ -9,7 +9,9 @@ from pathlib import Path
 import pytest
 
 from skiros_py.station.session import Options, Session
-from skiros_py.tasks.jobs import Job, JobManager, JobOrder, JobState, JobStore, Outcome
+from skiros_py.tasks.jobs.job import Job, JobOrder, JobState, Outcome
+from skiros_py.tasks.jobs.manager import JobManager
+from skiros_py.tasks.jobs.store import JobStore
 
 NORTH = "ObjectAtLocation(starter_1, kit_1_a)"
 SOUTH = "ObjectAtLocation(compressor_2, kit_2_a)"

@@ -23,7 +23,7 @@ from skiros_py.server.access.roles import Role
 from skiros_py.server.settings import ServerSettings
 from skiros_py.server.streams import position_text
 from skiros_py.station.events.log import Kind
-from skiros_py.tasks.jobs import JobOrder
+from skiros_py.tasks.jobs.job import JobOrder
 from skiros_py.world.change import Writer
 from skiros_py.world.element import Placement
 from skiros_py.world.vocabulary import IN, LABEL, TAUGHT_POSE

@@ -14,7 +14,8 @@ import httpx2
 import pytest
 from support.serving import Served, serving
 
-from skiros_py.tasks.jobs import JobManager, JobOrder
+from skiros_py.tasks.jobs.job import JobOrder
+from skiros_py.tasks.jobs.manager import JobManager
 from skiros_py.world.change import Writer
 
 from .hard import HOLDS, LATER, SLOWLY, STARTER, api_of, begin_anew, cycles, happened, job_of, moves, over, steps, until

@@ -12,7 +12,7 @@ import httpx2
 import pytest
 from support.serving import Served, serving
 
-from skiros_py.tasks.jobs import JobState
+from skiros_py.tasks.jobs.job import JobState
 from skiros_py.world.change import Writer
 from skiros_py.world.world import World
 

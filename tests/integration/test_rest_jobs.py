@@ -13,8 +13,8 @@ from skiros_py.api.jobs import JobOrder, JobResponse
 from skiros_py.client.client import Client
 from skiros_py.client.topics import Jobs
 from skiros_py.errors import UsageError
-from skiros_py.tasks.jobs import JobOrder as Order
-from skiros_py.tasks.jobs import Outcome
+from skiros_py.tasks.jobs.job import JobOrder as Order
+from skiros_py.tasks.jobs.job import Outcome
 from skiros_py.world.element import Placement
 
 HOLDS = {"goal": "EmptyHanded(gripper_1)"}

@@ -15,7 +15,7 @@ from skiros_py.devices.mobile_base import BaseState
 from skiros_py.errors import DeviceError, WrongState
 from skiros_py.skills.context import QuestionKind
 from skiros_py.station.session import Options
-from skiros_py.tasks.jobs import JobOrder, JobState
+from skiros_py.tasks.jobs.job import JobOrder, JobState
 
 STARTER = "InKit(Starter, kit_1)"
 

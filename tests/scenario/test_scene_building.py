@@ -10,7 +10,7 @@ from support.serving import serving
 
 from skiros_py.station.judgement import judge
 from skiros_py.station.session import Options, Session
-from skiros_py.tasks.jobs import JobOrder
+from skiros_py.tasks.jobs.job import JobOrder
 from skiros_py.world.change import Writer
 from skiros_py.world.element import Placement
 

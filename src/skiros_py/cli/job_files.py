@@ -10,8 +10,8 @@ from pathlib import Path
 from skiros_py.api.jobs import Job, JobPage, JobPlan, JobTrace, StateName
 from skiros_py.errors import FileError, UnknownName
 from skiros_py.station.jobs.views import STATES, job_view, plan_of
-from skiros_py.tasks.jobs import Job as Known
-from skiros_py.tasks.jobs import JobStore
+from skiros_py.tasks.jobs.job import Job as Known
+from skiros_py.tasks.jobs.store import JobStore
 from skiros_py.world.journal.data_directory import DirectoryLock
 
 

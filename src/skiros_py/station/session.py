@@ -40,7 +40,7 @@ from skiros_py.world.world import World
 
 if TYPE_CHECKING:
     from skiros_py.simulation.cell import SimulatedCell
-    from skiros_py.tasks.jobs import JobManager
+    from skiros_py.tasks.jobs.manager import JobManager
 
 _log = logging.getLogger(__name__)
 
@@ -376,7 +376,8 @@ class Session:
         Raises:
             FileError: The file with the jobs cannot be used.
         """
-        from skiros_py.tasks.jobs import JobManager, JobStore  # most sessions have none
+        from skiros_py.tasks.jobs.manager import JobManager  # most sessions have no jobs
+        from skiros_py.tasks.jobs.store import JobStore
 
         folder = self.options.data or Path(self._stack.enter_context(TemporaryDirectory(prefix="skiros-jobs-")))
         store = self._stack.enter_context(closing(JobStore(folder / "jobs.db")))

@@ -15,7 +15,7 @@ from skiros_py.errors import Busy, DeviceError, UsageError, WrongState
 from skiros_py.station import control as module
 from skiros_py.station.control import ControlThread
 from skiros_py.station.session import Options, Session
-from skiros_py.tasks.jobs import JobOrder
+from skiros_py.tasks.jobs.job import JobOrder
 
 Start = Callable[..., ControlThread]
 

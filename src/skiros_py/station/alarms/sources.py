@@ -12,7 +12,7 @@ from skiros_py.station.alarms.alarms import Alarms
 from skiros_py.station.control import CLOSING, ControlThread
 from skiros_py.station.session import Session
 from skiros_py.tasks.handle import TaskHandle
-from skiros_py.tasks.jobs import Job
+from skiros_py.tasks.jobs.job import Job
 from skiros_py.tasks.trace import TraceEntry, TraceEventKind
 
 _log = logging.getLogger(__name__)

@@ -13,7 +13,7 @@ from skiros_py.station.modules.runs import ModuleRun, ModuleRuns, Turn
 from skiros_py.station.session import Session
 from skiros_py.station.tasks.tasks import TaskService
 from skiros_py.tasks.handle import TaskHandle
-from skiros_py.tasks.jobs import Job
+from skiros_py.tasks.jobs.job import Job
 from skiros_py.tasks.trace import TraceEntry
 from skiros_py.world.change import Change
 from skiros_py.world.element import is_learned

@@ -16,7 +16,9 @@ from skiros_py.station.jobs import views
 from skiros_py.station.jobs.orders import digest_of, is_same, job_order, texts_of
 from skiros_py.station.jobs.templates import content_of
 from skiros_py.station.requests import LIBRARY, Author, Service
-from skiros_py.tasks.jobs import Job, JobManager, JobState, Page, Receipt, Trigger
+from skiros_py.tasks.jobs.job import Job, JobState, Trigger
+from skiros_py.tasks.jobs.manager import JobManager
+from skiros_py.tasks.jobs.store import Page, Receipt
 from skiros_py.world.vocabulary import MANIPULATABLE
 
 Command = Literal["start", "revoke_start", "pause", "resume", "stop", "abort", "cancel", "clear", "remove"]

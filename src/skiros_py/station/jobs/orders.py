@@ -12,7 +12,7 @@ from skiros_py.api.wire import fault_words
 from skiros_py.errors import UsageError
 from skiros_py.station.document_store import TEMPLATE, DocumentStore
 from skiros_py.station.jobs.templates import content_of, filled, goal_texts
-from skiros_py.tasks.jobs import JobOrder
+from skiros_py.tasks.jobs.job import JobOrder
 
 LONGEST = 64 << 10
 """Maximum size of an order, with its goal and all other fields [bytes]."""

@@ -8,7 +8,8 @@ from typing import Any
 from skiros_py.api import jobs as api
 from skiros_py.api.jobs import StateName
 from skiros_py.planning.plan import Plan
-from skiros_py.tasks.jobs import Job, JobManager, JobState, Transition
+from skiros_py.tasks.jobs.job import Job, JobState, Transition
+from skiros_py.tasks.jobs.manager import JobManager
 from skiros_py.tasks.jobs.store import Announcement as Announcement  # also for the server
 from skiros_py.tasks.trace import TraceEventKind
 

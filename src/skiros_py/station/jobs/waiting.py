@@ -6,7 +6,8 @@ import threading
 import time
 
 from skiros_py.station.session import Session
-from skiros_py.tasks.jobs import Job, JobManager, JobState
+from skiros_py.tasks.jobs.job import Job, JobState
+from skiros_py.tasks.jobs.manager import JobManager
 
 _MOST = 8
 """Maximum number of waiting callers: each occupies a thread that other requests may need."""

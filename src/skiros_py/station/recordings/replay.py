@@ -19,7 +19,7 @@ from skiros_py.ports.frames import MAP
 from skiros_py.recording.reader import DEVICES, FRAMES, JOINTS, Recording
 from skiros_py.station.recordings.sources import VIEW
 from skiros_py.station.requests import Service
-from skiros_py.tasks.jobs import Job
+from skiros_py.tasks.jobs.job import Job
 
 MOST_FRAMES = 5000
 _DIGITS = 5

@@ -22,7 +22,7 @@ from skiros_py.recording.pictures import record_pictures
 from skiros_py.station.recordings.sources import camera_of, record_looks, record_view
 from skiros_py.station.session import Session
 from skiros_py.tasks.handle import TaskHandle
-from skiros_py.tasks.jobs import Job
+from skiros_py.tasks.jobs.job import Job
 from skiros_py.tasks.trace import TraceEntry, TraceEventKind
 from skiros_py.world.scene.writer import scene_turtle
 

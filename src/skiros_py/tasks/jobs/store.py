@@ -37,7 +37,7 @@ class Announcement:
         number: Counts announcements without gaps, over restarts as well.
         wall: When [s since 1970].
         job: The job at that time; a large one without its plan and with a truncated goal.
-        trigger: What led to it: a value of :class:`~skiros_py.tasks.jobs.Trigger`, "cancelled" or "cleared".
+        trigger: What led to it: a value of :class:`~skiros_py.tasks.jobs.job.Trigger`, "cancelled" or "cleared".
     """
 
     number: int

@@ -16,7 +16,7 @@ from standardwebhooks import WebhookVerificationError
 from skiros_py.api.webhooks import Deliveries, DeliveryState
 from skiros_py.server.webhooks.sender import Patience, WebhookSender
 from skiros_py.server.webhooks.store import Subscription, WebhookStore, new_secret
-from skiros_py.tasks.jobs import Job, JobOrder, JobState
+from skiros_py.tasks.jobs.job import Job, JobOrder, JobState
 from skiros_py.tasks.jobs.store import Announcement
 
 _QUICK = Patience(first=0.02, longest=0.1, timeout=0.5, look=0.05)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from skiros_py.station.jobs.views import job_view
-from skiros_py.tasks.jobs import Job, JobOrder, JobState
+from skiros_py.tasks.jobs.job import Job, JobOrder, JobState
 
 
 @pytest.mark.parametrize(

@@ -4,8 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from skiros_py.tasks.jobs import Job, JobOrder, JobState, JobStore, Trigger
 from skiros_py.tasks.jobs import store as stored
+from skiros_py.tasks.jobs.job import Job, JobOrder, JobState, Trigger
+from skiros_py.tasks.jobs.store import JobStore
 
 
 @pytest.fixture

@@ -4,7 +4,7 @@ from datetime import UTC, datetime
 
 import pytest
 
-from skiros_py.tasks.jobs import Job, JobOrder, JobState
+from skiros_py.tasks.jobs.job import Job, JobOrder, JobState
 
 NOON = datetime(2026, 1, 1, 12, tzinfo=UTC)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from skiros_py.tasks.jobs import Intent, Job, JobOrder, JobState, MaterialActual
+from skiros_py.tasks.jobs.job import Intent, Job, JobOrder, JobState, MaterialActual
 from skiros_py.tasks.jobs.run import moved
 from skiros_py.testing import tiny_world
 from skiros_py.world.world import World

@@ -11,7 +11,9 @@ from pathlib import Path
 import pytest
 
 from skiros_py.errors import Busy, KeyReused, Removed, StaleVersion, UnknownName, WrongState
-from skiros_py.tasks.jobs import Job, JobManager, JobOrder, JobState, JobStore, Outcome, Receipt
+from skiros_py.tasks.jobs.job import Job, JobOrder, JobState, Outcome
+from skiros_py.tasks.jobs.manager import JobManager
+from skiros_py.tasks.jobs.store import JobStore, Receipt
 from skiros_py.testing import Bench, tiny_world
 
 GOAL = "In(ball_1, slot_1)"

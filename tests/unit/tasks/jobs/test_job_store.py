@@ -95,7 +95,8 @@ def test_what_is_kept_outlives_a_kill(tmp_path):
     """The writer is killed right after it says that it has kept the job."""
     code = (
         "import sys, time; from pathlib import Path\n"
-        "from skiros_py.tasks.jobs import Job, JobOrder, JobState, JobStore, Trigger\n"
+        "from skiros_py.tasks.jobs.job import Job, JobOrder, JobState, Trigger\n"
+        "from skiros_py.tasks.jobs.store import JobStore\n"
         f"store = JobStore(Path({str(tmp_path / 'jobs.db')!r}))\n"
         "order = JobOrder(id='a', goal=('InKit(Starter, kit_1)',))\n"
         "store.add(Job(order=order, number=0, state=JobState.RUNNING), Trigger.START)\n"

@@ -10,9 +10,11 @@ from pathlib import Path
 
 import pytest
 
-from skiros_py.tasks.jobs import Job, JobManager, JobOrder, JobStore, Outcome, Trigger
 from skiros_py.tasks.jobs.book import JobBook
+from skiros_py.tasks.jobs.job import Job, JobOrder, Outcome, Trigger
+from skiros_py.tasks.jobs.manager import JobManager
 from skiros_py.tasks.jobs.run import JobRun
+from skiros_py.tasks.jobs.store import JobStore
 from skiros_py.testing import Bench, tiny_world
 
 GATE = datetime.fromtimestamp(2.0**33, UTC)

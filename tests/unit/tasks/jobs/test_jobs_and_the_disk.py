@@ -14,7 +14,9 @@ import pytest
 
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.process import ThreadHost
-from skiros_py.tasks.jobs import JobManager, JobOrder, JobStore, Outcome
+from skiros_py.tasks.jobs.job import JobOrder, Outcome
+from skiros_py.tasks.jobs.manager import JobManager
+from skiros_py.tasks.jobs.store import JobStore
 from skiros_py.tasks.task_manager import TaskManager
 from skiros_py.testing import Bench, tiny_world
 

@@ -13,12 +13,15 @@ from pathlib import Path
 
 import pytest
 
-from skiros_py.tasks.jobs import JobOrder, JobStore, Receipt
+from skiros_py.tasks.jobs.job import JobOrder
+from skiros_py.tasks.jobs.store import JobStore, Receipt
 
 _TAKING = """
 import sys, threading
 from pathlib import Path
-from skiros_py.tasks.jobs import JobManager, JobOrder, JobStore, Receipt
+from skiros_py.tasks.jobs.job import JobOrder
+from skiros_py.tasks.jobs.manager import JobManager
+from skiros_py.tasks.jobs.store import JobStore, Receipt
 from skiros_py.testing import Bench, tiny_world
 with Bench(tiny_world()) as bench:
     store = JobStore(Path(sys.argv[1]))

@@ -19,8 +19,9 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, pr
 
 from skiros_py.errors import KeyReused, Removed, StaleVersion, UnknownName, WrongState
 from skiros_py.tasks.handle import Policy
-from skiros_py.tasks.jobs import Job, JobManager, JobOrder, JobState, JobStore, Receipt, Trigger
-from skiros_py.tasks.jobs.job import allowed, next_state
+from skiros_py.tasks.jobs.job import Job, JobOrder, JobState, Trigger, allowed, next_state
+from skiros_py.tasks.jobs.manager import JobManager
+from skiros_py.tasks.jobs.store import JobStore, Receipt
 from skiros_py.testing import Bench, tiny_world
 
 S = JobState

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from skiros_py.errors import FileError
-from skiros_py.tasks.jobs import JobState, JobStore, Trigger
-from skiros_py.tasks.jobs.store import SCHEMA
+from skiros_py.tasks.jobs.job import JobState, Trigger
+from skiros_py.tasks.jobs.store import SCHEMA, JobStore
 
 TABLES = """
 CREATE TABLE jobs (id TEXT PRIMARY KEY, number INTEGER NOT NULL UNIQUE, data TEXT NOT NULL) WITHOUT ROWID;
