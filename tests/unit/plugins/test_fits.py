@@ -32,12 +32,12 @@ def made_for(*requires: str) -> Distribution:
         ("skiros-py>=0.1", "skiros-py<0.2"),
     ],
 )
-def test_a_distribution_that_fits_or_does_not_say_is_loaded(requires: tuple[str, ...]) -> None:
+def test_a_compatible_distribution_or_one_without_a_requirement_is_loaded(requires: tuple[str, ...]) -> None:
     assert misfit(made_for(*requires), "0.1.5") is None
 
 
 @pytest.mark.parametrize("wanted", [">=0.2", "<0.1", "==0.1.4", "!=0.1.5", ">=0.3,<0.4"])
-def test_one_made_for_another_version_is_refused_with_both_versions(wanted: str) -> None:
+def test_a_distribution_for_another_version_is_refused_with_both_versions(wanted: str) -> None:
     reason = misfit(made_for(f"skiros-py{wanted}"), "0.1.5")
 
     assert reason is not None
@@ -45,12 +45,12 @@ def test_one_made_for_another_version_is_refused_with_both_versions(wanted: str)
     assert all(part in str(reason) for part in wanted.split(","))
 
 
-def test_a_development_version_is_a_version_like_any() -> None:
+def test_a_development_version_is_compared_like_any_version() -> None:
     assert misfit(made_for("skiros-py>=0.1,<0.2"), "0.1.5.dev3") is None
 
 
 @pytest.mark.parametrize("text", ["skiros-py>>1", "skiros-py 1.0", "skiros-py>=x"])
-def test_a_requirement_that_is_none_is_refused(text: str) -> None:
+def test_an_invalid_requirement_is_refused(text: str) -> None:
     reason = misfit(made_for(text), "0.1.5")
 
     assert reason is not None
@@ -65,7 +65,7 @@ def test_the_requirements_of_a_distribution_are_read_once_for_all_its_entry_poin
     assert (len(set(found)), misfit.cache_info().misses) == (1, 1)
 
 
-def test_code_made_for_another_version_is_not_run(site: Any) -> None:
+def test_code_for_another_version_is_not_executed(site: Any) -> None:
     group = {"testing_only": {"new": "sk_tomorrow:X"}}
     site.install("sk-tomorrow", group, {"sk_tomorrow.py": "raise SystemExit"}, requires=["skiros-py>=99"])
 

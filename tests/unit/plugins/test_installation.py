@@ -13,13 +13,13 @@ from skiros_py.plugins.installation import GROUPS, installation
 
 
 @pytest.mark.parametrize("group", GROUPS)
-def test_what_is_found_is_what_the_standard_library_finds(group: str) -> None:
+def test_the_found_entry_points_match_those_of_the_standard_library(group: str) -> None:
     found = {(entry.name, entry.value) for entry in installation().of(group)}
 
     assert found == {(point.name, point.value) for point in entry_points(group=group)}
 
 
-def test_finding_runs_no_code(site: Any) -> None:
+def test_finding_plug_ins_executes_no_code(site: Any) -> None:
     site.install("sk-explosive", {"skills": {"boom": "sk_explosive:X"}}, {"sk_explosive.py": "raise SystemExit"})
 
     (entry,) = (e for e in installation().of("skiros.skills") if e.name == "boom")
@@ -29,7 +29,7 @@ def test_finding_runs_no_code(site: Any) -> None:
     assert "sk_explosive" not in sys.modules
 
 
-def test_what_comes_and_goes_while_the_program_runs_is_seen(site: Any) -> None:
+def test_distributions_installed_or_removed_at_run_time_are_noticed(site: Any) -> None:
     before = installation()
     info = site.install("sk-late", {"skills": {"late": "sk_late:X"}})
 
@@ -40,7 +40,7 @@ def test_what_comes_and_goes_while_the_program_runs_is_seen(site: Any) -> None:
     assert installation() == before
 
 
-def test_metadata_that_are_half_gone_do_not_keep_the_others_from_being_found(site: Any) -> None:
+def test_partly_removed_metadata_does_not_hide_other_distributions(site: Any) -> None:
     (site.install("sk-half", {"skills": {"half": "sk_half:X"}}) / "METADATA").unlink()
     (site.install("sk-garbled", {"skills": {"x": "y"}}) / "entry_points.txt").write_bytes(b"[skiros.skills]\n\xff\xfe")
     (site.install("sk-empty", {"skills": {"x": "y"}}) / "entry_points.txt").unlink()
@@ -63,7 +63,7 @@ def test_unreadable_entry_points_are_reported_with_their_origin(site: Any) -> No
     assert "its entry_points.txt cannot be understood" in faults[0].reason
 
 
-def test_the_first_distribution_of_a_name_on_the_path_counts(
+def test_the_first_distribution_with_a_name_on_the_path_is_used(
     site: Any, tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     site.install("sk-twice", {"skills": {"new": "sk_twice:NEW"}}, version="2.0")

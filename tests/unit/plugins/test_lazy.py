@@ -34,18 +34,18 @@ def lazy(site: Any) -> LazyPlugins[int]:
     return LazyPlugins(installation().of("skiros.testing_only"), _problem)
 
 
-def test_to_know_the_names_loads_nothing(lazy: LazyPlugins[int]) -> None:
+def test_listing_names_loads_no_plug_in(lazy: LazyPlugins[int]) -> None:
     assert lazy.names == ("a", "b", "c", "d", "e")
     assert not {name for name in sys.modules if name.startswith("sk_lazy")}
 
 
-def test_to_ask_for_one_loads_that_one(lazy: LazyPlugins[int]) -> None:
+def test_requesting_a_plug_in_loads_only_that_one(lazy: LazyPlugins[int]) -> None:
     assert lazy["b"] == 2
     assert [name for name in sys.modules if name.startswith("sk_lazy")] == ["sk_lazy_b"]
     assert lazy.faults == ()
 
 
-def test_to_go_through_all_shows_those_that_can_be_used(lazy: LazyPlugins[int]) -> None:
+def test_iteration_yields_only_usable_plug_ins(lazy: LazyPlugins[int]) -> None:
     assert dict(lazy) == {"a": 1, "b": 2}
     assert len(lazy) == 2
     assert {fault.name: fault.reason for fault in lazy.faults} == {
@@ -55,7 +55,7 @@ def test_to_go_through_all_shows_those_that_can_be_used(lazy: LazyPlugins[int]) 
     }
 
 
-def test_a_broken_one_is_logged_once_and_says_why_it_is_not_there(
+def test_a_broken_plug_in_is_logged_once_and_requesting_it_gives_the_reason(
     lazy: LazyPlugins[int], caplog: pytest.LogCaptureFixture
 ) -> None:
     with caplog.at_level(logging.WARNING):

@@ -68,7 +68,7 @@ def handled(request: pytest.FixtureRequest) -> Iterator[None]:
 
 
 @pytest.mark.parametrize("handled", [signal.default_int_handler], indirect=True)
-def test_a_person_who_stops_the_program_while_a_plugin_is_imported_stops_it(site: Any, handled: None) -> None:
+def test_an_interrupt_by_the_user_during_an_import_stops_the_program(site: Any, handled: None) -> None:
     site.install("plug-c", {"testing_only": {"c": "plug_c:X"}}, {"plug_c.py": "raise KeyboardInterrupt"})
 
     with pytest.raises(KeyboardInterrupt):
@@ -76,7 +76,7 @@ def test_a_person_who_stops_the_program_while_a_plugin_is_imported_stops_it(site
 
 
 @pytest.mark.parametrize("handled", [lambda _number, _frame: None], indirect=True)
-def test_an_interrupt_that_is_not_the_users_is_the_plugins_fault(site: Any, handled: None) -> None:
+def test_an_interrupt_raised_by_a_plug_in_is_a_fault_of_the_plug_in(site: Any, handled: None) -> None:
     site.install("plug-d", {"testing_only": {"d": "plug_d:X"}}, {"plug_d.py": "raise KeyboardInterrupt"})
 
     _, faults = load_plugins(GROUP)
@@ -131,7 +131,7 @@ def test_an_entry_point_that_names_nothing_is_reported(site: Any, value: str) ->
     assert fault.reason == f"'{value}' names nothing: write module:object"
 
 
-def test_of_two_of_one_name_neither_counts_and_both_origins_are_named(site: Any) -> None:
+def test_two_plug_ins_with_one_name_are_both_left_out_and_both_origins_are_named(site: Any) -> None:
     site.install("plug-one", {"testing_only": {"twin": "plug_one:X", "only": "plug_one:X"}}, {"plug_one.py": "X = 1"})
     site.install("plug-two", {"testing_only": {"twin": "plug_two:X"}}, {"plug_two.py": "raise SystemExit"})
 

@@ -40,7 +40,9 @@ def named(group: str = "robots") -> Any:
         ),
     ],
 )
-def test_where_the_files_are(site: Any, value: str, files: dict[str, str], folder: str) -> None:
+def test_an_entry_point_gives_the_folder_of_its_files(
+    site: Any, value: str, files: dict[str, str], folder: str
+) -> None:
     site.install("sk-files", {"robots": {"own": value}}, files)
 
     assert named() == (site.folder / folder,)

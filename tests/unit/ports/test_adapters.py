@@ -67,7 +67,9 @@ def install(site: Any) -> Any:
 @pytest.mark.parametrize(("scope", "groups", "device"), [
     ("CELL", ["one", "two"], None), ("ROBOT", ["one"], None), ("DEVICE", ["one"], "left"),
 ])  # fmt: skip
-def test_an_adapter_is_made_once_for_what_shares_it(install: Any, scope: str, groups: list[str], device: Any) -> None:
+def test_an_adapter_is_created_once_for_all_devices_that_share_it(
+    install: Any, scope: str, groups: list[str], device: Any
+) -> None:
     module = install(f"sk-{scope.lower()}", tracker=scope)
     ports = InstalledPorts(ROBOTS)
 
@@ -103,7 +105,7 @@ def named(device: str, *names: str) -> tuple[RobotSpec, ...]:
 
 
 @pytest.mark.parametrize("name", ["first", "second"])
-def test_of_two_foreign_adapters_the_one_that_the_device_names_serves_it(install: Any, name: str) -> None:
+def test_of_two_plug_in_adapters_the_one_named_by_the_device_is_used(install: Any, name: str) -> None:
     made = {entry: install(f"sk-{entry}", **{entry: "LEFT"}).Made for entry in ("first", "second")}
     ports = InstalledPorts(named("left", "kinematics", name))
 
@@ -143,7 +145,7 @@ def test_an_adapter_that_does_not_serve_the_device_that_names_it_is_refused_with
         InstalledPorts(named("right", "left"))
 
 
-def test_an_adapter_that_a_robot_names_serves_one_of_its_devices_at_least(install: Any) -> None:
+def test_an_adapter_named_by_a_robot_must_serve_at_least_one_of_its_devices(install: Any) -> None:
     module = install("sk-left", left="LEFT")
     one, two = (replace(robot, adapters=((robot.id, ("left",)),)) for robot in ROBOTS)
 
@@ -159,14 +161,14 @@ def test_two_named_adapters_for_one_port_are_refused(install: Any) -> None:
         InstalledPorts(named("left", "left", "arm-planner"))
 
 
-def test_an_adapter_that_breaks_is_named_with_its_distribution(install: Any) -> None:
+def test_an_adapter_that_raises_is_named_with_its_distribution(install: Any) -> None:
     module = install("sk-broken", broken="BROKEN")
 
     with pytest.raises(DeviceError, match=r"'broken' of sk-broken 0.3 breaks: ValueError: no camera"):
         InstalledPorts(ROBOTS).port(module.Tracker)
 
 
-def test_a_cell_without_physics_has_only_the_adapters_that_are_for_it(install: Any) -> None:
+def test_a_cell_without_physics_has_only_adapters_that_need_no_physics(install: Any) -> None:
     physical, fake = install("sk-cell", tracker="CELL"), install("sk-fake", tracker2="FAKE")
     ports = InstalledPorts(ROBOTS, physics=False)
 
@@ -175,7 +177,9 @@ def test_a_cell_without_physics_has_only_the_adapters_that_are_for_it(install: A
     assert ports.find(fake.Tracker) is not None
 
 
-def test_what_is_no_adapter_is_left_out_with_a_warning(site: Any, caplog: pytest.LogCaptureFixture) -> None:
+def test_an_object_that_is_not_an_adapter_is_left_out_with_a_warning(
+    site: Any, caplog: pytest.LogCaptureFixture
+) -> None:
     site.install("sk-number", {"adapters": {"seven": "sk_number:SEVEN"}}, {"sk_number.py": "SEVEN = 7"})
 
     assert InstalledPorts(ROBOTS).find(int) is None

@@ -60,7 +60,7 @@ def test_drivers_of_different_periods_are_refused():
         CompositeDriver([FakeCell(small_cell(cameras=False)), Slow(_other())])
 
 
-def test_all_drivers_are_closed_also_where_one_of_them_fails():
+def test_all_drivers_are_closed_even_if_one_of_them_fails():
     closed = []
 
     class Telling(FakeCell):
@@ -78,7 +78,7 @@ def test_all_drivers_are_closed_also_where_one_of_them_fails():
     assert closed == [4]
 
 
-def test_a_cell_is_divided_by_driver_and_what_rides_on_a_robot_goes_with_it():
+def test_a_cell_is_divided_by_driver_and_mounted_devices_follow_their_robot():
     bodies = (
         BodySpec("table", "Table", Solid.box(1.0, 1.0, 0.5), pose=Pose()),
         BodySpec("tray", "Tray", Solid.box(0.2, 0.2, 0.1), pose=Pose(), carrier="base_2"),

@@ -25,7 +25,7 @@ class TestConnection(CellDriverContract):
         return Connection(lambda: FakeCell(spec))
 
 
-def test_while_disconnected_devices_keep_their_state_and_time_goes_on():
+def test_disconnected_devices_keep_their_state_while_time_advances():
     connection = Connection(lambda: FakeCell(small_cell(cameras=False)))
     before = connection.exchange(AHEAD)
     driver = connection.disconnect()
@@ -40,7 +40,7 @@ def test_while_disconnected_devices_keep_their_state_and_time_goes_on():
         connection.capture("eye")
 
 
-def test_a_driver_that_is_connected_later_goes_on_in_the_time_of_the_run():
+def test_a_driver_connected_later_continues_with_the_time_of_the_run():
     connection = Connection(lambda: FakeCell(small_cell(cameras=False)))
     for _ in range(3):
         connection.exchange({})
@@ -53,7 +53,7 @@ def test_a_driver_that_is_connected_later_goes_on_in_the_time_of_the_run():
     assert after.devices["base"].pose.position[0] > 0.0
 
 
-def test_a_halt_reaches_a_driver_that_is_connected_later():
+def test_a_halt_applies_to_a_driver_connected_later():
     connection = Connection(lambda: FakeCell(small_cell(cameras=False)))
     connection.disconnect()
     connection.halt()

@@ -22,7 +22,7 @@ PATHS = st.one_of(st.builds(BasePath, LEGS, NUMBERS), st.builds(PosePath, st.lis
 
 
 @given(PATHS)
-def test_poses_lead_from_the_start_along_all_legs_in_small_steps(path: Path) -> None:
+def test_the_poses_of_a_path_follow_all_legs_in_small_steps(path: Path) -> None:
     driven, poses = zip(*path.poses(START, way=0.2, turn=0.1), strict=True)
 
     assert (driven[0], poses[0]) == (0.0, START)
@@ -33,7 +33,7 @@ def test_poses_lead_from_the_start_along_all_legs_in_small_steps(path: Path) -> 
         assert abs(wrap_angle(there.yaw - here.yaw)) <= 0.1 + 1e-9
 
 
-def test_a_leg_is_driven_straight_after_a_turn_towards_it_or_away_from_it() -> None:
+def test_a_leg_is_a_turn_followed_by_a_straight_forward_or_backward_drive() -> None:
     path = BasePath((BaseLeg(3.0, 2.0), BaseLeg(2.0, 2.0, backwards=True)), math.pi / 2.0)
 
     found = list(path.poses(START))
@@ -45,12 +45,12 @@ def test_a_leg_is_driven_straight_after_a_turn_towards_it_or_away_from_it() -> N
     assert found[-1][1].yaw == pytest.approx(math.pi / 2.0)
 
 
-def test_what_is_swept_covers_the_outline_everywhere_on_the_way() -> None:
+def test_the_swept_area_covers_the_outline_everywhere_on_the_path() -> None:
     path = BasePath((BaseLeg(3.0, 4.0),), -2.0)
     area = shapely.buffer(shapely.union_all(swept(OUTLINE, (pose for _, pose in path.poses(START)))), 0.005)
 
     assert all(area.contains(placed(OUTLINE, pose)) for _, pose in path.poses(START, way=0.03, turn=0.02))
 
 
-def test_without_an_outline_nothing_is_covered() -> None:
+def test_without_an_outline_the_swept_area_is_empty() -> None:
     assert placed((), START).is_empty

@@ -30,7 +30,7 @@ def robots(site: Any) -> Any:
     return site
 
 
-def test_a_urdf_that_is_composed_is_written_and_a_file_stays_where_it_is(robots, tmp_path):
+def test_a_composed_urdf_is_written_to_a_file_and_an_existing_file_is_used_in_place(robots, tmp_path):
     written, file = write_robot_urdf("written", tmp_path), write_robot_urdf("file", tmp_path)
 
     assert written == tmp_path / "written.urdf"
@@ -39,6 +39,6 @@ def test_a_urdf_that_is_composed_is_written_and_a_file_stays_where_it_is(robots,
     assert file.read_text() == "<robot name='own'/>"
 
 
-def test_individuals_alone_are_no_model(robots, tmp_path):
+def test_a_robot_without_a_urdf_has_no_model(robots, tmp_path):
     with pytest.raises(UsageError, match="robot model 'folder' has no URDF"):
         write_robot_urdf("folder", tmp_path)

@@ -48,9 +48,7 @@ def record(run: tuple[Bench, Path]) -> Iterator[Recording]:
         yield record
 
 
-def test_a_record_has_every_module_event_and_every_entry_of_the_trace(
-    run: tuple[Bench, Path], record: Recording
-) -> None:
+def test_a_recording_contains_every_module_event_and_trace_entry(run: tuple[Bench, Path], record: Recording) -> None:
     bench, _ = run
 
     assert [(e["time"], e["module"], e["status"]) for e in record.events] == [
@@ -60,7 +58,7 @@ def test_a_record_has_every_module_event_and_every_entry_of_the_trace(
     assert record.trace[-1]["what"] == "finished"
 
 
-def test_a_record_has_the_outcome_of_each_task(record: Recording) -> None:
+def test_a_recording_contains_the_outcome_of_each_task(record: Recording) -> None:
     (task,) = record.tasks
 
     assert task["report"]["outcome"] == "reached"
@@ -85,7 +83,9 @@ def test_states_of_devices_are_recorded_twenty_times_a_second_while_something_mo
     assert record.frame(-1.0) == frames[0]
 
 
-def test_the_world_at_any_time_is_what_was_believed_then(run: tuple[Bench, Path], record: Recording) -> None:
+def test_the_recorded_world_at_any_time_is_the_world_model_of_that_time(
+    run: tuple[Bench, Path], record: Recording
+) -> None:
     bench, _ = run
     beginning = Index(bench.world.ontology)
     ball = next(p for p in bench.world.instances("tiny:Ball") if _place(bench.world.snapshot(), p) == "slot_1")
@@ -98,7 +98,7 @@ def test_the_world_at_any_time_is_what_was_believed_then(run: tuple[Bench, Path]
     assert _place(record.world_at(moved[-1], beginning), ball) == "slot_1"
 
 
-def test_a_picture_is_taken_when_a_skill_ends_and_says_which(record: Recording) -> None:
+def test_a_picture_is_taken_at_the_end_of_a_skill_and_names_it(record: Recording) -> None:
     pictures = list(record.pictures())
     ends = [e["time"] for e in record.events if e["kind"] == "skill" and e["status"] == "terminated"]
 
@@ -106,14 +106,14 @@ def test_a_picture_is_taken_when_a_skill_ends_and_says_which(record: Recording) 
     assert all(picture.data.startswith(b"RIFF") and picture.caption.endswith("done") for picture in pictures)
 
 
-def test_a_run_with_a_record_is_the_same_run(run: tuple[Bench, Path]) -> None:
+def test_recording_does_not_change_a_run(run: tuple[Bench, Path]) -> None:
     with Bench(tiny_world()) as bench:
         bench.pursue(GOAL)
 
     assert [str(event) for event in bench.events] == [str(event) for event in run[0].events]
 
 
-def test_a_run_that_breaks_leaves_a_record_that_says_so(tmp_path: Path) -> None:
+def test_a_run_that_raises_leaves_a_recording_with_the_exception(tmp_path: Path) -> None:
     path = tmp_path / "broken.mcap"
     with Bench(tiny_world()) as bench:
         with pytest.raises(KeyError, match="gone"), recording_of(bench, path):
@@ -125,7 +125,7 @@ def test_a_run_that_breaks_leaves_a_record_that_says_so(tmp_path: Path) -> None:
         assert record.meta["ended"]["fault"] == "KeyError: 'gone'"
 
 
-def test_recorders_that_have_ended_listen_no_longer(tmp_path: Path) -> None:
+def test_closed_recorders_leave_no_listeners_behind(tmp_path: Path) -> None:
     with Bench(tiny_world()) as bench:
         before = listeners(bench)
         for name in "ab":
@@ -138,7 +138,7 @@ def listeners(bench: Bench) -> int:
     return len(bench.monitor._listeners) + len(bench.cycle._observers) + len(logging.getLogger("skiros_py").handlers)
 
 
-def test_a_record_is_never_written_over(tmp_path: Path) -> None:
+def test_a_recording_is_never_overwritten(tmp_path: Path) -> None:
     path = tmp_path / "one.mcap"
     path.write_text("mine")
 
@@ -178,7 +178,7 @@ def test_a_source_or_picture_taker_that_raises_is_switched_off_by_name_and_the_r
     assert [text for text in switched_off if "--record" in text and "IndexError" in text]
 
 
-def test_a_robot_whose_kinematics_raise_does_not_take_the_frames_of_the_others_along(
+def test_failing_kinematics_of_a_robot_do_not_affect_frames_of_other_robots(
     caplog: pytest.LogCaptureFixture,
 ) -> None:
     class BrokenForOne:

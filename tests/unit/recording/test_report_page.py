@@ -85,7 +85,7 @@ def evil(tmp_path_factory: pytest.TempPathFactory) -> str:
         return report_page(record)
 
 
-def test_no_text_of_a_run_becomes_html(evil: str) -> None:
+def test_texts_of_a_run_are_escaped_in_html(evil: str) -> None:
     page = _Page(evil)
 
     assert "script" not in page.tags
@@ -94,7 +94,7 @@ def test_no_text_of_a_run_becomes_html(evil: str) -> None:
     assert page.open == []
 
 
-def test_a_page_loads_nothing_from_elsewhere(evil: str) -> None:
+def test_a_report_page_loads_no_external_resources(evil: str) -> None:
     page = _Page(evil)
 
     assert page.loads
@@ -103,7 +103,7 @@ def test_a_page_loads_nothing_from_elsewhere(evil: str) -> None:
     assert "@import" not in evil
 
 
-def test_a_page_tells_the_outcome_what_failed_and_that_the_recording_is_not_finished(tmp_path: Path) -> None:
+def test_a_report_page_shows_the_outcome_the_failures_and_an_unfinished_recording(tmp_path: Path) -> None:
     path = tmp_path / "one.mcap"
     writer = RecordingWriter(path)
     writer.put(_RUNS, 0.0, _event(0.0, "started", target="starter_1"))
@@ -119,7 +119,7 @@ def test_a_page_tells_the_outcome_what_failed_and_that_the_recording_is_not_fini
         assert told in text
 
 
-def test_an_empty_recording_makes_a_page(tmp_path: Path) -> None:
+def test_an_empty_recording_gives_a_valid_page(tmp_path: Path) -> None:
     writer = RecordingWriter(tmp_path / "one.mcap")
     writer.close()
 
@@ -131,7 +131,7 @@ def _event(time: float, status: str, **said: str) -> dict[str, Any]:
     return {**_EVENT, "time": time, "status": status, **said}
 
 
-def test_beginnings_and_ends_of_modules_make_bars() -> None:
+def test_module_starts_and_ends_become_bars() -> None:
     events = [
         _event(0.0, "started", target="ball"),
         _event(0.1, "started", kind="primitive", module="grasp", caller="pick"),
@@ -158,7 +158,7 @@ def test_a_wait_lasts_until_its_step_starts() -> None:
     assert [(bar.kind, bar.start, bar.end) for bar in lane.bars] == [("wait", 1.0, 3.0)]
 
 
-def test_a_wait_within_a_skill_lasts_until_its_subsystem_goes_on() -> None:
+def test_a_wait_within_a_skill_lasts_until_its_subsystem_continues() -> None:
     events = [
         _event(0.0, "started"),
         _event(0.0, "running", text="waits for kit_1 (place)"),
@@ -185,7 +185,7 @@ def _histories(draw_: st.DrawFn) -> list[dict[str, Any]]:
 
 
 @given(_histories())
-def test_whatever_is_told_bars_never_cover_each_other_and_stay_on_the_page(events: list[dict[str, Any]]) -> None:
+def test_bars_of_any_events_never_overlap_and_stay_on_the_page(events: list[dict[str, Any]]) -> None:
     begin, end = span(events, [], 0.0, None)
     rows = lanes(events, [], {}, end)
     drawing = draw(rows, begin, end, [])
@@ -204,7 +204,7 @@ def test_whatever_is_told_bars_never_cover_each_other_and_stay_on_the_page(event
     assert all(bar.y + drawing.row <= drawing.height for bar in bars)
 
 
-def test_a_recording_with_damage_anywhere_is_a_page_or_a_message(tmp_path: Path) -> None:
+def test_a_recording_damaged_anywhere_gives_a_page_or_an_error_message(tmp_path: Path) -> None:
     path = tmp_path / "one.mcap"
     writer = RecordingWriter(path)
     for number in range(40):

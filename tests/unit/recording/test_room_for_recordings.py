@@ -40,7 +40,7 @@ def _fill(writer: RecordingWriter, seconds: int, seed: int = 0) -> None:
             time.sleep(0.001)
 
 
-def test_a_recording_never_outgrows_its_limit_and_says_what_it_left_out(
+def test_a_recording_never_exceeds_its_limit_and_lists_what_was_left_out(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("skiros_py.recording.writer._FLUSH", 0.02)
@@ -100,7 +100,7 @@ time.sleep(60.0)
 
 
 @pytest.mark.parametrize("cut", [1, 20, 100, 1000])
-def test_a_file_that_was_cut_off_anywhere_is_read_up_to_there(tmp_path: Path, cut: int) -> None:
+def test_a_truncated_file_is_read_up_to_the_cut(tmp_path: Path, cut: int) -> None:
     path = tmp_path / "one.mcap"
     writer = RecordingWriter(path)
     for number in range(50):
@@ -130,7 +130,7 @@ def test_messages_are_found_by_time_without_reading_the_others(tmp_path: Path) -
     assert chunks == 10
 
 
-def test_a_disk_that_fails_ends_the_recording_and_nothing_else(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_failing_disk_ends_only_the_recording(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device")
 
@@ -143,7 +143,7 @@ def test_a_disk_that_fails_ends_the_recording_and_nothing_else(tmp_path: Path, m
     writer.put(_RUNS, 1.0, {})  # is taken, and goes nowhere
 
 
-def test_an_encoder_that_raises_switches_its_topic_off_and_nothing_else(tmp_path: Path) -> None:
+def test_an_encoder_that_raises_ends_only_its_topic(tmp_path: Path) -> None:
     path = tmp_path / "one.mcap"
     writer = RecordingWriter(path)
     broken = Topic("/temperature", _ANY, lambda _time, value: {"celsius": 1.0 / value})
@@ -159,7 +159,7 @@ def test_an_encoder_that_raises_switches_its_topic_off_and_nothing_else(tmp_path
         ]
 
 
-def test_a_limit_without_sense_is_refused(tmp_path: Path) -> None:
+def test_an_invalid_limit_is_refused(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="room for at least"):
         RecordingWriter(tmp_path / "one.mcap", limit=1000)
 
@@ -180,7 +180,7 @@ def test_a_file_that_is_no_recording_is_refused(tmp_path: Path, content: bytes) 
         Recording(path)
 
 
-def test_a_damaged_recording_is_refused_where_the_damage_is(tmp_path: Path) -> None:
+def test_a_damaged_recording_is_refused_with_the_place_of_the_damage(tmp_path: Path) -> None:
     path = tmp_path / "one.mcap"
     writer = RecordingWriter(path)
     _fill(writer, 30)

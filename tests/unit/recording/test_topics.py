@@ -113,7 +113,7 @@ def test_a_dataclass_becomes_plain_data_that_fits_its_schema() -> None:
 
 
 @pytest.mark.parametrize("number", [float("nan"), float("inf")])
-def test_a_number_that_json_does_not_know_becomes_none(number: float) -> None:
+def test_a_number_that_json_cannot_represent_becomes_null(number: float) -> None:
     assert plain({"a": number}) == {"a": None}
 
 
@@ -135,7 +135,7 @@ def test_every_message_of_a_run_fits_the_schema_of_its_channel_for_a_plain_reade
     assert any(topic.startswith("/devices/") for topic in topics)
 
 
-def test_a_signal_that_is_read_has_a_channel_with_each_of_its_values(tmp_path: Path) -> None:
+def test_a_signal_in_use_has_a_channel_with_all_its_values(tmp_path: Path) -> None:
     path = tmp_path / "one.mcap"
     inputs = [Input(Signal("limit"), 0.5), Input(Signal("aim", length=2), (1.0, 2.0)), Input(Signal("unread"), 1.0)]
     with Bench(tiny_world(), signals=lambda _: inputs) as bench:
@@ -169,7 +169,7 @@ def test_each_revision_of_a_document_that_runs_is_recorded_once(tmp_path: Path) 
     assert [(one["revision"], one["behaviour"]["seconds"]) for one in found] == [(3, 0.1), (4, 0.1)]
 
 
-def test_a_plug_in_adds_a_topic_and_one_that_raises_affects_nothing_else(
+def test_a_plug_in_can_add_a_topic_and_a_failing_one_affects_nothing_else(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     (tmp_path / "topics_of_a_test.py").write_text(PLUGIN)

@@ -13,7 +13,7 @@ def model(tmp_path):
     return ET.parse(write_robot_urdf("mobile_panda", tmp_path)).getroot()
 
 
-def test_the_links_make_one_tree_from_the_map(model):
+def test_the_links_form_one_tree_rooted_in_the_map(model):
     links = {link.get("name") for link in model.iter("link")}
     children = [joint.find("child").get("link") for joint in model.iter("joint")]
 
@@ -30,7 +30,7 @@ def test_every_mesh_exists_and_is_named_absolutely(model):
     assert all(path.is_absolute() and path.is_file() for path in paths)
 
 
-def test_every_link_has_mass_and_no_finger_the_inertia_of_an_arm(model):
+def test_every_link_has_mass_and_fingers_have_a_small_inertia(model):
     masses = [float(link.find("inertial/mass").get("value")) for link in model.iter("link")]
     fingers = [link for link in model.iter("link") if "finger" in link.get("name")]
 

@@ -21,7 +21,7 @@ from skiros_py.scaffold.declared import (
 
 
 @given(st.text(max_size=50))
-def test_whatever_is_accepted_as_a_name_can_be_one_in_python(text: str) -> None:
+def test_every_accepted_name_is_a_valid_python_name(text: str) -> None:
     for check in (module_name, class_name):
         try:
             name = check(text, "skill")
@@ -35,7 +35,7 @@ def test_whatever_is_accepted_as_a_name_can_be_one_in_python(text: str) -> None:
 
 
 @given(st.text(max_size=120))
-def test_a_sentence_can_stand_in_a_docstring_and_ends(text: str) -> None:
+def test_a_sentence_is_valid_in_a_docstring_and_ends_with_a_full_stop(text: str) -> None:
     try:
         said = sentence(text, "help")
     except UsageError:
@@ -52,7 +52,9 @@ def test_a_sentence_can_stand_in_a_docstring_and_ends(text: str) -> None:
         ("scan-part", "scan part", "scan_part", "ScanPart"),
     ],
 )
-def test_one_name_follows_from_another(name: str, words: str, module: str, class_: str) -> None:
+def test_words_module_name_and_class_name_are_derived_from_one_name(
+    name: str, words: str, module: str, class_: str
+) -> None:
     assert (words_of(name), snake_case(name), joined(name)) == (words, module, class_)
 
 
@@ -60,6 +62,6 @@ def test_one_name_follows_from_another(name: str, words: str, module: str, class
     ("name", "hint"),
     [("Scan-Part", "such as 'scan_part'"), ("1st", "small letters"), ("", "small letters"), ("class", "Python itself")],
 )
-def test_a_name_that_is_refused_is_answered_with_what_would_be_right(name: str, hint: str) -> None:
+def test_an_invalid_name_is_refused_with_a_valid_one(name: str, hint: str) -> None:
     with pytest.raises(UsageError, match=hint):
         module_name(name, "skill")

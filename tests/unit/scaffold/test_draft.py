@@ -22,7 +22,7 @@ def test_new_files_are_written_and_others_changed(tmp_path: Path) -> None:
     assert files(tmp_path) == {"a": "changed", "b/c": "new"}
 
 
-def test_where_one_is_there_already_none_is_written(tmp_path: Path) -> None:
+def test_if_one_file_exists_already_no_file_is_written(tmp_path: Path) -> None:
     (tmp_path / "b").mkdir()
     (tmp_path / "b" / "c").write_text("mine", encoding="utf-8")
 
@@ -32,7 +32,7 @@ def test_where_one_is_there_already_none_is_written(tmp_path: Path) -> None:
     assert files(tmp_path) == {"b/c": "mine"}
 
 
-def test_where_the_last_cannot_be_written_the_first_are_taken_back(tmp_path: Path) -> None:
+def test_if_the_last_file_cannot_be_written_the_first_ones_are_removed(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("mine", encoding="utf-8")
 
     with pytest.raises(FileError, match="nothing was changed"):
@@ -44,7 +44,7 @@ def test_where_the_last_cannot_be_written_the_first_are_taken_back(tmp_path: Pat
     assert sorted(path.name for path in tmp_path.iterdir()) == ["file"]
 
 
-def test_a_folder_appears_whole_and_never_over_another(tmp_path: Path) -> None:
+def test_a_new_folder_appears_complete_and_never_replaces_another(tmp_path: Path) -> None:
     draft = Draft(tmp_path / "deep" / "pack", {"src/a": "a", "b": "b"})
 
     draft.write()
@@ -69,7 +69,7 @@ def test_a_folder_that_cannot_be_written_leaves_nothing_behind(tmp_path: Path) -
         "from a import Success\n\n\nclass Success:\n    pass\n",
     ],
 )
-def test_two_things_of_one_name_in_one_file_are_refused(code: str) -> None:
+def test_two_definitions_with_one_name_in_a_file_are_refused(code: str) -> None:
     with pytest.raises(UsageError, match=r"skills/scan\.py would have two things called \w+; choose another name"):
         check_names("skills/scan.py", code)
 

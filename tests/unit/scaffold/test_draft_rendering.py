@@ -17,7 +17,7 @@ VALUES = st.recursive(
 
 
 @given(VALUES)
-def test_a_value_is_written_as_it_is_read(value: object) -> None:
+def test_a_value_is_written_in_the_form_it_is_read(value: object) -> None:
     assert ast.literal_eval(literal(value)) == value
 
 
@@ -33,13 +33,13 @@ def test_a_call_keeps_its_arguments_and_its_width(names: list[str], depth: int) 
 
 
 @given(st.lists(st.text("abc", min_size=1, max_size=90), min_size=1, max_size=3))
-def test_a_tuple_stays_one(items: list[str]) -> None:
+def test_a_tuple_of_one_element_stays_a_tuple(items: list[str]) -> None:
     text = listed([literal(item) for item in items], "")
 
     assert ast.literal_eval(text.removesuffix(",")) == tuple(items)
 
 
-def test_imports_are_sorted_and_each_module_stands_once() -> None:
+def test_imports_are_sorted_and_grouped_by_module() -> None:
     written = imports([("b.c", "two"), ("a", "Two"), ("b.c", "ONE"), ("b.c", "Three"), ("b.c", "two")])
 
     assert written == "from a import Two\nfrom b.c import ONE, Three, two"

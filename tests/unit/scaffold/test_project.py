@@ -34,13 +34,13 @@ def package(folder: Path, text: str = TEXT) -> Project:
     return Project.around(folder / "src" / "my_things")
 
 
-def test_it_is_found_from_any_folder_in_it(tmp_path: Path) -> None:
+def test_a_project_is_found_from_any_folder_inside_it(tmp_path: Path) -> None:
     project = package(tmp_path)
 
     assert (project.root, project.package, project.name) == (tmp_path, "my_things", "my-things")
 
 
-def test_what_is_added_leaves_every_other_line_as_it_was(tmp_path: Path) -> None:
+def test_adding_an_entry_keeps_every_other_line(tmp_path: Path) -> None:
     before = package(tmp_path)
 
     after = before.with_entries("skiros.skills", {"drop": "my_things.drop:DROP"})
@@ -55,14 +55,14 @@ def test_what_is_added_leaves_every_other_line_as_it_was(tmp_path: Path) -> None
     assert all(line in lines for line in TEXT.splitlines() if line), "each in its order"
 
 
-def test_a_dependency_that_is_there_is_not_added_twice(tmp_path: Path) -> None:
+def test_an_existing_dependency_is_not_added_twice(tmp_path: Path) -> None:
     project = package(tmp_path)
 
     assert project.with_dependency("Skiros_Py").draft({}, project).changed == {}
     assert project.with_dependency("my_things").draft({}, project).changed == {}
 
 
-def test_an_entry_point_that_is_there_is_not_replaced(tmp_path: Path) -> None:
+def test_an_existing_entry_point_is_not_replaced(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match=r"entry point 'lift' of skiros\.skills already"):
         package(tmp_path).with_entries("skiros.skills", {"lift": "my_things.other:LIFT"})
 
@@ -77,12 +77,12 @@ def test_an_entry_point_that_is_there_is_not_replaced(tmp_path: Path) -> None:
         ("[tool.x]\n", "no dependency 'skiros-py'"),
     ],
 )
-def test_a_file_that_is_not_of_such_a_package_is_refused(tmp_path: Path, text: str, reason: str) -> None:
+def test_a_pyproject_of_another_kind_of_package_is_refused(tmp_path: Path, text: str, reason: str) -> None:
     with pytest.raises(FileError, match=reason):
         package(tmp_path, text)
 
 
-def test_who_is_in_no_package_is_told_how_to_make_one(tmp_path: Path) -> None:
+def test_outside_a_package_the_error_explains_how_to_create_one(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="skiros new package makes one"):
         Project.around(tmp_path)
 
@@ -94,7 +94,7 @@ def test_a_package_without_its_python_package_is_refused(tmp_path: Path) -> None
         Project.around(tmp_path)
 
 
-def test_its_entry_points_count_as_they_are_now_even_where_an_older_one_is_installed(
+def test_current_entry_points_of_a_project_take_precedence_over_an_older_installation(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     package(tmp_path)

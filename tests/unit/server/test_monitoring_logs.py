@@ -57,7 +57,7 @@ def test_text_of_several_lines_stays_one_line(lines):
     assert entry["event"] == "one\ntwo\x00"
 
 
-def test_the_request_in_whose_course_it_is_logged_is_named(lines):
+def test_a_log_record_names_the_request_that_caused_it(lines):
     token = request_id.set("r-1")
     logging.getLogger("x").warning("a")
     request_id.reset(token)
@@ -78,7 +78,7 @@ def test_each_state_of_a_job_is_logged_once_with_its_id_and_world_changes_are_no
     assert (entry["event"], entry["job"], entry["number"]) == ("job kit-1 running planning", "kit-1", 2)
 
 
-def test_logging_set_up_twice_says_everything_once(lines):
+def test_configuring_logging_twice_logs_each_record_once(lines):
     second = io.StringIO()
     log_to(second, form="console")
     logging.getLogger("x").warning("once")

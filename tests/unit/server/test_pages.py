@@ -72,7 +72,7 @@ def without() -> TestClient:
         ("GET", "/readyz", False),
     ],
 )
-def test_pages_are_what_is_read_and_nothing_of_the_api(method: str, path: str, page: bool) -> None:
+def test_page_files_are_served_and_api_paths_are_not_pages(method: str, path: str, page: bool) -> None:
     assert is_page(method, path) is page
 
 
@@ -88,7 +88,7 @@ def test_the_first_page_is_always_revalidated_and_declares_its_sources(client: T
     assert (again.status_code, again.content) == (304, b"")
 
 
-def test_what_is_named_by_its_content_is_kept_forever(client: TestClient) -> None:
+def test_files_named_by_their_hash_are_cached_forever(client: TestClient) -> None:
     script = client.get("/assets/index-a1b2.js")
 
     assert script.content == SCRIPT
@@ -106,7 +106,7 @@ def test_what_is_named_by_its_content_is_kept_forever(client: TestClient) -> Non
         ("", None),
     ],
 )
-def test_a_packed_file_is_sent_where_the_browser_takes_it(
+def test_a_compressed_file_is_sent_if_the_browser_accepts_it(
     client: TestClient, accepted: str, encoding: str | None
 ) -> None:
     with client.stream("GET", "/assets/index-a1b2.js", headers={"Accept-Encoding": accepted}) as script:
@@ -121,19 +121,19 @@ def test_a_packed_file_is_sent_where_the_browser_takes_it(
     assert sent == {"br": b"as if by brotli", "gzip": gzip.compress(SCRIPT), None: SCRIPT}[encoding]
 
 
-def test_fonts_have_their_type_on_every_machine(client: TestClient) -> None:
+def test_fonts_have_the_same_media_type_on_every_machine(client: TestClient) -> None:
     assert client.get("/assets/text-c3d4.woff2").headers["content-type"] == "font/woff2"
 
 
 @pytest.mark.parametrize("path", ["/jobs/kit-17", "/world", "/assets", "/a/b/c/"])
-def test_an_address_within_the_pages_is_answered_by_the_first_page(client: TestClient, path: str) -> None:
+def test_an_address_of_the_page_application_is_answered_with_the_index_page(client: TestClient, path: str) -> None:
     page = client.get(path)
 
     assert (page.status_code, page.content, page.headers["cache-control"]) == (200, INDEX, "no-cache")
 
 
 @pytest.mark.parametrize("path", ["/nothing.js", "/assets/gone-1234.css", f"/{'x' * 300}.js"])
-def test_a_file_that_is_not_there_is_a_problem_in_words(client: TestClient, path: str) -> None:
+def test_a_missing_page_file_is_answered_with_a_problem_document(client: TestClient, path: str) -> None:
     answer = client.get(path)
 
     assert (answer.status_code, answer.headers["content-type"]) == (404, "application/problem+json")
@@ -143,20 +143,20 @@ def test_a_file_that_is_not_there_is_a_problem_in_words(client: TestClient, path
 @pytest.mark.parametrize(
     "path", ["/%2e%2e/secret.txt", "/..%2fsecret.txt", "//etc/hosts.txt", "/%5c..%5csecret.txt", "/way-out.txt"]
 )
-def test_nothing_outside_of_the_folder_is_read(client: TestClient, path: str) -> None:
+def test_no_file_outside_the_page_folder_is_served(client: TestClient, path: str) -> None:
     answer = client.get(path)
 
     assert answer.status_code == 404
     assert b"secret\n" not in answer.content
 
 
-def test_only_the_head_is_sent_to_who_asks_for_it(client: TestClient) -> None:
+def test_a_head_request_is_answered_without_a_body(client: TestClient) -> None:
     head = client.head("/")
 
     assert (head.status_code, head.content, int(head.headers["content-length"])) == (200, b"", len(INDEX))
 
 
-def test_without_pages_one_says_what_to_install_and_where_the_api_is(without: TestClient) -> None:
+def test_without_pages_the_root_explains_what_to_install_and_links_the_api(without: TestClient) -> None:
     page = without.get("/")
 
     assert (page.status_code, page.headers["content-type"]) == (200, "text/html; charset=utf-8")
@@ -165,12 +165,12 @@ def test_without_pages_one_says_what_to_install_and_where_the_api_is(without: Te
     assert without.get("/world").status_code == without.get("/x.js").status_code == 404
 
 
-def test_a_folder_without_a_first_page_is_no_folder_of_pages(tmp_path: Path) -> None:
+def test_a_folder_without_an_index_page_is_refused(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match=r"index\.html"):
         Pages(tmp_path)
 
 
-def test_a_server_has_the_pages_that_it_is_given_else_those_that_are_installed(folder: Path) -> None:
+def test_configured_pages_take_precedence_over_installed_ones(folder: Path) -> None:
     assert pages_of(ServerSettings(pages=folder)) == folder
     assert pages_of(ServerSettings(pages=None)) is None
     assert pages_of(ServerSettings()) == installed_pages()
@@ -198,7 +198,7 @@ def test_installed_pages_are_found_by_their_entry_point(
 @pytest.mark.parametrize(
     "module", ["raise RuntimeError('broken')", "PAGES = 'a text'", "from pathlib import Path\nPAGES = Path('/none')"]
 )
-def test_pages_that_are_none_are_said_in_the_log_and_left_out(
+def test_invalid_installed_pages_are_logged_and_left_out(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture, module: str
 ) -> None:
     installed(tmp_path, monkeypatch, module)

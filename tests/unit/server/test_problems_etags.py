@@ -31,7 +31,7 @@ def taking(operations: Operations) -> Iterator[tuple[str, str]]:
             yield name
 
 
-def test_what_is_refused_without_a_version_declares_if_match_and_the_other_way_round(operations: Operations) -> None:
+def test_exactly_the_operations_that_need_a_version_declare_if_match(operations: Operations) -> None:
     refused = {name for name, said in operations.items() if "428" in said["responses"]}
     optional = {("delete", "/api/v1/scenes/{name}")}
     declared = {(method, path) for method, path in taking(operations) if not path.startswith("/api/v1/jobs/")}
@@ -40,7 +40,7 @@ def test_what_is_refused_without_a_version_declares_if_match_and_the_other_way_r
     assert refused == declared - optional
 
 
-def test_for_what_takes_a_version_there_is_an_answer_that_gives_one(operations: Operations) -> None:
+def test_every_operation_that_needs_a_version_has_a_response_that_returns_it(operations: Operations) -> None:
     tagged = {
         path
         for (_, path), said in operations.items()
@@ -51,7 +51,7 @@ def test_for_what_takes_a_version_there_is_an_answer_that_gives_one(operations: 
     assert {elsewhere.get(path, path) for _, path in taking(operations)} <= tagged
 
 
-def test_a_version_that_was_not_given_is_asked_for_and_another_one_refused() -> None:
+def test_a_missing_version_and_a_wrong_version_are_refused() -> None:
     with pytest.raises(Refused) as missing:
         require_seen(None, 17)
     with pytest.raises(StaleVersion) as stale:
@@ -65,7 +65,7 @@ def test_a_version_that_was_not_given_is_asked_for_and_another_one_refused() -> 
         assert refused.value.status == status
 
 
-def test_the_present_version_is_taken_and_a_star_for_whichever_it_is() -> None:
+def test_the_current_version_and_a_star_are_accepted() -> None:
     for seen in (Seen(17), ANY_VERSION):
         require_seen(seen, 17)
     assert [expected_version(given) for given in ('"17"', 'W/"17"', "*", None)] == [17, 17, None, None]

@@ -12,13 +12,13 @@ from skiros_py.server.settings import ServerSettings
 @pytest.mark.parametrize(
     "name", ["http://x/", "x:8000", "x/", "a b", "", "*", "bücher.example", "[::1", "x..y", "x@y", "[::1]:80"]
 )
-def test_a_name_that_no_request_can_come_with_is_refused(name: str) -> None:
+def test_an_impossible_host_name_is_refused_in_the_settings(name: str) -> None:
     with pytest.raises(UsageError, match=r"--allow-host: .* such as robot-1.plant.example"):
         ServerSettings(allowed_hosts=(name,))
 
 
 @pytest.mark.parametrize("name", ["robot-1", "Robot_1.plant.example", "10.1.2.3", "::1", "[2001:db8::1]"])
-def test_names_and_addresses_of_a_server_are_taken(name: str) -> None:
+def test_valid_host_names_and_addresses_are_accepted(name: str) -> None:
     assert ServerSettings(allowed_hosts=(name,)).allowed_hosts == (name,)
 
 
@@ -26,7 +26,7 @@ def test_names_and_addresses_of_a_server_are_taken(name: str) -> None:
     "origin",
     ["x", "mes.example:80", "https://x/y", "https://x:443", "http://x:80/", "https://", "null", "*", "https://x:0", ""],
 )
-def test_an_origin_that_no_browser_says_is_refused(origin: str) -> None:
+def test_an_impossible_origin_is_refused_in_the_settings(origin: str) -> None:
     with pytest.raises(UsageError, match=r"--allow-origin: .* such as https://mes.example"):
         ServerSettings(allowed_origins=(origin,))
 
@@ -34,23 +34,23 @@ def test_an_origin_that_no_browser_says_is_refused(origin: str) -> None:
 @pytest.mark.parametrize(
     "origin", ["https://mes.example", "http://10.1.2.3:8080/", "http://[::1]:3000", "http://x:443"]
 )
-def test_origins_as_browsers_say_them_are_taken(origin: str) -> None:
+def test_valid_origins_are_accepted(origin: str) -> None:
     assert ServerSettings(allowed_origins=(origin,)).allowed_origins == (origin,)
 
 
 @pytest.mark.parametrize("host", ["http://x:1/", "x:99999", "x:0", "x:", ":80", "x:http", "", "x/y", "[::1]:80"])
-def test_a_host_that_no_webhook_can_go_to_is_refused(host: str) -> None:
+def test_an_impossible_webhook_host_is_refused(host: str) -> None:
     with pytest.raises(UsageError, match=r"--webhook-host: .* such as mes.example"):
         ServerSettings(webhook_hosts=(host,))
 
 
 @pytest.mark.parametrize("host", ["mes.example", "MES.example:8080", "10.1.2.3:65535", "::1", "::1:8080"])
-def test_hosts_of_webhooks_are_taken_with_and_without_a_port(host: str) -> None:
+def test_webhook_hosts_are_accepted_with_and_without_a_port(host: str) -> None:
     assert ServerSettings(webhook_hosts=(host,)).webhook_hosts == (host,)
 
 
 @pytest.mark.parametrize("host", ["192.0.2.1", "999.1.1.1", f"{'a' * 64}.example"])
-def test_of_an_address_that_is_not_ours_the_host_is_named_and_not_the_port(host: str) -> None:
+def test_binding_to_a_foreign_address_blames_the_host_and_not_the_port(host: str) -> None:
     with pytest.raises(UsageError, match="--host is no address of this machine") as told:
         bind(ServerSettings(host=host, port=0))
 

@@ -50,25 +50,25 @@ def take(streams, count, choice=EVERYTHING, after=None, then=lambda: None, calle
     return asyncio.run(asyncio.wait_for(run(), 20))
 
 
-def test_a_new_stream_says_at_once_where_it_stands(streams, log):
+def test_a_new_stream_sends_its_position_at_once(streams, log):
     write(log, 3)
     (first,) = take(streams, 1)
     assert read(first) == [{"id": position_text(log, 3), "retry": "1000"}]
 
 
-def test_a_stream_gets_what_happens_from_then_on(streams, log):
+def test_a_stream_receives_events_from_its_start(streams, log):
     write(log, 3)
     _, frame = take(streams, 2, then=lambda: write(log, 2))
     assert [one["id"] for one in read(frame)] == [position_text(log, 4), position_text(log, 5)]
 
 
-def test_a_stream_goes_on_after_the_last_event_that_was_seen(streams, log):
+def test_a_stream_continues_after_the_last_received_event(streams, log):
     write(log, 5)
     _, frame = take(streams, 2, after=position_text(log, 2))
     assert [json.loads(one["data"])["number"] for one in read(frame)] == [3, 4, 5]
 
 
-def test_where_events_are_gone_there_is_a_reset_and_then_only_what_is_new(streams, log):
+def test_after_lost_events_a_stream_gets_a_reset_and_then_only_new_events(streams, log):
     write(log, 150)
     first, second = take(streams, 2, after=position_text(log, 3), then=lambda: write(log, 1))
     (reset,) = read(first)
@@ -95,7 +95,7 @@ def test_a_slow_reader_gets_a_reset_instead_of_a_silent_gap(streams, log):
         (Choice(kinds=frozenset({Kind.JOB}), types=frozenset({"scene"})), []),
     ],
 )
-def test_each_stream_gets_what_it_chose(streams, log, choice, expected):
+def test_each_stream_receives_only_its_selected_events(streams, log, choice, expected):
     log.append(Kind.JOB, "running", "a", job="a")
     log.append(Kind.WORLD, "scene", elements=["kit_1", "starter_1"])
     log.append(Kind.JOB, "ended", "b", job="b")
@@ -103,9 +103,7 @@ def test_each_stream_gets_what_it_chose(streams, log, choice, expected):
     assert [event.number for event in log.since(0) if choice.takes(event)] == expected
 
 
-def test_a_quiet_stream_says_where_it_stands_so_that_it_is_not_thought_to_have_missed_anything(
-    streams, log, monkeypatch
-):
+def test_a_quiet_stream_sends_its_position_regularly(streams, log, monkeypatch):
     monkeypatch.setattr(module, "_QUIET", 0.05)
     monkeypatch.setattr(module, "_LOOK", 0.01)
     chosen = Choice(kinds=frozenset({Kind.ALARM}))
@@ -138,7 +136,7 @@ def test_a_burst_of_events_wakes_all_streams_once(streams, log):
     assert len(woken) < 10  # the helper thread's own end is among them
 
 
-def test_streams_that_want_the_same_are_sent_the_same_bytes_made_once(streams, log):
+def test_streams_with_the_same_selection_share_one_encoding(streams, log):
     async def run():
         frames = [streams.follow(Choice(job=job), CALLER, "") for job in ("kit", "kit", "other")]
         for one in frames:
@@ -165,7 +163,7 @@ def test_a_batch_of_long_events_is_bounded_in_bytes_and_loses_none(streams, log,
     assert [json.loads(one["data"])["number"] for frame in frames for one in read(frame)] == list(range(1, 23))
 
 
-def test_no_more_streams_than_allowed_and_half_of_them_for_one_caller(streams):
+def test_the_number_of_streams_is_limited_in_total_and_to_half_per_caller(streams):
     from contextlib import ExitStack
 
     others = [Caller(f"c{n}", Role.VIEWER, f"k{n}") for n in range(5)]
@@ -181,7 +179,7 @@ def test_no_more_streams_than_allowed_and_half_of_them_for_one_caller(streams):
     assert streams.open == 0
 
 
-def test_a_stream_ends_when_its_caller_may_listen_no_longer(streams, log):
+def test_a_stream_ends_when_its_caller_loses_access(streams, log):
     allowed = [True]
     streams.allowed = lambda caller: allowed[0]
 
@@ -196,7 +194,7 @@ def test_a_stream_ends_when_its_caller_may_listen_no_longer(streams, log):
     assert len(asyncio.run(asyncio.wait_for(run(), 20))) == 1
 
 
-def test_all_streams_end_when_the_server_does_and_no_more_begin(streams):
+def test_all_streams_end_with_the_server_and_no_new_ones_start(streams):
     async def run():
         frames = streams.follow(EVERYTHING, CALLER, None)
         await anext(frames)

@@ -18,7 +18,7 @@ def log():
 
 
 @pytest.mark.parametrize("number", [20, 25, 30])
-def test_a_place_whose_next_event_is_kept_is_found(log, number):
+def test_a_position_whose_next_event_is_kept_is_found(log, number):
     assert find_position(log, position_text(log, number)) == number
 
 
@@ -36,7 +36,7 @@ def test_a_place_whose_next_event_is_kept_is_found(log, number):
         ("x" * 5000, "unknown"),
     ],
 )
-def test_any_other_is_a_reset_that_says_why_and_where_it_goes_on(log, given, code):
+def test_any_other_position_gets_a_reset_with_a_reason_and_the_next_position(log, given, code):
     gap = find_position(log, given.format(epoch=log.epoch))
     assert isinstance(gap, ResetInfo)
     assert (gap.code, gap.id) == (code, position_text(log, 30))
@@ -44,7 +44,7 @@ def test_any_other_is_a_reset_that_says_why_and_where_it_goes_on(log, given, cod
 
 
 @given(text=st.text())
-def test_no_text_at_all_breaks_it(text):
+def test_no_text_as_a_position_raises_an_error(text):
     assert isinstance(find_position(EventLog(1), text), ResetInfo)
 
 

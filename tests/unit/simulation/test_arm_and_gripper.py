@@ -68,7 +68,7 @@ def test_an_arm_without_commands_brakes_smoothly_and_holds(make_cell, kitting):
     assert cell.read().state("arm", ArmState).positions == pytest.approx(stopped.positions, abs=1e-5)
 
 
-def test_a_gripper_keeps_its_last_target_and_reads_nothing_when_it_closes_on_nothing(make_cell, kitting):
+def test_a_gripper_keeps_its_last_target_and_measures_no_force_when_it_closes_empty(make_cell, kitting):
     cell = make_cell(kitting.cell_spec())
 
     cell.exchange({"gripper": GripperTarget(0.0, 30.0)})

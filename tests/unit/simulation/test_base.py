@@ -23,7 +23,7 @@ def _coast(cell, cycles):
 
 
 @pytest.mark.parametrize("kind", ["linear", "angular"])
-def test_a_base_told_to_move_too_fast_keeps_its_limits_and_stands_after_v_over_a(make_cell, kitting, kind):
+def test_a_base_commanded_too_fast_keeps_its_limits_and_stops_after_v_over_a(make_cell, kitting, kind):
     cell = make_cell(kitting.cell_spec(start=Pose((-2.0, 0.0, 0.0))))
     speed_limit, acceleration = LIMITS[kind]
     twist = {"linear": (9.0, 0.0), "angular": (0.0, 9.0)}[kind]
@@ -39,7 +39,7 @@ def test_a_base_told_to_move_too_fast_keeps_its_limits_and_stands_after_v_over_a
     assert cell.read().state("base", BaseState).still
 
 
-def test_a_curve_is_driven_along_the_heading_and_never_sideways(make_cell, kitting):
+def test_a_differential_base_drives_curves_without_moving_sideways(make_cell, kitting):
     cell = make_cell(kitting.cell_spec(start=Pose.of(-2.0, 0.0, 0.0, yaw=0.5)))
     truth = Truth(cell)
 
@@ -82,6 +82,6 @@ def test_the_wheels_turn_as_far_as_the_base_drives(make_cell, kitting):
     assert turned == pytest.approx((way / 0.10,) * 2, rel=0.02)
 
 
-def test_a_speed_that_is_no_number_is_refused(make_cell, kitting):
+def test_a_speed_that_is_not_finite_is_refused(make_cell, kitting):
     with pytest.raises(DeviceError, match="base: a command is made of finite numbers"):
         _drive(make_cell(kitting.cell_spec()), math.nan, 0.0, 1)

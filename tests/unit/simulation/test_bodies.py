@@ -19,7 +19,7 @@ def _parts_on(kitting, place):
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_drawn_parts_come_to_rest_upright_apart_and_on_their_place(make_cell, kitting, seed):
+def test_randomly_placed_parts_rest_upright_and_apart_at_their_place(make_cell, kitting, seed):
     cell = make_cell(kitting.cell_spec(*_parts_on(kitting, "table")), seed)
     truth = Truth(cell)
     poses = [truth.pose(name) for name in kitting.PARTS]
@@ -49,7 +49,7 @@ def test_a_place_without_room_is_refused_by_name(make_cell, kitting):
         make_cell(kitting.cell_spec(*many))
 
 
-def test_of_far_too_many_parts_none_is_placed_before_they_are_refused(make_cell, kitting, monkeypatch):
+def test_too_many_parts_are_refused_before_any_is_placed(make_cell, kitting, monkeypatch):
     many = [kitting.PARTS["Starter"].body(None, "table", f"s{n}") for n in range(1000)]
     monkeypatch.setattr(spawn, "_draw", None)  # to call it would be another error
 
@@ -63,7 +63,7 @@ def test_a_part_with_neither_pose_nor_place_is_refused(make_cell, kitting, place
         make_cell(kitting.cell_spec(kitting.PARTS["Starter"].body(None, place)))
 
 
-def test_a_kit_on_the_deck_rides_along_with_what_is_in_it(make_cell, kitting):
+def test_a_kit_on_the_deck_moves_with_the_robot_and_keeps_its_contents(make_cell, kitting):
     kit = kitting.kit(Pose((-0.27, 0.0, 0.35)), carrier="base")
     start = Pose.of(-2.0, 0.5, 0.0, yaw=0.8)
     in_kit = kitting.PARTS["Compressor"].body(None, "kit_2")
@@ -82,7 +82,7 @@ def test_a_kit_on_the_deck_rides_along_with_what_is_in_it(make_cell, kitting):
     assert truth.placements() == {"part": "kit_2"}
 
 
-def test_moving_a_body_tells_nothing_to_the_snapshot(make_cell, kitting):
+def test_moving_a_body_does_not_change_the_snapshot(make_cell, kitting):
     part = kitting.PARTS["Alternator"].body(Pose((0.7, 0.0, kitting.TOP)), "table")
     touched, left_alone = make_cell(kitting.cell_spec(part)), make_cell(kitting.cell_spec(part))
 
@@ -139,7 +139,7 @@ def test_a_closed_cell_can_be_closed_again_and_leaves_no_files(kitting):
     assert not urdf.exists()
 
 
-def test_a_body_stands_as_its_solid_says(make_cell, kitting):
+def test_the_bounding_box_of_a_body_matches_its_solid(make_cell, kitting):
     """The physics body's box around it is the solid's, whatever its centre of mass."""
     cell = make_cell(kitting.cell_spec(kitting.PARTS["Starter"].body(Pose((0.7, 0.0, kitting.TOP)), "table")))
     engine = cell.scene.engine

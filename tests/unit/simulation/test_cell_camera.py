@@ -100,7 +100,7 @@ def test_what_is_out_of_range_has_no_depth(make_cell, kitting):
     assert depth.max() < 1.999
 
 
-def test_an_outside_picture_shows_robot_and_furniture_in_colour(make_cell, kitting):
+def test_an_overview_picture_shows_robot_and_furniture_in_colour(make_cell, kitting):
     cell = make_cell(kitting.cell_spec())
 
     picture = cell.picture((2.2, -2.0, 1.9), (0.2, 0.0, 0.3), width=320, height=240).result()

@@ -33,7 +33,7 @@ def test_the_same_seed_gives_the_same_state_and_the_same_image_to_the_last_bit(m
     assert np.array_equal(first_depth, second_depth)
 
 
-def test_pictures_change_nothing_in_the_world(make_cell, kitting):
+def test_taking_pictures_does_not_change_the_simulation(make_cell, kitting):
     looking, blind = make_cell(_scene(kitting), 7, cameras=True), make_cell(_scene(kitting), 7)
     calls = []
     for cycle in range(60):

@@ -37,7 +37,7 @@ class TestCellOnTheKinematicEngine(CellDriverContract):
         return SimulatedCell(spec, seed=1, engine=KinematicEngine)
 
 
-def test_a_cell_is_of_the_kind_of_its_engine():
+def test_a_cell_has_the_class_of_its_engine():
     cell = SimulatedCell(small_cell(), seed=1, engine=KinematicEngine)
 
     assert cell.kind == "kinematic"

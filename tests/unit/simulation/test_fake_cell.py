@@ -43,7 +43,7 @@ def test_a_base_drives_exactly_as_told_and_knows_where_it_is(kitting):
     assert base.still
 
 
-def test_there_is_nothing_to_see(kitting):
+def test_a_fake_cell_has_no_camera_images(kitting):
     with pytest.raises(DeviceError, match="the fake cell has no camera"):
         FakeCell(kitting.cell_spec()).capture("camera")
 
@@ -99,12 +99,12 @@ def lamp_cell(mistake: str = "") -> FakeCell:
     return FakeCell(CellSpec((), (RobotSpec("robot", "", (LampSpec("lamp_1", mistake),)),)))
 
 
-def test_a_mistake_in_fake_is_refused_and_named():
+def test_an_exception_in_a_fake_is_refused_and_named():
     with pytest.raises(DeviceError, match=r"fake of lamp_1 \(kind 'lamp'\) raised KeyError: 'boom'"):
         lamp_cell("fake")
 
 
-def test_a_mistake_in_the_first_state_is_refused_and_named():
+def test_an_exception_in_the_first_state_is_refused_and_named():
     with pytest.raises(DeviceError, match=r"lamp_1 .* was switched off: its state raised KeyError: 'boom'"):
         lamp_cell("state")
 

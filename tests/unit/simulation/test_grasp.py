@@ -63,7 +63,7 @@ def _pick(cell, ik, kitting, part, pose):
 
 
 @pytest.mark.parametrize("name", ["Starter", "Alternator", "Compressor", "RelayBox"])
-def test_a_part_is_grasped_lifted_and_placed_upright_where_it_is_let_go(make_cell, kitting, ik, name):
+def test_a_part_is_grasped_lifted_and_placed_upright_where_it_is_released(make_cell, kitting, ik, name):
     part = kitting.PARTS[name]
     cell = make_cell(kitting.cell_spec(part.body(Pose.of(0.66, 0.08, kitting.TOP, yaw=0.4), "table")))
     truth = Truth(cell)
@@ -111,7 +111,7 @@ def test_a_held_part_slips_less_than_3_mm_while_the_robot_drives_1_m_and_turns_9
     assert before.distance(after) < 0.003
 
 
-def test_a_part_knocked_out_of_the_gripper_shows_in_gap_and_force(make_cell, kitting, ik):
+def test_a_part_knocked_out_of_the_gripper_changes_gap_and_force(make_cell, kitting, ik):
     part = kitting.PARTS["Compressor"]
     cell = make_cell(kitting.cell_spec(part.body(Pose.of(0.66, 0.0, kitting.TOP), "table")))
 

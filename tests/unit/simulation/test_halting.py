@@ -32,7 +32,7 @@ def _at_speed(kitting, cell):
     return {"arm": _swing(kitting, cell, 41), "base": FULL}
 
 
-def test_a_halted_cell_stands_within_its_braking_time_whatever_is_commanded(cell, kitting):
+def test_a_halted_cell_stops_within_its_braking_time_despite_commands(cell, kitting):
     commands = _at_speed(kitting, cell)
     assert not cell.read().state("base", BaseState).still
     assert not cell.read().state("arm", ArmState).still
@@ -46,7 +46,7 @@ def test_a_halted_cell_stands_within_its_braking_time_whatever_is_commanded(cell
     assert cell.read().state("arm", ArmState).still
 
 
-def test_without_commands_it_stands_within_its_braking_time_too(cell, kitting):
+def test_a_cell_without_commands_stops_within_its_braking_time(cell, kitting):
     _at_speed(kitting, cell)
 
     end = cell.read().time + cell.braking_time

@@ -60,7 +60,7 @@ def test_errors_at_stops_have_the_declared_spread_and_are_independent():
     assert abs(np.corrcoef(scaled[:-1, 0], scaled[1:, 0])[0, 1]) < 0.08
 
 
-def test_the_error_fades_smoothly_and_keeps_its_size_on_the_way():
+def test_the_localisation_error_changes_smoothly_and_keeps_its_size_while_driving():
     _, errors = _tour(4, 1000)
     steps = np.abs(np.diff(errors[:, :2], axis=0))
 
@@ -68,7 +68,7 @@ def test_the_error_fades_smoothly_and_keeps_its_size_on_the_way():
     assert steps.max() < POSITION_NOISE / 2  # a step is 20 mm of way; a jump to a new draw is 1.4 sigma on average
 
 
-def test_the_error_is_another_one_after_each_drive_and_the_same_while_standing(make_cell, kitting):
+def test_the_localisation_error_changes_with_each_drive_and_is_constant_at_standstill(make_cell, kitting):
     cell = make_cell(kitting.cell_spec(start=Pose((-2.0, 0.0, 0.0))))
     truth = Truth(cell)
 
@@ -90,14 +90,14 @@ def test_the_error_is_another_one_after_each_drive_and_the_same_while_standing(m
     assert np.linalg.norm(error() - before) > 1e-4
 
 
-def test_its_errors_are_as_large_as_its_individual_says():
+def test_localisation_errors_are_as_large_as_declared_on_the_individual():
     errors, _ = _tour(5, 500, LocaliserSpec("localiser", 0.02, 0.0))
 
     assert errors[:, :2].std(axis=0) == pytest.approx((0.02, 0.02), rel=0.1)
     assert np.abs(errors[:, 2]).max() == 0.0
 
 
-def test_it_is_refused_where_the_simulation_does_not_move_its_robot():
+def test_a_simulated_localiser_of_an_unsimulated_robot_is_refused():
     robot = Treadmill()
     robot.place = Pose((1.0, 0.0, 0.0))
 
@@ -105,7 +105,7 @@ def test_it_is_refused_where_the_simulation_does_not_move_its_robot():
         LocaliserSpec("localiser").simulate(robot, np.random.default_rng(1))
 
 
-def test_odometry_follows_the_wheels_and_knows_nothing_of_the_localiser(make_cell, kitting):
+def test_odometry_follows_the_wheels_and_is_independent_of_the_localiser(make_cell, kitting):
     cell = make_cell(kitting.cell_spec(start=Pose((-2.0, 0.0, 0.0))))
     truth = Truth(cell)
     for twist in [BaseTwist(0.4, 0.3)] * 400 + [BaseTwist(0.0, 0.0)] * 200:

@@ -119,7 +119,7 @@ def test_a_turntable_without_a_robot_carries_what_is_fixed_to_it(make: Any, engi
 
 
 @pytest.mark.physics
-def test_a_body_that_lies_on_a_device_without_a_robot_is_truly_on_it(make: Any) -> None:
+def test_a_body_lying_on_a_robotless_device_is_on_it_in_truth(make: Any) -> None:
     part = BodySpec("part", "Part", Solid.box(0.1, 0.1, 0.1), 0.5, PLACE @ Pose((0.2, 0.0, 0.55)))
     other = BodySpec("other", "Part", Solid.box(0.1, 0.1, 0.1), 0.5, PLACE @ Pose((1.2, 0.0, 0.05)))
     cell = make([part, other], RobotSpec("table_1", "turntable", (Turntable("table_1"),), PLACE), "pybullet")

@@ -65,7 +65,7 @@ no_conditions = st.sampled_from([(), (3,), (AT_LOCATION,), (THERE, None), (Relat
     ),
     no_node,
 )
-def test_what_is_no_node_is_refused_where_it_is_written(make: Callable[[Any], object], node: object) -> None:
+def test_an_object_that_is_not_a_node_is_refused_at_its_definition(make: Callable[[Any], object], node: object) -> None:
     with pytest.raises(
         DescriptionError, match=r"it is made of nodes, given one by one, such as Do\.of\('drive'\), not"
     ):
@@ -73,30 +73,30 @@ def test_what_is_no_node_is_refused_where_it_is_written(make: Callable[[Any], ob
 
 
 @pytest.mark.parametrize("part", ["pre_sense", "finish", "post_sense"])
-def test_every_part_of_a_skill_is_a_node(part: str) -> None:
+def test_every_part_of_a_skill_must_be_a_node(part: str) -> None:
     with pytest.raises(DescriptionError, match="of an implementation of skill 'drive': it is made of nodes"):
         replace(Skill(DRIVE, STEP), **{part: "step"})
 
 
 @given(st.sampled_from([Retry, Repeat]), no_count)
-def test_what_is_no_count_is_refused(make: Callable[..., object], times: object) -> None:
+def test_an_invalid_count_is_refused(make: Callable[..., object], times: object) -> None:
     with pytest.raises(DescriptionError, match="at least once, and a whole number of times, not"):
         make(STEP, times)
 
 
 @given(st.sampled_from([Wait, AssertEffects, lambda time: Timeout(STEP, time)]), no_time)
-def test_what_is_no_time_is_refused(make: Callable[..., object], seconds: object) -> None:
+def test_an_invalid_time_is_refused(make: Callable[..., object], seconds: object) -> None:
     with pytest.raises(DescriptionError, match="a number of seconds from 0, not"):
         make(seconds)
 
 
-def test_a_timeout_of_no_time_is_refused() -> None:
+def test_a_timeout_of_zero_is_refused() -> None:
     with pytest.raises(DescriptionError, match=r"timeout: a time above 0 s, not 0"):
         Timeout(STEP, 0)
 
 
 @given(st.sampled_from([Check, lambda conditions: Guard(STEP, conditions)]), no_conditions)
-def test_what_is_no_condition_is_refused(make: Callable[..., object], conditions: object) -> None:
+def test_an_object_that_is_not_a_condition_is_refused(make: Callable[..., object], conditions: object) -> None:
     with pytest.raises(DescriptionError, match="one or more conditions over parameters"):
         make(conditions)
 
@@ -119,7 +119,7 @@ def test_what_is_no_condition_is_refused(make: Callable[..., object], conditions
         (lambda: AssertEffects(1.0, wrong((3,))), "the key of a postcondition, not 3"),
     ],
 )
-def test_every_other_field_is_looked_at_too(make: Callable[[], object], right: str) -> None:
+def test_every_other_field_of_a_node_is_checked(make: Callable[[], object], right: str) -> None:
     with pytest.raises(DescriptionError, match=right):
         make()
 
@@ -145,19 +145,19 @@ def test_a_reference_to_an_unknown_parameter_is_refused_when_the_skill_is_made(b
 
 
 @pytest.mark.parametrize("part", ["pre_sense", "finish", "post_sense"])
-def test_all_parts_of_a_skill_are_looked_at(part: str) -> None:
+def test_all_parts_of_a_skill_are_checked(part: str) -> None:
     with pytest.raises(UnknownName, match="'Zz'"):
         replace(Skill(DRIVE, STEP), **{part: Do.of("step", a=P("Zz"))})
 
 
-def test_loops_refer_to_their_own_elements_and_those_of_the_loops_around() -> None:
+def test_loops_can_refer_to_their_own_and_enclosing_elements() -> None:
     inner = Guard.of(Do.of("step", a=P("x"), b=P("y")), AT_LOCATION("Robot", "x"))
     where = AllOf((Related("sk:on", "y", "x"), Not(Related("sk:at", "Robot", "y"))))
 
     Skill(DRIVE, ForEach("x", "tiny:Box", ForEach("y", "tiny:Ball", inner, where)))
 
 
-def test_a_loop_calls_its_element_as_nothing_else_is_called() -> None:
+def test_a_loop_variable_must_not_have_the_name_of_a_parameter() -> None:
     loop = ForEach("x", "tiny:Box", STEP)
 
     for body in (ForEach("Location", "tiny:Box", STEP), replace(loop, child=loop)):

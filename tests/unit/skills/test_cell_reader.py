@@ -23,13 +23,13 @@ def test_a_robot_is_read_with_its_base_arm_and_gripper() -> None:
     ]
 
 
-def test_only_the_robots_asked_for_are_brought_up() -> None:
+def test_only_the_requested_robots_are_loaded() -> None:
     cell = read_cell(tiny_world(robots=2), ["robot_2"])
 
     assert [robot.id for robot in cell.robots] == ["robot_2"]
 
 
-def test_a_body_is_what_has_a_shape_and_is_no_robot() -> None:
+def test_everything_with_a_shape_except_robots_is_a_body() -> None:
     shape = """'[{"kind": "box", "size": [1, 1, 1]}]'^^<http://www.w3.org/1999/02/22-rdf-syntax-ns#JSON>"""
     world = tiny_world(f'scene:box_a sk:solid {shape} ; sk:pose "1 2 0 0 0 0"^^sk:poseLiteral .')
 
@@ -83,7 +83,7 @@ def stock(*said: str) -> str:
     return f"scene:stock a sk:Stock ; {' ; '.join(said)} ."
 
 
-def test_of_things_without_a_shape_a_stock_brings_no_bodies() -> None:
+def test_a_stock_of_things_without_a_shape_adds_no_bodies() -> None:
     world = tiny_world(SHELF, stock('sk:stockOf "tiny:Ball"', "sk:stockCount 3"))
 
     assert [body.id for body in read_cell(world, ["robot_1"]).bodies] == ["box_a"]
@@ -95,13 +95,13 @@ PALLET = (
 
 
 @pytest.mark.parametrize(("count", "bodies"), [(3, 4), (10**12, 1)])
-def test_stock_is_bodies_only_where_something_has_to_put_them_somewhere(count: int, bodies: int) -> None:
+def test_stock_becomes_bodies_only_in_a_simulation(count: int, bodies: int) -> None:
     world = world_of(PALLET + stock('sk:stockOf "kitting:Starter"', f"sk:stockCount {count}"))
 
     assert len(read_cell(world, ["robot_1"], simulated=count < 10).bodies) == bodies
 
 
-def test_of_more_than_any_place_has_room_for_no_bodies_are_made() -> None:
+def test_a_stock_larger_than_any_place_adds_no_bodies() -> None:
     world = world_of(PALLET + stock('sk:stockOf "kitting:Starter"', f"sk:stockCount {10**12}"))
 
     with pytest.raises(DescriptionError, match="stock: no room on 'pallet' for 1000000000000 of kitting:Starter"):
@@ -122,7 +122,7 @@ def test_a_missing_property_of_a_stock_is_reported(fact: str, message: str) -> N
         read_cell(tiny_world(fact), ["robot_1"])
 
 
-def test_what_cannot_be_read_is_left_out_with_what_lies_in_it_where_somebody_takes_note_of_that() -> None:
+def test_unreadable_elements_and_their_contents_are_left_out_if_a_collector_of_faults_is_given() -> None:
     world = world_of(PALLET + stock('sk:stockOf "kitting:Starter"', "sk:stockCount 3"))
     with world.transaction("ann", "in the midst of building") as tx:
         tx.set("pallet", "sk:pose", None)

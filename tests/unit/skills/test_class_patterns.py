@@ -57,7 +57,7 @@ def test_an_undeclared_class_is_an_error_that_names_it() -> None:
         IsA("it", "tiny:Bal").evaluate(tiny_world(), {"it": "ball_1"})
 
 
-def test_some_and_only_say_what_things_of_a_class_are_for() -> None:
+def test_class_restrictions_state_the_purpose_of_a_class() -> None:
     world = tiny_world(*KEYS)
 
     assert made_for(world, "key_1", "door_1").text == "a Key madeFor a Door, as door_1 is one"
@@ -66,14 +66,14 @@ def test_some_and_only_say_what_things_of_a_class_are_for() -> None:
     assert not made_for(world, "toy_key_1", "door_1")
 
 
-def test_of_a_class_of_which_nothing_is_said_it_does_not_hold() -> None:
+def test_a_class_pattern_fails_for_a_class_without_restrictions() -> None:
     verdict = made_for(tiny_world(), "ball_1", "box_a")
 
     assert (verdict.holds, verdict.text) == (False, "a Ball madeFor nothing that is said, and box_a is a Box")
     assert Not(MADE_FOR).evaluate(tiny_world(), {"key": "ball_1", "thing": "box_a"})
 
 
-def test_what_is_said_of_a_class_above_or_by_a_narrower_relation_counts(tmp_path: Path) -> None:
+def test_restrictions_of_superclasses_and_subrelations_count(tmp_path: Path) -> None:
     world = more_world(tmp_path, "scene:house_key_1 a more:HouseKey ; sk:on scene:floor .")
 
     assert made_for(world, "house_key_1", "door_1"), "it is a key"
@@ -81,7 +81,7 @@ def test_what_is_said_of_a_class_above_or_by_a_narrower_relation_counts(tmp_path
     assert not made_for(world, "house_key_1", "box_b")
 
 
-def test_anything_will_do_for_what_is_related_to_just_something(tmp_path: Path) -> None:
+def test_a_restriction_without_a_class_matches_any_element(tmp_path: Path) -> None:
     world = more_world(tmp_path, "scene:any_key_1 a more:AnyKey ; sk:on scene:floor .")
 
     assert made_for(world, "any_key_1", "slot_1")

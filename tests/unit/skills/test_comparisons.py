@@ -36,7 +36,7 @@ def test_numbers_compare_in_six_ways(op: str, value: float, holds: bool) -> None
     assert of(charge(op, value), robot="robot_1").holds is holds
 
 
-def test_what_does_not_compare_says_what_is_the_case_instead() -> None:
+def test_a_failed_comparison_gives_the_actual_value() -> None:
     assert of(charge(">=", 50), robot="robot_1").text == "the charge of robot_1 is 40, not at least 50"
     assert of(charge("<", 50), robot="robot_1").text == "the charge of robot_1 is 40"
 
@@ -62,7 +62,7 @@ def test_a_pose_cannot_be_compared() -> None:
     assert not Compare("sk:pose", "=", "ball", "1 0 0 0 0 0").evaluate(overlay, {"ball": "ball_1"})
 
 
-def test_of_what_is_missing_nothing_holds_but_the_negation() -> None:
+def test_comparisons_of_a_missing_value_fail_and_their_negations_hold() -> None:
     equal, other = (Compare("tiny:scanned", op, "ball", True) for op in ("=", "!="))
 
     assert of(equal, ball="red_ball_1").text == "red_ball_1 has no scanned"
@@ -70,7 +70,7 @@ def test_of_what_is_missing_nothing_holds_but_the_negation() -> None:
     assert of(Not(equal), ball="red_ball_1")
 
 
-def test_the_value_that_a_class_gives_counts() -> None:
+def test_a_comparison_uses_the_value_of_the_class() -> None:
     assert of(Compare("tiny:opening", "=", "door", "closed"), door="door_1")
     assert not of(Compare("tiny:opening", "=", "door", "closed"), door="door_2")
 
@@ -86,7 +86,7 @@ def test_the_value_that_a_class_gives_counts() -> None:
         ("=", (1.0, 2.0), r"compare with a text, a finite number, true or false, not with (1.0, 2.0)"),
     ],
 )
-def test_a_comparison_that_makes_no_sense_is_refused_when_it_is_described(op: Any, value: Any, text: str) -> None:
+def test_an_invalid_comparison_is_refused_at_its_definition(op: Any, value: Any, text: str) -> None:
     with pytest.raises(DescriptionError) as caught:
         charge(op, value)
 
@@ -110,7 +110,7 @@ constants = st.one_of(st.booleans(), st.integers(), st.floats(allow_nan=False, a
 
 
 @given(constants, st.one_of(st.none(), constants))
-def test_a_value_is_equal_or_other_exactly_when_it_is_there_and_of_the_same_kind(wanted: Any, present: Any) -> None:
+def test_a_value_is_equal_or_different_exactly_if_it_exists_and_has_the_same_type(wanted: Any, present: Any) -> None:
     equal, other = Comparison("=", wanted).allows(present), Comparison("!=", wanted).allows(present)
     is_number = [isinstance(v, int | float) and not isinstance(v, bool) for v in (wanted, present)]
 
@@ -119,7 +119,7 @@ def test_a_value_is_equal_or_other_exactly_when_it_is_there_and_of_the_same_kind
 
 
 @given(st.sampled_from(["=", "!=", "<", "<=", ">", ">="]), st.floats(-9, 9), st.one_of(st.none(), constants))
-def test_the_verdict_is_what_planning_decides_by(op: Any, wanted: float, present: Any) -> None:
+def test_planning_and_evaluation_agree_on_comparisons(op: Any, wanted: float, present: Any) -> None:
     comparison = Comparison(op, wanted)
 
     assert comparison.judge("it", present, "none").holds == comparison.allows(present)

@@ -31,7 +31,7 @@ def reasons(condition: Condition) -> list[str]:
     return [line.strip() for line in condition.evaluate(WORLD).lines()]
 
 
-def test_parts_that_are_joined_themselves_stand_in_parentheses() -> None:
+def test_nested_conditions_are_printed_in_parentheses() -> None:
     one, other, third = FREE("slot_1"), FREE("slot_2"), CARRIES("robot_1", "ball_1")
 
     assert str(any_of(all_of(one, other), ~third)) == "(Free(slot_1) and Free(slot_2)) or not Carries(robot_1, ball_1)"
@@ -40,7 +40,7 @@ def test_parts_that_are_joined_themselves_stand_in_parentheses() -> None:
     assert str(~exists("s", "tiny:Slot", FREE("s"))) == "not exists s: Slot (Free(s))"
 
 
-def test_what_the_same_word_joins_is_one_row() -> None:
+def test_nested_conditions_with_the_same_operator_are_flattened() -> None:
     one, other, third = FREE("slot_1"), FREE("slot_2"), CARRIES("robot_1", "ball_1")
 
     assert any_of(any_of(one, other), third) == any_of(one, other, third)
@@ -50,7 +50,7 @@ def test_what_the_same_word_joins_is_one_row() -> None:
 
 
 @pytest.mark.parametrize("join", [all_of, any_of])
-def test_joining_nothing_is_refused(join: Callable[..., Condition]) -> None:
+def test_an_empty_conjunction_or_disjunction_is_refused(join: Callable[..., Condition]) -> None:
     with pytest.raises(DescriptionError, match="give at least one condition"):
         join()
 
@@ -65,7 +65,7 @@ def test_the_variable_of_a_quantifier_is_no_argument_and_its_class_is_named() ->
 
 @pytest.mark.parametrize("make", [for_all, exists])
 @pytest.mark.parametrize("variable", ["", "7up", "tiny:Slot", "a b", "?s"])
-def test_a_variable_that_is_no_name_is_refused(make: Callable[..., Condition], variable: str) -> None:
+def test_a_variable_with_an_invalid_name_is_refused(make: Callable[..., Condition], variable: str) -> None:
     with pytest.raises(DescriptionError, match="cannot be a variable"):
         make(variable, "tiny:Slot", FREE(variable))
 
@@ -113,12 +113,12 @@ def test_a_negated_disjunction_that_fails_shows_the_part_that_holds() -> None:
     ]
 
 
-def test_what_is_gone_fails_its_own_part_only() -> None:
+def test_a_removed_element_fails_only_its_part_of_the_condition() -> None:
     assert any_of(FREE("slot_9"), FREE("slot_2")).evaluate(WORLD)
     assert "there is no slot_9" in reasons(all_of(FREE("slot_9"), FREE("slot_2")))
 
 
-def test_a_class_is_quantified_within_the_word_that_names_it() -> None:
+def test_a_class_is_quantified_within_the_condition_that_names_it() -> None:
     in_1, in_2 = IN_CONTAINER("tiny:Ball", "slot_1"), IN_CONTAINER("tiny:Ball", "slot_2")
 
     def some(place: str) -> Exists:
@@ -130,7 +130,7 @@ def test_a_class_is_quantified_within_the_word_that_names_it() -> None:
     assert quantified.closed_pattern(ONTOLOGY) == Not(Exists("s", "tiny:Slot", Not(some("s"))))
 
 
-def test_binding_reaches_all_parts_and_no_bound_variable() -> None:
+def test_binding_replaces_free_variables_in_all_parts_only() -> None:
     condition = any_of(exists("Ball", "tiny:Ball", FITS("Ball", "Slot")), HOLDING("Gripper", "Ball"))
 
     bound = condition.bind({"Slot": "slot_1", "Ball": "ball_1", "Gripper": "gripper_1"})
@@ -139,7 +139,7 @@ def test_binding_reaches_all_parts_and_no_bound_variable() -> None:
     assert str((~condition).bind({"Slot": "slot_1"})).startswith("not (exists Ball: Ball (Fits(Ball, slot_1)) or")
 
 
-def test_a_bound_variable_gives_way_to_an_element_of_its_name() -> None:
+def test_a_bound_variable_is_renamed_if_an_element_has_its_name() -> None:
     world = tiny_world("scene:b a tiny:Slot ; sk:on scene:floor . scene:ball_2 a tiny:Ball ; sk:in scene:b .")
     condition = exists("b", "tiny:Ball", IN_CONTAINER("b", "Slot"))
 

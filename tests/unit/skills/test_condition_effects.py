@@ -61,7 +61,7 @@ SCANNED = Compare("tiny:scanned", "=", "it", True)
         (~EMPTY_HANDED("g"), ()),
     ],
 )
-def test_each_condition_that_can_be_brought_about_says_how(condition: Condition, effects: tuple[Effect, ...]) -> None:
+def test_each_achievable_condition_has_its_effects(condition: Condition, effects: tuple[Effect, ...]) -> None:
     assert effects_of(condition) == effects
 
 
@@ -76,7 +76,7 @@ def test_each_condition_that_can_be_brought_about_says_how(condition: Condition,
         any_of(HOLDING("g", "b"), CARRIES("r", "b")),
     ],
 )
-def test_what_cannot_be_brought_about_is_refused_by_name(condition: Condition) -> None:
+def test_an_unachievable_condition_is_refused_as_an_effect_by_name(condition: Condition) -> None:
     with pytest.raises(DescriptionError) as caught:
         effects_of(condition)
 
@@ -88,7 +88,7 @@ def write(world: World, *effects: Effect) -> None:
         write_effects(tx, world.ontology, effects)
 
 
-def test_written_effects_are_so_in_the_world() -> None:
+def test_written_effects_hold_in_the_world() -> None:
     world = tiny_world(DOOR)
 
     write(
@@ -105,7 +105,7 @@ def test_written_effects_are_so_in_the_world() -> None:
     assert world.value("door_1", "tiny:opening") == "closed", "that of its class"
 
 
-def test_the_end_of_what_is_not_so_changes_nothing() -> None:
+def test_removing_a_relation_that_does_not_hold_changes_nothing() -> None:
     world = tiny_world()
     before = world.version
 
@@ -115,7 +115,7 @@ def test_the_end_of_what_is_not_so_changes_nothing() -> None:
     assert world.related("ball_1", "sk:in", "box_a"), "everything is somewhere: it ends by another place"
 
 
-def test_an_effect_on_what_is_not_there_is_refused_by_the_world() -> None:
+def test_an_effect_on_a_missing_element_is_refused_by_the_world() -> None:
     for effect in (Unrelate("tiny:knows", "robot_9", "box_a"), Assign("tiny:opening", "door_9", "open")):
         with pytest.raises(WorldError, match="_9"):
             write(tiny_world(), effect)
@@ -137,7 +137,7 @@ achievable = st.one_of(
 
 @settings(max_examples=60, deadline=None)
 @given(st.lists(achievable, min_size=1, max_size=5))
-def test_the_last_effect_holds_in_the_world_as_on_an_overlay(conditions: list[Condition]) -> None:
+def test_the_last_effect_wins_in_the_world_and_on_an_overlay(conditions: list[Condition]) -> None:
     world = tiny_world()
     overlay = Overlay(world.snapshot())
 
@@ -150,7 +150,7 @@ def test_the_last_effect_holds_in_the_world_as_on_an_overlay(conditions: list[Co
         assert condition.evaluate(overlay).holds == condition.evaluate(world).holds
 
 
-def test_a_condition_is_told_by_what_it_says_or_by_the_name_its_author_gave_it() -> None:
+def test_the_key_of_a_condition_is_its_text_or_its_given_name() -> None:
     holding = HOLDING("Gripper", "Ball")
 
     assert holding.key == "Holding(Gripper, Ball)"
@@ -162,5 +162,5 @@ def test_a_condition_is_told_by_what_it_says_or_by_the_name_its_author_gave_it()
         holding.named(" ")
 
 
-def test_related_is_a_pattern_of_its_own_effect() -> None:
+def test_a_doubly_negated_relation_has_the_effect_of_the_relation() -> None:
     assert effects_of(saying(Not(Not(Related("tiny:knows", "it", "it"))))) == (Relate("tiny:knows", "it", "it"),)

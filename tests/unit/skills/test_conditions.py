@@ -42,18 +42,18 @@ def says(condition: Condition, *facts: str) -> list[str]:
     return condition.evaluate(tiny_world(*facts)).lines()
 
 
-def test_a_condition_that_holds_says_what_it_rests_on() -> None:
+def test_a_condition_that_holds_names_the_supporting_facts() -> None:
     assert says(IN_CONTAINER("ball_1", "box_a")) == ["In(ball_1, box_a) (holds)", "  ball_1 in box_a"]
 
 
-def test_a_condition_that_fails_says_what_is_the_case_instead() -> None:
+def test_a_condition_that_fails_names_the_actual_facts() -> None:
     assert says(IN_CONTAINER("ball_1", "box_b")) == [
         "In(ball_1, box_b) (does not hold)",
         "  ball_1 is not in box_b: it is in box_a",
     ]
 
 
-def test_something_in_the_way_of_emptiness_is_named() -> None:
+def test_a_failed_emptiness_condition_names_the_content() -> None:
     verdict = FREE("slot_1").evaluate(tiny_world("scene:ball_9 a tiny:Ball ; sk:in scene:slot_1 ."))
 
     assert not verdict
@@ -85,7 +85,7 @@ def test_a_negated_condition_over_elements_holds_exactly_when_the_plain_one_does
     assert ~~condition == condition
 
 
-def test_a_negated_condition_that_fails_gives_the_fact_that_is_in_its_way() -> None:
+def test_a_negated_condition_that_fails_names_the_contradicting_fact() -> None:
     assert says(~IN_CONTAINER("ball_1", "box_a")) == ["not In(ball_1, box_a) (does not hold)", "  ball_1 in box_a"]
 
 
@@ -93,7 +93,7 @@ def test_an_existential_names_its_witness() -> None:
     assert says(STORED("red_ball_1", "floor"))[1].strip() == "box_b is the Box (holds)"
 
 
-def test_an_existential_without_a_witness_says_for_whom_it_looked() -> None:
+def test_an_existential_without_a_witness_names_the_class_it_searched() -> None:
     assert says(STORED("ball_1", "slot_1"))[1].strip() == "no Box makes it true for ball_1, slot_1"
 
 
@@ -162,7 +162,7 @@ def test_a_computed_condition_without_a_function_is_answered_by_the_reasoner_of_
     assert says(NEAR("ball_1", "box_b"), *POSES)[1].strip() == "the pose of box_b in the map is not known"
 
 
-def test_a_reasoner_answers_about_what_an_overlay_supposes() -> None:
+def test_a_reasoner_evaluates_the_assumptions_of_an_overlay() -> None:
     world = tiny_world(*POSES)
     overlay = Overlay(world)
     overlay.set_value("box_a", "sk:pose", None)
@@ -206,7 +206,7 @@ def test_evaluating_on_an_overlay_leaves_the_world_alone() -> None:
     assert not IN_CONTAINER("ball_1", "slot_1").evaluate(world)
 
 
-def test_a_placement_whose_place_is_its_subject_is_a_placement_all_the_same() -> None:
+def test_a_placement_relation_may_have_the_place_as_its_subject() -> None:
     world = tiny_world()
     with world.transaction("test", "loaded") as tx:
         tx.relate("robot_1", "tiny:carries", "ball_1")
@@ -237,7 +237,7 @@ def test_a_condition_about_a_missing_element_does_not_hold_and_says_so(condition
     assert (~condition).evaluate(world), "it is not so"
 
 
-def test_everything_that_is_not_there_is_named() -> None:
+def test_all_missing_elements_are_named() -> None:
     assert says(IN_CONTAINER("mars", "moon"))[1].strip() == "there is no mars and no moon"
 
 

@@ -81,7 +81,7 @@ def test_every_value_that_a_device_offers_is_read() -> None:
         assert all(isinstance(sensors.value(f"{device}.{signal}"), float | bool | tuple) for signal in signals)
 
 
-def test_what_a_signal_is_instead_is_the_reason() -> None:
+def test_a_failed_signal_expression_gives_the_actual_value() -> None:
     verdict = ask(WIDE, "gripper_1")
 
     assert not verdict
@@ -138,9 +138,7 @@ def test_precedence_is_that_of_python(values: list[bool], data: st.DataObject) -
         ("", 1, "a value"),
     ],
 )
-def test_what_is_no_expression_is_refused_with_the_column_and_what_would_be_right(
-    text: str, column: int, right: str
-) -> None:
+def test_an_invalid_expression_is_refused_with_the_column_and_a_valid_form(text: str, column: int, right: str) -> None:
     with pytest.raises(DescriptionError) as caught:
         holds(text)
 
@@ -165,7 +163,7 @@ def test_an_unknown_function_is_refused_with_those_that_there_are() -> None:
         ("Gripper.force > 1", "Gripper is not specified"),
     ],
 )
-def test_what_has_no_value_does_not_hold_and_neither_does_its_negation(text: str, reason: str) -> None:
+def test_an_expression_without_a_value_fails_and_so_does_its_negation(text: str, reason: str) -> None:
     world = tiny_world()
     world.sensors = Said(x=(1.0, 2.0))
     verdict, negated = (c.evaluate(world, {"Gripper": None}) for c in (holds(text), ~holds(text)))  # type: ignore[dict-item]
@@ -187,7 +185,7 @@ class Broken:
         raise KeyError("boom")
 
 
-def test_what_has_no_value_says_why_its_provider_was_switched_off() -> None:
+def test_an_expression_without_a_value_gives_the_reason_of_its_provider() -> None:
     world = tiny_world()
     world.sensors = Signals(DeviceBoard(FakeCell(read_cell(world, ("robot_1",)))), [Broken()])
 
@@ -198,7 +196,7 @@ def test_what_has_no_value_says_why_its_provider_was_switched_off() -> None:
     )
 
 
-def test_a_pattern_of_a_word_is_over_its_roles() -> None:
+def test_the_pattern_of_a_condition_type_uses_its_roles() -> None:
     renamed = Expression("device.force > device.limit and `device.x` < 1").rename({"device": "Gripper"})
 
     assert renamed.text == "Gripper.force > Gripper.limit and `device.x` < 1"
@@ -209,14 +207,14 @@ def test_patterns_of_expressions_are_combined_by_all_any_and_not() -> None:
     assert ask(AllOf((STILL, Not(WIDE), AnyOf((WIDE, STILL)))), "gripper_1")
 
 
-def test_suppositions_and_states_know_no_sensors() -> None:
+def test_overlays_and_snapshots_have_no_sensor_values() -> None:
     world = sensing_world()
     for view in (Overlay(world), Overlay(Overlay(world)), world.snapshot(), tiny_world()):
         verdict = STILL.evaluate(view, {"device": "gripper_1"})
         assert (verdict.holds, verdict.text) == (False, "no sensors here")
 
 
-def test_a_pattern_is_sensed_wherever_in_it_an_expression_is() -> None:
+def test_a_pattern_with_an_expression_anywhere_needs_sensors() -> None:
     stored = Related("sk:in", "a", "b")
 
     assert is_sensed(Not(AllOf((stored, Exists("d", "sk:Gripper", AnyOf((stored, STILL)))))))

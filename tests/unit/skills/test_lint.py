@@ -98,18 +98,18 @@ BAD = Related("tiny:under", "a", "b")
     ],
     ids=lambda value: type(value).__name__ if not isinstance(value, str) else "",
 )
-def test_a_word_that_no_ontology_declares_is_found_wherever_it_stands(pattern: Pattern, problem: str) -> None:
+def test_an_undeclared_term_is_found_in_any_position(pattern: Pattern, problem: str) -> None:
     assert problems_of_pattern(pattern) == (f"condition Odd(Robot, Location): no ontology declares the {problem}",)
 
 
 @pytest.mark.parametrize("wrap", [lambda p: p, Not, lambda p: AllOf((p,)), lambda p: Exists("x", "tiny:Box", p)])
-def test_a_relation_that_nobody_computes_is_found_wherever_it_stands(wrap: Callable[[Pattern], Pattern]) -> None:
+def test_a_computed_relation_without_a_reasoner_is_found_in_any_position(wrap: Callable[[Pattern], Pattern]) -> None:
     (problem,) = problems_of_pattern(wrap(Computed("sk:near", "a", "b")))
 
     assert problem.endswith("no reasoner computes sk:near, and no function is given for it")
 
 
-def test_a_relation_that_a_reasoner_or_a_function_computes_is_good() -> None:
+def test_a_relation_computed_by_a_reasoner_or_function_is_accepted() -> None:
     near = ConditionType("Near", (Role("a", "sk:Robot"), Role("b", "sk:Location")), Computed("sk:near", "a", "b"), "-")
     skill = pretend(replace(DRIVE, pre=(*DRIVE.pre, near("Robot", "Location"))))
 
@@ -143,7 +143,7 @@ def test_a_pattern_of_a_foreign_kind_is_named() -> None:
         (Do.of("look"), "primitive 'look' needs at"),
     ],
 )
-def test_an_unanswered_call_is_named(call: Do, problem: str) -> None:
+def test_a_call_of_a_missing_module_is_named(call: Do, problem: str) -> None:
     assert problems_of_body(call) == (problem,)
 
 
@@ -156,7 +156,7 @@ def test_an_unanswered_call_is_named(call: Do, problem: str) -> None:
         Sequence.of(Retry(Fallback.of(Do.of("lok")), 2)),
     ],
 )
-def test_calls_are_found_wherever_they_stand_in_the_body(body: Behaviour) -> None:
+def test_calls_are_found_anywhere_in_the_body(body: Behaviour) -> None:
     assert len(problems_of_body(body)) == 1
 
 
@@ -175,7 +175,7 @@ def test_all_problems_are_reported_at_once() -> None:
     assert len(problems(Skill(drone, Sequence.of(Do.of("lok"), Do.of("look", at="x", to=1))))) == 3
 
 
-def test_where_there_are_no_primitives_at_all_that_is_said() -> None:
+def test_missing_primitives_are_reported_if_there_are_none_at_all() -> None:
     assert problems_of(Skill(DRIVE, Do.of("look")), tiny_ontology(), {}) == (
         "there is no primitive or skill 'look'; there is none",
     )

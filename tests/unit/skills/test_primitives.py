@@ -59,17 +59,19 @@ async def is_async(*_: Any) -> None:
 @pytest.mark.parametrize("method", ["load", "start", "stop", "reset"])
 @pytest.mark.parametrize("code", [takes_time, is_async])
 @pytest.mark.parametrize("kind", [classmethod, staticmethod, lambda code: code])
-def test_what_is_called_once_must_not_take_time(method: str, code: Any, kind: Callable[[Any], Any]) -> None:
+def test_methods_that_are_called_once_must_not_be_generators(
+    method: str, code: Any, kind: Callable[[Any], Any]
+) -> None:
     with pytest.raises(DescriptionError, match=rf"{method}\(\) of primitive Slow: .* would never run"):
         type("Slow", (Calm,), {method: kind(code)})
 
 
-def test_motion_that_follows_may_take_time() -> None:
+def test_recover_may_take_several_cycles() -> None:
     type("Careful", (Calm,), {"recover": takes_time})
 
 
 @pytest.mark.parametrize("answer", [Success("already there"), True, "ready", takes_time()])
-def test_at_its_start_it_refuses_or_says_nothing(answer: Any) -> None:
+def test_start_returns_a_failure_or_none(answer: Any) -> None:
     class Early(Calm):
         def start(self) -> Failure | None:
             return answer  # type: ignore[no-any-return]
@@ -90,7 +92,7 @@ def test_at_its_start_it_refuses_or_says_nothing(answer: Any) -> None:
         (lambda own: own.wait(None), "wait() takes an answer that is on its way, such as camera.capture(), not None"),
     ],
 )
-def test_what_cannot_be_waited_for_is_said_and_nothing_else_breaks(code: Callable[[Any], Any], told: str) -> None:
+def test_a_value_that_cannot_be_awaited_fails_its_run_with_a_message(code: Callable[[Any], Any], told: str) -> None:
     assert told in failure_of(code)
 
 
@@ -109,7 +111,7 @@ def test_a_device_says_what_it_is_commanded_by(device: Callable[[Any], Any], kin
     assert f"it is commanded by a {kind}, not by {command!r}" in told
 
 
-def test_primitives_that_call_each_other_without_end_are_ended_in_words() -> None:
+def test_endlessly_recursive_primitives_are_ended_with_a_reason() -> None:
     class Ping(Calm):
         """Calls pong."""
 

@@ -87,6 +87,6 @@ def test_a_body_prints_as_an_indented_tree() -> None:
 
 
 @pytest.mark.parametrize("times", [0, -1])
-def test_a_retry_that_never_tries_is_refused(times: int) -> None:
+def test_a_retry_with_zero_attempts_is_refused(times: int) -> None:
     with pytest.raises(DescriptionError, match=f"retry: at least once, and a whole number of times, not {times}"):
         Retry(Do.of("grasp"), times)

@@ -12,26 +12,26 @@ WORLD = tiny_world()
 ELSEWHERE = "ball_1 is not in box_b: it is in box_a"
 
 
-def test_only_the_ends_of_the_tree_are_said() -> None:
+def test_a_sentence_contains_only_the_leaves_of_the_reason_tree() -> None:
     verdict = IN_CONTAINER("ball_1", "box_b").evaluate(WORLD)
 
     assert verdict.why == ELSEWHERE
     assert verdict.sentence == f"In(ball_1, box_b): {ELSEWHERE}"
 
 
-def test_a_reason_that_several_parts_have_is_said_once() -> None:
+def test_a_reason_shared_by_several_parts_is_given_once() -> None:
     twice = any_of(IN_CONTAINER("ball_1", "box_b"), all_of(FREE("slot_1"), IN_CONTAINER("ball_1", "box_b")))
 
     assert twice.evaluate(WORLD).why == ELSEWHERE
 
 
-def test_of_a_conjunction_only_what_does_not_hold_is_said() -> None:
+def test_the_reason_of_a_conjunction_contains_only_failed_parts() -> None:
     both = all_of(FREE("slot_1"), IN_CONTAINER("ball_1", "box_b"))
 
     assert both.evaluate(WORLD).why == ELSEWHERE
 
 
-def test_of_a_negated_disjunction_what_does_hold_is_said() -> None:
+def test_the_reason_of_a_negated_disjunction_contains_the_parts_that_hold() -> None:
     pattern = Not(AnyOf((Related("sk:in", "b", "x"), Related("sk:in", "b", "y"))))
 
     verdict = pattern.evaluate(WORLD, {"b": "ball_1", "x": "box_a", "y": "box_b"})
@@ -39,7 +39,7 @@ def test_of_a_negated_disjunction_what_does_hold_is_said() -> None:
     assert verdict.why == "ball_1 in box_a"
 
 
-def test_a_search_in_vain_is_only_told_of_where_nothing_else_explains_it() -> None:
+def test_a_failed_search_is_mentioned_only_without_a_better_reason() -> None:
     vain = Exists("s", "tiny:Slot", Related("sk:in", "b", "s"))
     near = Related("sk:in", "b", "x")
     binding = {"b": "ball_1", "x": "box_b"}
@@ -60,7 +60,7 @@ def test_many_reasons_are_cut_short() -> None:
     assert verdict.sentence == "all: reason 0; reason 1; reason 2; reason 3; reason 4; and 4 more"
 
 
-def test_what_decides_a_disjunction_of_conditions_is_each_of_its_parts() -> None:
+def test_the_reason_of_a_failed_disjunction_contains_all_its_parts() -> None:
     either = any_of(AT_LOCATION("robot_1", "box_a"), HOLDING("gripper_1", "ball_1"))
 
     assert either.evaluate(WORLD).why == (

@@ -58,7 +58,7 @@ def counted(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[str]]:
         yield evaluated
 
 
-def test_a_watch_says_what_is_broken_and_when_it_is_mended() -> None:
+def test_a_watch_reports_when_a_condition_breaks_and_when_it_holds_again() -> None:
     world = tiny_world()
     watch = Watches(world).add([IN_CONTAINER("Ball", "box_a"), EMPTY_HANDED("gripper_1")], {"Ball": "ball_1"})
     assert watch.broken() is None
@@ -74,7 +74,7 @@ def test_a_watch_says_what_is_broken_and_when_it_is_mended() -> None:
     assert watch.broken() is None
 
 
-def test_nothing_is_evaluated_again_before_something_that_was_read_changes(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_watch_evaluates_again_only_after_a_change_of_what_it_read(monkeypatch: pytest.MonkeyPatch) -> None:
     world = tiny_world()
     watch = Watches(world).add([IN_CONTAINER("ball_1", "box_a"), FREE("slot_1"), REACHABLE("box_a")])
     watch.broken()
@@ -93,7 +93,7 @@ def test_nothing_is_evaluated_again_before_something_that_was_read_changes(monke
         assert evaluated == ["Free(slot_1)"], "only the one that read it"
 
 
-def test_a_computed_condition_hears_of_what_its_reasoner_read() -> None:
+def test_a_watch_notices_changes_of_what_a_reasoner_read() -> None:
     world = tiny_world()
     with world.transaction("test", "poses") as tx:
         for thing, x in (("ball_1", 0.0), ("box_a", 0.3)):
@@ -107,7 +107,7 @@ def test_a_computed_condition_hears_of_what_its_reasoner_read() -> None:
     assert watch.broken() is not None
 
 
-def test_an_element_that_goes_is_missed() -> None:
+def test_a_watch_notices_a_removed_element() -> None:
     world = tiny_world()
     watch = Watches(world).add([word(IsA("a", "tiny:Ball"), "ball_1")])
     assert watch.broken() is None
@@ -120,7 +120,7 @@ def test_an_element_that_goes_is_missed() -> None:
     assert broken.lines()[-1].strip() == "there is no ball_1"
 
 
-def test_what_is_taught_of_a_class_is_heard_of() -> None:
+def test_a_watch_notices_values_taught_for_a_class() -> None:
     world = tiny_world()
     watch = Watches(world).add([REACHABLE("slot_1")])
     assert watch.broken() is not None
@@ -142,7 +142,7 @@ class _Said(NoSensors):
         return self.gap if name == "gripper_1.gap" else None
 
 
-def test_sensors_are_asked_each_time_and_nothing_else_is(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_only_sensor_conditions_are_evaluated_each_time(monkeypatch: pytest.MonkeyPatch) -> None:
     world, said = tiny_world(), _Said()
     world.sensors = said
     wide = word(Expression("a.gap > 0.03"), "gripper_1")
@@ -184,7 +184,7 @@ def test_a_closed_watch_leaves_nothing_behind(monkeypatch: pytest.MonkeyPatch) -
     assert watches._readers == {}
 
 
-def test_what_is_written_by_another_thread_while_it_looks_is_not_missed() -> None:
+def test_changes_by_another_thread_during_an_evaluation_are_not_missed() -> None:
     world = tiny_world()
     watch = Watches(world).add([FREE("slot_1"), IN_CONTAINER("ball_1", "box_a")])
     over = threading.Event()
@@ -265,7 +265,7 @@ def apply(world: World, edit: tuple[object, ...]) -> None:
 
 @settings(max_examples=100, deadline=None)
 @given(st.lists(st.tuples(edits, st.lists(st.integers(0, 3), max_size=4)), max_size=15))
-def test_after_any_edits_a_watch_answers_as_if_everything_was_evaluated_afresh(
+def test_after_any_edits_a_watch_answers_like_a_full_evaluation(
     history: list[tuple[tuple[object, ...], list[int]]],
 ) -> None:
     world = tiny_world("scene:ball_2 a tiny:Ball ; sk:in scene:box_a ; tiny:scanned true .")

@@ -186,7 +186,7 @@ def test_a_variable_may_be_called_as_pddl_spells_its_class() -> None:
     assert parse("exists ball: Ball (In(ball, slot_1) and not In(Ball, slot_2))") == (condition,)
 
 
-def test_joining_nothing_is_refused() -> None:
+def test_an_empty_conjunction_or_disjunction_is_refused() -> None:
     with pytest.raises(UsageError, match="'and' joins nothing"):
         parse("(and)")
 

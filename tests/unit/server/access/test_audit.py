@@ -25,7 +25,7 @@ def log(tmp_path: Path) -> Iterator[AuditLog]:
         yield opened
 
 
-def test_entries_are_read_page_by_page_the_youngest_first(log: AuditLog) -> None:
+def test_audit_entries_are_read_page_by_page_from_the_newest(log: AuditLog) -> None:
     for number in range(5):
         log.append(_entry(number))
 
@@ -35,7 +35,7 @@ def test_entries_are_read_page_by_page_the_youngest_first(log: AuditLog) -> None
     assert [entry.path for entry in (*first, *rest)] == [f"/{number}" for number in (4, 3, 2, 1, 0)]
 
 
-def test_what_was_done_is_there_after_the_end(tmp_path: Path) -> None:
+def test_audit_entries_are_stored_when_the_log_is_closed(tmp_path: Path) -> None:
     log = AuditLog(open_access(tmp_path))
     log.start()
     log.append(_entry(1))
@@ -47,7 +47,7 @@ def test_what_was_done_is_there_after_the_end(tmp_path: Path) -> None:
     assert (entry.path, entry.at.timestamp()) == ("/1", 1e9 + 1)
 
 
-def test_its_size_is_bounded(log: AuditLog, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_size_of_the_audit_log_is_bounded(log: AuditLog, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(audit_module, "_KEPT", 10)
     for number in range(2500):
         log.append(_entry(number))
@@ -57,7 +57,7 @@ def test_its_size_is_bounded(log: AuditLog, monkeypatch: pytest.MonkeyPatch) -> 
     assert [entry.path for entry in kept] == [f"/{number}" for number in range(2499, 2489, -1)]
 
 
-def test_what_is_done_besides_is_done_at_the_end_too(tmp_path: Path) -> None:
+def test_additional_work_of_the_writer_is_done_on_closing_too(tmp_path: Path) -> None:
     done = []
     AuditLog(open_access(tmp_path), besides=lambda _database: done.append(True)).close()
 

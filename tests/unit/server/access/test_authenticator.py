@@ -33,7 +33,7 @@ def _refused(authenticator: Authenticator, address: str = "127.0.0.1", **headers
     return caught.value
 
 
-def test_without_keys_this_machine_comes_in_as_it_calls_itself(keys: KeyStore) -> None:
+def test_without_keys_local_callers_have_access_under_the_name_they_give(keys: KeyStore) -> None:
     authenticator = Authenticator(ServerSettings(), keys)
 
     assert _caller(authenticator) == Caller("local", Role.ADMIN)
@@ -41,7 +41,7 @@ def test_without_keys_this_machine_comes_in_as_it_calls_itself(keys: KeyStore) -
     assert _caller(authenticator, x_skiros_user="Jürgen".encode().decode("latin-1")).name == "Jürgen"
 
 
-def test_with_the_first_key_everybody_needs_one(keys: KeyStore) -> None:
+def test_once_a_key_exists_every_caller_needs_one(keys: KeyStore) -> None:
     authenticator = Authenticator(ServerSettings(), keys)
     key, text = keys.create("anna", Role.VIEWER)
 
@@ -61,14 +61,14 @@ def test_with_the_first_key_everybody_needs_one(keys: KeyStore) -> None:
         {"x_api_key": "sk_local_" + "A" * 43},
     ],
 )
-def test_a_wrong_key_is_refused_even_where_none_is_needed(keys: KeyStore, shown: dict[str, str]) -> None:
+def test_a_wrong_key_is_refused_even_if_none_is_needed(keys: KeyStore, shown: dict[str, str]) -> None:
     problem = _refused(Authenticator(ServerSettings(), keys), **shown)
 
     assert problem.status == 401
     assert problem.headers["WWW-Authenticate"].startswith("Bearer")
 
 
-def test_guessing_callers_must_wait_and_callers_with_a_key_need_not(keys: KeyStore) -> None:
+def test_callers_that_guess_keys_must_wait_and_callers_with_a_valid_key_need_not(keys: KeyStore) -> None:
     authenticator = Authenticator(ServerSettings(), keys)
     _, text = keys.create("anna", Role.VIEWER)
 
@@ -79,7 +79,7 @@ def test_guessing_callers_must_wait_and_callers_with_a_key_need_not(keys: KeySto
     assert _caller(authenticator, "192.0.2.1", x_api_key=text).name == "anna"
 
 
-def test_a_network_of_addresses_guesses_as_one(keys: KeyStore) -> None:
+def test_all_addresses_of_a_network_share_the_limit_for_wrong_keys(keys: KeyStore) -> None:
     authenticator = Authenticator(ServerSettings(), keys)
 
     answers = [_refused(authenticator, f"2001:db8::{number:x}", x_api_key="wrong").status for number in range(11)]
@@ -87,7 +87,7 @@ def test_a_network_of_addresses_guesses_as_one(keys: KeyStore) -> None:
     assert answers[-1] == 429
 
 
-def test_a_login_stands_for_its_key_until_either_ends(keys: KeyStore) -> None:
+def test_a_login_is_valid_until_it_or_its_key_ends(keys: KeyStore) -> None:
     authenticator = Authenticator(ServerSettings(), keys)
     key, text = keys.create("anna", Role.VIEWER)
     (_, one), (_, other) = authenticator.login(text, ""), authenticator.login(text, "")
@@ -136,7 +136,7 @@ def test_programs_that_may_read_the_data_directory_are_administrators(keys: KeyS
 
 
 @pytest.mark.parametrize("host", ["0.0.0.0", "::", "192.168.1.5", "robot.example"])
-def test_no_server_that_others_reach_starts_without_a_key(keys: KeyStore, host: str) -> None:
+def test_a_server_reachable_by_others_does_not_start_without_a_key(keys: KeyStore, host: str) -> None:
     settings = ServerSettings(host=host)
     with pytest.raises(UsageError, match="skiros key create"):
         check_access(settings, keys)
@@ -152,6 +152,6 @@ def test_a_server_for_this_machine_starts_without_a_key(keys: KeyStore, host: st
     check_access(ServerSettings(host=host), keys)
 
 
-def test_nobody_serves_others_without_keys_on_purpose() -> None:
+def test_authentication_cannot_be_disabled_for_a_server_reachable_by_others() -> None:
     with pytest.raises(UsageError, match="could move the robots"):
         ServerSettings(host="0.0.0.0", authentication="none")

@@ -121,7 +121,7 @@ async def _beats() -> AsyncIterator[bytes]:
         await asyncio.sleep(0.01)
 
 
-def test_every_answer_has_an_id_and_says_little_to_browsers(door: _Doors) -> None:
+def test_every_response_has_an_id_and_restrictive_browser_headers(door: _Doors) -> None:
     client = door().client
 
     ours, theirs = client.get("/caller"), client.get("/caller", headers={"X-Request-Id": "mes-17"})
@@ -133,11 +133,11 @@ def test_every_answer_has_an_id_and_says_little_to_browsers(door: _Doors) -> Non
 
 
 @pytest.mark.parametrize("text", ["a\x7fb", "x" * 65, "../x", "sk_12345678_" + "a" * 43])
-def test_a_request_id_that_could_spoil_a_log_is_not_taken(door: _Doors, text: str) -> None:
+def test_a_request_id_that_could_corrupt_a_log_is_replaced(door: _Doors, text: str) -> None:
     assert door().client.get("/caller", headers={"X-Request-Id": text}).headers["X-Request-Id"] != text
 
 
-def test_a_name_of_somebody_else_leads_nowhere(door: _Doors) -> None:
+def test_a_request_with_a_foreign_host_name_is_refused(door: _Doors) -> None:
     answer = door().client.get("/caller", headers={"Host": "evil.example"})
 
     assert (answer.status_code, answer.json()["code"]) == (403, "HostRefused")
@@ -146,7 +146,7 @@ def test_a_name_of_somebody_else_leads_nowhere(door: _Doors) -> None:
 @pytest.mark.parametrize(
     "kind", ["text/plain", "application/x-www-form-urlencoded", "multipart/form-data; boundary=x", ""]
 )
-def test_a_form_of_any_page_is_not_taken_for_a_request(door: _Doors, kind: str) -> None:
+def test_a_body_without_a_json_content_type_is_refused(door: _Doors, kind: str) -> None:
     headers = {"Content-Type": kind} if kind else {}
 
     answer = door().client.post("/things", content=b'{"name": "a"}', headers=headers)
@@ -154,7 +154,7 @@ def test_a_form_of_any_page_is_not_taken_for_a_request(door: _Doors, kind: str) 
     assert (answer.status_code, answer.json()["code"]) == (415, "UnsupportedMediaType")
 
 
-def test_a_page_of_somebody_else_changes_nothing(door: _Doors) -> None:
+def test_a_foreign_page_cannot_change_anything(door: _Doors) -> None:
     at = door()
 
     answer = at.client.post("/things", json={"name": "a"}, headers={"Origin": "https://evil.example"})
@@ -163,7 +163,7 @@ def test_a_page_of_somebody_else_changes_nothing(door: _Doors) -> None:
     assert "access-control-allow-origin" not in answer.headers
 
 
-def test_a_page_that_is_allowed_is_answered_and_asked_for_its_key(door: _Doors) -> None:
+def test_an_allowed_page_is_answered_and_needs_a_key(door: _Doors) -> None:
     at = door(allowed_origins=("https://mes.example",))
     page = {"Origin": "https://mes.example"}
     key = at.key(Role.OPERATOR)
@@ -177,7 +177,7 @@ def test_a_page_that_is_allowed_is_answered_and_asked_for_its_key(door: _Doors) 
     assert "access-control-allow-credentials" not in asked.headers
 
 
-def test_a_page_that_is_not_allowed_learns_nothing_by_asking(door: _Doors) -> None:
+def test_a_page_that_is_not_allowed_gets_no_cors_headers(door: _Doors) -> None:
     asked = {"Origin": "https://evil.example", "Access-Control-Request-Method": "POST"}
 
     answer = door().client.options("/things", headers=asked)
@@ -189,9 +189,7 @@ def test_a_page_that_is_not_allowed_learns_nothing_by_asking(door: _Doors) -> No
 @pytest.mark.parametrize(
     "place", ["/caller?api_key={}", "/caller?access_token=x", "/caller?q={}", "/x/{}", "/caller?X-API-Key=a"]
 )
-def test_a_key_in_an_address_is_refused_and_written_down_nowhere(
-    door: _Doors, place: str, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_a_key_in_a_url_is_refused_and_never_logged(door: _Doors, place: str, caplog: pytest.LogCaptureFixture) -> None:
     at = door()
     key = at.key()["X-API-Key"]
 
@@ -204,7 +202,7 @@ def test_a_key_in_an_address_is_refused_and_written_down_nowhere(
     assert not [record for record in caplog.records if key[12:] in record.getMessage() and "skiros" in record.name]
 
 
-def test_addresses_and_headers_have_an_end(door: _Doors) -> None:
+def test_too_long_urls_and_headers_are_refused(door: _Doors) -> None:
     client = door().client
 
     assert client.get("/caller?q=" + "x" * 9000).status_code == 414
@@ -213,7 +211,7 @@ def test_addresses_and_headers_have_an_end(door: _Doors) -> None:
 
 
 @pytest.mark.parametrize("announced", [True, False])
-def test_a_body_that_is_too_long_is_a_problem_document(door: _Doors, announced: bool) -> None:
+def test_a_body_that_is_too_long_is_answered_with_a_problem_document(door: _Doors, announced: bool) -> None:
     body: Any = b"x" * 2000
     client = door(body=1000).client
 
@@ -230,7 +228,7 @@ def test_a_body_that_is_too_long_is_a_problem_document(door: _Doors, announced: 
 @pytest.mark.parametrize(
     "body", [b"[" * 1_000_000, rb'{"name": "\ud800"}', b'{"name": NaN}', rb'{"\udfff": "\u0000"}', b"{", b"\xff"]
 )
-def test_a_body_that_is_not_sound_is_a_problem_document(door: _Doors, body: bytes) -> None:
+def test_an_invalid_body_is_answered_with_a_problem_document(door: _Doors, body: bytes) -> None:
     answer = door().client.post("/things", content=body, headers={"Content-Type": "application/json"})
 
     assert answer.status_code in {400, 422}
@@ -244,7 +242,7 @@ def test_a_fault_in_a_field_is_reported_with_its_place(door: _Doors) -> None:
     assert "at most 10" in problem["detail"]
 
 
-def test_a_caller_over_its_rate_must_wait_but_may_still_stop_everything(door: _Doors) -> None:
+def test_a_caller_over_its_rate_limit_must_wait_but_may_still_stop_everything(door: _Doors) -> None:
     at = door(rate=5)
     operator, other = at.key(Role.OPERATOR), at.key(Role.VIEWER)
 
@@ -256,7 +254,7 @@ def test_a_caller_over_its_rate_must_wait_but_may_still_stop_everything(door: _D
     assert at.client.get("/caller", headers=other).status_code == 200
 
 
-def test_too_much_at_once_is_put_off_but_not_a_stop(door: _Doors) -> None:
+def test_excess_concurrent_requests_must_wait_but_a_stop_need_not(door: _Doors) -> None:
     at = door(requests=0)
 
     busy = at.client.get("/caller")
@@ -277,7 +275,7 @@ def test_an_internal_error_is_answered_without_details_and_logged_with_the_reque
 
 
 @pytest.mark.parametrize(("path", "status", "code"), [("/faulty", 503, "FileFault"), ("/full", 507, "DiskFull")])
-def test_a_file_that_fails_is_told_without_its_place_which_the_log_has(
+def test_a_file_error_is_answered_without_its_path_which_is_logged(
     door: _Doors, caplog: pytest.LogCaptureFixture, path: str, status: int, code: str
 ) -> None:
     answer = door().client.get(path)
@@ -289,7 +287,7 @@ def test_a_file_that_fails_is_told_without_its_place_which_the_log_has(
     assert any("plant/of_anna/jobs.db" in record.getMessage() for record in caplog.records)
 
 
-def test_problems_of_jobs_have_a_return_status_and_others_have_none(door: _Doors) -> None:
+def test_only_problems_of_jobs_have_a_return_status(door: _Doors) -> None:
     client = door().client
 
     assert client.get("/jobs/x").json()["return_status"] == 2
@@ -327,7 +325,7 @@ async def _read_stream(app: Any, key: str, send: Any) -> None:
     await asyncio.wait_for(app(scope, receive, send), 20)
 
 
-def test_who_changed_something_and_who_was_refused_is_written_down(door: _Doors) -> None:
+def test_changes_and_refusals_are_logged_with_their_caller(door: _Doors) -> None:
     at = door()
     operator, viewer = at.key(Role.OPERATOR), at.key(Role.VIEWER)
     at.client.get("/caller", headers=viewer)
@@ -357,15 +355,15 @@ def test_refused_requests_cannot_fill_the_audit_log(door: _Doors) -> None:
     assert _refusals(door(), ["192.0.2.1"] * 100) <= 31
 
 
-def test_nobody_fills_the_audit_log_from_all_the_addresses_of_a_network(door: _Doors) -> None:
+def test_requests_from_many_addresses_of_one_network_cannot_fill_the_audit_log(door: _Doors) -> None:
     assert _refusals(door(), [f"2001:db8::{number:x}" for number in range(100)]) <= 31
 
 
-def test_many_together_do_not_fill_the_audit_log_either(door: _Doors) -> None:
+def test_requests_from_many_networks_cannot_fill_the_audit_log(door: _Doors) -> None:
     assert _refusals(door(), [f"192.0.2.{number}" for number in range(200)] * 2) <= 330
 
 
-def test_a_websocket_is_closed_before_it_is_open(door: _Doors) -> None:
+def test_a_websocket_is_refused_before_it_opens(door: _Doors) -> None:
     sent: list[Any] = []
 
     async def send(message: Any) -> None:

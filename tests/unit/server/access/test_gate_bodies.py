@@ -27,12 +27,12 @@ _SOUND = st.recursive(
 
 
 @given(_SOUND, st.booleans())
-def test_sound_json_passes(value: Any, ascii_only: bool) -> None:
+def test_valid_json_passes_the_check(value: Any, ascii_only: bool) -> None:
     check_json(json.dumps(value, ensure_ascii=ascii_only).encode())
 
 
 @given(st.binary(max_size=200))
-def test_what_is_no_json_is_left_to_whoever_reads_it_or_refused(body: bytes) -> None:
+def test_invalid_json_is_refused_here_or_by_the_parser(body: bytes) -> None:
     with suppress(Problem):
         check_json(body)
 
@@ -60,7 +60,7 @@ def test_what_is_no_json_is_left_to_whoever_reads_it_or_refused(body: bytes) -> 
     ],
     ids=lambda body: repr(body[:20]),
 )
-def test_what_no_part_of_the_platform_takes_is_refused(body: bytes) -> None:
+def test_json_that_no_part_of_the_platform_accepts_is_refused(body: bytes) -> None:
     with pytest.raises(Problem) as caught:
         check_json(body)
 
@@ -83,11 +83,11 @@ def test_what_no_part_of_the_platform_takes_is_refused(body: bytes) -> None:
     ],
     ids=lambda body: repr(body[:20]),
 )
-def test_what_only_looks_like_it_passes(body: bytes) -> None:
+def test_text_that_only_resembles_refused_json_passes(body: bytes) -> None:
     check_json(body)
 
 
-def test_a_text_without_end_is_gone_through_once() -> None:
+def test_a_very_long_unclosed_string_is_scanned_only_once() -> None:
     """Seen as a pattern that starts anew at each quote, this would take hours."""
     with pytest.raises(Problem, match="not closed"):
         check_json(b'["' + b"[" * 100 + b'\\"' * 400_000)

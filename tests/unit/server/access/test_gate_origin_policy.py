@@ -19,7 +19,7 @@ def _origins(**settings) -> OriginPolicy:
 @pytest.mark.parametrize(
     "host", ["127.0.0.1", "127.0.0.1:8000", "localhost:1", "LocalHost", "[::1]:8000", "robot.example:1"]
 )
-def test_names_of_ours_are_taken_whatever_the_port(host: str) -> None:
+def test_own_host_names_are_accepted_with_any_port(host: str) -> None:
     _origins(allowed_hosts=("Robot.example",)).check_host(Headers({"host": host}))
 
 
@@ -35,12 +35,12 @@ def test_names_of_ours_are_taken_whatever_the_port(host: str) -> None:
         "192.168.1.5",
     ],
 )
-def test_other_names_are_refused(host: str) -> None:
+def test_foreign_host_names_are_refused(host: str) -> None:
     with pytest.raises(Problem, match="not called"):
         _origins().check_host(Headers({"host": host}))
 
 
-def test_a_server_at_all_addresses_is_called_by_any_address_and_by_no_name() -> None:
+def test_a_server_on_all_interfaces_accepts_any_ip_address_but_no_host_name() -> None:
     places = _origins(host="0.0.0.0")
     places.check_host(Headers({"host": "192.168.1.5:8000"}))
 
@@ -59,7 +59,7 @@ def test_a_server_at_all_addresses_is_called_by_any_address_and_by_no_name() -> 
         {"origin": _OURS, "sec-fetch-site": "cross-site"},
     ],
 )
-def test_pages_of_others_change_nothing_but_may_ask(said: dict[str, str]) -> None:
+def test_foreign_origins_may_read_but_not_change(said: dict[str, str]) -> None:
     headers = Headers({"host": "127.0.0.1:8000", **said})
 
     with pytest.raises(Problem) as caught:
@@ -70,11 +70,11 @@ def test_pages_of_others_change_nothing_but_may_ask(said: dict[str, str]) -> Non
 
 
 @pytest.mark.parametrize("said", [{}, {"origin": _OURS}, {"origin": _OURS, "sec-fetch-site": "same-origin"}])
-def test_our_own_pages_and_programs_may_change_things(said: dict[str, str]) -> None:
+def test_own_pages_and_programs_may_change_things(said: dict[str, str]) -> None:
     _origins().check_origin("DELETE", "http", Headers({"host": "127.0.0.1:8000", **said}))
 
 
-def test_pages_that_are_allowed_are_told_so_and_others_nothing() -> None:
+def test_only_allowed_origins_get_cors_headers() -> None:
     places = _origins(allowed_origins=("https://mes.example/",))
     theirs = Headers({"host": "127.0.0.1", "origin": "https://mes.example", "sec-fetch-site": "cross-site"})
     places.check_origin("POST", "http", theirs)

@@ -21,14 +21,14 @@ def keys(tmp_path: Path) -> Iterator[KeyStore]:
         yield opened
 
 
-def test_a_key_that_was_made_is_known_again(keys: KeyStore) -> None:
+def test_a_created_key_is_recognised(keys: KeyStore) -> None:
     key, text = keys.create("anna", Role.OPERATOR)
 
     assert key == keys.check(text)
     assert keys.key(key.id) == key
 
 
-def test_the_file_holds_nothing_that_opens_a_door(keys: KeyStore, tmp_path: Path) -> None:
+def test_the_key_file_contains_no_usable_secret(keys: KeyStore, tmp_path: Path) -> None:
     _, text = keys.create("anna", Role.OPERATOR)
 
     content = b"".join(file.read_bytes() for file in tmp_path.iterdir())
@@ -37,26 +37,26 @@ def test_the_file_holds_nothing_that_opens_a_door(keys: KeyStore, tmp_path: Path
     assert text.rpartition("_")[2].encode() not in content
 
 
-def test_only_its_owner_can_read_the_file(keys: KeyStore, tmp_path: Path) -> None:
+def test_only_the_owner_can_read_the_key_file(keys: KeyStore, tmp_path: Path) -> None:
     assert (tmp_path / FILE).stat().st_mode & 0o077 == 0
 
 
 @pytest.mark.parametrize(
     "change", [lambda t: t[:-1], lambda t: t + "a", lambda t: t.upper(), lambda t: "", lambda t: "\ud800"]
 )
-def test_anything_but_the_whole_key_is_none(keys: KeyStore, change) -> None:
+def test_only_the_complete_key_is_valid(keys: KeyStore, change) -> None:
     _, text = keys.create("anna", Role.ADMIN)
 
     assert keys.check(change(text)) is None
 
 
-def test_the_id_of_one_key_with_the_secret_of_another_is_none(keys: KeyStore) -> None:
+def test_the_id_of_one_key_with_the_secret_of_another_is_invalid(keys: KeyStore) -> None:
     (_, one), (_, other) = keys.create("anna", Role.ADMIN), keys.create("bert", Role.VIEWER)
 
     assert keys.check(one[:12] + other[12:]) is None
 
 
-def test_a_revoked_key_is_none_and_being_revoked_twice_changes_nothing(keys: KeyStore) -> None:
+def test_a_revoked_key_is_invalid_and_revoking_it_again_changes_nothing(keys: KeyStore) -> None:
     key, text = keys.create("anna", Role.ADMIN)
 
     first = keys.revoke(key.id)
@@ -85,7 +85,7 @@ def test_a_key_created_by_another_process_is_valid_at_once(keys: KeyStore, tmp_p
     assert keys.check(text) is not None
 
 
-def test_a_key_that_expired_is_none_and_the_door_stays_locked(keys: KeyStore, tmp_path: Path) -> None:
+def test_an_expired_key_is_invalid_and_keys_are_still_needed(keys: KeyStore, tmp_path: Path) -> None:
     key, text = keys.create("anna", Role.ADMIN, time.time() + 100)
     assert keys.check(text) is not None
 
@@ -97,7 +97,7 @@ def test_a_key_that_expired_is_none_and_the_door_stays_locked(keys: KeyStore, tm
     assert keys.needed
 
 
-def test_the_door_stays_locked_when_the_last_key_is_revoked(keys: KeyStore) -> None:
+def test_keys_are_still_needed_after_the_last_key_is_revoked(keys: KeyStore) -> None:
     key, _ = keys.create("anna", Role.ADMIN)
 
     keys.revoke(key.id)
@@ -105,7 +105,7 @@ def test_the_door_stays_locked_when_the_last_key_is_revoked(keys: KeyStore) -> N
     assert keys.needed
 
 
-def test_a_key_is_checked_while_another_is_being_made(keys: KeyStore, tmp_path: Path) -> None:
+def test_a_key_can_be_checked_while_another_is_created(keys: KeyStore, tmp_path: Path) -> None:
     _, text = keys.create("anna", Role.ADMIN)
     with closing(open_access(tmp_path)) as elsewhere, ThreadPoolExecutor(2) as pool:
         with elsewhere.transaction():  # so that whoever makes a key waits
@@ -119,18 +119,18 @@ def test_a_key_is_checked_while_another_is_being_made(keys: KeyStore, tmp_path: 
 
 
 @pytest.mark.parametrize("expires", [0.0, 1e300, float("nan"), float("inf")])
-def test_a_key_that_is_over_before_it_begins_is_not_made(keys: KeyStore, expires: float) -> None:
+def test_a_key_that_expires_in_the_past_is_not_created(keys: KeyStore, expires: float) -> None:
     with pytest.raises(UsageError):
         keys.create("anna", Role.ADMIN, expires)
 
 
 @pytest.mark.parametrize("name", ["", "   ", "a\nb", "a\0", "\ud800", "x" * 101])
-def test_a_key_is_named_after_somebody(keys: KeyStore, name: str) -> None:
+def test_a_key_needs_a_valid_name(keys: KeyStore, name: str) -> None:
     with pytest.raises(UsageError, match="named after"):
         keys.create(name, Role.ADMIN)
 
 
-def test_the_last_administrator_is_not_locked_out_where_others_reach_the_server(keys: KeyStore) -> None:
+def test_the_last_admin_key_of_a_reachable_server_cannot_be_revoked(keys: KeyStore) -> None:
     key, text = keys.create("anna", Role.ADMIN)
     keys.create("line 1", Role.MES)
     with pytest.raises(WrongState, match="make one first"):
@@ -142,7 +142,7 @@ def test_the_last_administrator_is_not_locked_out_where_others_reach_the_server(
     assert keys.revoke(key.id, open_to_others=True).revoked is not None
 
 
-def test_a_key_that_there_is_not_is_told_with_those_that_there_are(keys: KeyStore) -> None:
+def test_an_unknown_key_is_answered_with_the_known_ones(keys: KeyStore) -> None:
     key, _ = keys.create("anna", Role.ADMIN)
 
     with pytest.raises(UnknownName) as caught:
@@ -151,14 +151,14 @@ def test_a_key_that_there_is_not_is_told_with_those_that_there_are(keys: KeyStor
     assert caught.value.known == (key.id,)
 
 
-def test_the_token_of_this_start_is_no_other_starts(keys: KeyStore, tmp_path: Path) -> None:
+def test_the_local_token_is_valid_only_for_this_start(keys: KeyStore, tmp_path: Path) -> None:
     assert keys.is_local(keys.local_token)
     with closing(KeyStore(tmp_path)) as other:
         assert not keys.is_local(other.local_token)
     assert keys.check(keys.local_token) is None
 
 
-def test_uses_are_written_down_later(keys: KeyStore, tmp_path: Path) -> None:
+def test_uses_of_keys_are_stored_later(keys: KeyStore, tmp_path: Path) -> None:
     key, text = keys.create("anna", Role.ADMIN)
     before = time.time()
     keys.check(text)
@@ -171,7 +171,7 @@ def test_uses_are_written_down_later(keys: KeyStore, tmp_path: Path) -> None:
     assert used >= before
 
 
-def test_what_is_shown_of_a_key_opens_nothing(keys: KeyStore) -> None:
+def test_the_displayed_form_of_a_key_gives_no_access(keys: KeyStore) -> None:
     key, text = keys.create("anna", Role.ADMIN)
 
     told = shown(key).model_dump_json()
@@ -180,7 +180,7 @@ def test_what_is_shown_of_a_key_opens_nothing(keys: KeyStore) -> None:
     assert text[-4:] in told
 
 
-def test_keys_are_hidden_in_text_also_when_they_are_cut_off(keys: KeyStore) -> None:
+def test_keys_are_masked_in_text_even_if_truncated(keys: KeyStore) -> None:
     _, text = keys.create("anna", Role.ADMIN)
 
     for told in (f"GET /x?a={text}&b=1", text[:30], text.replace("_", "%5F", 2)):

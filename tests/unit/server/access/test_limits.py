@@ -20,7 +20,7 @@ class _Clock:
         return self.now
 
 
-def test_as_many_permits_as_a_bucket_holds_are_given_and_no_more() -> None:
+def test_a_bucket_grants_exactly_as_many_permits_as_it_holds() -> None:
     rates = Rates(3, 60.0, clock=_Clock())
 
     assert [rates.take("a") for _ in range(5)] == [True, True, True, False, False]
@@ -37,14 +37,14 @@ def test_permits_come_back_as_time_passes() -> None:
     assert not rates.take("a")
 
 
-def test_one_caller_takes_nothing_from_another() -> None:
+def test_permits_of_one_caller_do_not_reduce_those_of_another() -> None:
     rates = Rates(1, 60.0, clock=_Clock())
     rates.take("a")
 
     assert rates.take("b")
 
 
-def test_no_more_is_kept_however_many_come() -> None:
+def test_memory_is_bounded_for_any_number_of_callers() -> None:
     rates = Rates(1, 60.0, people=10, clock=_Clock())
     for number in range(1000):
         rates.take(str(number))
@@ -53,7 +53,7 @@ def test_no_more_is_kept_however_many_come() -> None:
 
 
 @given(st.lists(st.floats(0, 10), min_size=1, max_size=200), st.integers(1, 20))
-def test_never_more_are_given_than_the_bucket_and_what_came_back(pauses: list[float], most: int) -> None:
+def test_never_more_permits_are_granted_than_the_capacity_plus_the_refill(pauses: list[float], most: int) -> None:
     clock = _Clock()
     rates = Rates(most, 10.0, clock=clock)
     given_ = 0
@@ -78,11 +78,11 @@ def test_never_more_are_given_than_the_bucket_and_what_came_back(pauses: list[fl
         ("", "testclient", False),
     ],
 )
-def test_addresses_of_one_stranger_are_told_from_those_of_others(one: str, other: str, same: bool) -> None:
+def test_addresses_are_grouped_by_the_network_of_their_caller(one: str, other: str, same: bool) -> None:
     assert (network_of(one) == network_of(other)) is same
 
 
-def test_slots_are_taken_until_the_end_of_the_block() -> None:
+def test_a_slot_is_released_at_the_end_of_its_block() -> None:
     slots = Slots("requests", 2, 2)
     with slots.take("a"):
         with slots.take("b"), pytest.raises(Problem, match="too many requests"), slots.take("c"):
@@ -103,7 +103,7 @@ def test_a_caller_without_a_slot_is_asked_to_wait() -> None:
     assert (caught.value.status, caught.value.headers["Retry-After"]) == (503, "1")
 
 
-def test_one_caller_takes_no_slots_of_another() -> None:
+def test_one_caller_cannot_use_the_slots_of_another() -> None:
     slots = Slots("logins", 50, 10)
     with ExitStack() as stack:
         for number in range(10):

@@ -151,7 +151,7 @@ def test_a_message_is_a_signed_cloud_event(tmp_path, target):
         Checker(one.secret).verify(body.replace(b"j1", b"j2"), headers)
 
 
-def test_messages_of_one_job_arrive_in_order_though_the_target_fails_now_and_then(tmp_path, target):
+def test_messages_of_one_job_arrive_in_order_even_if_the_target_fails_sometimes(tmp_path, target):
     failing = defaultdict(int)
 
     def now_and_then(handler: BaseHTTPRequestHandler, event: dict) -> None:
@@ -222,7 +222,7 @@ def test_thousands_of_messages_for_a_dead_or_resting_target_delay_no_other(tmp_p
         assert numbers == sorted(set(numbers))
 
 
-def test_of_more_than_may_wait_the_oldest_become_dead_letters_and_the_rest_goes_on(tmp_path, target, monkeypatch):
+def test_when_the_queue_is_full_the_oldest_messages_become_dead_letters(tmp_path, target, monkeypatch):
     monkeypatch.setattr("skiros_py.server.webhooks.store._LETTERBOX", 5)
     jobs = _Jobs()
     for _ in range(8):
@@ -252,7 +252,7 @@ def test_a_redirect_is_not_followed(tmp_path, target):
         inner.close()
 
 
-def test_an_answer_that_never_ends_is_not_read(tmp_path, target):
+def test_an_endless_response_of_a_target_is_not_read(tmp_path, target):
     written = []
 
     def flood(handler: BaseHTTPRequestHandler, _event: dict) -> None:
@@ -274,7 +274,7 @@ def test_an_answer_that_never_ends_is_not_read(tmp_path, target):
         _until(lambda: bool(written) and written[-1] == -1)
 
 
-def test_a_target_that_was_away_gets_everything_when_it_is_back(tmp_path):
+def test_an_unreachable_target_gets_all_messages_when_it_is_back(tmp_path):
     gone = _Target()
     port = gone.port
     gone.close()
@@ -309,7 +309,7 @@ def test_a_message_undelivered_for_a_day_is_a_dead_letter_and_the_next_one_is_se
         _until(_done(store, 2))
 
 
-def test_a_restart_sends_what_was_not_taken_and_nothing_twice_that_was(tmp_path, target):
+def test_a_restart_sends_undelivered_messages_and_repeats_no_delivered_ones(tmp_path, target):
     jobs = _Jobs()
     jobs.announce("j1")
     with _office(tmp_path, jobs) as (store, _):
@@ -323,7 +323,7 @@ def test_a_restart_sends_what_was_not_taken_and_nothing_twice_that_was(tmp_path,
     assert [event["sequence"] for event in target.events] == sorted(e["sequence"] for e in target.events)
 
 
-def test_only_what_was_asked_for_is_told(tmp_path, target):
+def test_a_webhook_receives_only_its_selected_events(tmp_path, target):
     jobs = _Jobs()
     jobs.announce("line-1-a", JobState.RUNNING)
     jobs.announce("line-1-a", JobState.ENDED)
@@ -336,7 +336,7 @@ def test_only_what_was_asked_for_is_told(tmp_path, target):
     assert [event["data"]["number"] for event in target.events] == [2]
 
 
-def test_where_nobody_is_to_be_told_nothing_is_kept_for_it(tmp_path):
+def test_without_webhooks_announcements_are_not_kept(tmp_path):
     jobs = _Jobs()
     for _ in range(3):
         jobs.announce("j1")
@@ -356,7 +356,7 @@ def test_a_resting_webhook_receives_missed_messages_later(tmp_path, target):
         _until(_done(store, 1))
 
 
-def test_where_nothing_is_allowed_any_more_nothing_is_sent(tmp_path, target):
+def test_without_allowed_hosts_nothing_is_sent(tmp_path, target):
     jobs = _Jobs()
     jobs.announce("j1")
     with _office(tmp_path, jobs, allowed=()) as (store, _):
@@ -365,14 +365,14 @@ def test_where_nothing_is_allowed_any_more_nothing_is_sent(tmp_path, target):
     assert not target.got
 
 
-def test_secrets_are_for_the_owner_of_the_file_only(tmp_path):
+def test_webhook_secrets_are_readable_only_by_the_owner_of_the_file(tmp_path):
     store = WebhookStore(tmp_path / "webhooks.db", "urn:test")
     store.close()
     assert (tmp_path / "webhooks.db").stat().st_mode & 0o077 == 0
     assert DeliveryState("dead") is DeliveryState.DEAD
 
 
-def test_pages_of_messages_of_several_webhooks_leave_none_out_and_show_none_twice(tmp_path):
+def test_pages_of_messages_of_several_webhooks_are_complete_and_without_repeats(tmp_path):
     store = WebhookStore(tmp_path / "webhooks.db", "urn:test")
     for name in ("wh_1", "wh_2", "wh_3"):
         _subscribe(store, "http://127.0.0.1:1/", name)

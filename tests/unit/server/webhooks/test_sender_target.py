@@ -34,12 +34,12 @@ def test_a_host_is_allowed_by_name_and_by_name_with_port(allowed):
         "\x00",
     ],
 )
-def test_anything_else_is_refused_in_words(url):
+def test_a_host_that_is_not_allowed_is_refused_with_a_message(url):
     with pytest.raises(UsageError, match=r"url: "):
         target_of(url, ["mes.example"])
 
 
-def test_where_nothing_is_allowed_the_text_says_which_option_allows_it():
+def test_without_allowed_hosts_the_message_names_the_option_that_allows_them():
     with pytest.raises(UsageError, match=r"--webhook-host mes\.example:443"):
         target_of("https://mes.example/", [])
 
@@ -47,7 +47,7 @@ def test_where_nothing_is_allowed_the_text_says_which_option_allows_it():
 @pytest.mark.parametrize(
     "address", ["169.254.169.254", "0.0.0.0", "224.0.0.1", "240.0.0.1", "fe80::1", "::ffff:169.254.169.254"]
 )
-def test_addresses_that_are_no_factory_system_are_refused_even_where_their_host_is_allowed(address, monkeypatch):
+def test_addresses_that_cannot_be_a_factory_system_are_refused_even_if_their_host_is_allowed(address, monkeypatch):
     monkeypatch.setattr(
         socket, "getaddrinfo", lambda *_a, **_k: [(socket.AF_INET, socket.SOCK_STREAM, 6, "", (address, 443))]
     )

@@ -58,7 +58,7 @@ def lacking(skill: SkillDescription, view: WorldView, agent: str | None = None, 
     return answer
 
 
-def test_everything_a_pick_needs_is_found_from_the_arm_that_does_it() -> None:
+def test_all_parameters_of_a_pick_are_inferred_from_its_arm() -> None:
     assert inferred(PICK, at_box_a(), "arm_1").lines() == [
         "Arm = arm_1: it does it",
         "Gripper = gripper_1: the only one that fits",
@@ -68,14 +68,14 @@ def test_everything_a_pick_needs_is_found_from_the_arm_that_does_it() -> None:
     ]
 
 
-def test_what_is_given_stays_and_the_rest_goes_with_it() -> None:
+def test_given_parameters_are_kept_and_the_others_are_inferred_to_match() -> None:
     answer = inferred(PICK, at_box_a(), "arm_1", Ball="ball_3", Box=None)
 
     assert answer.values["Ball"] == "ball_3"
     assert "Ball" not in answer.reasons
 
 
-def test_with_several_robots_the_parts_of_the_one_that_does_it_are_taken() -> None:
+def test_with_several_robots_devices_of_the_executing_robot_are_inferred() -> None:
     world = world_at("box_a", robots=2)
 
     assert dict(inferred(HOLD_STILL, world, "arm_2").values) == {
@@ -96,7 +96,7 @@ HOLD_STILL = SkillDescription(
 )
 
 
-def test_nothing_is_remembered_from_one_start_to_the_next() -> None:
+def test_inference_starts_without_values_of_previous_runs() -> None:
     world = world_at("box_a")
     first = inferred(PICK, world, "arm_1").values["Ball"]
     with world.transaction("test", "moves") as tx:
@@ -105,7 +105,7 @@ def test_nothing_is_remembered_from_one_start_to_the_next() -> None:
     assert (first, inferred(PICK, world, "arm_1").values["Ball"]) == ("ball_1", "red_ball_1")
 
 
-def test_of_several_the_preferred_one_is_taken() -> None:
+def test_of_several_candidates_the_preferred_one_is_chosen() -> None:
     world = world_at("box_a", MORE_BALLS, "scene:ball_3 sk:mass 0.5 .")
     skill = with_param(PICK, "Ball", prefer=(Related(IN, "it", "Robot"), Has(MASS, "it")))
 
@@ -115,7 +115,7 @@ def test_of_several_the_preferred_one_is_taken() -> None:
     assert answer.reasons["Ball"] == "of 3 that fit, preferred: ball_3 has a mass"
 
 
-def test_the_first_preference_that_anything_fulfils_counts() -> None:
+def test_the_first_fulfilled_preference_decides() -> None:
     world = world_at("box_a", MORE_BALLS, "scene:red_ball_2 a tiny:RedBall ; sk:in scene:box_a .")
     skill = with_param(PICK, "Ball", prefer=(Has(MASS, "it"), Not(Computed("sk:near", "it", "Robot", _is_first))))
 
@@ -126,7 +126,7 @@ def _is_first(view: WorldView, subject: str, object_: str) -> Any:
     return Verdict(subject == "ball_1", f"{subject} is first of {object_}")
 
 
-def test_of_those_preferred_alike_the_cheapest_is_taken() -> None:
+def test_of_equally_preferred_candidates_the_cheapest_is_chosen() -> None:
     masses = "scene:ball_1 sk:mass 0.5 . scene:ball_2 sk:mass 0.2 . "
     world = world_at("box_a", MORE_BALLS, masses)
     by_property = inferred(with_param(PICK, "Ball", cost=MASS), world, "arm_1")
@@ -137,14 +137,14 @@ def test_of_those_preferred_alike_the_cheapest_is_taken() -> None:
     assert by_function.reasons["Ball"] == "of 3 that fit, the first by id"
 
 
-def test_what_is_preferred_counts_before_what_is_cheap() -> None:
+def test_preferences_take_precedence_over_costs() -> None:
     world = world_at("box_a", MORE_BALLS, "scene:ball_3 sk:mass 0.5 .")
     skill = with_param(PICK, "Ball", prefer=Has(MASS, "it"), cost=lambda view, ball: float(ball[-1]))
 
     assert inferred(skill, world, "arm_1").values["Ball"] == "ball_3"
 
 
-def test_what_is_related_but_of_another_class_is_not_taken() -> None:
+def test_related_elements_of_another_class_are_not_chosen() -> None:
     world = tiny_world("scene:ball_0 a tiny:Ball ; sk:in scene:a_slot . scene:a_slot a tiny:Slot ; sk:on scene:floor .")
     skill = replace(PICK, pre=(IN_CONTAINER("Ball", "Box"),))
 
@@ -152,7 +152,7 @@ def test_what_is_related_but_of_another_class_is_not_taken() -> None:
     assert isinstance(infer(skill, {"Ball": "ball_0"}, world, "arm_1"), Missing)
 
 
-def test_a_computed_relation_of_an_element_with_itself_is_asked_too() -> None:
+def test_a_computed_relation_of_an_element_with_itself_is_evaluated() -> None:
     same = Computed("sk:near", "it", "Other", lambda view, a, b: Verdict(a == b, "the same"))
     other = replace(PICK, pre=(), params=(*PICK.params, Param("Other", "tiny:Ball", "A ball.")))
     skill = with_param(other, "Ball", where=same)
@@ -160,7 +160,7 @@ def test_a_computed_relation_of_an_element_with_itself_is_asked_too() -> None:
     assert inferred(skill, at_box_a(), "arm_1", Other="ball_2").values["Ball"] == "ball_2"
 
 
-def test_a_preference_of_one_parameter_decides_what_goes_with_it() -> None:
+def test_a_preference_on_one_parameter_also_determines_dependent_parameters() -> None:
     world = tiny_world("scene:red_ball_1 sk:mass 0.5 .")
     skill = with_param(replace(PICK, pre=(IN_CONTAINER("Ball", "Box"),)), "Ball", prefer=Has(MASS, "it"))
 
@@ -178,7 +178,7 @@ def test_a_broken_cost_function_is_the_authors_fault() -> None:
 
 
 @pytest.mark.parametrize("nonsense", [None, "cheap", float("nan"), True])
-def test_a_cost_that_is_no_number_is_the_highest(nonsense: Any) -> None:
+def test_a_cost_that_is_not_a_number_counts_as_the_highest(nonsense: Any) -> None:
     skill = with_param(PICK, "Ball", cost=lambda view, ball: 5.0 if ball == "ball_2" else nonsense)
 
     assert inferred(skill, at_box_a(), "arm_1").values["Ball"] == "ball_2"
@@ -196,7 +196,7 @@ def test_one_candidate_for_a_unique_parameter_is_taken() -> None:
     assert inferred(with_param(PICK, "Box", unique=True), at_box_a(), "arm_1").values["Box"] == "box_a"
 
 
-def test_a_partial_description_narrows_down_what_is_taken() -> None:
+def test_a_partial_description_restricts_the_candidates() -> None:
     world = world_at("box_b")
     skill = replace(
         PICK,
@@ -219,7 +219,7 @@ def test_a_partial_description_narrows_down_what_is_taken() -> None:
         (Computed("sk:fitsIn", "it", "Box", lambda view, a, b: _is_first(view, a, b)), "ball_1"),
     ],
 )
-def test_patterns_that_generate_nothing_test(pattern: Pattern, ball: str) -> None:
+def test_patterns_that_generate_no_candidates_filter_them(pattern: Pattern, ball: str) -> None:
     world = world_at("box_a", "scene:ball_2 a tiny:Ball ; sk:in scene:slot_1 .")
     skill = with_param(replace(PICK, pre=(AT_LOCATION("Robot", "Box"),)), "Ball", where=pattern)
 
@@ -237,7 +237,7 @@ def test_a_disjunction_leads_to_candidates_on_both_sides() -> None:
     assert answer.reasons["Ball"] == "of 2 that fit, the first by id"
 
 
-def test_where_one_need_fails_the_only_candidate_is_set_so_that_the_check_can_name_it() -> None:
+def test_a_single_unsuitable_candidate_is_chosen_so_that_the_check_can_name_it() -> None:
     world = world_at("box_a")
     with world.transaction("test", "holds") as tx:
         tx.place("red_ball_1", "sk:heldBy", "gripper_1")
@@ -250,7 +250,7 @@ def test_where_one_need_fails_the_only_candidate_is_set_so_that_the_check_can_na
     assert not EMPTY_HANDED("Gripper").evaluate(world, answer.values)
 
 
-def test_where_no_candidate_will_do_the_best_one_says_why() -> None:
+def test_if_no_candidate_is_suitable_the_best_one_gives_the_reason() -> None:
     answer = lacking(PLACE, at_box_a(), "arm_1", Slot="slot_1")
 
     assert answer.keys == ("Ball",)
@@ -261,7 +261,7 @@ def test_where_no_candidate_will_do_the_best_one_says_why() -> None:
     ]
 
 
-def test_where_there_is_none_of_the_class_that_is_said_and_the_rest_is_found() -> None:
+def test_a_class_without_elements_is_reported_and_the_other_parameters_are_inferred() -> None:
     skill = with_param(PICK, "Ball", type="tiny:Giant")
 
     answer = lacking(skill, at_box_a(), "arm_1")
@@ -288,7 +288,7 @@ def test_several_missing_parameters_are_all_named_in_order() -> None:
     assert str(answer).startswith("parameters Ball, Speed not specified: ")
 
 
-def test_an_optional_parameter_stays_open_and_what_speaks_of_it_is_not_asked() -> None:
+def test_an_optional_parameter_stays_open_and_its_conditions_are_not_evaluated() -> None:
     skill = with_param(PICK, "Box", kind=Kind.OPTIONAL)
 
     answer = inferred(skill, at_box_a(), "arm_1")
@@ -308,14 +308,14 @@ def test_a_preference_about_an_optional_parameter_left_open_does_not_count() -> 
     assert inferred(skill, at_box_a(), "arm_1").values["Ball"] == "ball_1"
 
 
-def test_a_default_is_a_value_like_a_given_one() -> None:
+def test_a_default_is_treated_like_a_given_value() -> None:
     skill = with_param(PICK, "Box", kind=Kind.OFFLINE, default="box_b")
 
     assert inferred(skill, at_box_a(), "arm_1", Box="box_a").values["Ball"] == "ball_1"
     assert inferred(skill, world_at("box_b"), "arm_1").values["Ball"] == "red_ball_1"
 
 
-def test_learned_things_are_not_taken_for_things_that_are_there() -> None:
+def test_learned_concepts_are_not_candidates() -> None:
     from skiros_py.world.branches import learn
 
     world = world_at("box_a")
@@ -326,14 +326,14 @@ def test_learned_things_are_not_taken_for_things_that_are_there() -> None:
     assert inferred(PICK, world, "arm_1").values["Ball"] == "ball_1"
 
 
-def test_a_word_that_nobody_declares_is_an_error_not_an_empty_answer() -> None:
+def test_an_undeclared_term_is_an_error_and_not_an_empty_answer() -> None:
     skill = with_param(PICK, "Ball", where=Related("sk:under", "it", "Box"))
 
     with pytest.raises(UnknownName, match="sk:under"):
         infer(skill, {}, at_box_a(), "arm_1")
 
 
-def test_what_is_not_connected_is_searched_apart() -> None:
+def test_unconnected_parameters_are_searched_separately() -> None:
     balls = " ".join(f"scene:ball_{n} a tiny:Ball ; sk:in scene:box_a ." for n in range(2, 400))
     skill = replace(
         PICK,

@@ -155,7 +155,7 @@ def test_the_best_of_all_combinations_is_found(world: WorldView, skill: SkillDes
 
 @settings(max_examples=100, deadline=None)
 @given(world=worlds(), skill=skills())
-def test_where_nothing_fits_no_answer_passes_for_one_that_does(world: WorldView, skill: SkillDescription) -> None:
+def test_without_a_solution_no_answer_fulfils_all_conditions(world: WorldView, skill: SkillDescription) -> None:
     expected = naive(skill, {}, world)
 
     answer = infer(skill, {}, world)

@@ -130,14 +130,14 @@ def test_the_tiny_words_keep_all_rules(type_: ConditionType) -> None:
     ],
     ids=lambda value: type(value).__name__ if not isinstance(value, str) else "",
 )
-def test_an_unknown_word_is_named_with_the_one_it_is_like(pattern: Pattern, said: str) -> None:
+def test_an_unknown_term_is_reported_with_the_most_similar_one(pattern: Pattern, said: str) -> None:
     (finding,) = findings(word(pattern))
 
     assert finding.rule == "unknown-word"
     assert said in finding.text
 
 
-def test_words_are_looked_up_in_partial_descriptions_requirements_and_bodies() -> None:
+def test_terms_are_checked_in_partial_descriptions_requirements_and_bodies() -> None:
     where = Param("Spot", "tiny:Box", "A box.", where=Nothing("sk:inn", "it"))
     skill = Skill(
         replace(DRIVE, params=(*DRIVE.params, where)), ForEach("x", "tiny:Boxx", Do.of("wave")), requires=("sk:Wing",)
@@ -171,7 +171,7 @@ def test_words_are_looked_up_in_partial_descriptions_requirements_and_bodies() -
     ],
     ids=_named,
 )
-def test_what_no_element_can_be_is_found_wherever_it_stands(pattern: Pattern) -> None:
+def test_an_impossible_class_is_found_in_any_pattern(pattern: Pattern) -> None:
     assert broken(word(pattern)) == {"wrong-range"}
 
 
@@ -188,11 +188,11 @@ def test_what_no_element_can_be_is_found_wherever_it_stands(pattern: Pattern) ->
     ],
     ids=_named,
 )
-def test_what_some_element_can_be_is_left_alone(pattern: Pattern) -> None:
+def test_a_possible_class_is_not_reported(pattern: Pattern) -> None:
     assert broken(word(pattern)) == set()
 
 
-def test_a_class_above_the_one_asked_for_is_left_alone() -> None:
+def test_a_superclass_of_the_required_class_is_not_reported() -> None:
     assert broken(word(Related("sk:at", "a", "b"), a="sk:SpatialThing", b="sk:Element")) == set()
 
 
@@ -200,7 +200,7 @@ def test_a_class_with_a_second_parent_may_be_both() -> None:
     assert broken(word(Related("sk:at", "a", "b"), b="sk:Furniture")) == set()  # a bench is a box, too
 
 
-def test_an_argument_that_can_never_fill_its_role_is_named() -> None:
+def test_an_argument_that_never_fits_its_role_is_reported() -> None:
     (finding,) = findings(replace(DRIVE, pre=(IN_CONTAINER("Robot", "Location"),)))
 
     assert finding.rule == "wrong-range"
@@ -216,7 +216,7 @@ def test_an_argument_that_can_never_fill_its_role_is_named() -> None:
         (ForEach("ball", "tiny:Ball", Do.of("pick", Box=P("ball"))), "'pick' takes a tiny:Box as Box, and ball is"),
     ],
 )
-def test_a_parameter_passed_as_what_it_can_never_be_is_named(body: Behaviour, said: str) -> None:
+def test_a_parameter_passed_with_an_impossible_class_is_reported(body: Behaviour, said: str) -> None:
     fast = replace(DRIVE, params=(*DRIVE.params, Param("Speed", "number", "How fast.", unit="m/s")))
 
     found = [f for f in findings(Skill(fast, body)) if f.rule == "wrong-range"]
@@ -263,7 +263,7 @@ class Weigh(Wave):
     outputs: ClassVar[tuple[Output, ...]] = (Output("mass", "number", "What it weighs.", "kg"),)
 
 
-def test_a_value_is_written_only_of_an_output_that_the_primitive_declares() -> None:
+def test_a_value_is_read_only_from_a_declared_output_of_the_primitive() -> None:
     there = Known(tiny_ontology(), {"weigh": Weigh}, SKILLS, REASONERS)
 
     def found(call: Do) -> list[tuple[str, str]]:
@@ -276,7 +276,7 @@ def test_a_value_is_written_only_of_an_output_that_the_primitive_declares() -> N
     assert [rule for rule, _ in found(Do.of("drive", mass=Out("known")))] == ["unknown-module"]
 
 
-def test_an_output_says_what_it_means_and_in_which_unit() -> None:
+def test_an_output_needs_a_description_and_a_unit() -> None:
     bad = type("Bad", (Weigh,), {"__doc__": "Weighs.", "outputs": (Output("mass", "number", ""),)})
 
     assert broken(Weigh) == set()
@@ -288,12 +288,12 @@ def of_call(call: Do) -> list[tuple[str, str]]:
     return [(f.rule, f.text) for f in check(pretend(PICK, call), there, rules=RULES.values())]
 
 
-def test_what_a_run_finds_by_itself_may_be_left_out_of_a_call_of_a_primitive() -> None:
+def test_inferable_parameters_may_be_omitted_in_a_call_of_a_primitive() -> None:
     assert of_call(Do.of("squeeze", force=3.0)) == []
     assert of_call(Do.of("squeeze")) == [("missing-argument", "primitive 'squeeze' needs force")]
 
 
-def test_what_is_fixed_when_a_module_is_loaded_cannot_be_passed() -> None:
+def test_parameters_fixed_at_loading_cannot_be_passed() -> None:
     ((rule, text),) = of_call(Do.of("squeeze", force=3.0, rate=2.0))
 
     assert (rule, text) == (
@@ -303,24 +303,24 @@ def test_what_is_fixed_when_a_module_is_loaded_cannot_be_passed() -> None:
 
 
 @pytest.mark.parametrize("driver", [None, "pybullet"])
-def test_a_skill_that_is_not_for_fakes_must_not_pretend_wherever_it_does(driver: str | None) -> None:
+def test_a_skill_for_real_robots_must_not_assert_unsensed_effects_anywhere(driver: str | None) -> None:
     (problem,) = problems_of(Skill(DRIVE, Fallback.of(AssertEffects()), driver=driver), tiny_ontology(), {})
 
     assert "only skills for driver 'fake' may" in problem
     assert problems_of(Skill(DRIVE, Do.of("drive"), finish=AssertEffects()), tiny_ontology(), {}, skills=SKILLS)
 
 
-def test_a_misspelt_parameter_of_a_module_is_named_with_the_one_it_is_like() -> None:
+def test_a_misspelt_parameter_of_a_module_is_reported_with_the_most_similar_one() -> None:
     texts = [f.text for f in findings(Skill(DRIVE, Do.of("pick", Bal=P("Location"))))]
 
     assert texts == ["skill 'pick' has no parameter Bal; did you mean Ball?"]
 
 
-def test_what_is_asserted_and_is_no_postcondition_is_found() -> None:
+def test_an_asserted_effect_that_is_not_a_postcondition_is_found() -> None:
     assert broken(pretend(DRIVE, AssertEffects(1.0, ("nothing",)))) == {"missing-parameter"}
 
 
-def test_a_loop_has_a_name_of_its_own() -> None:
+def test_a_loop_variable_needs_a_distinct_name() -> None:
     query = AllOf((Related("sk:on", "x", "Location"), Not(Related("sk:at", "Robot", "x"))))
 
     assert of_body(ForEach("x", "tiny:Box", Do.of("pick", Box=P("x")), query)) == set()
@@ -343,18 +343,18 @@ def needs(*pre: Condition, skill: Skill | None = None) -> set[str]:
     return broken(description, skills=[pretend(description), *([skill] if skill else [])])
 
 
-def test_things_are_in_one_place() -> None:
+def test_preconditions_that_place_one_thing_twice_are_found() -> None:
     assert needs(HOLDING("Gripper", "Ball"), IN_CONTAINER("Ball", "Slot")) == {"unreachable-precondition"}
     assert needs(HOLDING("Gripper", "Ball"), ~IN_CONTAINER("Ball", "Slot")) == set()
     assert needs(any_of(HOLDING("Gripper", "Ball"), CONDITIONS["Free"]("Slot")), IN_CONTAINER("Ball", "Slot")) == set()
 
 
-def test_nothing_and_something_exclude_each_other() -> None:
+def test_preconditions_that_want_a_place_empty_and_filled_are_found() -> None:
     assert needs(CONDITIONS["Free"]("Slot"), IN_CONTAINER("Ball", "Slot")) == {"unreachable-precondition"}
     assert needs(CONDITIONS["Free"]("Slot"), ~CONDITIONS["Free"]("Slot")) == {"unreachable-precondition"}
 
 
-def test_what_skills_only_ever_end_is_found_and_what_one_brings_back_is_not() -> None:
+def test_relations_that_skills_only_remove_are_found_unless_one_restores_them() -> None:
     knows = ConditionType(
         "Knows", (Role("a", "sk:Robot"), Role("b", "sk:Location")), Related("tiny:knows", "a", "b"), "Knows it."
     )
@@ -367,7 +367,7 @@ def test_what_skills_only_ever_end_is_found_and_what_one_brings_back_is_not() ->
     assert broken(use, skills=[forget, learn]) == set()
 
 
-def test_values_that_skills_only_ever_take_away_are_found() -> None:
+def test_values_that_skills_only_remove_are_found() -> None:
     def lost(value: bool) -> ConditionType:
         return ConditionType("Is", (Role("b", "sk:Location"),), Compare("sk:missing", "=", "b", value), "Is it?")
 
@@ -393,24 +393,24 @@ def test_values_that_skills_only_ever_take_away_are_found() -> None:
         (Parallel.of(Do.of("drive"), Do.of("wave", arm="x"), policy=Policy.FIRST_SUCCESS), False),
     ],
 )
-def test_only_a_skill_that_cannot_do_without_itself_is_endless(body: Behaviour, is_endless: bool) -> None:
+def test_only_a_skill_that_must_call_itself_is_reported_as_recursive(body: Behaviour, is_endless: bool) -> None:
     assert ("recursive-skill" in of_body(body)) is is_endless
 
 
-def test_skills_that_call_each_other_in_a_ring_are_endless() -> None:
+def test_skills_that_call_each_other_in_a_cycle_are_reported_as_recursive() -> None:
     there, back = Skill(DRIVE, Do.of("back")), Skill(replace(DRIVE, name="back"), Do.of("drive"))
 
     assert broken(there, back, skills=[there, back]) == {"recursive-skill"}
 
 
-def test_a_ring_with_a_way_out_in_another_implementation_ends() -> None:
+def test_a_call_cycle_with_a_terminating_implementation_is_accepted() -> None:
     there, back = Skill(DRIVE, Do.of("back")), Skill(replace(DRIVE, name="back"), Do.of("drive"))
     direct = Skill(DRIVE, Do.of("wave", arm="x"), label="direct")
 
     assert broken(there, back, direct, skills=[there, back, direct]) == set()
 
 
-def test_parallel_branches_may_take_different_devices() -> None:
+def test_parallel_branches_may_claim_different_devices() -> None:
     arms = (Param("Left", "sk:Arm", "One.", Kind.HARDWARE), Param("Right", "sk:Arm", "Other.", Kind.HARDWARE))
     two = replace(DRIVE, params=(*DRIVE.params, *arms))
     waving = [Do.of("wave", arm=P(key)) for key in ("Left", "Right", "Left")]
@@ -432,7 +432,7 @@ def test_parallel_branches_may_take_different_devices() -> None:
         ((Do.of("wave", arm="arm_1"), Do.of("wave", arm="arm_2")), ""),
     ],
 )
-def test_devices_that_are_left_out_are_the_robots_own(branches: tuple[Behaviour, ...], said: str) -> None:
+def test_omitted_devices_are_those_of_the_robot(branches: tuple[Behaviour, ...], said: str) -> None:
     texts = [f.text for f in findings(pretend(replace(DRIVE, name="roam"), Parallel.of(*branches)))]
 
     assert [f"both take {said} exclusively:" in text for text in texts] == [True] * bool(said)
@@ -446,7 +446,7 @@ def test_devices_that_are_left_out_are_the_robots_own(branches: tuple[Behaviour,
         (Access.READ, Access.EXCLUSIVE, False),
     ],
 )
-def test_parallel_branches_may_take_one_device_where_both_share_it_or_one_only_reads(
+def test_parallel_branches_may_use_one_device_if_both_share_it_or_one_only_reads(
     one: Access, other: Access, refused: bool
 ) -> None:
     def waving(access: Access) -> type[Wave]:
@@ -494,7 +494,7 @@ def source(text: str, *, primitives: bool = True, **names: Any) -> Source:
         ("def f(self):\n    try:\n        yield\n    except BaseException:\n        yield\n        raise\n", 5),
     ],
 )
-def test_motion_is_found_where_a_primitive_must_only_let_go(text: str, line: int) -> None:
+def test_motion_in_the_cleanup_of_a_primitive_is_found(text: str, line: int) -> None:
     (finding,) = findings(source(text))
 
     assert finding.rule == "motion-in-finally"
@@ -510,7 +510,7 @@ def test_motion_is_found_where_a_primitive_must_only_let_go(text: str, line: int
         "def f(self):\n    try:\n        pass\n    finally:\n        self.calls.clear()\n",
     ],
 )
-def test_letting_go_is_left_alone(text: str) -> None:
+def test_releasing_things_in_the_cleanup_of_a_primitive_is_accepted(text: str) -> None:
     assert broken(source(text)) == set()
 
 
@@ -526,11 +526,11 @@ def test_letting_go_is_left_alone(text: str) -> None:
         "answer = input()\n",
     ],
 )
-def test_calls_that_wait_are_found_however_they_are_imported(text: str) -> None:
+def test_blocking_calls_are_found_however_they_are_imported(text: str) -> None:
     assert broken(source(text)) == {"blocking-call"}
 
 
-def test_calls_that_wait_are_left_alone_outside_primitives_and_where_allowed() -> None:
+def test_blocking_calls_are_accepted_outside_primitives_and_where_allowed() -> None:
     text = "import time\ntime.sleep(1)  # skiros: allow blocking-call\nclock.sleep(1)\ntime.time()\n"
 
     assert broken(source("import time\ntime.sleep(1)\n", primitives=False)) == set()
@@ -553,7 +553,7 @@ def test_calls_that_wait_are_left_alone_outside_primitives_and_where_allowed() -
         ("from .execution import x\n", False),
     ],
 )
-def test_imports_of_the_inside_are_found(text: str, is_private: bool) -> None:
+def test_imports_of_internal_modules_are_found(text: str, is_private: bool) -> None:
     assert broken(source(text)) == ({"private-import"} if is_private else set())
 
 
@@ -567,14 +567,14 @@ def test_imports_of_the_inside_are_found(text: str, is_private: bool) -> None:
         ("view.related(box, 'sk:hasA', part)\n", False),
     ],
 )
-def test_code_that_rebuilds_things_is_found(text: str, is_found: bool) -> None:
+def test_code_that_moves_things_by_structural_relations_is_found(text: str, is_found: bool) -> None:
     class Words:
         HAS_A = "sk:hasA"
 
     assert broken(source(text, HAS_A="sk:hasA", words=Words)) == ({"moves-by-structure"} if is_found else set())
 
 
-def test_execute_may_hand_on_the_generator_of_another_method() -> None:
+def test_execute_may_return_the_generator_of_another_method() -> None:
     class Handing(Wave):
         """Hands on."""
 
@@ -588,14 +588,14 @@ def test_execute_may_hand_on_the_generator_of_another_method() -> None:
     assert broken(Handing) == set()
 
 
-def test_a_docstring_that_a_dataclass_wrote_or_a_base_class_has_explains_nothing() -> None:
+def test_generated_and_inherited_docstrings_do_not_count_as_documentation() -> None:
     class Silent(Wave):
         pass
 
     assert broken(Silent) == {"missing-help"}
 
 
-def test_what_breaks_while_it_is_looked_at_is_a_finding() -> None:
+def test_an_object_that_raises_during_inspection_is_a_finding() -> None:
     class Odd:
         def rename(self, names: object) -> Pattern:
             raise RuntimeError("not today")
@@ -627,7 +627,7 @@ STORED = sorted(r.curie for r in EACH.ontology.relations.values() if r.family is
 
 @given(st.sampled_from(STORED), st.sampled_from(CLASSES), st.sampled_from(CLASSES))
 @settings(max_examples=200, deadline=None)
-def test_a_range_is_wrong_exactly_where_the_world_refuses_all_elements_of_the_classes(
+def test_a_range_is_reported_exactly_if_the_world_refuses_all_elements_of_the_classes(
     relation: str, subject: str, object_: str
 ) -> None:
     index, ontology = EACH.snapshot(), EACH.ontology
@@ -646,7 +646,7 @@ def test_a_range_is_wrong_exactly_where_the_world_refuses_all_elements_of_the_cl
     assert (found == []) is allowed
 
 
-def test_for_a_skill_that_shares_no_device_no_kind_of_device_is_looked_up(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_device_kinds_are_looked_up_only_for_skills_that_share_devices(monkeypatch: pytest.MonkeyPatch) -> None:
     looked_up: list[str] = []
     monkeypatch.setattr("skiros_py.skills.lint.rules.devices.load_device_kinds", lambda: looked_up.append("kinds"))
 

@@ -127,7 +127,7 @@ def test_a_field_with_a_default_is_offline_unless_its_kind_is_said() -> None:
     assert [p.kind for p in params_of(_Short)] == [Kind.ONLINE, Kind.OFFLINE]
 
 
-def test_what_a_parameter_is_described_as_is_needed_before_the_preconditions() -> None:
+def test_parameter_descriptions_are_checked_before_the_preconditions() -> None:
     box = Param("Box", "tiny:Box", "Where it lies.", where=(EMPTY, Related(IN, "Ball", "it")))
     skill = replace(PICK, params=tuple(box if p.key == "Box" else p for p in PICK.params))
 
@@ -136,7 +136,7 @@ def test_what_a_parameter_is_described_as_is_needed_before_the_preconditions() -
     assert [need.pattern for need in skill.needs[:2]] == [Nothing(IN, "Box"), Related(IN, "Ball", "Box")]
 
 
-def test_what_is_needed_of_a_parameter_names_the_classes_it_speaks_of() -> None:
+def test_requirements_on_a_parameter_name_the_classes_of_their_arguments() -> None:
     box = Param("Box", "tiny:Box", "Where it lies.", where=Related(IN, "Ball", "it"))
     skill = replace(PICK, params=tuple(box if p.key == "Box" else p for p in PICK.params))
 

@@ -141,7 +141,7 @@ def test_a_wrong_number_of_values_is_refused(value: Any, says: str) -> None:
         read_value(of("number", length=3, unit="m"), value, world())
 
 
-def test_names_of_several_classes_are_all_looked_up() -> None:
+def test_all_names_of_a_class_list_are_resolved() -> None:
     param = of("class", length=0)
 
     assert read_value(param, "Ball tiny:Box", world()) == ("tiny:Ball", "tiny:Box")
@@ -166,7 +166,7 @@ ROUND = {
 
 @pytest.mark.parametrize("type_", list(ROUND), ids=str)
 @given(data=st.data())
-def test_what_is_written_as_text_or_json_is_read_again(type_: Any, data: st.DataObject) -> None:
+def test_values_survive_a_round_trip_through_text_and_json(type_: Any, data: st.DataObject) -> None:
     one = data.draw(ROUND[type_])
     cases = [(of(type_), one)]
     if type_ != "vector":
@@ -177,7 +177,7 @@ def test_what_is_written_as_text_or_json_is_read_again(type_: Any, data: st.Data
 
 
 @given(st.tuples(FAR, FAR, FAR), ANGLE, ANGLE, ANGLE)
-def test_a_written_pose_is_read_again_to_a_nanometre(
+def test_a_written_pose_is_read_back_to_a_nanometre(
     position: tuple[float, float, float], roll: float, pitch: float, yaw: float
 ) -> None:
     pose = Pose.of(*position, roll=roll, pitch=pitch, yaw=yaw)
@@ -187,7 +187,7 @@ def test_a_written_pose_is_read_again_to_a_nanometre(
         assert abs(abs(sum(a * b for a, b in zip(read.orientation, pose.orientation, strict=True))) - 1.0) < 1e-8
 
 
-def test_what_is_not_specified_is_written_as_nothing() -> None:
+def test_unspecified_values_are_written_as_empty_text_or_null() -> None:
     assert (as_text(of("number"), None), as_json(of("pose"), None)) == ("", None)
 
 
@@ -218,7 +218,7 @@ PARAMS = (
 )
 
 
-def test_arguments_are_what_is_given_and_defaults() -> None:
+def test_arguments_are_the_given_values_and_the_defaults() -> None:
     assert read_arguments(PARAMS, {"Box": "box A", "Speed": "2", "Note": None}, world()) == {
         "Box": "box_a",
         "Speed": 2,
@@ -237,14 +237,14 @@ def test_a_parameter_fixed_at_loading_cannot_be_given() -> None:
         read_arguments(PARAMS, {"Rate": 5.0}, world())
 
 
-def test_everything_that_is_wrong_is_said_at_once() -> None:
+def test_all_faults_are_reported_at_once() -> None:
     with pytest.raises(
         UsageError, match=r"unknown parameter 'Bx'.*; parameter Speed takes .*; parameter Rate is fixed"
     ):
         read_arguments(PARAMS, {"Bx": "box_a", "Speed": "x", "Rate": 1}, world())
 
 
-def test_schemas_say_what_a_form_shows() -> None:
+def test_schemas_contain_what_a_form_shows() -> None:
     assert schema(PARAMS[1]) == {
         "title": "Speed",
         "description": "How fast.",
