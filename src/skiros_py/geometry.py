@@ -19,6 +19,10 @@ Array = NDArray[np.float64]
 Quaternion = tuple[float, float, float, float]
 
 
+_SMALL = 1e-4
+"""Below this angle [rad], the sine is its series to the last digit."""
+
+
 def wrap_angle(angle: float) -> float:
     """Returns the same direction in (-pi, pi] [rad]."""
     wrapped = math.pi - (math.pi - angle) % (2.0 * math.pi)
@@ -49,6 +53,13 @@ class Pose:
 
         x, y, z, w = Rotation.from_matrix(matrix[:3, :3]).as_quat().tolist()
         return cls(_triple(matrix[:3, 3]), (x, y, z, w))
+
+    @classmethod
+    def turn(cls, x: float, y: float, z: float) -> Pose:
+        """Makes a turn about the origin from a rotation vector: its direction is the axis, its length the angle [rad]."""
+        angle = math.sqrt(x * x + y * y + z * z)
+        share = math.sin(angle / 2.0) / angle if angle > _SMALL else 0.5 - angle**2 / 48.0
+        return cls(orientation=(share * x, share * y, share * z, math.cos(angle / 2.0)))
 
     def matrix(self) -> Array:
         """Returns the 4x4 homogeneous transform."""

@@ -43,6 +43,15 @@ def test_a_pose_survives_the_way_through_its_matrix(pose: Pose) -> None:
 
 
 @settings(deadline=None)
+@given(st.floats(0.0, 10.0) | st.floats(0.0, 2e-4), st.floats(-3.0, 3.0), st.floats(-1.5, 1.5))
+def test_a_turn_is_that_of_scipy(angle: float, yaw: float, pitch: float) -> None:
+    axis = (math.cos(yaw) * math.cos(pitch), math.sin(yaw) * math.cos(pitch), math.sin(pitch))
+    vector = [angle * part for part in axis]
+
+    assert np.allclose(Pose.turn(*vector).orientation, Rotation.from_rotvec(vector).as_quat(), rtol=1e-14, atol=1e-15)
+
+
+@settings(deadline=None)
 @given(poses, small, small, small)
 def test_applying_a_pose_to_a_point_is_composing_with_it(pose: Pose, x: float, y: float, z: float) -> None:
     assert np.allclose(pose.apply(np.array([x, y, z])), (pose @ Pose((x, y, z))).position, atol=1e-9)

@@ -9,7 +9,6 @@ from typing import ClassVar
 
 import numpy as np
 import shapely
-from scipy.spatial.transform import Rotation
 
 from skiros_primitives import floor_obstacles
 from skiros_primitives.arm_moves import UNPLANNED_SPEED, ArmPrimitive, is_home
@@ -154,8 +153,7 @@ class JogTool(ArmPrimitive):
         """The tool's pose in the map afterwards."""
         axes = Pose((0.0, 0.0, 0.0), self._frame(tool).orientation)
         step = axes.apply(np.array(self.params.translation))
-        x, y, z, w = Rotation.from_rotvec(self.params.rotation).as_quat().tolist()
-        turn = axes @ Pose((0.0, 0.0, 0.0), (x, y, z, w)) @ axes.inverse()
+        turn = axes @ Pose.turn(*self.params.rotation) @ axes.inverse()
         x, y, z = (at + by for at, by in zip(tool.position, step.tolist(), strict=True))
         return Pose((x, y, z), (turn @ Pose((0.0, 0.0, 0.0), tool.orientation)).orientation)
 
