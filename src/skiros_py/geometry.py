@@ -56,7 +56,7 @@ class Pose:
 
     @classmethod
     def turn(cls, x: float, y: float, z: float) -> Pose:
-        """Makes a turn about the origin from a rotation vector: its direction is the axis, its length the angle [rad]."""
+        """Makes a turn about the origin; the vector has the direction of the axis and the length of the angle [rad]."""
         angle = math.sqrt(x * x + y * y + z * z)
         share = math.sin(angle / 2.0) / angle if angle > _SMALL else 0.5 - angle**2 / 48.0
         return cls(orientation=(share * x, share * y, share * z, math.cos(angle / 2.0)))
