@@ -100,11 +100,9 @@ class Running(Protocol):
 
     def has_ended(self) -> bool:
         """Returns whether it has ended; its process id is still its own."""
-        ...
 
     def kill(self) -> int:
         """Kills its group, waits until it is gone and closes the pipe; returns its exit code."""
-        ...
 
 
 class Child:

@@ -24,7 +24,6 @@ class Sender(Protocol):
 
     def send(self, call: Call[T]) -> T:
         """Sends a call and returns its result."""
-        ...
 
 
 class AsyncSender(Protocol):
@@ -32,7 +31,6 @@ class AsyncSender(Protocol):
 
     async def send(self, call: Call[T]) -> T:
         """Sends a call and returns its result."""
-        ...
 
 
 class Topic(Generic[C_co]):

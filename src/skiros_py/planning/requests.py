@@ -42,7 +42,6 @@ class Request(Protocol[T_co]):
         Raises:
             SkirosError: There is no answer.
         """
-        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,11 +69,9 @@ class PlanningHost(Protocol):
         Raises:
             PlanningError: It was closed, or the request cannot be sent to the process that answers.
         """
-        ...
 
     def close(self) -> None:
         """Cancels all pending requests; may be called twice."""
-        ...
 
 
 def answered(request: Request[T], state: Index, planners: Planners, stopped: Callable[[], bool]) -> T:

@@ -26,12 +26,10 @@ class ChangeLog(Protocol):
     @property
     def version(self) -> int:
         """Number of the last change, 0 before the first."""
-        ...
 
     @property
     def first(self) -> int:
         """Number of the oldest change that is kept."""
-        ...
 
     def append(self, change: Change) -> None:
         """Stores a change; it is stored when this returns.
@@ -39,7 +37,6 @@ class ChangeLog(Protocol):
         Raises:
             SkirosError: It cannot be stored.
         """
-        ...
 
     def since(self, version: int) -> Sequence[Change]:
         """Returns the changes after a version, in order.
@@ -47,11 +44,9 @@ class ChangeLog(Protocol):
         Raises:
             WorldError: Some of them are no longer kept.
         """
-        ...
 
     def undoable(self) -> Change | None:
         """Returns the last stored change by a user that has not been undone yet, or None."""
-        ...
 
     def about(self, subjects: Iterable[str], after: int) -> Sequence[Change]:
         """Returns the stored changes after a version that are about any of the subjects, in order.
@@ -60,7 +55,6 @@ class ChangeLog(Protocol):
             subjects: Ids of elements; :data:`GOALS`.
             after: The version.
         """
-        ...
 
 
 class MemoryLog:

@@ -23,11 +23,9 @@ class Sensors(Protocol):
 
     def value(self, name: str) -> Reading | None:
         """Returns the value of a signal ("gripper_1.force"); None if there is none."""
-        ...
 
     def why_not(self, name: str) -> str:
         """Returns why a signal has no value in this cycle; empty where there is no such signal, or it has one."""
-        ...
 
 
 class NoSensors:

@@ -76,7 +76,6 @@ class Facts(Protocol):
 
     def candidates(self, atom: Atom) -> Collection[Atom]:
         """Returns a superset of the facts that match an atom with variables."""
-        ...
 
 
 def solutions(

@@ -100,12 +100,10 @@ class Planner(Protocol):
     @property
     def name(self) -> str:
         """Its display name."""
-        ...
 
     @property
     def supports(self) -> frozenset[str]:
         """The PDDL requirements it supports: ":strips", ":typing", ":durative-actions", …."""
-        ...
 
     def solve(self, domain: str, problem: str) -> Pending[Answer]:
         """Starts solving; several calls may be under way at once.
@@ -114,11 +112,9 @@ class Planner(Protocol):
         ``cancel()``, called when it is no longer needed, kills the running program; ``wait(seconds)`` returns when it
         has arrived or the time is over.
         """
-        ...
 
     def close(self) -> None:
         """Kills running calls and waits for them."""
-        ...
 
 
 def wait_for(pending: Pending[Answer], check: Callable[[float], object]) -> Answer:

@@ -70,7 +70,6 @@ class Reasoner(Protocol):
         Raises:
             NoAnswer: It found no answer: it takes too long or too much memory, or does not support the statements.
         """
-        ...
 
 
 def some(class_: str) -> str:
