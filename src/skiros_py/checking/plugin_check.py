@@ -21,7 +21,7 @@ from skiros_py.config import find_scene, ontology_paths, scene_names
 from skiros_py.errors import FileError, SkirosError, UnknownName
 from skiros_py.plugins.installation import as_if_installed, canonical, installation
 from skiros_py.plugins.loading import load
-from skiros_py.plugins.plugin import Entry, Plugin, PluginFault, authors_line
+from skiros_py.plugins.plugin import Entry, Plugin, PluginFault, authors_line, by_cause
 from skiros_py.skills.conditions import ConditionType
 from skiros_py.skills.lint.checking import DOES_NOT_LOAD, RULES, check
 from skiros_py.skills.lint.rule import Finding, Known, Severity, Source, Spot, Subject, title
@@ -269,11 +269,12 @@ def _broken(entries: Sequence[Entry], parts: Sequence[Part], rules: Collection[s
     """Yields plug-ins that could not be loaded; for skills that could, the rules report faults in more detail."""
     loaded = {(part.entry.group, part.entry.name) for part in parts}
     _, loose = surveyed = survey()
+    names = {str(entry.distribution) for entry in entries}
+    faults = [fault for fault in loose if fault.distribution in names]
     for one in surveyed[0]:
         if one.entry in entries and (one.entry.group, one.entry.name) not in loaded:
-            yield from (f for fault in one.faults if (f := _not_loaded(fault)).rule in rules)
-    names = {str(entry.distribution) for entry in entries}
-    yield from (f for fault in loose if fault.distribution in names and (f := _not_loaded(fault)).rule in rules)
+            faults += one.faults
+    yield from (found for fault in by_cause(faults) if (found := _not_loaded(fault)).rule in rules)
 
 
 def _not_loaded(fault: PluginFault) -> Finding:

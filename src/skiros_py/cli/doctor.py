@@ -222,11 +222,12 @@ def _loading() -> Iterator[Finding]:
     """Loads all plug-ins; also reports duplicate names."""
     from skiros_py.catalogue import survey
     from skiros_py.plugins.installation import GROUPS
+    from skiros_py.plugins.plugin import by_cause
 
-    for one in survey()[0]:
-        for fault in one.faults if one.entry.group in GROUPS else ():
-            text = f"{one.entry.group} {one.entry.name} of {one.entry.distribution}: {fault.reason}"
-            yield Finding(text, f"skiros plugins {one.entry.name} shows it in full")
+    faults = (fault for one in survey()[0] if one.entry.group in GROUPS for fault in one.faults)
+    for fault in by_cause(faults):
+        text = f"{fault.group} {fault.name} of {fault.distribution}: {fault.reason}"
+        yield Finding(text, f"skiros plugins {fault.name} shows it in full")
 
 
 @_check("ontologies")

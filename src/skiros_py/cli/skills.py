@@ -9,6 +9,7 @@ import click
 from skiros_py.catalogue import Catalogue, load_catalogue
 from skiros_py.cli.commands import Found, reports
 from skiros_py.cli.output import escaped
+from skiros_py.plugins.plugin import by_cause
 from skiros_py.skills.behaviour import lines
 from skiros_py.skills.skill import SkillDescription
 
@@ -60,6 +61,6 @@ def _lines(catalogue: Catalogue) -> Iterator[str]:
         yield f"condition {name}({roles}): {type_.help}"
     for reasoner in catalogue.reasoners:
         yield f"reasoner {reasoner.name} computes {', '.join(sorted(reasoner.relations)) or 'no relation'}"
-    for fault in catalogue.faults:
+    for fault in by_cause(catalogue.faults):
         line = f"did not load: {fault.group} {fault.name} of {fault.distribution}: {fault.reason}"
         click.echo(escaped(line), err=True)

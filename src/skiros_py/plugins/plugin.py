@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 import sysconfig
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 from importlib.machinery import ModuleSpec, PathFinder
 from importlib.util import find_spec
 from pathlib import Path
@@ -174,3 +175,24 @@ class PluginFault:
 
     def __str__(self) -> str:
         return f"plug-in {self.name} of {self.distribution} did not load: {self.reason}"
+
+
+def by_cause(faults: Iterable[PluginFault]) -> list[PluginFault]:
+    """Returns one fault for each reason in a distribution; its reason names the other plug-ins that fail by it.
+
+    One import that fails breaks every plug-in whose module needs it.
+    """
+    causes: dict[tuple[str, str], list[PluginFault]] = {}
+    for fault in faults:
+        causes.setdefault((fault.distribution, fault.reason), []).append(fault)
+    return [first if not others else _and_others(first, others) for first, *others in causes.values()]
+
+
+def _and_others(fault: PluginFault, others: Sequence[PluginFault]) -> PluginFault:
+    names = ", ".join(other.name for other in others[:_MOST_OTHERS])
+    more = f", and {len(others) - _MOST_OTHERS} more" if len(others) > _MOST_OTHERS else ""
+    plugins = "1 other plug-in" if len(others) == 1 else f"{len(others)} other plug-ins"
+    return replace(fault, reason=f"{fault.reason} (the same breaks {plugins}: {names}{more})")
+
+
+_MOST_OTHERS = 10

@@ -18,7 +18,7 @@ from skiros_py.ports.guard import require_description
 from skiros_py.ports.kinds import DeviceKinds, load_device_kinds
 from skiros_py.skills.surroundings import is_held, owner, solid_of
 from skiros_py.world import vocabulary as v
-from skiros_py.world.poses import pose_on
+from skiros_py.world.poses import frames, pose_on
 from skiros_py.world.stock import Stocked, stocks
 from skiros_py.world.view import WorldView
 
@@ -155,9 +155,23 @@ def _check_start(view: WorldView, element: str, pose: Pose | None, place: str | 
     if placement is not None and placement.relation == v.HELD_BY:
         raise DescriptionError(f"{element} starts in {placement.place}: no part can, put it in a storage place")
     if pose is None and place is None:
-        raise DescriptionError(f"{element} has neither a pose nor a place to lie in: say where it is")
-    if pose is not None and max(map(abs, pose.position)) > _FAR:
-        raise DescriptionError(f"{element}: its pose is more than {_FAR:.0f} m away; lengths are in metres")
+        raise DescriptionError(_lost_in(view, element) or f"{element} has neither a pose nor a place: say where it is")
+    if pose is not None and _is_far(pose):
+        far = next((name for name in frames(view, element) if _is_far(view.value(name, v.POSE))), element)
+        by_way = "" if far == element else f", and so is {element}, whose pose is in its frame"
+        raise DescriptionError(f"{far}: its pose is more than {_FAR:.0f} m away{by_way}; lengths are in metres")
+
+
+def _is_far(pose: object) -> bool:
+    return isinstance(pose, Pose) and max(map(abs, pose.position)) > _FAR
+
+
+def _lost_in(view: WorldView, element: str) -> str:
+    """Returns which frame leaves an element's pose in the map unknown; empty if the element itself has no pose."""
+    unknown = next((frame for frame in frames(view, element) if view.value(frame, v.POSE) is None), element)
+    if unknown == element:
+        return ""
+    return f"{unknown} has no {v.POSE}, and the pose of {element} is given in its frame: say where {unknown} is"
 
 
 def _mass(view: WorldView, element: str) -> float:
@@ -205,7 +219,8 @@ def _standing(view: WorldView, spec: RobotSpec) -> RobotSpec:
     individual = _Individual(view, spec.id)
     found = _pose(view, spec.id)
     if found is None:
-        raise DescriptionError(f"{spec.id} has no sk:pose, and no device that moves it: say where it stands")
+        unposed = f"{spec.id} has no sk:pose, and no device that moves it: say where it stands"
+        raise DescriptionError(_lost_in(view, spec.id) or unposed)
     outline = read_footprint(individual) if view.value(spec.id, v.FOOTPRINT) is not None else ()
     return replace(spec, place=found[1], footprint=outline)
 

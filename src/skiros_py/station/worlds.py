@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from skiros_py.config import find_scene, ontology_paths
-from skiros_py.plugins.plugin import PluginFault
+from skiros_py.plugins.plugin import PluginFault, by_cause
 from skiros_py.world.ontology import Ontology, load_installed
 from skiros_py.world.reasoners.registry import Reasoners, load_reasoners
 from skiros_py.world.scene import load_scene, scene_source
@@ -88,8 +88,8 @@ def open_directory(
 
 
 def warn(faults: Sequence[PluginFault]) -> None:
-    """Logs the faults of plug-ins."""
-    for fault in faults:
+    """Logs the faults of plug-ins, once per cause."""
+    for fault in by_cause(faults):
         _log.warning("%s", fault)
 
 

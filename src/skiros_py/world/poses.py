@@ -41,7 +41,7 @@ def pose_on(
         UnknownName: There is no such element.
     """
     steps: list[Pose] = []
-    for current in _frames(view, element):
+    for current in frames(view, element):
         start = known(current) if steps else None
         if start is not None:
             return current, reduce(matmul, reversed(steps), start)
@@ -73,7 +73,7 @@ def pose_in(view: WorldView, element: str, frame: str | None) -> Pose | None:
     """
     if frame is None:
         return map_pose(view, element)
-    others = set(_frames(view, frame))
+    others = set(frames(view, frame))
     own = (element, Pose()) if element in others else pose_on(view, element, lambda one: _AT if one in others else None)
     if own is None:
         return None
@@ -106,7 +106,7 @@ def attach(tx: Transaction, element: str, frame: str | None) -> None:
     write_pose(tx, element, pose, frame)
 
 
-def _frames(view: WorldView, element: str) -> Iterator[str]:
+def frames(view: WorldView, element: str) -> Iterator[str]:
     """Yields an element, the frame in which its pose is given, and so on; each once."""
     seen: set[str] = set()
     current: str | None = element

@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 
 from skiros_py.plugins.loading import load_plugins
+from skiros_py.plugins.plugin import PluginFault, by_cause
 
 GROUP = "skiros.testing_only"
 
@@ -145,3 +146,17 @@ def test_two_plug_ins_with_one_name_are_both_left_out_and_both_origins_are_named
 
 def test_a_group_without_plug_ins_is_empty() -> None:
     assert load_plugins("skiros.nobody_fills_this") == ((), ())
+
+
+def test_one_failed_import_is_one_fault_that_names_every_plug_in_it_breaks() -> None:
+    reason = "ModuleNotFoundError: No module named 'gone'"
+    broken = [PluginFault("skiros.skills", f"skill_{n}", "sk-kit 0.3", reason, "") for n in range(22)]
+    other = PluginFault("skiros.skills", "swim", "sk-sea 0.3", reason, "")
+
+    first, last = by_cause([*broken, other])
+
+    assert first.name == "skill_0"
+    assert first.reason == (
+        f"{reason} (the same breaks 21 other plug-ins: {', '.join(f'skill_{n}' for n in range(1, 11))}, and 11 more)"
+    )
+    assert last == other

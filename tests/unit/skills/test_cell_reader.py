@@ -137,6 +137,37 @@ def test_unreadable_elements_and_their_contents_are_left_out_if_a_collector_of_f
     assert left_out["stock"] == "it lies in pallet, which is not there"
 
 
+PART_ON_PALLET = """
+scene:pallet a kitting:Pallet ; sk:on scene:floor ; sk:pose "2 0 0 0 0 0"^^sk:poseLiteral .
+scene:part a kitting:Starter ; sk:on scene:pallet ; sk:pose "1 0 0 0 0 0"^^sk:poseLiteral ; sk:poseFrame scene:pallet .
+"""
+
+
+def test_a_pose_in_the_frame_of_an_element_without_a_pose_names_that_element() -> None:
+    world = world_of(PART_ON_PALLET)
+    with world.transaction("ann", "in the midst of building") as tx:
+        tx.set("pallet", "sk:pose", None)
+    left_out: dict[str, str] = {}
+
+    read_cell(world, ["robot_1"], left_out=left_out)
+
+    assert left_out["part"] == (
+        "pallet has no sk:pose, and the pose of part is given in its frame: say where pallet is"
+    )
+
+
+def test_a_pose_too_far_away_names_the_frame_that_is_there() -> None:
+    world = world_of(PART_ON_PALLET)
+    with world.transaction("ann", "millimetres") as tx:
+        tx.set("pallet", "sk:pose", Pose((5000.0, 0.0, 0.0)))
+    left_out: dict[str, str] = {}
+
+    read_cell(world, ["robot_1"], left_out=left_out)
+
+    assert left_out["pallet"] == "pallet: its pose is more than 1000 m away; lengths are in metres"
+    assert left_out["part"].startswith("pallet: its pose is more than 1000 m away, and so is part")
+
+
 def test_a_kind_that_raises_while_it_reads_a_device_is_named_with_the_device(monkeypatch: pytest.MonkeyPatch) -> None:
     def read(individual: object) -> GripperSpec:
         raise KeyError("boom")

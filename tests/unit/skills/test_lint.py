@@ -138,7 +138,8 @@ def test_a_pattern_of_a_foreign_kind_is_named() -> None:
 @pytest.mark.parametrize(
     ("call", "problem"),
     [
-        (Do.of("lok"), "there is no primitive or skill 'lok'; there is look"),
+        (Do.of("lok"), "there is no primitive or skill 'lok'; did you mean look?; there is look"),
+        (Do.of("fly"), "there is no primitive or skill 'fly'; there is look"),
         (Do.of("look", at=P("Location"), to=P("Location")), "primitive 'look' has no parameter to"),
         (Do.of("look"), "primitive 'look' needs at"),
     ],

@@ -7,6 +7,7 @@ import logging
 from skiros_py.api.alarms import AlarmKind, Severity
 from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.interruptions import Overrun, Watched
+from skiros_py.plugins.plugin import by_cause
 from skiros_py.skills.outcome import BROKEN
 from skiros_py.station.alarms.alarms import Alarms
 from skiros_py.station.control import CLOSING, ControlThread
@@ -126,7 +127,7 @@ class AlarmSources:
             self._alarms.clear(AlarmKind.MANAGER, agent)
 
     def _look_at_plugins(self) -> None:
-        faults = {f"{fault.group}/{fault.name}": str(fault) for fault in self._session.catalogue.faults}
+        faults = {f"{fault.group}/{fault.name}": str(fault) for fault in by_cause(self._session.catalogue.faults)}
         faults |= {f"signal provider {name}": why for name, why in self._session.runtime.signals.faults.items()}
         faults |= {f"device {id_}": why for id_, why in dict(self._session.cycle.board.guard.off).items()}
         for source, text in faults.items():

@@ -18,7 +18,7 @@ from skiros_py.errors import FileError, UnknownName
 from skiros_py.world.change import Edit, ElementEdit, GoalsEdit, PlacementEdit, RelationEdit
 from skiros_py.world.checks import class_problem, id_problem
 from skiros_py.world.element import Element, Placement, Value
-from skiros_py.world.literals import parse_value
+from skiros_py.world.literals import format_value, parse_value, shown
 from skiros_py.world.names import SCENE, Names, local_name
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.ontology.documents import Document
@@ -259,7 +259,7 @@ class Reader:
         if predicate.name == "rdf:type":
             self._take_type(file, triple, individual)
         elif isinstance(object_, ox.Literal):
-            self._take_value(file, triple, individual, predicate, object_)
+            self._take_value(file, triple, name, predicate, object_)
         elif predicate.name not in self._ontology.relations:
             raise self._misused(file, triple, "relation", predicate)
         elif isinstance(object_, ox.NamedNode) and predicate.name == BUILT_LIKE:
@@ -282,7 +282,7 @@ class Reader:
             individual.types.append(class_)
 
     def _take_value(
-        self, file: Document, triple: ox.Triple, individual: Individual, predicate: Predicate, literal: ox.Literal
+        self, file: Document, triple: ox.Triple, name: str, predicate: Predicate, literal: ox.Literal
     ) -> None:
         if not predicate.range:
             raise self._misused(file, triple, "property", predicate)
@@ -291,9 +291,11 @@ class Reader:
             type_ = self._types.get(iri) or self._types.setdefault(iri, self._names.name(iri))
             value = parse_value(literal.value, type_, predicate.range)
         except ValueError as error:
-            raise _at(file, triple, f"{predicate.name} {error}") from None
-        if individual.values.setdefault(predicate.name, value) != value:
-            raise _at(file, triple, f"{predicate.name} has two values, and may have one")
+            raise _at(file, triple, f"{name}: {predicate.name} {error}") from None
+        other = self._individuals[name].values.setdefault(predicate.name, value)
+        if other != value:
+            said = f"{shown(format_value(other))} and {shown(format_value(value))}"
+            raise _at(file, triple, f"{name}: {predicate.name} has two values, and may have one: {said}")
 
     def _misused(self, file: Document, triple: ox.Triple, wanted: str, predicate: Predicate) -> FileError:
         if not predicate.range and predicate.name not in self._ontology.relations:

@@ -20,8 +20,9 @@ def unknown_module(place: Place, known: Known) -> Iterator[str]:
         if call.module in known.primitives or known.implementations(call.module):
             yield from _wrong_arguments(call, known)
         elif call.module not in known.documents:
-            names = sorted({*known.primitives, *(s.description.name for s in known.skills)})
-            yield f"there is no primitive or skill '{call.module}'; there is {', '.join(names) or 'none'}"
+            names = sorted({*known.primitives, *(s.description.name for s in known.skills), *known.documents})
+            meant = nearest(call.module, names)
+            yield f"there is no primitive or skill '{call.module}'{meant}; there is {', '.join(names) or 'none'}"
 
 
 def _wrong_arguments(call: Call, known: Known) -> Iterator[str]:
