@@ -130,6 +130,9 @@ class Loader:
         try:
             with self._activity.allowing(_LIMIT):
                 cls = self._primitives[module]
+                declared = (*params_of(cls.Params), *(output.param for output in cls.outputs))
+                for param in (param for param in declared if param.is_element):
+                    context.world.ontology.resolve_class(param.element_class)
                 return Loaded(cls, self._config.get(module, {}), cls.load(context))
         finally:
             self._activity.leave(outer)

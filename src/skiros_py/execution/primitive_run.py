@@ -7,7 +7,7 @@ from dataclasses import replace
 from itertools import count
 from typing import Any
 
-from skiros_py.errors import UnknownName, UsageError
+from skiros_py.errors import UsageError
 from skiros_py.execution.claims import Claim, complete, devices_of, standstill
 from skiros_py.execution.containment import broken, contained
 from skiros_py.execution.loader import Loaded, Loader
@@ -142,10 +142,15 @@ class PrimitiveRun(ModuleRun):
         return self._broke(TypeError(f"it yielded {yielded!r}: yield nothing, and call others with 'yield from'"))
 
     def _checked(self, outcome: Outcome) -> Outcome:
-        """Returns an outcome; one with a value that the primitive does not declare is a mistake in its code."""
-        declared = [output.name for output in self._loaded.cls.outputs]
-        undeclared = [] if isinstance(outcome, Failure) else sorted(set(outcome.values) - set(declared))
-        return self._broke(UnknownName("output", undeclared[0], declared)) if undeclared else outcome
+        """Returns an outcome; one with values other than the primitive declares is a mistake in its code."""
+        if isinstance(outcome, Failure) or not outcome.values:
+            return outcome
+        declared = [output.param for output in self._loaded.cls.outputs]
+        try:
+            values = read_arguments(declared, outcome.values, self._outer.context.world, "output")
+        except Exception as error:  # noqa: BLE001 - what an author returns may be anything
+            return self._broke(error)
+        return Success(outcome.message, {key: values[key] for key in outcome.values})
 
     def _begin(self) -> object:
         """Makes the primitive, starts it, and runs it up to its first ``yield``."""

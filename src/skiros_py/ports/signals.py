@@ -6,6 +6,7 @@ robots, the answer of a worker process. Plug-ins offer providers by the entry-po
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -45,6 +46,18 @@ _DIMENSIONS = {
 def dimension_of(unit: str) -> str:
     """Returns the dimension of values in a unit ("force" for "N"); empty for no unit, or one that is not known."""
     return _DIMENSIONS.get(unit, "")
+
+
+_FACTOR = (
+    r"(?:[pnµumcdhkMGT]?(?:m|g|s|A|K|mol|cd|rad|sr|Hz|N|Pa|J|W|C|V|Ω|F|T|H|S|lm|lx|l|L|bar|Wh)|1|min|h|d|°C|°|deg|%|px|rpm)"
+    r"(?:[²³⁻¹]+|\^?-?\d)?"
+)
+_UNIT = re.compile(rf"{_FACTOR}(?:[ ·*/]{_FACTOR})*")
+
+
+def is_unit(text: str) -> bool:
+    """Returns whether a text is a unit: SI symbols with prefixes and powers, "1", "%", "°C", "px", or a product."""
+    return _UNIT.fullmatch(text) is not None
 
 
 @dataclass(frozen=True, slots=True)

@@ -192,10 +192,58 @@ def test_an_outcome_with_a_value_that_its_primitive_does_not_declare_is_a_failur
     assert "unknown output 'text'" in outcome.reason
 
 
+class Weigh(Note):
+    """Gives what its parameter says, as several outputs."""
+
+    name: ClassVar[str] = "weigh"
+    outputs: ClassVar[tuple[Output, ...]] = (
+        Output("mass", "number", "What it weighs.", "kg"),
+        Output("place", "tiny:Box", "What it stands in."),
+    )
+    found: ClassVar[Any] = None
+
+    def execute(self) -> Execution[Outcome]:
+        yield
+        return Success(values=self.found)
+
+
+@pytest.mark.parametrize(
+    ("found", "said"),
+    [
+        ({"mass": "far"}, "output mass takes a finite number [kg], not 'far'"),
+        ({"mass": float("nan")}, "output mass takes a finite number [kg], not nan"),
+        ({"mass": object()}, "output mass takes a finite number [kg], not <object"),
+        ({"place": "box_99"}, "unknown element 'box_99' for output place, a tiny:Box"),
+        ({"place": "robot_1"}, "output place takes a tiny:Box, and robot_1 is a"),
+        ([1.0], "AttributeError"),
+    ],
+)
+def test_an_output_of_another_type_than_declared_is_a_failure_that_names_it(found: Any, said: str) -> None:
+    primitive = type("Bad", (Weigh,), {"found": found})
+
+    with Bench(tiny_world(), (skill(Do.of("weigh", text="x")),), (primitive,)) as bench:
+        outcome = bench.run("drive", **TO_A)
+
+    assert isinstance(outcome, Failure)
+    assert outcome.code == BROKEN
+    assert said in outcome.reason
+
+
+def test_an_output_of_a_class_that_no_ontology_declares_keeps_the_primitive_from_loading() -> None:
+    primitive = type("Bad", (Weigh,), {"outputs": (Output("place", "tiny:Bocks", "Where."),)})
+
+    with Bench(tiny_world(), (skill(Do.of("weigh", text="x")),), (primitive,)) as bench:
+        outcome = bench.run("drive", **TO_A)
+
+    assert isinstance(outcome, Failure)
+    assert "weigh did not load: UnknownName: unknown class 'tiny:Bocks'" in outcome.reason
+
+
 @pytest.mark.parametrize(
     ("outputs", "said"),
     [
         ((Output("pose", "poses", "Where."),), "unknown type 'poses'"),
+        ((Output("mass", "number", "How heavy.", "kgs"),), "'kgs' is no unit such as m"),
         ((Output("a", "text", "A."), Output("a", "text", "B.")), "two parameters of the outputs of primitive Wrong"),
         ([Output("a", "text", "A.")], "outputs of primitive Wrong: a tuple"),
     ],

@@ -7,6 +7,7 @@ from collections.abc import Collection, Iterator, Sequence
 from typing import Any
 
 from skiros_py.errors import DescriptionError, UnknownName
+from skiros_py.ports.signals import is_unit
 from skiros_py.skills.parameters.param import IT, Access, Kind, Param, ValueClass
 from skiros_py.skills.parameters.values import VALUE_TYPES
 from skiros_py.skills.references import variables
@@ -61,6 +62,8 @@ def _value_faults(param: Param) -> Iterator[str]:
         yield f"limits are for numbers, and it is {param.type_name}"
     if param.unit and param.type in ("text", "boolean", "class", "pose"):
         yield f"{param.type_name} has no unit, so not '{param.unit}'"
+    elif param.unit and not is_unit(param.unit):
+        yield f"'{param.unit}' is no unit such as m, kg, m/s, N m, 1 (a ratio)"
 
 
 def _default_faults(param: Param) -> Iterator[str]:

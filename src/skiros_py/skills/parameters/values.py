@@ -173,28 +173,38 @@ def _says(error: ValidationError) -> str:
     return "; ".join(f"{'.'.join(map(str, f['loc']))}: {f['msg']}".removeprefix(": ") for f in faults)
 
 
-def read_value(param: Param, value: Any, view: WorldView) -> Any:
+def read_value(param: Param, value: Any, view: WorldView, noun: str = "parameter") -> Any:
     """Checks a value of a parameter and returns it in its own form.
 
     Args:
         param: The parameter.
         value: A Python value, plain data as JSON has it, or a text as it stands on a command line ("0.5", "1 2 3").
         view: Where elements and classes are looked up.
+        noun: What messages call it: a parameter, or an output.
 
     Raises:
         UnknownName: There is no such element or class.
         UsageError: It is no value of that parameter; the message says what would be.
     """
     if param.is_element:
-        return _element(param, value, view)
-    try:
-        read = _one(param, value) if param.length == 1 else _several(param, value)
-    except (ValueError, RecursionError) as error:
-        raise UsageError(_refusal(param, value, str(error))) from None
+        return _element(param, value, view, f"{noun} {param.key}")
+    read = read_constant(param, value, noun)
     if param.type != "class":
         return read
     resolve = view.ontology.resolve_class
     return tuple(map(resolve, read)) if isinstance(read, tuple) else resolve(read)
+
+
+def read_constant(param: Param, value: Any, noun: str = "parameter") -> Any:
+    """Checks a value of a parameter that is no element, without a world; see :func:`read_value`.
+
+    Raises:
+        UsageError: It is no value of that parameter; the message says what would be.
+    """
+    try:
+        return _one(param, value) if param.length == 1 else _several(param, value)
+    except (ValueError, RecursionError) as error:
+        raise UsageError(_refusal(param, value, str(error), noun)) from None
 
 
 def as_text(param: Param, value: Any) -> str:
@@ -275,49 +285,52 @@ def _is_json(text: str) -> bool:
     return text.lstrip()[:1] in ("[", "{")
 
 
-def _refusal(param: Param, value: Any, why: str) -> str:
+def _refusal(param: Param, value: Any, why: str, noun: str) -> str:
     says = _type_of(param).says
     if param.length != 1:
         says = f"{param.length or 'any number of'} values, each {says}"
     unit = f" [{param.unit}]" if param.unit else ""
-    return f"parameter {param.key} takes {says}{unit}, not {shown(value)}{': ' + why if why else ''}"
+    return f"{noun} {param.key} takes {says}{unit}, not {shown(value)}{': ' + why if why else ''}"
 
 
-def _element(param: Param, value: Any, view: WorldView) -> str:
+def _element(param: Param, value: Any, view: WorldView, what: str) -> str:
     class_ = param.element_class
     if not isinstance(value, str):
-        raise UsageError(f"parameter {param.key} takes the id of a {class_}, not {shown(value)}")
-    name = value if view.has(value) else _labelled(param, value, view)
+        raise UsageError(f"{what} takes the id of a {class_}, not {shown(value)}")
+    name = value if view.has(value) else _labelled(param, value, view, what)
     type_ = view.element(name).type
     if not view.ontology.is_a(type_, class_):
         names = view.instances(class_)
         there = f"There are {', '.join(names[:20])}{', …' if len(names) > 20 else ''}." if names else "There is none."
-        raise UsageError(f"parameter {param.key} takes a {class_}, and {name} is a {type_}. {there}")
+        raise UsageError(f"{what} takes a {class_}, and {name} is a {type_}. {there}")
     return name
 
 
-def _labelled(param: Param, label: str, view: WorldView) -> str:
+def _labelled(param: Param, label: str, view: WorldView, what: str) -> str:
     """The one element of the parameter's class that is called so."""
     names = view.instances(param.element_class)
     found = [name for name in names if view.element(name).label == label]
     if len(found) == 1:
         return found[0]
     if found:
-        raise UsageError(f"parameter {param.key}: {', '.join(found[:20])} are all called {shown(label)}: say which")
-    raise UnknownName("element", label, names, where=f"for parameter {param.key}, a {param.element_class}")
+        raise UsageError(f"{what}: {', '.join(found[:20])} are all called {shown(label)}: say which")
+    raise UnknownName("element", label, names, where=f"for {what}, a {param.element_class}")
 
 
 Arguments = Mapping[str, Any]
 """Value by key of every parameter; None where it is not specified."""
 
 
-def read_arguments(params: Sequence[Param], given: Mapping[str, Any], view: WorldView) -> Arguments:
+def read_arguments(
+    params: Sequence[Param], given: Mapping[str, Any], view: WorldView, noun: str = "parameter"
+) -> Arguments:
     """Checks the values given for a call, and adds the defaults.
 
     Args:
         params: The parameters.
         given: Values by key: from Python, from JSON, or texts of a command line; None is like left out.
         view: Where elements and classes are looked up.
+        noun: What messages call them: parameters, or outputs.
 
     Raises:
         UnknownName: The one thing wrong is an unknown parameter, element or class.
@@ -331,10 +344,10 @@ def read_arguments(params: Sequence[Param], given: Mapping[str, Any], view: Worl
             continue
         try:
             if key not in by_key:
-                raise UnknownName("parameter", key, by_key)
+                raise UnknownName(noun, key, by_key)
             if by_key[key].kind is Kind.CONFIG:
                 raise UsageError(f"parameter {key} is fixed when the module is loaded: it cannot be given at a call")
-            values[key] = read_value(by_key[key], value, view)
+            values[key] = read_value(by_key[key], value, view, noun)
         except UsageError as fault:
             faults.append(fault)
     if len(faults) > 1:

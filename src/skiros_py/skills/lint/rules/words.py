@@ -54,6 +54,8 @@ def _named_classes(subject: Subject) -> Iterator[tuple[str, str]]:
             yield from ((f"role {role.name}", role.class_) for role in subject.roles)
         case _:
             yield from ((f"parameter {p.key}", p.element_class) for p in own_params(subject) if p.is_element)
+            outputs = [output.param for output in getattr(subject, "outputs", ())]
+            yield from ((f"output {p.key}", p.element_class) for p in outputs if p.is_element)
             watched = getattr(subject, "watches", None)
             yield from (("watches", class_) for class_ in (watched,) if isinstance(class_, str))
 
