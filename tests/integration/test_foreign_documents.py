@@ -349,7 +349,7 @@ def test_a_fault_is_refused_with_its_place_and_changes_nothing(cell: Cell) -> No
 
 
 MOVER = {"key": "Mover", "type": "sk:Base", "help": "What drives."}
-DRIVE = {"type": "do", "module": "drive_base"}
+DRIVE = {"type": "do", "module": "drive"}
 
 
 @pytest.mark.parametrize(
@@ -364,7 +364,7 @@ DRIVE = {"type": "do", "module": "drive_base"}
         ),
         (
             {"type": "wait_until", "conditions": [{"expression": "Mover.stil"}]},
-            "no device has a signal 'stil'",
+            "no sk:Base has a signal 'stil'",
         ),
         (
             {"type": "wait_until", "conditions": [{"expression": "belt_9.still"}]},
@@ -394,10 +394,13 @@ def test_a_document_that_calls_a_missing_module_is_refused_with_the_place_of_the
     assert cell.documents.all("tree").documents == ()
 
 
-def test_a_document_may_call_itself_if_a_condition_ends_the_recursion(cell: Cell) -> None:
-    again = {"type": "sequence", "children": [note("again"), {"type": "do", "module": "tree:again"}]}
+def test_a_document_may_call_itself_if_another_way_ends_the_recursion(cell: Cell) -> None:
+    children = [note("again"), {"type": "do", "module": "tree:again"}]
 
-    assert cell.write("tree", "again", again).revision
+    assert cell.write("tree", "again", {"type": "fallback", "children": children}).revision
+    endless = [note("x"), {"type": "do", "module": "tree:endless"}]
+    with pytest.raises(UsageError, match="1: whichever way it succeeds, it calls tree:endless, which in the end calls"):
+        cell.write("tree", "endless", {"type": "sequence", "children": endless})
 
 
 def test_a_reactive_node_in_a_tree_is_edited_while_the_session_runs(cell: Cell) -> None:

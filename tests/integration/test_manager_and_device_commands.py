@@ -60,6 +60,9 @@ def test_a_device_is_closed_and_opened_from_the_shell(said: Ask, client: Client)
     assert not client.devices.get("gripper_1").open
     closed = {device["id"] for device in json.loads(said("device", "list", "--json")) if not device["open"]}
     assert closed == {"gripper_1"}
+    with pytest.raises(ProblemError, match="gripper_1 is closed: open it first") as refused:
+        client.devices.jog("gripper_1", {"gap": 0.03})
+    assert refused.value.status == 409
 
     assert json.loads(said("device", "open", "gripper_1", "--json"))["open"]
     assert client.devices.get("gripper_1").open

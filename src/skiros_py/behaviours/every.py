@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from skiros_py.behaviours.children import Decorator, check_seconds
-from skiros_py.skills.behaviour import Behaviour, Scope, check_behaviour, require
+from skiros_py.skills.behaviour import Behaviour, Scope, Uses, check_behaviour, require
 from skiros_py.skills.outcome import Execution, Outcome, tick
 
 
@@ -32,6 +32,10 @@ class Every(Decorator):
     def title(self) -> str:
         """The period."""
         return f"every {self.seconds:g} s"
+
+    def uses(self) -> Uses:
+        """Its child runs once."""
+        return Uses(in_order=True)
 
     def run(self, scope: Scope) -> Execution[Outcome]:
         """Ticks the child whenever its time has come; missed ticks are skipped."""

@@ -18,7 +18,7 @@ class Fallback(Composite):
 
     def uses(self) -> Uses:
         """One child has to succeed."""
-        return Uses(needs="any")
+        return Uses(needs="any", in_order=True)
 
     def run(self, scope: Scope) -> Execution[Outcome]:
         """Runs the children in turn."""

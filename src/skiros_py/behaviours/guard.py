@@ -43,7 +43,7 @@ class Guard(Decorator):
 
     def uses(self) -> Uses:
         """Its conditions."""
-        return Uses(conditions=self.conditions)
+        return Uses(conditions=self.conditions, in_order=True)
 
     def run(self, scope: Scope) -> Execution[Outcome]:
         """Runs the child while the conditions hold."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from skiros_py.behaviours.children import Decorator, check_seconds, run_until
-from skiros_py.skills.behaviour import Behaviour, Scope, check_behaviour, require
+from skiros_py.skills.behaviour import Behaviour, Scope, Uses, check_behaviour, require
 from skiros_py.skills.outcome import Execution, Failure, Outcome, tick
 
 
@@ -28,6 +28,10 @@ class Timeout(Decorator):
     def title(self) -> str:
         """The limit."""
         return f"within {self.seconds:g} s"
+
+    def uses(self) -> Uses:
+        """Its child runs once."""
+        return Uses(in_order=True)
 
     def run(self, scope: Scope) -> Execution[Outcome]:
         """Runs the child until the time is over."""

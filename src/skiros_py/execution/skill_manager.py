@@ -374,8 +374,11 @@ class SkillManager:
         Raises:
             DescriptionError: A device is to be shared whose kind has no mix rule, or the module around has not declared
                 a device.
+            DeviceError: A device was closed or switched off.
         """
         board = self._cell.context.board
+        for device in devices:
+            board.require_open(device)
         shared = [device for device, access in devices.items() if access is Access.SHARED]
         for spec in (board.devices[device] for device in shared if device in board.devices):
             if not spec.mixes():

@@ -48,9 +48,10 @@ class DeviceKinds:
                 return kind
         return None
 
-    def signal_names(self) -> frozenset[str]:
-        """Returns the names of all signals that devices of these kinds offer."""
-        return frozenset(signal.name for kind in self.by_name.values() for signal in kind.signals)
+    def signal_names(self, may_be: Callable[[str], bool] = lambda _class: True) -> frozenset[str]:
+        """Returns the names of the signals that some devices offer: those whose class may be that of a kind."""
+        kinds = (kind for kind in self.by_name.values() if may_be(kind.device_class))
+        return frozenset(signal.name for kind in kinds for signal in kind.signals)
 
 
 def load_device_kinds() -> tuple[DeviceKinds, tuple[PluginFault, ...]]:

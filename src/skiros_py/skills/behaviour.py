@@ -96,6 +96,7 @@ class Uses:
         binds: Class of the element by the name under which its children read it.
         pretends: Keys of the postconditions that it writes without sensing, empty for all; None where it does not.
         concurrent: True where its children run at the same time.
+        in_order: True where its children run one after the other, each at most once.
         needs: How many of its children must succeed so that it does.
     """
 
@@ -107,6 +108,7 @@ class Uses:
     binds: Mapping[str, str] = field(default_factory=lambda: _NOTHING)
     pretends: tuple[str, ...] | None = None
     concurrent: bool = False
+    in_order: bool = False
     needs: Literal["all", "any", "none"] = "all"
 
 

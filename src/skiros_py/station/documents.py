@@ -287,7 +287,7 @@ class DocumentService(Service):
             tuple(catalogue.skills.values()),
             catalogue.reasoners,
             session.runtime.signals.names,
-            {module, *session.managers.documents, *(name for _, name in missing)},
+            {**dict.fromkeys(name for _, name in missing), **session.managers.documents, module: made},
         )
         faults = faults_of_document(made.behaviour, made.params, known)
         problems = (DocumentFault(place, f"there is no document '{name}' that can run") for place, name in missing)

@@ -25,7 +25,7 @@ from skiros_py.skills.parameters import Kind, Param, param
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.skill import Skill
 from skiros_py.testing import Bench, tiny_world
-from skiros_py.testing.tiny import AT_LOCATION, DRIVE
+from skiros_py.testing.tiny import AT_LOCATION, DRIVE, pretend
 
 SPEED = 0.5
 BRAKING = 0.1
@@ -340,3 +340,13 @@ def _stories(events: list[ModuleEvent]) -> Mapping[tuple[str, str, str], str]:
 
 TestModulesInAnyOrder = Modules.TestCase
 TestModulesInAnyOrder.settings = settings(max_examples=40, stateful_step_count=30, deadline=None)
+
+
+def test_a_skill_whose_device_was_closed_fails_with_the_reason_also_where_it_pretends() -> None:
+    with Bench(tiny_world(), (pretend(DRIVE),)) as bench:
+        bench.cycle.board.closed.add("base_1")
+        outcome = bench.run("drive", Base="base_1", Robot="robot_1", Location="box_a")
+
+        assert outcome == Failure("drive: base_1 is closed: open it first")
+        bench.cycle.board.closed.clear()
+        assert isinstance(bench.run("drive", Base="base_1", Robot="robot_1", Location="box_a"), Success)

@@ -20,7 +20,6 @@ from skiros_py.planning.domain.literals import (
     allows_value,
     asked_literals,
     expand,
-    overlap,
     property_of,
     storable,
 )
@@ -199,7 +198,7 @@ def possible_variants(actions: Iterable[Action], view: WorldView) -> tuple[Actio
 
     @cache
     def may_be(class_: str, relation: str) -> bool:
-        if any(overlap(class_, other, ontology) for other in brought.get(relation, ())):
+        if any(ontology.overlap(class_, other) for other in brought.get(relation, ())):
             return True
         placements = (view.placement(thing) for thing in view.instances(class_))
         return any(placement is not None and placement.relation == relation for placement in placements)

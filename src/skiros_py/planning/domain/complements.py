@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from skiros_py.errors import PlanningError
 from skiros_py.planning.domain.actions import is_placement, numbered, shown
-from skiros_py.planning.domain.literals import NOT, is_stored, negated, overlap
+from skiros_py.planning.domain.literals import NOT, is_stored, negated
 from skiros_py.planning.domain.model import Action, Atom
 from skiros_py.world.ontology import Ontology
 
@@ -85,6 +85,6 @@ def _with_effects(action: Action, wanted: frozenset[str]) -> Action:
 def _may_be_one(new: Atom, old: Atom, types: Mapping[str, str], ontology: Ontology) -> bool:
     """Returns whether two atoms of an action may refer to the same things."""
     return new.predicate == old.predicate and all(
-        one == other or overlap(types.get(one, ""), types.get(other, ""), ontology)
+        one == other or ontology.overlap(types.get(one, ""), types.get(other, ""))
         for one, other in zip(new.arguments, old.arguments, strict=True)
     )

@@ -16,7 +16,7 @@ from itertools import count
 
 from skiros_py.errors import PlanningError, UsageError
 from skiros_py.planning.domain.actions import shown
-from skiros_py.planning.domain.literals import NOT, NOTHING, atom_of, is_stored, normal, overlap
+from skiros_py.planning.domain.literals import NOT, NOTHING, atom_of, is_stored, normal
 from skiros_py.planning.domain.model import Action, Atom, NoneSuch, Variable
 from skiros_py.skills.conditions import AllOf, AnyOf, Condition, Exists, Not, Nothing, Pattern, Related
 from skiros_py.skills.references import variables
@@ -77,7 +77,7 @@ def _maintaining(action: Action, emptiness: Emptiness, ontology: Ontology) -> Ac
 
     def concerned(atoms: Iterable[Atom], but: Iterable[Atom]) -> list[str]:
         places = [a.arguments[1] for a in atoms if a.predicate == emptiness.relation and a not in but]
-        return [place for place in places if overlap(action.types[place], emptiness.class_, ontology)]
+        return [place for place in places if ontology.overlap(action.types[place], emptiness.class_)]
 
     freed = concerned(action.delete, but=action.add)
     starts = tuple(Atom(emptiness.predicate, (place,)) for place in freed)

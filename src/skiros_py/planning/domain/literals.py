@@ -52,13 +52,6 @@ def common_class(one: str, other: str, ontology: Ontology) -> str:
     return next((c for c in (one, *primary_line(ontology, one)) if c in others), "object")
 
 
-def overlap(one: str, other: str, ontology: Ontology) -> bool:
-    """Returns whether something may be of both classes; anything may be of an unknown class."""
-    if one not in ontology.classes or other not in ontology.classes:
-        return True
-    return not set(ontology.subclasses(one)).isdisjoint(ontology.subclasses(other))
-
-
 def with_class_predicates(
     actions: Sequence[Action], objects: Mapping[str, str], ontology: Ontology
 ) -> tuple[Action, ...]:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from functools import cache, partial
+from functools import cache
 from typing import NamedTuple
 
-from skiros_py.planning.domain.literals import CAN, NOTHING, Asked, overlap
+from skiros_py.planning.domain.literals import CAN, NOTHING, Asked
 from skiros_py.planning.domain.model import Action, Atom
 from skiros_py.skills.conditions import Not
 from skiros_py.world.terms import Family
@@ -44,7 +44,7 @@ class Lifted:
         self._deleting: dict[str, list[tuple[Action, Atom]]] = {}
         self._needing: dict[Slot, list[Atom]] = {}
         self._givers: dict[tuple[str, Atom], tuple[tuple[Action, Atom], ...]] = {}
-        self.overlap: Callable[[str, str], bool] = cache(partial(overlap, ontology=view.ontology))
+        self.overlap: Callable[[str, str], bool] = cache(view.ontology.overlap)
         for action in actions:
             for table, atoms in ((self._adding, action.add), (self._deleting, action.delete)):
                 for atom in atoms:

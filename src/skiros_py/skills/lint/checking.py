@@ -34,7 +34,14 @@ NEVER_TRIED = Rule("never-tried", Severity.WARNING, "A skill for which no world 
 
 _OF_CODE = (one for module in (words, reach, calls, ranges, devices, code) for one in vars(module).values())
 _ALL = (DOES_NOT_LOAD, *_OF_CODE, EFFECT_MISSING, UNDECLARED_CHANGE, NEVER_TRIED)
-_OF_DOCUMENTS = (calls.unknown_module, words.unknown_word, ranges.wrong_range, devices.same_device)
+_OF_DOCUMENTS = (
+    calls.unknown_module,
+    calls.missing_argument,
+    calls.not_yet_written,
+    words.unknown_word,
+    ranges.wrong_range,
+    devices.same_device,
+)
 
 RULES: Mapping[str, Rule] = MappingProxyType({one.name: one for one in _ALL if isinstance(one, Rule)})
 """Every rule, by name."""
@@ -113,14 +120,17 @@ def problems_of(
 def faults_of_document(root: Behaviour, params: Sequence[Param], known: Known) -> Iterator[tuple[str, str]]:
     """Yields what is wrong with what a document does, with the path of the node in it.
 
-    These are wrong calls, words that are not declared, expressions that can never hold, and branches that run at the
-    same time and both take one device.
+    These are calls that are wrong or never end, values of the wrong type or not yet written, words that are not
+    declared, expressions that can never hold, and branches that run at the same time and both take one device.
 
     Args:
         root: What it does.
         params: Its parameters.
         known: The modules, and the documents that it may call as modules.
     """
+    endless = calls.endless_calls((root,), known, known.skills)
     for place in places_of(root, params):
+        for module in {call.module for call in place.node.uses().calls} & set(endless):
+            yield place.path, f"whichever way it succeeds, it calls {module}, which in the end calls itself again"
         for rule in _OF_DOCUMENTS:
             yield from ((place.path, str(found)) for found in rule.problems(place, known))

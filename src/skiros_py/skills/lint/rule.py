@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from skiros_py.errors import SkirosError
-from skiros_py.skills.behaviour import Behaviour
+from skiros_py.skills.behaviour import Behaviour, Uses, walk
 from skiros_py.skills.conditions import Condition, ConditionType, Pattern
 from skiros_py.skills.conditions.pattern import Classes
-from skiros_py.skills.parameters import IT, Param, params_of
+from skiros_py.skills.parameters import IT, Output, Param, params_of
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.world.ontology import Ontology
@@ -66,31 +66,61 @@ class Source:
         return ""
 
 
+Writers = Mapping[str, frozenset[tuple[str, str]]]
+"""Values that nodes write, by name: for each call that does so, its module and which output."""
+
+
 @dataclass(frozen=True, slots=True)
 class Place:
-    """A node of a body or document, with the parameters that it can refer to.
+    """A node of a body or document, with the values that it can refer to.
 
     Attributes:
         node: The node.
         classes: Class of each element that it can refer to, by key.
-        values: Keys of the parameters that are no elements.
+        values: The parameters that are no elements, by key.
         path: Its path below the root; empty for the root.
         description: Of the skill that it is part of, or None.
+        written: What may have been written when it runs.
+        later: Names of all values that the body or document writes.
     """
 
     node: Behaviour
     classes: Classes
-    values: frozenset[str] = frozenset()
+    values: Mapping[str, Param] = field(default_factory=dict)
     path: str = ""
     description: SkillDescription | None = None
+    written: Writers = field(default_factory=dict)
+    later: frozenset[str] = frozenset()
 
     def below(self) -> Iterator[Place]:
         """Yields this place and those of all nodes below it."""
         yield self
-        classes = {**self.classes, **self.node.uses().binds}
-        for key, child in self.node.named_children().items():
+        uses, children = self.node.uses(), self.node.named_children()
+        classes, written = {**self.classes, **uses.binds}, self.written
+        if not uses.in_order:
+            written = _merged(written, writers(self.node))
+        for key, child in children.items():
             path = f"{self.path}/{key}".lstrip("/")
-            yield from replace(self, node=child, classes=classes, path=path).below()
+            yield from replace(self, node=child, classes=classes, path=path, written=written).below()
+            if uses.in_order:
+                written = _merged(written, writers(child))
+
+
+def writers(root: Behaviour) -> Writers:
+    """Returns what a node and all below it write."""
+    found: Writers = {}
+    for node in walk(root):
+        found = _merged(found, _own_writers(node.uses()))
+    return found
+
+
+def _own_writers(uses: Uses) -> Writers:
+    calls = {(name, (call.module, key)) for call in uses.calls for key, name in call.outputs.items()}
+    return {name: frozenset(call for written, call in calls if written == name) for name in uses.writes}
+
+
+def _merged(one: Writers, other: Writers) -> Writers:
+    return {name: one.get(name, frozenset()) | other.get(name, frozenset()) for name in (*one, *other)}
 
 
 Subject = SkillDescription | Skill | PrimitiveClass | ConditionType | Source | Place
@@ -99,8 +129,9 @@ Subject = SkillDescription | Skill | PrimitiveClass | ConditionType | Source | P
 
 def places_of(root: Behaviour, params: Sequence[Param], description: SkillDescription | None = None) -> Iterator[Place]:
     """Yields the places of a body or document over some parameters."""
-    values = frozenset(param.key for param in params if not param.is_element)
-    yield from Place(root, classes_of(params), values, description=description).below()
+    values = {param.key: param for param in params if not param.is_element}
+    later = frozenset(name for node in walk(root) for name in node.uses().writes)
+    yield from Place(root, classes_of(params), values, description=description, later=later).below()
 
 
 def classes_of(params: Sequence[Param]) -> Classes:
@@ -126,6 +157,22 @@ def title(subject: Subject) -> str:
             return f"primitive {getattr(subject, 'name', getattr(subject, '__name__', ''))}"
 
 
+class CallableDocument(Protocol):
+    """A document that can be called as a module."""
+
+    @property
+    def behaviour(self) -> Behaviour:
+        """What it does."""
+
+    @property
+    def params(self) -> tuple[Param, ...]:
+        """The parameters that it declares; without any it takes all values."""
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Names of the values that its outcome has."""
+
+
 @dataclass(frozen=True, slots=True)
 class Known:
     """What is there beside the thing that is looked at.
@@ -136,7 +183,7 @@ class Known:
         skills: All skills.
         reasoners: What computes relations.
         signals: The signals of the cell; None where there is no cell, only descriptions.
-        documents: Names of the documents that can be called as modules.
+        documents: The documents that can be called as modules, by name; None for one that cannot run now.
     """
 
     ontology: Ontology
@@ -144,20 +191,44 @@ class Known:
     skills: Sequence[Skill] = ()
     reasoners: Reasoners = NO_REASONERS
     signals: Collection[str] | None = None
-    documents: Collection[str] = ()
+    documents: Mapping[str, CallableDocument | None] = field(default_factory=dict)
 
     def implementations(self, skill: str) -> tuple[Skill, ...]:
         """Returns the implementations of a skill."""
         return tuple(s for s in self.skills if s.description.name == skill)
 
     def params(self, module: str) -> tuple[Param, ...] | None:
-        """Returns the parameters of a primitive or a skill; None where there is none, or its own are broken."""
+        """Returns the parameters of a module; None where there is none, or its own are broken or not declared."""
         if module in self.primitives:
             try:
                 return params_of(self.primitives[module].Params)
             except SkirosError:
                 return None
+        if document := self.documents.get(module):
+            return document.params or None
         return next((s.description.params for s in self.implementations(module)), None)
+
+    def outputs(self, module: str) -> tuple[str, ...]:
+        """Returns the names of the outputs of a module."""
+        document = self.documents.get(module)
+        return tuple(output.name for output in self._outputs(module)) or (document.outputs if document else ())
+
+    def types(self, calls: Collection[tuple[str, str]], seen: Collection[str] = ()) -> tuple[Param, ...]:
+        """Returns the declared types of outputs of modules; of a document those of the outputs that it writes.
+
+        Args:
+            calls: Modules, each with the name of an output.
+            seen: Documents that call these.
+        """
+        found: list[Param] = []
+        for module, key in calls:
+            found += [output.param for output in self._outputs(module) if output.name == key]
+            if (document := self.documents.get(module)) and module not in seen:
+                found += self.types(writers(document.behaviour).get(key, ()), (*seen, module))
+        return tuple(found)
+
+    def _outputs(self, module: str) -> tuple[Output, ...]:
+        return self.primitives[module].outputs if module in self.primitives else ()
 
     def takes(self, module: str) -> tuple[str, ...]:
         """Returns the keys of those parameters of a module whose element it takes with all its devices."""

@@ -133,7 +133,7 @@ class DeviceService(Service):
         Raises:
             NotFound: There is no such device.
             UsageError: Its kind names no such module, no subsystem can run it, or the arguments are not valid.
-            WrongState: It is in use, or everything is halted.
+            WrongState: It is closed or in use, or everything is halted.
         """
         return self._by_hand(id_, "jog", arguments, module, author)
 
@@ -160,6 +160,8 @@ class DeviceService(Service):
             agent = _agent(session, id_, name)
             if agent is None:
                 raise UsageError(f"no subsystem that could {verb} {id_} has the module {name}")
+            if id_ in session.cycle.board.closed:
+                raise WrongState(f"{id_} is closed: open it first")
             if busy := _busy(session, agent):
                 raise WrongState(f"{id_} cannot be moved by hand, {busy} is active: wait, or pause or stop that")
             arguments = {**given, **_device_parameter(session, agent, name, id_, given)}

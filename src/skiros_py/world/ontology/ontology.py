@@ -107,6 +107,12 @@ class Ontology:
         self._known_class(class_)
         return self._subclasses[class_]
 
+    def overlap(self, one: str, other: str) -> bool:
+        """Returns whether something may be of both classes; anything may be of an unknown class."""
+        if one not in self.classes or other not in self.classes:
+            return True
+        return not set(self._subclasses[one]).isdisjoint(self._subclasses[other])
+
     def class_value(self, class_: str, property_: str) -> Value | None:
         """Returns what the class, else its nearest ancestor, gives as the value of a property, or None.
 

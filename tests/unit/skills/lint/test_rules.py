@@ -126,7 +126,7 @@ def test_the_tiny_words_keep_all_rules(type_: ConditionType) -> None:
         (Compare("sk:misssing", "=", "b", True), "the property sk:misssing; did you mean sk:missing?"),
         (IsA("b", "tiny:Boxx"), "the class tiny:Boxx; did you mean tiny:Box?"),
         (Exists("x", "tiny:Boxx", Related("sk:at", "a", "x")), "the class tiny:Boxx"),
-        (Expression("a.colour = 1"), "no device has a signal 'colour'; there is angular, "),
+        (Expression("a.colour = 1"), "no sk:Robot has a signal 'colour'; there is none"),
     ],
     ids=lambda value: type(value).__name__ if not isinstance(value, str) else "",
 )
@@ -166,7 +166,7 @@ def test_terms_are_checked_in_partial_descriptions_requirements_and_bodies() -> 
         Compare("sk:model", "<", "a", 1.0),
         IsA("a", "tiny:Box"),
         Exists("x", "tiny:Ball", Related("sk:at", "a", "x")),
-        Expression('a.force > "x"'),
+        Expression('`gripper_1.force` > "x"'),
         Expression("a > 1"),
     ],
     ids=_named,

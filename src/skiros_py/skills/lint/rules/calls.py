@@ -17,7 +17,7 @@ from skiros_py.skills.skill import Skill
 def unknown_module(place: Place, known: Known) -> Iterator[str]:
     """Yields calls of modules that are not there, and arguments that these do not have."""
     for call in place.node.uses().calls:
-        if call.module in known.primitives or known.implementations(call.module):
+        if _kind(call, known):
             yield from _wrong_arguments(call, known)
         elif call.module not in known.documents:
             names = sorted({*known.primitives, *(s.description.name for s in known.skills), *known.documents})
@@ -28,28 +28,43 @@ def unknown_module(place: Place, known: Known) -> Iterator[str]:
 def _wrong_arguments(call: Call, known: Known) -> Iterator[str]:
     module = f"{_kind(call, known)} '{call.module}'"
     params = {param.key: param for param in known.params(call.module) or ()}
-    for key in call.inputs:
+    takes_all = call.module in known.documents and not params
+    for key in call.inputs if not takes_all else ():
         if key not in params:
             yield f"{module} has no parameter {key}{nearest(key, params)}"
         elif params[key].kind is Kind.CONFIG:
             yield f"{module} has {key} fixed when it is loaded: it cannot be given at a call"
-    primitive = known.primitives.get(call.module)
-    outputs = [output.name for output in primitive.outputs] if primitive else []
+    outputs = known.outputs(call.module)
     for key in call.outputs:
         if key not in outputs:
             yield f"{module} has no output {key}{nearest(key, outputs)}; it has {', '.join(outputs) or 'none'}"
 
 
 def _kind(call: Call, known: Known) -> str:
-    return "primitive" if call.module in known.primitives else "skill"
+    """Returns what is called; an empty text where nothing is there that can be called now."""
+    if call.module in known.primitives:
+        return "primitive"
+    return "skill" if known.implementations(call.module) else "document" if known.documents.get(call.module) else ""
+
+
+@rule("not-yet-written", "A node reads a value that only later nodes write.", Place)
+def not_yet_written(place: Place, known: Known) -> Iterator[str]:  # noqa: ARG001 - a check's signature
+    """Yields values that a node reads before any node can have written them."""
+    uses = place.node.uses()
+    read = [*uses.names, *((name, str(c)) for c in uses.conditions for name in (*c.arguments, *c.names))]
+    for name, asker in dict.fromkeys(read):
+        if name in place.later and name not in {*place.written, *place.values, *place.classes}:
+            yield f"{asker} reads '{name}', which only a later node writes"
 
 
 @rule("missing-argument", "A call leaves out an argument that cannot be inferred.", Place, disables=True)
 def missing_argument(place: Place, known: Known) -> Iterator[str]:
     """Yields required parameters that a call does not give and a run cannot fill in."""
     for call in place.node.uses().calls:
-        kind = _kind(call, known)
-        for param in known.params(call.module) or ():
+        kind, params = _kind(call, known), known.params(call.module) or ()
+        if not {param.key for param in params}.issuperset(call.inputs):
+            continue  # the name of an argument is wrong: another rule says so
+        for param in params:
             if param.kind.is_required and param.key not in call.arguments and not _is_filled_in(param, kind):
                 yield f"{kind} '{call.module}' needs {param.key}"
 
@@ -83,26 +98,35 @@ def missing_parameter(subject: Subject, known: Known) -> Iterator[str]:  # noqa:
 @rule("recursive-skill", "A skill that calls itself without end.", Skill)
 def recursive_skill(skill: Skill, known: Known) -> Iterator[str]:
     """Yields a problem for an implementation none of whose ways to succeed ever ends."""
-    others = [s for s in known.skills if s.driver == skill.driver]
-    endless = {s.description.name for s in others} - _ending(others)
-    if not _ends(skill, endless):
-        calls = sorted({call.module for call in calls_of(*skill.nodes) if call.module in endless})
+    if calls := endless_calls(skill.nodes, known, [s for s in known.skills if s.driver == skill.driver]):
         yield f"whichever way it succeeds, it calls {' and '.join(calls)}, which in the end calls itself again"
 
 
-def _ending(skills: Collection[Skill]) -> set[str]:
-    """Returns the skills that can succeed without calling themselves, however indirectly."""
-    names = {skill.description.name for skill in skills}
+def endless_calls(nodes: Collection[Behaviour], known: Known, skills: Collection[Skill]) -> list[str]:
+    """Returns which modules some nodes call without end, whichever way they succeed; none where they can end.
+
+    Args:
+        nodes: The nodes.
+        known: The documents that they may call.
+        skills: The skills that they may call.
+    """
+    bodies = [(skill.description.name, skill.nodes) for skill in skills]
+    bodies += [(name, (document.behaviour,)) for name, document in known.documents.items() if document]
+    endless = {name for name, _ in bodies} - _ending(bodies)
+    if all(_can_end(node, endless) for node in nodes):
+        return []
+    return sorted({call.module for call in calls_of(*nodes) if call.module in endless})
+
+
+def _ending(bodies: Collection[tuple[str, Collection[Behaviour]]]) -> set[str]:
+    """Returns the modules that can succeed without calling themselves, however indirectly."""
+    names = {name for name, _ in bodies}
     ending: set[str] = set()
     while True:
-        more = {s.description.name for s in skills if _ends(s, names - ending)}
+        more = {name for name, nodes in bodies if all(_can_end(node, names - ending) for node in nodes)}
         if more <= ending:
             return ending
         ending |= more
-
-
-def _ends(skill: Skill, open_: Collection[str]) -> bool:
-    return all(_can_end(node, open_) for node in skill.nodes)
 
 
 def _can_end(node: Behaviour, open_: Collection[str]) -> bool:

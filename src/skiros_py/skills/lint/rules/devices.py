@@ -9,7 +9,6 @@ from itertools import combinations
 from skiros_py.ports.kinds import load_device_kinds
 from skiros_py.skills.behaviour import P
 from skiros_py.skills.lint.rule import Known, Place, Subject, rule
-from skiros_py.skills.lint.rules.ranges import overlap
 from skiros_py.skills.lint.rules.words import own_params
 from skiros_py.skills.parameters import Access, Kind
 from skiros_py.skills.skill import SkillDescription
@@ -55,7 +54,7 @@ def _may_be_one(one: _Device, other: _Device, known: Known) -> bool:
     """Tells whether two are one device; of what is left out, robots have one of a class or would have to say which."""
     if one.name and other.name:
         return one.name == other.name
-    return overlap(known.ontology, one.class_, other.class_)
+    return known.ontology.overlap(one.class_, other.class_)
 
 
 def _taken(place: Place, known: Known) -> Iterator[_Device]:
@@ -75,7 +74,7 @@ def _taken(place: Place, known: Known) -> Iterator[_Device]:
                 yield _Device(place.classes.get(key, param.element_class), key or str(value), shared)
             elif param.kind.is_required:  # a run fills in the subsystem itself where it is of that class: it is nearest
                 own = place.description
-                is_agent = own is not None and overlap(known.ontology, own.agent_class, param.element_class)
+                is_agent = own is not None and known.ontology.overlap(own.agent_class, param.element_class)
                 yield _Device(param.element_class, own.agent if own is not None and is_agent else "", shared)
 
 
@@ -85,7 +84,7 @@ def no_mix_rule(subject: Subject, known: Known) -> Iterator[str]:
     shared = [param for param in own_params(subject) if param.access is Access.SHARED and param.is_element]
     kinds = load_device_kinds()[0].by_name.values() if shared else ()
     for param in shared:
-        fitting = [kind for kind in kinds if overlap(known.ontology, param.element_class, kind.device_class)]
+        fitting = [kind for kind in kinds if known.ontology.overlap(param.element_class, kind.device_class)]
         if fitting and not any(kind.mixes() for kind in fitting):
             names = " and ".join(f"'{kind.kind}'" for kind in fitting)
             yield f"parameter {param.key} shares a device, but kind {names} has no mix rule"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 
+from skiros_py.errors import UsageError
 from skiros_py.skills.behaviour import Call, P
 from skiros_py.skills.conditions import (
     ClassRelated,
@@ -21,6 +22,7 @@ from skiros_py.skills.conditions import (
 )
 from skiros_py.skills.conditions.pattern import Classes, leaves
 from skiros_py.skills.lint.rule import Known, Place, Subject, Use, rule, uses_of
+from skiros_py.skills.parameters import Param, read_constant
 from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.world.literals import CLASS_NAME, DATATYPES
 from skiros_py.world.ontology import Ontology
@@ -28,11 +30,11 @@ from skiros_py.world.terms import End
 
 
 @rule(
-    "wrong-range", "A condition or module gets an element that can never fit.",
+    "wrong-range", "A condition or module gets an element or value that can never fit.",
     SkillDescription, Skill, Place, ConditionType,
 )  # fmt: skip
 def wrong_range(subject: Subject, known: Known) -> Iterator[str]:
-    """Yields conditions and arguments of modules with elements that can never fit."""
+    """Yields conditions and arguments of modules with elements and values that can never fit."""
     for use in uses_of(subject):
         wrong = list(_roles(use.condition, use.classes, known.ontology)) if use.condition is not None else []
         yield from (f"{use.where}: {text}" for text in wrong or _wrong_ends(use, known.ontology))
@@ -44,15 +46,8 @@ def wrong_range(subject: Subject, known: Known) -> Iterator[str]:
 def _roles(condition: Condition, classes: Classes, ontology: Ontology) -> Iterator[str]:
     for role, argument in zip(condition.type.roles, condition.arguments, strict=True):
         class_ = classes.get(argument)
-        if class_ is not None and not overlap(ontology, class_, role.class_):
+        if class_ is not None and not ontology.overlap(class_, role.class_):
             yield f"its {role.name} is a {role.class_}, and {argument} is a {class_}: nothing is both"
-
-
-def overlap(ontology: Ontology, one: str, other: str) -> bool:
-    """Tells whether something can be of both classes; of what is not declared nothing is known."""
-    if one not in ontology.classes or other not in ontology.classes:
-        return True
-    return any(ontology.is_a(below, other) for below in ontology.subclasses(one))
 
 
 def _wrong_ends(use: Use, ontology: Ontology) -> Iterator[str]:
@@ -68,7 +63,7 @@ def _wrong_ends(use: Use, ontology: Ontology) -> Iterator[str]:
                 yield from _property(leaf, classes, ontology)
             case Expression() if problem := leaf.problem(partial(_kinds_of, classes)):
                 yield problem
-            case IsA(subject, class_) if not overlap(ontology, classes.get(subject, class_), class_):
+            case IsA(subject, class_) if not ontology.overlap(classes.get(subject, class_), class_):
                 yield f"{subject} is a {classes[subject]}, and can never be a {class_}"
             case _:
                 pass
@@ -125,15 +120,76 @@ def _comparable(leaf: Compare, range_: str, ontology: Ontology) -> bool:
 
 
 def _passed(call: Call, place: Place, known: Known) -> Iterator[str]:
-    """Yields parameters that are passed on as something they can never be."""
+    """Yields parameters that are given what they can never be."""
     wanted = {param.key: param for param in known.params(call.module) or ()}
-    for key, value in call.arguments.items():
-        if not isinstance(value, P) or key not in wanted:
+    for key, value in call.inputs.items():
+        if key not in wanted or value is None:
             continue
-        param, class_ = wanted[key], place.classes.get(value.key)
-        if class_ is not None and not param.is_element:
-            yield f"'{call.module}' takes {param.type_name} as {key}, and {value.key} is a {class_}"
-        elif param.is_element and value.key in place.values:
-            yield f"'{call.module}' takes a {param.type_name} as {key}, and {value.key} is no element"
-        elif class_ is not None and param.is_element and not overlap(known.ontology, class_, param.element_class):
-            yield f"'{call.module}' takes a {param.type_name} as {key}, and {value.key} is a {class_}: nothing is both"
+        if isinstance(value, P):
+            given = _given(value.key, place, known)
+            wrong = [why for one in given if (why := _misfit(wanted[key], one, value.key, known.ontology))]
+            if wrong and len(wrong) == len(given):
+                yield f"'{call.module}' takes {wrong[0]}"
+        elif why := _refused(wanted[key], value, known.ontology):
+            yield f"'{call.module}': {why}"
+
+
+def _given(name: str, place: Place, known: Known) -> tuple[Param, ...]:
+    """Returns what a value may be that a node reads: a parameter, the element of a loop, or one of several outputs."""
+    if name in place.classes:
+        return (Param(name, place.classes[name], ""),)
+    return (place.values[name],) if name in place.values else known.types(place.written.get(name, ()))
+
+
+def _misfit(wanted: Param, given: Param, name: str, ontology: Ontology) -> str:
+    """Returns why a value never fits a parameter; an empty text where it may."""
+    takes = f"{wanted.type_name} as {wanted.key}"
+    if wanted.is_element:
+        if not given.is_element:
+            return f"a {takes}, and {name} is no element"
+        both = ontology.overlap(given.element_class, wanted.element_class)
+        return "" if both else f"a {takes}, and {name} is a {given.type}: nothing is both"
+    if not _may_be(given, wanted):
+        return f"{takes}, and {name} is a {given.type_name}"
+    if wanted.unit and given.unit and wanted.unit != given.unit:
+        return f"{takes} in {wanted.unit}, and {name} is in {given.unit}"
+    return ""
+
+
+_FITTING = {
+    "number": ("number", "integer"),
+    "integer": ("number", "integer"),
+    "text": ("text", "class"),
+    "class": ("text", "class"),
+    "pose": ("pose", "vector"),
+}
+
+
+def _may_be(given: Param, wanted: Param) -> bool:
+    """Returns whether values of one type may be of another; of Python classes nothing is known before a run."""
+    if given.is_element:
+        return False
+    shape = _shape(wanted)
+    return "" in (shape, _shape(given)) or _shape(given) in _FITTING.get(shape, (shape,))
+
+
+def _shape(param: Param) -> str:
+    """Returns what the values of a parameter are, one or several; an empty text for those of Python classes."""
+    if not isinstance(param.type, str) or param.length == 1:
+        return param.type if isinstance(param.type, str) else ""
+    return "vector" if param.type in ("number", "integer") else f"several {param.type}"
+
+
+def _refused(param: Param, value: object, ontology: Ontology) -> str:
+    """Returns why a constant is no value of a parameter; an empty text where it is one."""
+    if param.is_element:
+        why = f"parameter {param.key} takes the id of a {param.type}, not {value!r:.100}"
+        return "" if isinstance(value, str) else why
+    try:
+        read = read_constant(param, value)
+        if param.type == "class":
+            for name in read if isinstance(read, tuple) else (read,):
+                ontology.resolve_class(name)
+    except UsageError as error:
+        return str(error).rstrip(".")
+    return ""

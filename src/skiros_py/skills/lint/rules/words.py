@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import inspect
 from collections.abc import Collection, Iterable, Iterator
+from functools import partial
 from typing import Any
 
 from skiros_py.errors import SkirosError, UnknownName
@@ -84,10 +85,11 @@ def _undeclared(leaf: Pattern, classes: Classes, known: Known) -> Iterator[str]:
         case Exists(_, class_) | IsA(_, class_):
             yield from _missing("class", class_, ontology.classes)
         case Expression():
-            offered = load_device_kinds()[0].signal_names()
             for device, quantity in leaf.quantities:
-                if device in classes and quantity not in offered:
-                    yield f"no device has a signal '{quantity}'; there is {', '.join(sorted(offered))}"
+                class_ = classes.get(device, "")
+                offered = load_device_kinds()[0].signal_names(partial(ontology.overlap, class_))
+                if class_ and quantity not in offered:
+                    yield f"no {class_} has a signal '{quantity}'; there is {', '.join(sorted(offered)) or 'none'}"
                 name = f"{device}.{quantity}"
                 if device not in classes and known.signals is not None and name not in known.signals:
                     yield str(UnknownName("signal", name, known.signals))
