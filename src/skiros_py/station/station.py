@@ -24,14 +24,12 @@ from skiros_py.station.jobs.jobs import JobService
 from skiros_py.station.jobs.waiting import JobWaiter
 from skiros_py.station.modules.modules import ModuleService, PluginService
 from skiros_py.station.modules.runs import ModuleRuns
-from skiros_py.station.recordings.replay import RecordingService
 from skiros_py.station.recordings.runs import JobRecordings
 from skiros_py.station.robots.devices import DeviceService, SignalService
 from skiros_py.station.robots.looks import Looks
 from skiros_py.station.robots.models import RobotModels
 from skiros_py.station.robots.motions import Motions
 from skiros_py.station.robots.robots import RobotService
-from skiros_py.station.scenes.loading import SceneStage
 from skiros_py.station.scenes.scenes import SceneStore
 from skiros_py.station.scenes.service import SceneService
 from skiros_py.station.session import Session
@@ -80,9 +78,8 @@ class Station:
         looks: The last looks of the cameras.
         motions: The planned motions of devices.
         document_store: The stored documents; from :meth:`start` on.
-        job_recordings, module_runs: Active and recent items.
+        module_runs: Active and recent runs of modules.
         scene_store: The files of scenes.
-        stage: Reads scenes beside the live world.
         robot_models: Visual models of the robots.
         query_worker: Answers SPARQL queries in processes that may be killed.
         waiter: Lets callers wait for jobs.
@@ -104,7 +101,6 @@ class Station:
         self.query_worker = Queries()
         self.robot_models = RobotModels(user_cache_path("skiros-py") / "models")
         self.scene_store = SceneStore(data / "scenes")
-        self.stage = SceneStage()
         self.simulation = Simulation(self.control, self.alarms)
         self.documents = DocumentService(self)
         self.devices = DeviceService(self)
@@ -119,8 +115,7 @@ class Station:
         self.robots = RobotService(self)
         self.scenes = SceneService(self)
         self.world = WorldService(self)
-        self.job_recordings = JobRecordings(data / "recordings")
-        self.recordings = RecordingService(self)
+        self.recordings = JobRecordings(data / "recordings", lambda: self.session.jobs)
         for attach in (
             self.stops.open,  # first: a stop requested meanwhile takes effect before anything else
             self.query_worker.open,
@@ -132,11 +127,11 @@ class Station:
             partial(EventSources, self.events, self.tasks, self.module_runs),
             partial(AlarmSources, self.alarms, self.control),
             self.waiter.open,
-            self.stage.open,
+            self.scenes.open,
             self.simulation.open,
             self.documents.open,
             self.previews.open,
-            self.job_recordings.open,
+            self.recordings.open,
         ):
             self.control.on_open(attach)
         self._stack = ExitStack()
@@ -165,7 +160,7 @@ class Station:
             SkirosError: It cannot be opened.
         """
         try:
-            self._stack.callback(self.job_recordings.close)
+            self._stack.callback(self.recordings.close)
             self.make_folder()
             self._stack.callback(self.robot_models.close)
             self._stack.callback(self.control.close)

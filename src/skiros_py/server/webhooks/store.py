@@ -90,21 +90,8 @@ _KEPT = 1000
 """Number of finished deliveries kept per webhook."""
 _LETTERBOX = 100_000
 """Maximum number of waiting deliveries per webhook; beyond it the oldest become dead letters."""
-_COLUMNS = (
-    "webhook",
-    "number",
-    "job",
-    "event",
-    "wall",
-    "body",
-    "state",
-    "attempts",
-    "next_try",
-    "status",
-    "error",
-    "since",
-)
-_SELECT = f"SELECT {', '.join(_COLUMNS)} FROM deliveries"  # noqa: S608 - our own names
+_COLUMNS = "webhook, number, job, event, wall, body, state, attempts, next_try, status, error, since"
+_SELECT = f"SELECT {_COLUMNS} FROM deliveries"  # noqa: S608 - our own names
 _HEAD = """UPDATE deliveries SET head = 1 WHERE webhook = :webhook AND number =
     (SELECT min(number) FROM deliveries WHERE webhook = :webhook AND job = :job AND state = 'pending')"""
 """Makes the oldest waiting message of a job the head of its queue, which is sent next."""
@@ -406,6 +393,6 @@ def _data(subscription: Subscription) -> str:
 
 
 def _post(row: Sequence[Any]) -> Post:
-    post = dict(zip(_COLUMNS, row, strict=True))
+    post = dict(zip(_COLUMNS.split(", "), row, strict=True))
     waits = post["state"] == DeliveryState.PENDING and post["next_try"] > 0
     return Post(**{**post, "created": post["wall"], "next_try": post["next_try"] if waits else None})

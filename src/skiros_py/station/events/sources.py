@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
-from skiros_py.execution.monitor import ModuleEvent
+from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.skills.context import Question
 from skiros_py.station.events.log import EventLog, Kind
 from skiros_py.station.jobs.views import state_name
@@ -65,10 +65,9 @@ class EventSources:
 
     def _turn(self, run: ModuleRun, turn: Turn) -> None:
         text = {"paused": "stands where it is", "resumed": "goes on"}[turn]
-        known = {"kind": run.kind, "agent": run.wish.agent, "code": 0, "text": text, "run": run.id}
-        blank = {"target": "", "caller": "", "task": "", "implementation": None}
-        blank |= {"parent": "", "root": "", "path": run.wish.module, "event": "", "value": None}
-        self._events.append(Kind.MODULE, turn, run.wish.module, elements=[run.wish.agent], data=known | blank)
+        agent, module = run.wish.agent, run.wish.module
+        event = ModuleEvent(0.0, run.kind, module, Status.RUNNING, 0, text, agent=agent, id=run.id, path=module)
+        self._events.append(Kind.MODULE, turn, module, elements=[agent], data=event.as_json())
 
     def _question(self, question: Question) -> None:
         data = {

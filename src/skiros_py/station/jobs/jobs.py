@@ -16,7 +16,7 @@ from skiros_py.station.jobs import views
 from skiros_py.station.jobs.orders import digest_of, is_same, job_order, texts_of
 from skiros_py.station.jobs.templates import content_of
 from skiros_py.station.requests import LIBRARY, Author, Service
-from skiros_py.tasks.jobs.job import Job, JobState, Trigger
+from skiros_py.tasks.jobs.job import Job, JobOrder, JobState, Trigger
 from skiros_py.tasks.jobs.manager import JobManager
 from skiros_py.tasks.jobs.store import Page, Receipt
 from skiros_py.world.vocabulary import MANIPULATABLE
@@ -87,13 +87,9 @@ class JobService(Service):
         known = self._ordered_before(order, receipt, again=again)
         if known is not None:
             return OrderResult(_view(self._with_leave(known, start, author)), repeated=True)
-        wanted = job_order(
-            order, order.id or f"job-{secrets.token_hex(8)}", texts_of(order, self._station.document_store)
-        )
-        comment = _said(author, "")
-        return OrderResult(
-            _view(jobs.submit(wanted, start=start, comment=comment, receipt=receipt, again=again)), repeated=False
-        )
+        wanted = self._read(order, order.id or f"job-{secrets.token_hex(8)}")
+        accepted = jobs.submit(wanted, start=start, comment=_said(author, ""), receipt=receipt, again=again)
+        return OrderResult(_view(accepted), repeated=False)
 
     def put(
         self,
@@ -130,17 +126,19 @@ class JobService(Service):
             raise StaleVersion(f"there is no job '{id_}' (any more): leave out If-Match to order it")
         if known is None:
             _check_removed(None if again else jobs.store.removed(id_), order)
-            wanted = job_order(order, id_, texts_of(order, self._station.document_store))
-            submitted = jobs.submit(wanted, start=start, comment=_said(author, ""), again=again)
-            return OrderResult(_view(submitted), repeated=False)
+            accepted = jobs.submit(self._read(order, id_), start=start, comment=_said(author, ""), again=again)
+            return OrderResult(_view(accepted), repeated=False)
         if is_same(order, known.order):
             known = self._with_leave(known, start, author)
         elif not replaces:  # a different order with the id of a job requires that the author has seen it
             raise _taken_already(known)
         else:
-            changed = job_order(order, id_, texts_of(order, self._station.document_store))
-            known = jobs.update(changed, _said(author, ""), expects=expects)
+            known = jobs.update(self._read(order, id_), _said(author, ""), expects=expects)
         return OrderResult(_view(known), repeated=True)
+
+    def _read(self, order: api.JobOrder, id_: str) -> JobOrder:
+        """Returns an order as the queue takes it, with the goal that its template makes."""
+        return job_order(order, id_, texts_of(order, self._station.document_store))
 
     def wait(self, id_: str, seconds: float) -> api.Job:
         """Waits until a job is over or interrupted; returns immediately if too many callers wait already.

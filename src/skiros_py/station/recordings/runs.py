@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 import platform
 import re
 import time
@@ -15,14 +16,16 @@ from tempfile import TemporaryDirectory
 from typing import Any
 from uuid import uuid4
 
-from skiros_py.errors import FileError
+from skiros_py.errors import FileError, Refused
 from skiros_py.ports.kinematics import write_robot_urdf
 from skiros_py.recording import RUNS, SUFFIX, Recorder, Recording, RecordingWriter
 from skiros_py.recording.pictures import record_pictures
+from skiros_py.station.recordings.replay import replay_text
 from skiros_py.station.recordings.sources import camera_of, record_looks, record_view
 from skiros_py.station.session import Session
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.jobs.job import Job
+from skiros_py.tasks.jobs.manager import JobManager
 from skiros_py.tasks.trace import TraceEntry, TraceEventKind
 from skiros_py.world.scene.writer import scene_turtle
 
@@ -128,12 +131,14 @@ class JobRecordings:
 
     Args:
         folder: Folder of the recordings; created with the first one.
+        jobs: Returns the jobs of the open session.
         most: Number of recordings kept.
         room: Maximum total size of the recordings [bytes].
     """
 
-    def __init__(self, folder: Path, most: int = _MOST, room: int = _ROOM) -> None:
+    def __init__(self, folder: Path, jobs: Callable[[], JobManager], most: int = _MOST, room: int = _ROOM) -> None:
         self._folder = folder
+        self._jobs = jobs
         self._most = most
         self._room = room
         self._session: Session | None = None
@@ -141,17 +146,41 @@ class JobRecordings:
         self._running: dict[int, Recorder] = {}
         self._writers: dict[int, RecordingWriter] = {}
 
-    def path(self, number: int) -> Path:
-        """Returns the path of the recording of a job, whether it exists or not."""
-        return self._folder / f"{number:09d}{SUFFIX}"
-
-    def read(self, number: int) -> Recording:
-        """Opens the recording of a job; close it.
+    def path(self, job: str) -> Path:
+        """Returns the path of the recording of a job, an MCAP file.
 
         Raises:
-            FileError: There is none, or it cannot be read.
+            UnknownName: There is no such job.
+            Refused: It is not recorded, or its recording was deleted.
         """
-        return Recording(self.path(number))
+        known = self._jobs().job(job)
+        path = self._file(known.number)
+        if not path.is_file():
+            raise _no_replay(known, FileError(path, "there is no such recording"))
+        return path
+
+    def replay(self, job: str, start: float = -math.inf, end: float = math.inf) -> bytes:
+        """Returns the replay of a job, or of a range of it, as JSON.
+
+        Args:
+            job: Id of the job.
+            start: Start of the range [s, run time].
+            end: End of the range [s].
+
+        Raises:
+            UnknownName: There is no such job.
+            Refused: It is not recorded, or its recording was deleted.
+        """
+        known = self._jobs().job(job)
+        try:
+            with Recording(self._file(known.number)) as recording:
+                return replay_text(recording, over=not known.state.is_open, start=start, end=end)
+        except (FileError, ValueError, KeyError) as error:
+            raise _no_replay(known, error) from None
+
+    def _file(self, number: int) -> Path:
+        """Returns the path of the recording of a job, whether it exists or not."""
+        return self._folder / f"{number:09d}{SUFFIX}"
 
     # ------------------------------------------------------------------ sessions
 
@@ -186,7 +215,7 @@ class JobRecordings:
                 before.close()
             self._make_room()
 
-        writer = RecordingWriter(self.path(number), limit=_LIMIT, part=part, prepare=prepare)
+        writer = RecordingWriter(self._file(number), limit=_LIMIT, part=part, prepare=prepare)
         self._writers = {key: one for key, one in self._writers.items() if one.alive} | {number: writer}
         recorder = recorder_of(session, writer, job=job.id)
         self._running[number] = recorder
@@ -207,7 +236,7 @@ class JobRecordings:
         writer = self._writers.get(job.number)
         if writer is not None:
             writer.end(discard=True)
-        self._delete(self.path(job.number))
+        self._delete(self._file(job.number))
 
     def _make_room(self) -> None:
         """Deletes the oldest recordings until number and size are within limits; those being written are kept."""
@@ -227,3 +256,13 @@ class JobRecordings:
             file.unlink(missing_ok=True)
         except OSError as error:
             _log.warning("a recording cannot be deleted: %s", error)
+
+
+def _no_replay(job: Job, error: Exception) -> Refused:
+    if job.started is None:
+        why = "it has not begun" if job.state.is_open else "it never began"
+    elif job.state.is_open:
+        why = "nothing is written down yet: ask again in some seconds"
+    else:
+        why = f"it is kept no longer, or never was ({error}): there is room for those of the last jobs only"
+    return Refused("NoReplay", f"there is no replay of job '{job.id}': {why}")

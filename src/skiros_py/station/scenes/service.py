@@ -2,27 +2,61 @@
 
 from __future__ import annotations
 
+import tempfile
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from skiros_py.api.scenes import PresentScene, Scene, SceneDifference, SceneEntry, SceneRobot, Scenes
-from skiros_py.errors import FileError, Refused, UsageError
+from skiros_py.config import ontology_paths
+from skiros_py.errors import DescriptionError, FileError, Refused, UsageError
 from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, Service, addressed, require_seen
-from skiros_py.station.scenes.loading import load, require_rest, shown
+from skiros_py.station.scenes.loading import check_scene, load, require_rest, shown
 from skiros_py.station.scenes.scenes import SceneFile, scene_only
-from skiros_py.world.change import Writer
+from skiros_py.station.session import Session
+from skiros_py.tasks.goals import parse_goal
+from skiros_py.world.change import Edit, SceneSource, Writer
 from skiros_py.world.element import is_learned
 from skiros_py.world.index import Index
-from skiros_py.world.scene import describe, scene_source
+from skiros_py.world.names import SCENE, STANDARD_PREFIXES
+from skiros_py.world.ontology.documents import read_document
+from skiros_py.world.scene import describe, diff, load_scene, scene_source
 from skiros_py.world.scene.writer import scene_turtle
 from skiros_py.world.vocabulary import ELEMENT, ROBOT
 
+if TYPE_CHECKING:
+    from skiros_py.station.station import Station
+
 _UNKNOWN = "UnknownScene"
+_KEPT = 8
+"""Number of scenes cached after reading, for frequent requests."""
+_THIS, _LABEL = SCENE + "this", STANDARD_PREFIXES["rdfs"] + "label"
 
 
 class SceneService(Service):
-    """Saves, loads and compares scenes."""
+    """Saves, loads and compares scenes. It reads one at a time: reading takes interpreter time from the control cycle.
+
+    Args:
+        station: The station.
+    """
+
+    def __init__(self, station: Station) -> None:
+        super().__init__(station)
+        self._reading = threading.Lock()
+        self._cached = lru_cache(_KEPT)(lambda session, path, _version: _read(session, path))
+        self._compared: tuple[tuple[object, ...], tuple[Edit, ...]] | None = None
+
+    def open(self, session: Session) -> None:
+        """Keeps what is read for a session until that is closed."""
+        session.on_close(self._forget)
+
+    def _forget(self) -> None:
+        with self._reading:
+            self._cached.cache_clear()
+            self._compared = None
 
     # ------------------------------------------------------------------ available scenes
 
@@ -39,9 +73,9 @@ class SceneService(Service):
             NotFound: There is none of that name.
             Refused: Its file is broken.
         """
-        station, file = self._station, self._file(name)
+        file = self._file(name)
         with _broken("SceneBroken", name):
-            scene, title = station.stage.read(station.session, file), station.stage.title(file)
+            scene, title = self._read(file), _title(file)
         return Scene(
             name=name,
             source=_source(file),
@@ -119,11 +153,15 @@ class SceneService(Service):
         file = self._file(name) if name else None
         if file is not None:
             with _broken("SceneBroken", name):
-                scene = station.stage.read(session, file)
+                scene = self._read(file)
         else:
             with _broken("SceneUnreadable", "the scene that was sent"):
-                scene = station.stage.read_text(session, turtle)
-        station.stage.check(session, scene)
+                scene = self._read_text(turtle)
+        try:
+            parse_goal(scene.goals, scene, session.catalogue.conditions)
+            check_scene(session, scene)
+        except DescriptionError as error:
+            raise UsageError(f"the station cannot be brought up in that scene: {error}") from error
         version = None if seen is None else seen.version
         load(station.control, station.data, scene, author=author.name, holder=author.holder, seen=version)
         return self.present()
@@ -145,10 +183,8 @@ class SceneService(Service):
             NotFound: There is none of that name.
             Refused: Its file is broken.
         """
-        station, file = self._station, self._file(name)
-        session = station.session
         with _broken("SceneBroken", name):
-            version, edits = station.stage.compare(session, file)
+            version, edits = self._compare(self._file(name))
         page = edits[begin : begin + limit]
         return SceneDifference(
             name=name,
@@ -162,9 +198,8 @@ class SceneService(Service):
     # ------------------------------------------------------------------ parts
 
     def _is_changed(self, name: str) -> bool | None:
-        station = self._station
         try:
-            return bool(station.stage.compare(station.session, station.scene_store.find(name))[1])
+            return bool(self._compare(self._station.scene_store.find(name))[1])
         except (UsageError, FileError):  # uploaded, or removed since
             return None
 
@@ -175,9 +210,61 @@ class SceneService(Service):
             except (UsageError, FileError):  # removed meanwhile, or its plug-in is broken, which GET /plugins reports
                 continue
 
+    def _compare(self, file: SceneFile) -> tuple[int, tuple[Edit, ...]]:
+        """Returns the version of the world, and the edits that turn the scene into it.
+
+        Raises:
+            FileError: The scene is broken.
+        """
+        session = self._session
+        version, now = session.world.state()
+        key = (id(session), version, file.path, file.version)
+        known = self._compared
+        if known is None or known[0] != key:
+            known = self._compared = key, diff(scene_only(self._read(file)), scene_only(now))
+        return version, known[1]
+
+    def _read(self, file: SceneFile) -> Index:
+        """Returns the content of a scene file.
+
+        Raises:
+            FileError: It is broken; the error contains the line if known.
+        """
+        with self._reading:
+            return self._cached(self._session, file.path, file.version)
+
+    def _read_text(self, text: bytes) -> Index:
+        """Returns the content of a scene sent as Turtle; no imports are fetched from the network.
+
+        Raises:
+            FileError: It is broken; the error contains the line if known.
+        """
+        with self._reading, tempfile.TemporaryDirectory(prefix="skiros-scene-") as folder:
+            path = Path(folder) / "scene.ttl"
+            path.write_bytes(text)
+            scene = _read(self._session, path).copy()
+        scene.source = SceneSource()
+        return scene
+
     def _file(self, name: str) -> SceneFile:
         with addressed(_UNKNOWN), _broken("SceneBroken", name):
             return self._station.scene_store.find(name)
+
+
+def _read(session: Session, path: Path) -> Index:
+    ontology, reasoners = session.world.ontology, session.world.reasoners
+    return load_scene(ontology, path, ontology_paths(), reasoners=reasoners).snapshot()
+
+
+def _title(file: SceneFile) -> str:
+    """Returns the title of a scene; its name if it has none.
+
+    Raises:
+        FileError: It is broken.
+    """
+    said = [t for t in read_document(file.path).triples if t.predicate.value == _LABEL]
+    titles = (getattr(t.object, "value", "") for t in said if getattr(t.subject, "value", "") == _THIS)
+    return str(next(titles, file.name))
 
 
 def _robots(scene: Index) -> list[SceneRobot]:

@@ -8,12 +8,17 @@ import pytest
 
 from skiros_py.recording import RecordingWriter
 from skiros_py.station.recordings.runs import JobRecordings
+from skiros_py.tasks.jobs.manager import JobManager
+
+
+def no_jobs() -> JobManager:
+    raise AssertionError("no job is asked for")
 
 
 def filled(recordings: JobRecordings, count: int) -> JobRecordings:
-    recordings.path(1).parent.mkdir()
+    recordings._file(1).parent.mkdir()
     for number in range(1, count + 1):
-        recordings.path(number).write_bytes(bytes(100))
+        recordings._file(number).write_bytes(bytes(100))
     return recordings
 
 
@@ -23,14 +28,14 @@ def kept(folder: Path) -> list[int]:
 
 @pytest.mark.parametrize("limits", [{"most": 4}, {"room": 350}])
 def test_the_oldest_of_too_many_or_too_large_ones_are_deleted(tmp_path: Path, limits: dict[str, int]) -> None:
-    filled(JobRecordings(tmp_path / "recordings", **limits), 12)._make_room()
+    filled(JobRecordings(tmp_path / "recordings", no_jobs, **limits), 12)._make_room()
     assert kept(tmp_path / "recordings") == [10, 11, 12]
 
 
 def test_a_recording_that_is_being_written_stays(tmp_path: Path) -> None:
-    recordings = filled(JobRecordings(tmp_path / "recordings", most=3), 5)
-    recordings.path(1).unlink()
-    writer = recordings._writers[1] = RecordingWriter(recordings.path(1))
+    recordings = filled(JobRecordings(tmp_path / "recordings", no_jobs, most=3), 5)
+    recordings._file(1).unlink()
+    writer = recordings._writers[1] = RecordingWriter(recordings._file(1))
     recordings._make_room()
     assert kept(tmp_path / "recordings") == [1, 5]
     writer.end(discard=True)
@@ -39,6 +44,6 @@ def test_a_recording_that_is_being_written_stays(tmp_path: Path) -> None:
 
 
 def test_a_recording_that_is_not_there_can_be_deleted(tmp_path: Path) -> None:
-    recordings = JobRecordings(tmp_path / "recordings")
-    recordings._delete(recordings.path(7))
+    recordings = JobRecordings(tmp_path / "recordings", no_jobs)
+    recordings._delete(recordings._file(7))
     assert not (tmp_path / "recordings").exists()
