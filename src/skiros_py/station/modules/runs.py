@@ -222,10 +222,6 @@ class ModuleRuns:
                 raise UnknownName("module run", id_, tuple(reversed(self._runs))[:20])
             return self._runs[id_]
 
-    def of(self, running: RunningModule) -> ModuleRun | None:
-        """Returns the run to which a running module belongs; None if it was not started by a caller."""
-        return next((run for run in self._active if run.running is running), None)
-
     # ------------------------------------------------------------------ in the control thread
 
     def start(self, session: Session, wish: Wish) -> ModuleRun:
