@@ -172,6 +172,26 @@ def test_a_place_with_stock_is_not_empty() -> None:
     assert isinstance(planned(world, "In(ball_1, slot_1)").outcome, NoPlan)
 
 
+@pytest.mark.parametrize("goal", ["for all s: Slot (In(RedBall, s))", "for all s: Slot (exists b: RedBall (In(b, s)))"])
+def test_a_goal_about_each_place_uses_as_many_things_of_a_stock_as_there_are_places(goal: str) -> None:
+    enough, short = (planned(tiny_world(stock(count), slots(4)), goal).outcome for count in (3, 2))
+
+    assert isinstance(enough, Plan)
+    assert len(tokens_of(enough.steps)) == 3
+    assert isinstance(short, NoPlan)
+    assert "4 of RedBall are wanted, but there are only red_ball_1 and 2 of stock reds" in short.reasons[0]
+
+
+def test_a_plan_may_use_up_all_of_a_stock_that_a_plan_can_handle() -> None:
+    doors = "".join(f"scene:door_{n} a tiny:Door ; sk:on scene:floor .\n" for n in range(1, 21))
+    world = tiny_world(stock(20, "tiny:Key", name="keys"), doors)
+    with Bench(world, (pretend(UNLOCK),), conditions={OPEN.name: OPEN}) as bench:
+        outcome = bench.plan("for all d: Door (Open(d))").outcome
+
+    assert isinstance(outcome, Plan)
+    assert len(tokens_of(outcome.steps)) == 20
+
+
 @settings(max_examples=25, deadline=None)
 @given(st.integers(1, 4), st.integers(0, 5), st.integers(0, 3))
 def test_a_plan_exists_exactly_if_individuals_and_stock_suffice(wanted: int, count: int, known: int) -> None:

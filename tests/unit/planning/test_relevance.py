@@ -7,6 +7,8 @@ from dataclasses import replace
 
 import pytest
 from agreement import disagreement
+from hypothesis import HealthCheck, example, given, settings
+from hypothesis import strategies as st
 from random_tasks import TAKE, RandomTask, mixed_task, random_task
 
 from skiros_py.planning.planners.kairos import Kairos
@@ -14,7 +16,8 @@ from skiros_py.planning.problem.task import Capability, PlanningTask, build_task
 from skiros_py.skills.conditions import Condition, ConditionType, Related, Role
 from skiros_py.skills.parameters import Param
 from skiros_py.skills.skill import SkillDescription
-from skiros_py.testing import tiny_world
+from skiros_py.tasks.goals import parse_goal
+from skiros_py.testing import CONDITIONS, tiny_world
 from skiros_py.testing.tiny import (
     AT_LOCATION,
     DRIVE,
@@ -222,6 +225,40 @@ def test_leaving_out_elements_does_not_change_plan_existence_for_composite_goals
     seed: int, planner: Kairos
 ) -> None:
     assert disagreement(mixed_task(seed), planner) == ""
+
+
+QUANTIFIED = (
+    "for all s: Slot (In({0}, s))",
+    "for all s: Slot (exists b: {0} (In(b, s)))",
+    "for all s: Slot (exists b: {0} (In(b, s) and not In(b, box_b)))",
+    "for all s: Slot (In({0}, s) or Free(s))",
+    "for all s: Slot (In({0}, s) or In({1}, s))",
+    "for all b: {0} (exists s: Slot (In(b, s)))",
+    "exists b: {0} (exists c: {1} (In(b, slot_1) and In(c, slot_2)))",
+    "exists b: {0} (for all s: Slot (In(b, s) or (exists c: {1} (In(c, s)))))",
+    "exists b: {0} (Holding(gripper_1, b) and In({1}, slot_1))",
+    "exists s: Slot (In({0}, s) and In({1}, s))",
+)
+CLASSES = st.sampled_from(("Ball", "RedBall"))
+
+
+@settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.sampled_from(QUANTIFIED), CLASSES, CLASSES, st.integers(0, 3), st.integers(0, 3), st.integers(2, 3))
+@example("for all s: Slot (In({0}, s))", "RedBall", "Ball", 3, 0, 3)
+@example("for all s: Slot (exists b: {0} (In(b, s)))", "RedBall", "Ball", 0, 3, 3)
+def test_leaving_out_equal_things_does_not_change_plan_existence_for_quantified_goals(
+    planner: Kairos, goal: str, one: str, other: str, known: int, counted: int, slots: int
+) -> None:
+    stock = f'scene:reds a sk:Stock ; sk:stockOf "tiny:RedBall" ; sk:stockCount {counted} .'
+    world = tiny_world(
+        balls(known, "sk:in scene:box_b", "tiny:RedBall"),
+        "scene:slot_3 a tiny:Slot ; sk:on scene:floor ." if slots == 3 else "",
+        f"scene:box_b sk:hasA scene:reds . {stock}" if counted else "",
+    )
+    able = tuple(Capability(skill, world.instances(skill.agent_class)) for skill in SKILLS)
+    conditions = parse_goal([goal.format(one, other)], world, CONDITIONS)
+
+    assert disagreement(RandomTask(world, able, conditions), planner) == ""
 
 
 def test_the_complete_problem_allows_a_gripper_to_be_emptied_anywhere(planner: Kairos) -> None:

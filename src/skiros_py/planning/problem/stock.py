@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from itertools import islice
 
@@ -16,8 +17,6 @@ from skiros_py.world.view import WorldView
 
 _SPARE = 2
 """How many more than the goal mentions: a skill may use one up, and a place with stock is not empty."""
-_PLENTY = 16
-"""How many more if there is no plan with fewer."""
 _MOST = 100
 """Maximum number of things of one stock that plans can handle."""
 
@@ -31,7 +30,7 @@ def with_stock(
         view: The world.
         goal: The goal.
         named: Tokens that a plan already uses: these are shown first, as far as the stock lasts.
-        whole: True to show more than the goal mentions, up to what any plan could handle.
+        whole: True to show more than the goal mentions, up to what any plan can handle.
     """
     found = stocks(view)
     if not found:
@@ -62,7 +61,7 @@ def _shown(
     stock: Stock, view: WorldView, patterns: Iterable[Pattern], named: Sequence[str], whole: bool
 ) -> tuple[str, ...]:
     own = [name for name in named if name.startswith(stock.token(0)[:-1])][: stock.count]
-    wanted = (_PLENTY if whole else _SPARE) + sum(_used(p, stock, view, wanted=True) for p in patterns)
+    wanted = _MOST if whole else _SPARE + sum(_used(p, stock, view, wanted=True) for p in patterns)
     number = int(max(len(own), min(stock.count, wanted, _MOST)))
     others = (stock.token(n) for n in range(1, stock.count + 1) if stock.token(n) not in own)
     return (*own, *islice(others, number - len(own)))
@@ -88,7 +87,7 @@ def _used(pattern: Pattern, stock: Stock, view: WorldView, *, wanted: bool) -> f
             if wanted:
                 return within + own
             return math.inf if own else within and within * len(view.instances(class_))
-        case Nothing(relation, _) if wanted and relation == stock.placement.relation:
+        case Nothing(relation, _) if wanted and stock.placement.relation in view.ontology.sub_relations(relation):
             return math.inf
         case _:
             return 0
@@ -104,6 +103,7 @@ def superfluous(
     objects: Mapping[str, str],
     init: Iterable[Atom],
     actions: Sequence[Action],
+    goal: Iterable[Atom],
     lifted: Lifted,
     named: Collection[str],
 ) -> frozenset[str]:
@@ -116,10 +116,15 @@ def superfluous(
         objects: The elements, with their classes.
         init: What holds at the start.
         actions: The actions of the task.
-        lifted: The same.
+        goal: The goal.
+        lifted: The same actions.
         named: Elements that the task names.
     """
-    wanted = {type_: _demand(type_, actions, lifted) for type_ in sorted(set(objects.values()))}
+    variables = _chosen(actions, goal)
+    wanted = {
+        type_: sum(number for class_, number in variables.items() if lifted.overlap(type_, class_))
+        for type_ in sorted(set(objects.values()))
+    }
     passive = {type_ for type_ in wanted if wanted[type_] and lifted.is_passive(type_)}
     facts = tuple(init)
     standing = _in_the_way(facts, objects, actions, lifted)
@@ -130,10 +135,22 @@ def superfluous(
     return frozenset(thing for (type_, _), things in alike.items() for thing in sorted(things)[wanted[type_] :])
 
 
-def _demand(type_: str, actions: Iterable[Action], lifted: Lifted) -> int:
-    """How many things of a class the goal's variables can stand for at once."""
-    closing = (action for action in actions if action.skill is None)
-    return sum(lifted.overlap(type_, variable.type) for action in closing for variable in action.parameters)
+def _chosen(actions: Sequence[Action], goal: Iterable[Atom]) -> Counter[str]:
+    """Returns how many elements of each class the goal's variables stand for at once.
+
+    A variable under "for all" stands for another element each time: its action is needed once for each fact that it
+    achieves. An action for an inner part of the goal comes before those that need it.
+    """
+    times = Counter(atom.predicate for atom in goal)
+    chosen: Counter[str] = Counter()
+    for action in reversed([action for action in actions if action.skill is None]):
+        (reached,) = action.add
+        for atom in action.pre:
+            times[atom.predicate] += times[reached.predicate]
+        for variable in action.parameters:
+            if variable.name not in reached.arguments:
+                chosen[variable.type] += times[reached.predicate]
+    return chosen
 
 
 def _in_the_way(

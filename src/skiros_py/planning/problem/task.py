@@ -360,7 +360,7 @@ class _Building:
         said = (*(atom for action in actions for atom in action.atoms), *goal)
         spoken = {argument for atom in said for argument in atom.arguments}
         lifted = Lifted(actions, self._view, self._asked)
-        gone = superfluous(objects, init, actions, lifted, spoken | self._named)
+        gone = superfluous(objects, init, actions, goal, lifted, spoken | self._named)
         left = {name: type_ for name, type_ in objects.items() if name not in gone}
         return left, {atom for atom in init if gone.isdisjoint(atom.arguments)}
 
