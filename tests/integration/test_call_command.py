@@ -64,7 +64,8 @@ def test_call_without_an_operation_lists_all_operations() -> None:
         (("scenes.lode",), UnknownName, "Did you mean 'scenes.load'"),
         (("scenes.load", "title=kitting"), UnknownName, "unknown argument 'title'"),
         (("scenes.load",), UsageError, "needed: name=… [version=…]"),
-        (("scenes.load", "name=kitting", "version=new"), UsageError, "version: "),
+        (("scenes.load", "name=kitting", "version=new"), UsageError, "version: must be a whole number"),
+        (("signals.read", "names=gripper_1.gap"), UsageError, "names: must be a list; what is not text is"),
         (("scenes.upload", "turtle=@missing.ttl"), FileError, "cannot be read"),
     ],
 )

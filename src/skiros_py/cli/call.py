@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from skiros_py.cli.commands import SERVER
-from skiros_py.cli.options import key_values
+from skiros_py.cli.options import JSON, key_values
 from skiros_py.cli.output import REACHED, tell
 from skiros_py.cli.reaching import reach
 from skiros_py.errors import FileError, UnknownName, UsageError
@@ -26,8 +26,15 @@ if TYPE_CHECKING:
 @click.argument("operation", required=False)
 @click.argument("arguments", nargs=-1, metavar="[NAME=VALUE]...")
 @SERVER
+@JSON
 def command(
-    operation: str | None, arguments: tuple[str, ...], data: Path | None, url: str | None, key_file: Path | None
+    operation: str | None,
+    arguments: tuple[str, ...],
+    data: Path | None,
+    url: str | None,
+    key_file: Path | None,
+    *,
+    as_json: bool,
 ) -> int:
     """Calls an OPERATION of a server and prints its result as JSON; without OPERATION, lists all operations.
 
@@ -35,6 +42,8 @@ def command(
     are.
     """
     known = dict(operations())
+    if operation is None and as_json:
+        return tell({name: list(method.signature.parameters) for name, method in known.items()}, as_json=True)
     if operation is None:
         for name, method in known.items():
             click.echo(f"{name}{_parameters(method)}\n    {inspect.cleandoc(method.__doc__ or '').splitlines()[0]}")
@@ -89,7 +98,7 @@ def _call(method: Operation[..., Any], texts: Sequence[str]) -> Any:
 
 
 def _value(text: str, parameter: inspect.Parameter) -> Any:
-    from pydantic import TypeAdapter, ValidationError
+    from skiros_py.client.operation import validated
 
     if text.startswith("@"):
         try:
@@ -99,12 +108,15 @@ def _value(text: str, parameter: inspect.Parameter) -> Any:
     kind: Any = parameter.annotation
     if parameter.kind is parameter.VAR_POSITIONAL:
         kind = GenericAlias(tuple, (kind, ...))
-    adapter = TypeAdapter(kind)
     try:
-        return adapter.validate_python(text)
-    except ValidationError:
-        pass
+        return validated(kind, text)
+    except UsageError as error:
+        refusal = str(error)
     try:
-        return adapter.validate_python(json.loads(text))
-    except (ValueError, RecursionError) as error:
+        value = json.loads(text)
+    except (ValueError, RecursionError):
+        raise UsageError(f"{parameter.name}: {refusal}; what is not text is written as JSON") from None
+    try:
+        return validated(kind, value)
+    except UsageError as error:
         raise UsageError(f"{parameter.name}: {error}") from None

@@ -30,6 +30,8 @@ STOPPED = 130
 
 _FILE_WIDTH = 200
 """Width of a table that is not shown on a terminal."""
+_NARROWEST = 12
+"""Width of the columns of a table for which it is readable."""
 _STACKS = ('\n  File "', "\nTraceback (most recent call last):")
 """How stacks begin that follow a text."""
 
@@ -108,6 +110,8 @@ def counted(**numbers: int) -> str:
 def table_lines(columns: Sequence[str], rows: Iterable[Sequence[str]], *, right: Collection[str] = ()) -> list[str]:
     """Returns the lines of a table; cells that do not fit into a terminal are folded.
 
+    In a terminal too narrow for that, each row is a list with a line for each cell.
+
     Args:
         columns: The titles.
         rows: The cells; what others wrote into them is escaped.
@@ -116,11 +120,19 @@ def table_lines(columns: Sequence[str], rows: Iterable[Sequence[str]], *, right:
     from rich.table import Table
     from rich.text import Text
 
+    cells = [[escaped(cell) for cell in row] for row in rows]
+    longest = [max(map(len, column)) for column in zip(columns, *cells, strict=True)]
+    if sum(min(length, _NARROWEST) + 1 for length in longest) > console().width:
+        return [
+            line
+            for row in cells
+            for line in (*(f"{name}: {cell}" for name, cell in zip(columns, row, strict=True) if cell), "")
+        ]
     table = Table(box=None, pad_edge=False)
     for column in columns:
         table.add_column(column, justify="right" if column in right else "left", overflow="fold")
-    for row in rows:
-        table.add_row(*(Text(escaped(cell)) for cell in row))
+    for row in cells:
+        table.add_row(*map(Text, row))
     return rendered(table)
 
 

@@ -121,11 +121,11 @@ class AnyClient(Topics[C]):
         self, url: str = "http://127.0.0.1:8000", key: str | None = None, *, timeout: float = 30.0, tries: int = 6
     ) -> None:
         super().__init__(self)  # type: ignore[arg-type]  # each kind of client is one of the senders
-        if tries < 1:
-            raise UsageError(f"tries: 1 or more, not {tries}")
+        if not isinstance(tries, int) or tries < 1:
+            raise UsageError(f"tries: 1 or more, not {tries!r}")
+        self.http = self._http(**settings_for(url, key, timeout))
         self.url = url.rstrip("/")
         self._tries = tries
-        self.http = self._http(**settings_for(url, key, timeout))
 
     @classmethod
     def of_data(cls, data: str | Path, **options: Any) -> Self:

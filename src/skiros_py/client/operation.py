@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Mapping
 from functools import cached_property, partial
 from typing import Any, Concatenate, Generic, ParamSpec, Protocol, TypeVar, overload
 
-from pydantic import BaseModel
+from pydantic import BaseModel, ValidationError
 from pydantic_core import to_jsonable_python
 
+from skiros_py.api.wire import fault_words
 from skiros_py.client.request import Call, adapter_of, path_of
+from skiros_py.errors import UsageError
 
 T = TypeVar("T")
 P = ParamSpec("P")
@@ -137,14 +139,41 @@ def call(declared: Callable[Concatenate[Any, P], Call[T]]) -> Operation[P, T]:
 
 def _json(body: dict[str, Any], signature: inspect.Signature) -> Any:
     for name, value in body.items():
-        if isinstance(value, BaseModel):
-            return as_json(value, signature.parameters[name].annotation)
+        parameter = signature.parameters.get(name)
+        if parameter is not None and _is_model(parameter.annotation):
+            return as_json(value, parameter.annotation)
     return to_jsonable_python({name: value for name, value in body.items() if value is not None})
 
 
-def as_json(model: BaseModel, kind: Any) -> Any:
-    """Returns what was given to a model, as plain data: of fields of a type, which may be a base of it, only."""
+def _is_model(kind: object) -> bool:
+    return isinstance(kind, type) and issubclass(kind, BaseModel)
+
+
+def as_json(given: BaseModel | Mapping[str, Any], kind: Any) -> Any:
+    """Returns what was given to a model as plain data; a subclass of the model is sent without its own fields.
+
+    Args:
+        given: The model, or its fields.
+        kind: The model's type.
+
+    Raises:
+        UsageError: The fields are not those of the model.
+    """
+    model = given if isinstance(given, BaseModel) else validated(kind, given)
     return adapter_of(kind).dump_python(model, mode="json", by_alias=True, exclude_unset=True)
+
+
+def validated(kind: Any, value: Any) -> Any:
+    """Returns a value as one of a type.
+
+    Raises:
+        UsageError: It is none; the message names the fields that are wrong.
+    """
+    try:
+        return adapter_of(kind).validate_python(value)
+    except ValidationError as error:
+        faults = [(".".join(map(str, one["loc"])), fault_words(one)) for one in error.errors(include_url=False)[:5]]
+        raise UsageError("; ".join(f"{where}: {words}" if where else words for where, words in faults)) from None
 
 
 def tag(version: int | str | None) -> str | None:

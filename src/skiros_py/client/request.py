@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import threading
 import uuid
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -207,18 +208,20 @@ _PREFIX = "/api/v1"
 _DOTS = {".": "%2E", "..": "%2E%2E"}
 
 
-def settings_for(url: str, key: str | None, timeout: float) -> dict[str, Any]:
+def settings_for(url: str, key: str | None, timeout: float | None) -> dict[str, Any]:
     """Returns the settings of an HTTP client for a server.
 
     Args:
         url: Address of the server.
         key: Key; None if none is needed.
-        timeout: How long an answer may take [s].
+        timeout: How long an answer may take [s]; None for any time.
 
     Raises:
-        UsageError: The URL or the key is malformed.
+        UsageError: The URL, the key or the timeout is malformed.
     """
     parsed = _address(url)
+    if timeout is not None and not (isinstance(timeout, int | float) and 0.0 < timeout <= threading.TIMEOUT_MAX):
+        raise UsageError(f"timeout: a positive time [s], not {timeout!r}")
     if key is not None and (not key.isascii() or not key.isprintable() or " " in key):
         raise UsageError("the key has characters that no key has; give it as 'skiros key create' printed it")
     return {
@@ -276,7 +279,7 @@ def reaching(url: str) -> Iterator[None]:
     """
     try:
         yield
-    except httpx2.TransportError as error:
+    except httpx2.RequestError as error:
         late = isinstance(error, httpx2.TimeoutException)
         raise Unreachable(url, "it took too long" if late else str(error) or type(error).__name__) from error
 

@@ -102,7 +102,7 @@ def follow(http: httpx2.Client, stream: Stream[T], *, after: str | None = None, 
                 else:
                     source.response.read()
                     place.refused(source.response)
-        except httpx2.TransportError as error:
+        except httpx2.RequestError as error:
             place.fault = error
         time.sleep(place.wait())
 
@@ -122,7 +122,7 @@ async def follow_later(
                 else:
                     await source.response.aread()
                     place.refused(source.response)
-        except httpx2.TransportError as error:
+        except httpx2.RequestError as error:
             place.fault = error
         await asyncio.sleep(place.wait())
 

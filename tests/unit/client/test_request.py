@@ -7,8 +7,11 @@ from typing import Any
 import httpx2
 import pytest
 
-from skiros_py.client import ProblemError, Unreachable
+from skiros_py.api.goals import GoalOrder
+from skiros_py.api.jobs import JobOrder
+from skiros_py.client import Client, ProblemError, Unreachable
 from skiros_py.client.request import Call, arguments_of, reaching, result_of, settings_for
+from skiros_py.client.topics.work import Goals, Jobs
 from skiros_py.errors import SkirosError, UsageError
 
 GET = Call("GET", "/jobs/a", Any)
@@ -23,6 +26,28 @@ def answered(status: int, content: bytes) -> httpx2.Response:
 def test_an_invalid_address_is_refused(url: str) -> None:
     with pytest.raises(UsageError, match="no address"):
         settings_for(url, None, 1.0)
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"url": None}, {"url": 5}, {"timeout": -1}, {"timeout": "x"}, {"timeout": 1e30}, {"tries": "x"}]
+)
+def test_a_client_with_wrong_settings_is_refused_at_once(wrong: dict[str, Any]) -> None:
+    with pytest.raises(UsageError, match=r"no address of a server|timeout: a positive time|tries: 1 or more"):
+        Client(**wrong)
+
+
+@pytest.mark.parametrize("error", [httpx2.ConnectTimeout("x"), httpx2.DecodingError("x"), httpx2.TooManyRedirects("x")])
+def test_any_error_of_the_http_library_is_one_of_this_package_with_the_address(error: Exception) -> None:
+    with pytest.raises(Unreachable, match=URL), reaching(URL):
+        raise error
+
+
+def test_fields_of_an_order_are_sent_like_the_order_and_wrong_ones_are_named(recwarn: pytest.WarningsRecorder) -> None:
+    assert Jobs.put("a", {"goal": "Held(x)"}).json == Jobs.put("a", JobOrder(goal="Held(x)")).json
+    assert Goals.check({"goal": "Held(x)"}).json == Goals.check(GoalOrder(goal="Held(x)")).json
+    with pytest.raises(UsageError, match="priority: must be"):
+        Jobs.put("a", {"goal": "Held(x)", "priority": "high"})
+    assert not recwarn.list
 
 
 def test_a_key_in_the_address_is_refused_without_being_shown() -> None:

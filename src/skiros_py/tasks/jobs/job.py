@@ -90,6 +90,8 @@ _TABLE: Mapping[JobState, Mapping[Trigger, JobState]] = {
     _S.ABORTED: {},
 }
 """The standard's table; HOLD in, and the end of, an interrupted job are internal to the cell."""
+_OF_CELL = (_T.DISPATCH, _T.HOLD, _T.FINISH, _T.FAIL)
+"""Triggers that are no commands."""
 
 
 def allowed(state: JobState) -> tuple[Trigger, ...]:
@@ -104,7 +106,8 @@ def next_state(state: JobState, trigger: Trigger) -> JobState:
         WrongState: The trigger is not allowed in this state; the message lists those that are.
     """
     if trigger not in _TABLE[state]:
-        able = ", ".join(t.value for t in allowed(state)) or "nothing: it is over"
+        removal = "clear: it is over" if not state.is_open else "" if state.has_begun else "cancel"
+        able = ", ".join(filter(None, (*(t.value for t in allowed(state) if t not in _OF_CELL), removal)))
         raise WrongState(
             f"a job that is {state.name.lower().replace('_', ' ')} takes no {trigger.value}; it takes {able}"
         )
