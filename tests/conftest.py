@@ -9,9 +9,10 @@ so do all tests with physics and all tests in a browser, which would take each o
 folders stays in one process unless ``-n`` is given.
 """
 
+import gc
 import os
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterator, Mapping, Sequence
 from pathlib import Path
 
 import hypothesis
@@ -50,6 +51,18 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
     whole = config.args_source is pytest.Config.ArgsSource.TESTPATHS
     # One more than there are cores: tests of servers and of killed processes wait for a quarter of their time.
     return min(_MOST_WORKERS, len(os.sched_getaffinity(0)) + 1) if whole else 0
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Generator[None, object, object]:
+    """Collects without the garbage collector, and keeps it off the half a million objects of modules and tests."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.collect()
+        gc.freeze()
+        gc.enable()
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:

@@ -126,7 +126,7 @@ def _mypy(folder: Path, text: str) -> tuple[str, int]:
     """What mypy says of a module that uses the words."""
     file = folder / "uses_words.py"
     file.write_text(text, encoding="utf-8")
-    cache = f"--cache-dir={folder / 'cache'}"
+    cache = f"--cache-dir={folder.parent / 'mypy'}"  # shared by the tests: most of it is the standard library
     out, errors, status = mypy.api.run(["--strict", cache, "--follow-imports=silent", "--config-file=", str(file)])
     return out + errors, status
 
