@@ -15,15 +15,8 @@ from hypothesis import strategies as st
 from support.serving import Served, serving
 
 from skiros_py.api.queries import AskAnswer, Query
-from skiros_py.api.world import (
-    ElementPatch,
-    GivenPose,
-    LockOrder,
-    NewElement,
-    Placement,
-    SetOperation,
-    TransactionOrder,
-)
+from skiros_py.api.transactions import SetOperation, TransactionOrder
+from skiros_py.api.world import ElementPatch, GivenPose, LockOrder, NewElement, Placement
 from skiros_py.client.client import Client
 from skiros_py.client.request import ProblemError
 from skiros_py.client.topics import Elements, Learned, Locks, Ontology, Queries, World

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from skiros_py.api import ontology, queries, scenes, world
+from skiros_py.api import ontology, queries, scenes, transactions, world
 from skiros_py.api.view import WorldView
 from skiros_py.client.operation import C, Topic, call, operation, tag
 from skiros_py.client.request import Call
@@ -70,7 +70,7 @@ class World(Topic[C]):
         """
 
     @operation("POST /world/transactions", once=True)
-    def write(self, order: world.TransactionOrder, *, version: int | None = None) -> world.Written:
+    def write(self, order: transactions.TransactionOrder, *, version: int | None = None) -> world.Written:
         """Applies several writes as one change, all or none.
 
         Args:

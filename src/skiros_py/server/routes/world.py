@@ -8,6 +8,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Header, Path, Query, Response
 
 from skiros_py.api import world as api
+from skiros_py.api.transactions import TransactionOrder
 from skiros_py.api.view import WorldView
 from skiros_py.errors import UsageError
 from skiros_py.server.access.roles import Engineer, Operator, Role, Viewer
@@ -130,7 +131,7 @@ def read_change(
 
 
 @router.post("/world/transactions", responses=NEEDS_VERSION | tagged())
-def write_transaction(act: Operator, order: api.TransactionOrder, seen: SeenDep) -> api.Written:
+def write_transaction(act: Operator, order: TransactionOrder, seen: SeenDep) -> api.Written:
     """Execute a transaction.
 
     Executes all operations as one change, or none; a refusal lists all problems.

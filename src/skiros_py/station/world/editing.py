@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
 from datetime import UTC, datetime, timedelta
 
-from skiros_py.api import world as api
+from skiros_py.api import transactions
 from skiros_py.api.wire import moment
 from skiros_py.api.world import Addition, Change, ChangePage, ElementPatch, Lock, NewRelation, Undoable, Written
 from skiros_py.errors import Refused, UsageError
@@ -205,7 +205,7 @@ def change(tx: Transaction, element: str, patch: ElementPatch) -> None:
 # ------------------------------------------------------------------ operations
 
 
-def operate(tx: Transaction, operations: Sequence[api.Operation]) -> dict[str, str]:
+def operate(tx: Transaction, operations: Sequence[transactions.Operation]) -> dict[str, str]:
     """Executes the operations of a transaction in order, and returns the ids of added elements, by ref.
 
     Raises:
@@ -214,21 +214,21 @@ def operate(tx: Transaction, operations: Sequence[api.Operation]) -> dict[str, s
     ids: dict[str, str] = {}
     for operation in operations:
         match operation:
-            case api.AddOperation(ref=ref):
+            case transactions.AddOperation(ref=ref):
                 if ref in ids:
                     raise UsageError(f"two operations add something as '{ref}': give each its own ref")
                 element = add(tx, operation, ids)
                 if ref is not None:
                     ids[ref] = element
-            case api.RemoveOperation(element=element):
+            case transactions.RemoveOperation(element=element):
                 tx.remove(_target(element, ids))
-            case api.SetOperation(element=element):
+            case transactions.SetOperation(element=element):
                 set_value(tx, _target(element, ids), operation.property, operation.value)
-            case api.PlaceOperation(element=element):
+            case transactions.PlaceOperation(element=element):
                 tx.place(_target(element, ids), operation.relation, _target(operation.place, ids))
-            case api.RelateOperation(subject=subject, object=object_):
+            case transactions.RelateOperation(subject=subject, object=object_):
                 tx.relate(_target(subject, ids), operation.relation, _target(object_, ids))
-            case api.UnrelateOperation(subject=subject, object=object_):
+            case transactions.UnrelateOperation(subject=subject, object=object_):
                 tx.unrelate(_target(subject, ids), operation.relation, _target(object_, ids))
     return ids
 

@@ -9,6 +9,7 @@ from operator import itemgetter
 from typing import TYPE_CHECKING
 
 from skiros_py.api import world as api
+from skiros_py.api.transactions import TransactionOrder
 from skiros_py.api.view import WorldView
 from skiros_py.errors import Locked, Refused, StaleVersion, UnknownName, WorldError
 from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, Service, addressed
@@ -170,7 +171,7 @@ class WorldService(Service):
 
     # ------------------------------------------------------------------ writing
 
-    def write(self, order: api.TransactionOrder, seen: Seen | None = None, author: Author = LIBRARY) -> api.Written:
+    def write(self, order: TransactionOrder, seen: Seen | None = None, author: Author = LIBRARY) -> api.Written:
         """Executes all operations as one change, or none.
 
         Raises:
@@ -269,7 +270,7 @@ class WorldService(Service):
         return self.locks()
 
 
-def _expected(order: api.TransactionOrder, seen: Seen | None) -> dict[str, int]:
+def _expected(order: TransactionOrder, seen: Seen | None) -> dict[str, int]:
     if seen is not None and seen.version is not None:
         return {"": seen.version, **order.expects}
     adds_only = all(operation.op == "add" for operation in order.operations)
