@@ -1,4 +1,4 @@
-"""One SQLite file, used by one process and any of its threads; its faults are reported in words."""
+"""A SQLite file used by the threads of one process; its errors are raised as messages for people."""
 
 from __future__ import annotations
 
@@ -14,38 +14,38 @@ from typing import Any
 from skiros_py.errors import FileError, WorldError
 
 _PAGES_BETWEEN_CHECKPOINTS = 4000
-"""How long the write-ahead log grows before it is worked into the file (16 MB)."""
+"""Size of the write-ahead log at which it is checkpointed [pages] (16 MB)."""
 
 _PAGES_AT_MOST = 50_000
-"""The same where the log is worked into the file beside what goes on, should that ever not come round (200 MB)."""
+"""The same where a thread makes the checkpoints, in case it cannot keep up [pages] (200 MB)."""
 
 _BETWEEN_LOOKS = 0.5
-"""How often is looked whether the log has to be worked into the file, beside what goes on [s]."""
+"""Period in which that thread checks the size of the log [s]."""
 
 _LEAST_SIZE = 512
-"""Bytes of the smallest page that a file of SQLite consists of."""
+"""Minimum page size of SQLite [bytes]: a shorter file is no database."""
 
 _WORDS = (
-    ("SQLITE_FULL", "there is no room left for it on the disk: nothing was changed"),
-    ("SQLITE_IOERR", "the disk does not take it (is it full, or gone?): nothing was changed"),
+    ("SQLITE_FULL", "the disk is full: nothing was changed"),
+    ("SQLITE_IOERR", "the disk cannot be written (is it full, or removed?): nothing was changed"),
     ("SQLITE_CORRUPT", ""),
     ("SQLITE_NOTADB", ""),
-    ("SQLITE_BUSY", "another program has the file open: close that first"),
-    ("SQLITE_READONLY", "the file cannot be written: mind the rights of file and folder"),
-    ("SQLITE_CANTOPEN", "the file cannot be opened: mind the rights of file and folder"),
-    ("SQLITE_PERM", "the file cannot be opened: mind the rights of file and folder"),
+    ("SQLITE_BUSY", "another program uses the file: close it first"),
+    ("SQLITE_READONLY", "the file cannot be written: check the permissions of the file and its folder"),
+    ("SQLITE_CANTOPEN", "the file cannot be opened: check the permissions of the file and its folder"),
+    ("SQLITE_PERM", "the file cannot be opened: check the permissions of the file and its folder"),
 )
 
 
 @dataclass(frozen=True, slots=True)
 class Schema:
-    """The tables of a kind of file: each version of them is what the one before was, and one step more.
+    """The tables of a kind of file, and the migrations between their versions.
 
     Attributes:
-        kind: What such a file is, in one word: "journal".
-        what: The same with what it is of: "the journal of a world".
-        application: Marks such a file among all the files that SQLite writes.
-        migrations: SQL that leads from one version of the tables to the next; the first makes version 1.
+        kind: Name of the kind of file, in one word ("journal").
+        what: The same with article and content ("the journal of a world").
+        application: SQLite's application id of such files.
+        migrations: SQL from each version of the tables to the next; the first creates version 1.
     """
 
     kind: str
@@ -54,10 +54,10 @@ class Schema:
     migrations: Sequence[str]
 
     def check(self, connection: sqlite3.Connection, path: Path) -> None:
-        """Reads what a file is, and changes nothing.
+        """Checks the kind and version of a file, without changing it.
 
         Raises:
-            FileError: It is of another kind, or a later version of this program wrote it.
+            FileError: It is of another kind, or was written by a later version of this program.
             sqlite3.Error: The file is damaged or cannot be read.
         """
         if _number(connection, "application_id") != self.application:
@@ -66,12 +66,12 @@ class Schema:
         if version > len(self.migrations):
             raise FileError(
                 path,
-                f"has tables of version {version}, and this program knows those up to {len(self.migrations)}:"
-                " open it with the program that wrote it, or a later one",
+                f"has tables of version {version}, and this program supports versions up to {len(self.migrations)}:"
+                " open it with the version that wrote it, or a later one",
             )
 
     def upgrade(self, connection: sqlite3.Connection) -> None:
-        """Brings a file, empty or old, to the present version of the tables; each step is done whole or not at all.
+        """Migrates an empty or old file to the current version of the tables; each migration is atomic.
 
         Raises:
             sqlite3.Error: The file is damaged or cannot be written.
@@ -91,14 +91,14 @@ class Schema:
 
     @property
     def damaged(self) -> str:
-        """What is said of a file that cannot be made out."""
-        return f"the file is damaged, or no {self.kind}: put a copy of it in its place, or begin in another folder"
+        """The message for a file that cannot be read as such."""
+        return f"the file is damaged, or no {self.kind}: restore a copy of it, or use another folder"
 
 
 class Database:
-    """An open file; made where it is missing, brought up to date where it is old.
+    """An open file; created if it is missing, migrated if it is old.
 
-    What is committed outlives the process, however that ends; a power cut may take the last second of what is not
+    Committed writes survive a crash of the process. A power failure may lose the last second of writes that are not
     durable.
 
     Attributes:
@@ -113,13 +113,13 @@ class Database:
         Args:
             path: The file.
             schema: Its tables.
-            durable: True where what is committed has to outlive a power cut as well; each commit waits for the disk.
-            shared: True where other processes may read what is committed meanwhile.
-            lookups: True where :meth:`looked_up` is used; others may then read, too. Commits do not wait then
-                until the write-ahead log was worked into the file: a thread sees to that.
+            durable: Whether committed writes also survive a power failure; each commit waits for the disk.
+            shared: Whether other processes may read committed content meanwhile.
+            lookups: Whether :meth:`looked_up` is used; other processes may then read, too. A separate thread
+                checkpoints the write-ahead log, so that commits do not wait for that.
 
         Raises:
-            FileError: It cannot be opened or made, is damaged or another program's, or younger than this program.
+            FileError: It cannot be opened or created, is damaged, is another program's, or is of a later version.
         """
         self.path = path
         self._schema = schema
@@ -133,7 +133,7 @@ class Database:
         with self._faults():
             if not path.exists():
                 _make(path, schema)
-            elif path.stat().st_size < _LEAST_SIZE:  # which SQLite would take for a new one
+            elif path.stat().st_size < _LEAST_SIZE:  # SQLite would treat it as a new one
                 raise FileError(path, schema.damaged)
             self._connection = _connect(path)
             try:
@@ -155,14 +155,14 @@ class Database:
 
     @contextmanager
     def transaction(self, *, waits: bool = True) -> Iterator[sqlite3.Connection]:
-        """Gives the connection for writes that are all kept when the block ends, or none if anything raises.
+        """Lends the connection for writes: all are committed at the end of the block, or none if it raises.
 
         Args:
-            waits: False to wait for no disk, though the file be durable: a power cut may take these writes, until the
-                next ones that wait.
+            waits: False not to wait for the disk in a durable file: a power failure may lose these writes until the
+                next transaction that waits.
 
         Raises:
-            FileError: They cannot be kept.
+            FileError: They cannot be stored.
             WorldError: The file is closed.
         """
         with self._guard, self._faults():
@@ -180,12 +180,12 @@ class Database:
 
     @contextmanager
     def reading(self) -> Iterator[None]:
-        """Blocks writers while the block runs: several queries in it see one state of the file."""
+        """Blocks writers during the block, so that several queries see one state of the file."""
         with self._guard:
             yield
 
     def rows(self, sql: str, values: Sequence[object] = ()) -> list[tuple[Any, ...]]:
-        """Returns the answer to a query.
+        """Returns the rows of a query.
 
         Raises:
             FileError: The file cannot be read.
@@ -195,14 +195,14 @@ class Database:
             return self._open().execute(sql, values).fetchall()
 
     def looked_up(self, sql: str, values: Sequence[object] = (), *, room: int | None = None) -> list[tuple[Any, ...]]:
-        """Returns the answer to a slow query; writers do not wait for it.
+        """Returns the rows of a slow query, without blocking writers.
 
-        It sees all that was committed before, and nothing of a transaction that is going on.
+        It sees all committed content, and nothing of a transaction in progress.
 
         Args:
             sql: The query.
-            values: What is bound to its question marks.
-            room: After so many characters in the first column no further row is read; None for all rows.
+            values: Values of its question marks.
+            room: Maximum number of characters in the first column: then no further row is read; None for all rows.
 
         Raises:
             FileError: The file cannot be read.
@@ -215,10 +215,10 @@ class Database:
                 return cursor.fetchall() if room is None else list(_fitting(cursor, room))
 
     def sync(self) -> None:
-        """Waits until what was committed outlives a power cut as well; readers and writers do not wait.
+        """Waits until all committed writes survive a power failure, without blocking readers and writers.
 
         Raises:
-            FileError: The disk does not take it.
+            FileError: The disk cannot be written.
         """
         commits = self._commits
         if self._synced >= commits:
@@ -229,17 +229,17 @@ class Database:
                 os.fsync(log)
             finally:
                 os.close(log)
-        except FileNotFoundError:  # all of it is in the file
+        except FileNotFoundError:  # there is no log: everything is in the file
             return
         except OSError as error:
-            raise FileError(self.path, f"the disk does not take it: {error.strerror or error}") from error
+            raise FileError(self.path, f"the disk cannot be written: {error.strerror or error}") from error
         self._synced = max(self._synced, commits)
 
     def shrink(self) -> None:
-        """Gives back the room of what was deleted.
+        """Frees the space of deleted content.
 
         Raises:
-            FileError: There is no room for doing so; the content is as before.
+            FileError: There is not enough space to do so; the content is unchanged.
         """
         with self._guard, self._faults():
             connection = self._open()
@@ -266,7 +266,7 @@ class Database:
         return self._connection
 
     def _closed(self) -> WorldError:
-        return WorldError(f"{self.path.parent}: the data directory is closed, nothing is read or written any more")
+        return WorldError(f"{self.path.parent}: the data directory is closed: it can no longer be read or written")
 
     @contextmanager
     def _faults(self) -> Iterator[None]:
@@ -279,9 +279,9 @@ class Database:
 
 
 class _Checkpoints:
-    """Works the write-ahead log into the file from a thread of its own, on a connection of its own.
+    """A thread that checkpoints the write-ahead log, with a connection of its own.
 
-    It is a passive checkpoint: those who read or write meanwhile are not waited for, and do not wait.
+    The checkpoints are passive: they neither wait for readers and writers nor block them.
     """
 
     def __init__(self, path: Path) -> None:
@@ -293,19 +293,19 @@ class _Checkpoints:
         self._thread.start()
 
     def close(self) -> None:
-        """Ends it; the last one to close the file works in what is left."""
+        """Ends the thread; SQLite checkpoints the rest when the last connection is closed."""
         self._ended.set()
         self._thread.join()
         self._connection.close()
 
     def _work(self) -> None:
         while not self._ended.wait(_BETWEEN_LOOKS):
-            with suppress(sqlite3.Error, OSError):  # such as a full disk: the log waits, and nothing is lost
+            with suppress(sqlite3.Error, OSError):  # such as a full disk: the content stays in the log
                 if self._log.stat().st_size > _PAGE * _PAGES_BETWEEN_CHECKPOINTS // 4:
                     self._checkpoint()
 
     def _checkpoint(self) -> None:
-        """Writes the log, and what came meanwhile, into the file: only then the log restarts."""
+        """Checkpoints the log with what was added meanwhile: only then can it restart."""
         for _ in range(_ROUNDS):
             ((_, logged, done),) = self._connection.execute("PRAGMA wal_checkpoint(PASSIVE)").fetchall()
             if logged == done:
@@ -317,10 +317,10 @@ _ROUNDS = 5
 
 
 def _make(path: Path, schema: Schema) -> None:
-    """Makes the file under another name, so that there never is a half-made one."""
+    """Creates the file under a temporary name, so that it is never incomplete."""
     log = path.with_name(f"{path.name}-wal")
     if log.exists():
-        raise FileError(path, f"the file is gone, and {log.name} is still there: put it back, or remove that too")
+        raise FileError(path, f"the file is missing, but {log.name} exists: restore the file, or remove {log.name}")
     new = path.with_name(f"{path.name}.new")
     for left in (new, new.with_name(f"{new.name}-journal")):
         left.unlink(missing_ok=True)
@@ -330,12 +330,12 @@ def _make(path: Path, schema: Schema) -> None:
 
 
 def _connect(path: Path) -> sqlite3.Connection:
-    # No transaction but those that are begun in so many words; threads take turns by our own lock.
+    # Transactions are begun explicitly; our own lock serialises threads.
     return sqlite3.connect(path, timeout=1.0, isolation_level=None, check_same_thread=False)
 
 
 def _fitting(rows: Iterable[tuple[Any, ...]], room: int) -> Iterator[tuple[Any, ...]]:
-    """Yields rows until there is no room left; the first in any case."""
+    """Yields rows until the room is used up; always the first."""
     for row in rows:
         yield row
         room -= len(row[0])
@@ -345,7 +345,7 @@ def _fitting(rows: Iterable[tuple[Any, ...]], room: int) -> Iterator[tuple[Any, 
 
 @contextmanager
 def _committing(connection: sqlite3.Connection) -> Iterator[None]:
-    """Keeps what is written while the block lasts, or nothing of it if anything raises."""
+    """Commits the writes of the block, or rolls them back if it raises."""
     connection.execute("BEGIN IMMEDIATE")
     try:
         yield

@@ -13,9 +13,9 @@ class PaletteNode(Answer):
     """A node that an editor offers."""
 
     kind: str = Field(examples=["wait"])
-    """What it is called in a document."""
+    """Its kind, as in documents."""
     help: str = Field(examples=["Lets so many seconds of run time pass."])
-    """One sentence."""
+    """Description in one sentence."""
     fields: dict[str, str] = Field(examples=[{"seconds": "float"}])
     """Its fields with their types."""
 
@@ -26,7 +26,7 @@ class DocumentKindInfo(Answer):
     kind: str = Field(examples=["tree"])
     """Its name."""
     help: str = Field(examples=["A tree of behaviours of all kinds."])
-    """One sentence."""
+    """Description in one sentence."""
     formats: dict[str, str] = Field(examples=[{"json": "application/json"}])
     """Text formats of import and export, with their media types."""
     palette: tuple[PaletteNode, ...]
@@ -48,12 +48,12 @@ class DocumentContent(Request):
 
 
 class DocumentProblem(Answer):
-    """Something in a document that would not work now."""
+    """Something in a document that does not work in the present world."""
 
     place: str = Field(examples=["steps[2]"])
     """Where in the document; empty for the whole."""
     text: str = Field(examples=["no subsystem has the skill drive any more"])
-    """A sentence."""
+    """What is wrong, in a sentence."""
 
 
 class DocumentInfo(Answer):
@@ -70,9 +70,9 @@ class DocumentInfo(Answer):
     data: dict[str, Any]
     """Its content."""
     problems: tuple[DocumentProblem, ...]
-    """What would not work now, in the present world; lists and revisions leave it out."""
+    """What does not work in the present world; omitted in lists and revisions."""
     agents: dict[str, str] = Field(examples=[{"steps[0]": "base_1"}])
-    """The subsystems that would run parts of it now, by place; lists and revisions leave them out."""
+    """The subsystems that would run parts of it now, by place; omitted in lists and revisions."""
 
 
 class Documents(Answer):

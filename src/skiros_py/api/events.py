@@ -20,9 +20,9 @@ class EventInfo(Answer):
     number: int = Field(examples=[128])
     """Number of the event, from 1 at each start of the server."""
     at: datetime = Field(examples=["2026-11-20T09:30:00.125Z"])
-    """When."""
+    """When it happened (UTC)."""
     time: float = Field(examples=[45.8])
-    """When [s, run time]."""
+    """When it happened [s, run time]."""
     kind: EventKind = Field(examples=["job"])
     """Its kind."""
     type: str = Field(examples=["Running"])
@@ -45,7 +45,7 @@ class ResetInfo(Answer):
     id: str = Field(examples=["1f2e3d4c-4711"])
     """Position at which the events continue."""
     kind: Literal["reset"] = "reset"
-    """Tells it from what happened."""
+    """Distinguishes it from events."""
     code: Literal["restarted", "unknown", "future", "gone"] = Field(examples=["gone"])
     """Why: the server was restarted; the id is invalid; there is no such event yet; it is too old."""
     why: str = Field(examples=["the events 3 to 9000 are not kept any more"])

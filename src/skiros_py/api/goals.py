@@ -67,7 +67,7 @@ class Material(Request):
 
     @property
     def pieces(self) -> int:
-        """How many pieces that a goal can speak of; what is measured in units counts as one."""
+        """Number of pieces for goals; material measured in units counts as one piece."""
         return 1 if self.units or isinstance(self.quantity, str) else self.quantity
 
 
@@ -181,7 +181,7 @@ class TemplateParameter(Request):
     default: str | None = Field(default=None, min_length=1, max_length=200)
     """Its default."""
     description: str = Field(default="", max_length=2000, examples=["the kit to fill"])
-    """For people."""
+    """Description, for people."""
 
 
 class GoalTemplateContent(Request):
@@ -192,7 +192,7 @@ class GoalTemplateContent(Request):
     """
 
     description: str = Field(default="", max_length=2000, examples=["fills one kit"])
-    """For people."""
+    """Description, for people."""
     parameters: tuple[TemplateParameter, ...] = Field(
         default=(), max_length=100, examples=[[{"name": "kit", "class": "Kit"}]]
     )

@@ -20,7 +20,7 @@ Key = Annotated[str, Field(max_length=_LONGEST_KEY)]
 
 
 def _sound(values: dict[str, Any]) -> dict[str, Any]:
-    """Refuses what JSON does not carry back: endless numbers, broken characters; and what is longer than any form."""
+    """Refuses values that JSON cannot represent (infinite numbers, lone surrogates), and those that are too long."""
     try:
         text = json.dumps(values, allow_nan=False, ensure_ascii=False)
         text.encode()
@@ -85,9 +85,9 @@ class ModuleSummary(Answer):
     name: str = Field(examples=["pick"])
     """Its name."""
     kind: Literal["skill", "primitive", "document"] = Field(examples=["skill"])
-    """What it is."""
+    """Its kind."""
     help: str = Field(examples=["Picks a part from a storage place."])
-    """One sentence."""
+    """Description in one sentence."""
     version: str = Field(examples=["1.0.0"])
     """Version of the first implementation."""
     agents: list[ModulePlace]
@@ -95,7 +95,7 @@ class ModuleSummary(Answer):
 
 
 class ModuleParameter(Answer):
-    """One parameter, with all that a form needs."""
+    """One parameter, with the data that a form needs."""
 
     key: str = Field(examples=["Object"])
     """Its name."""
@@ -104,210 +104,210 @@ class ModuleParameter(Answer):
     kind: str = Field(examples=["online"])
     """Who specifies it: online, offline, optional, hardware, config or planning."""
     help: str = Field(examples=["The part."])
-    """One sentence."""
+    """Description in one sentence."""
     unit: str = Field(examples=["m"])
-    """Unit of a number; empty where it has none."""
+    """Unit of a number; empty if it has none."""
     required: bool
-    """True where the module does not run before it is specified or inferred."""
+    """Whether the module runs only after it was specified or inferred."""
     planning: bool
-    """True where it is inferred and forms do not show it."""
+    """Whether it is inferred and not shown in forms."""
     default: Any = Field(None, examples=[None])
-    """Value if none is given."""
+    """Default value; null if there is none."""
     json_schema: dict[str, Any]
     """JSON schema of its value; `class` names the class of an element."""
 
 
 class ModuleOutput(Answer):
-    """A value that a module finds out."""
+    """A value that a module returns."""
 
     name: str = Field(examples=["answer"])
     """Its name; bodies and documents write it with `Out`."""
     type: str = Field(examples=["text"])
-    """Class of the element, or type of the value; empty where it is not declared (documents)."""
+    """Class of the element, or type of the value; empty if it is not declared (documents)."""
     unit: str = Field(examples=["m"])
-    """Unit of a number; empty where it has none."""
+    """Unit of a number; empty if it has none."""
     help: str = Field(examples=["What the person chose."])
     """Its meaning."""
     json_schema: dict[str, Any]
-    """JSON schema of the value; empty where its type is not declared."""
+    """JSON schema of the value; empty if its type is not declared."""
 
 
 class SkillCondition(Answer):
     """A condition of a skill, over its parameters."""
 
     text: str = Field(examples=["ObjectAtLocation(Object, Container)"])
-    """As planners and logs write it."""
+    """The condition as in plans and logs."""
     words: str = Field(examples=["The object is at the location."])
-    """What the word means, in a sentence."""
+    """Meaning of the condition, in a sentence."""
     word: str = Field(examples=["ObjectAtLocation"])
     """Its name."""
     arguments: list[str] = Field(examples=[["Object", "Container"]])
-    """Keys of parameters."""
+    """Keys of the parameters that are its arguments."""
     negated: bool
-    """True where it must not hold."""
+    """Whether it must not hold."""
 
 
 class BodyNode(Answer):
-    """One node of what a skill does."""
+    """One node of a skill's body."""
 
     path: str = Field(examples=["body/0/2"])
-    """Names it; in events the module's path stands before it."""
+    """Its path; in events it follows the path of the module."""
     kind: str = Field(examples=["do"])
     """Kind of behaviour."""
     title: str = Field(examples=["move_arm(arm=Arm)"])
-    """For people."""
+    """Display text."""
     module: str = Field(examples=["move_arm"])
-    """The module that it calls; empty for none."""
+    """The module that it calls; empty if it calls none."""
 
 
 class BodyEdge(Answer):
-    """An arrow between two nodes of what a skill does."""
+    """An edge between two nodes of a skill's body."""
 
     source: str = Field(examples=["body"])
     """Path of a node; empty for the skill."""
     target: str = Field(examples=["body/0"])
     """Path of a node; empty for the skill."""
     label: str = Field(examples=[""])
-    """What is written on it; may be empty."""
+    """Its label; may be empty."""
 
 
 class Implementation(Answer):
-    """One way to do a skill."""
+    """One implementation of a skill."""
 
     label: str = Field(examples=["by vision"])
-    """Its name among the ways; may be empty."""
+    """Its name among the implementations; may be empty."""
     version: str = Field(examples=["1.0.0"])
     """Its version."""
     driver: str = Field(examples=["fake"])
-    """Kind of cell it is for; empty for all that are no fake."""
+    """The driver that it is for; empty for all except the fake."""
     order: int = Field(examples=[0])
-    """Ways are tried by this number."""
+    """Position in the order in which implementations are tried."""
     requires: list[str] = Field(examples=[["sk:Camera"]])
     """Classes of devices that the robot must have."""
     when: list[SkillCondition]
-    """Further conditions under which it can be used."""
+    """Additional conditions for its use."""
     nodes: list[BodyNode]
-    """What it does, from the top."""
+    """Nodes of its body, the root first."""
     edges: list[BodyEdge]
-    """The arrows between the nodes."""
+    """Edges of its body."""
 
 
 class ModuleDetails(Answer):
-    """A module of one subsystem: all that is known before it runs."""
+    """A module of one subsystem, as known before it runs."""
 
     agent: str = Field(examples=["arm_1"])
     """Id of the subsystem."""
     name: str = Field(examples=["pick"])
     """Its name."""
     kind: Literal["skill", "primitive", "document"] = Field(examples=["skill"])
-    """What it is."""
+    """Its kind."""
     help: str = Field(examples=["Picks a part from a storage place."])
-    """One sentence."""
+    """Description in one sentence."""
     version: str = Field(examples=["1.0.0"])
     """Version of the first implementation."""
     parameters: list[ModuleParameter]
     """Its parameters."""
     outputs: list[ModuleOutput]
-    """The values that its outcome has; none of a skill."""
+    """Values of its outcome; empty for a skill."""
     pre: list[SkillCondition]
-    """What must hold before it starts; none for a primitive."""
+    """Preconditions; empty for a primitive."""
     hold: list[SkillCondition]
-    """What must hold while it runs."""
+    """Hold conditions: they must hold while it runs."""
     post: list[SkillCondition]
-    """What holds after it."""
+    """Postconditions: they hold after it succeeded."""
     implementations: list[Implementation]
-    """Ways of doing it, in the order of trying."""
+    """Its implementations, in the order in which they are tried."""
 
 
 class SkillInfo(Answer):
-    """A skill as people and planners see it, apart from how it is done."""
+    """A skill as seen by people and planners, without its implementations."""
 
     name: str = Field(examples=["pick"])
     """Its name."""
     help: str = Field(examples=["Picks a part from a storage place."])
-    """One sentence."""
+    """Description in one sentence."""
     agent: str = Field(examples=["Arm"])
-    """Key of the parameter that is the subsystem doing it."""
+    """Key of the parameter for the subsystem that executes it."""
     agent_class: str = Field(examples=["sk:Arm"])
     """Class of that subsystem."""
     target: str = Field(examples=["Object"])
-    """Key of the parameter that it is done to."""
+    """Key of the parameter for the element that it acts on."""
     duration: float | None = Field(examples=[6])
-    """How long it takes as a rule [s]; null if unknown."""
+    """Typical duration [s]; null if unknown."""
     parameters: list[ModuleParameter]
     """Its parameters."""
     needs: list[SkillCondition]
-    """All that must hold before: parameters as described, then `pre`."""
+    """All conditions before its start: those of the parameters, then `pre`."""
     pre: list[SkillCondition]
-    """What must hold before it starts."""
+    """Preconditions."""
     hold: list[SkillCondition]
-    """What must hold while it runs."""
+    """Hold conditions: they must hold while it runs."""
     post: list[SkillCondition]
-    """What holds after it: its effects."""
+    """Postconditions: its effects."""
     agents: list[ModulePlace]
-    """Who offers it now."""
+    """The subsystems that offer it now."""
 
 
 class PanelRequest(Request):
-    """With what a module would be run."""
+    """Arguments with which a module would be run."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [{"arguments": {}}]})
 
     arguments: Arguments = Field(default_factory=dict, examples=[{"Object": "starter_1"}])
-    """Value by parameter key."""
+    """Values by parameter key."""
 
 
 class RunModule(PanelRequest):
-    """With what a module is run, and how often."""
+    """Arguments with which a module is run, and the number of rounds."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [{"arguments": {}, "repeat": 1}]})
 
     repeat: int = Field(1, ge=1, le=_MOST_ROUNDS)
-    """How often it is done, one after the other."""
+    """Number of rounds, executed one after the other."""
     breakpoints: Breakpoints = Field(default_factory=tuple, description=_BREAKPOINTS, examples=[["body/1"]])
 
 
 class SetBreakpoints(Request):
-    """Where a run is paused."""
+    """Breakpoints of a run."""
 
     paths: Breakpoints = Field(description=_BREAKPOINTS, examples=[["body/1"]])
 
 
 class PanelRow(Answer):
-    """One condition, as things are now."""
+    """One condition in the present state."""
 
     kind: str = Field(examples=["pre"])
     """pre, hold or post."""
     condition: str = Field(examples=["EmptyHanded(Gripper)"])
-    """In words."""
+    """The condition, as text."""
     holds: bool | None = Field(examples=[True])
-    """Null where a parameter is still open."""
+    """Whether it holds; null while a parameter has no value."""
     why: list[str] = Field(examples=[[]])
-    """Why not, a line a reason."""
+    """Reasons why it does not hold."""
 
 
 class PanelInfo(Answer):
-    """What a module would be run with now, and which of its conditions hold."""
+    """Arguments that a module would have now, and whether its conditions hold."""
 
     ready: bool
-    """True when everything is specified and every precondition holds."""
+    """Whether all parameters have values and all preconditions hold."""
     arguments: dict[str, Any]
-    """What is specified or inferred, by key; null where it is open."""
+    """Specified and inferred values by parameter key; null for parameters without one."""
     inferred: dict[str, str]
-    """Why this value, for inferred ones."""
+    """Reasons for inferred values, by parameter key."""
     missing: dict[str, str]
-    """Why a parameter stays open."""
+    """Why a parameter has no value, by parameter key."""
     conditions: list[PanelRow]
-    """Its conditions; none for a primitive."""
+    """Its conditions; empty for a primitive."""
 
 
 class ModuleProgress(Answer):
-    """One message of a module that runs, or of a part of it."""
+    """A progress message of a running module, or of a part of it."""
 
     time: float = Field(examples=[12.5])
     """Run time [s]."""
     module: str = Field(examples=["move_arm"])
-    """Which module."""
+    """The module."""
     kind: str = Field(examples=["primitive"])
     """skill or primitive."""
     status: str = Field(examples=["running"])
@@ -315,32 +315,32 @@ class ModuleProgress(Answer):
     code: int = Field(examples=[1])
     """Progress code; negative for an error."""
     text: str = Field(examples=["leg 1 of 2"])
-    """For people."""
+    """Display text."""
     agent: str = Field(examples=["arm_1"])
     """Subsystem that runs it."""
     caller: str = Field(examples=[""])
-    """Module that it is part of; empty for the one that was started."""
+    """The module that called it; empty for the one that was started."""
     run: str = Field(examples=["r12"])
-    """Id of the run that it is of."""
+    """Id of its run."""
     parent: str = Field(examples=["r9"])
-    """Id of the run that this is part of; empty for none."""
+    """Id of the parent run; empty if there is none."""
     path: str = Field(examples=["pick/body/0/2"])
-    """Which node: module that was started, part, keys."""
+    """Path of the node, from the module that was started."""
     event: str = Field(examples=[""])
-    """Name of the event that it announced; empty for none."""
+    """Name of the announced event; empty if there is none."""
     value: Any = Field(None, examples=[None])
     """Value of that event."""
 
 
 class ModuleRound(Answer):
-    """How it ended once."""
+    """Outcome of one round."""
 
     success: bool
-    """Whether it worked."""
+    """Whether it succeeded."""
     code: int = Field(examples=[1])
-    """1 where it worked, else the error's code."""
+    """1 if it succeeded, otherwise the error code."""
     text: str = Field(examples=["at pallet_a"])
-    """What came of it, or why it failed."""
+    """The result, or why it failed."""
     start: float = Field(examples=[12.5])
     """Run time [s]."""
     end: float = Field(examples=[18.0])
@@ -359,29 +359,29 @@ class ModuleRunInfo(Answer):
     by: str = Field(examples=["anna"])
     """Who started it."""
     status: ModuleRunStatus = Field(examples=["succeeded"])
-    """What it does, or how it ended."""
+    """Its status."""
     started: Moment = Field(examples=["2026-11-21T13:22:56.120Z"])
-    """When."""
+    """When it was started."""
     given: dict[str, Any]
-    """The arguments that were given."""
+    """The given arguments, by parameter key."""
     arguments: dict[str, Any]
-    """All arguments, with what was inferred."""
+    """All arguments, also inferred ones, by parameter key."""
     repeat: int = Field(examples=[1])
-    """How often it shall be done."""
+    """Number of requested rounds."""
     breakpoints: list[str] = Field(examples=[["tree:tidy up/body/1"]])
-    """Nodes before which it is paused."""
+    """Paths of nodes before which it is paused."""
     done: int = Field(examples=[1])
-    """How often it has ended."""
+    """Number of finished rounds."""
     succeeded: int = Field(examples=[1])
-    """How often it worked."""
+    """Number of successful rounds."""
     cut_off: bool = False
-    """Whether the last round was cancelled by a stop: it says nothing of the module."""
+    """Whether the last round was cancelled by a stop, so that its outcome says nothing about the module."""
     rounds: list[ModuleRound]
-    """How it ended each time; of very many the last 100."""
+    """Outcomes of the rounds: the last 100."""
     progress: list[ModuleProgress]
-    """What it reported; of very many the last 500."""
+    """Its progress messages: the last 500."""
     changes: list[dict[str, Any]]
-    """What it wrote into the world; of very many the last 100."""
+    """Its changes of the world: the last 100."""
 
 
 ModuleRuns = Items[ModuleRunInfo]
@@ -396,13 +396,13 @@ class PluginFaultInfo(Answer):
     group: str = Field(examples=["skiros.skills"])
     """Group of the entry point."""
     distribution: str = Field(examples=["skiros-skills 0.1.0"])
-    """What brings it, with its version."""
+    """Its distribution, with version."""
     reason: str = Field(examples=["ModuleNotFoundError: No module named 'cv2'"])
-    """What is wrong."""
+    """The fault, in a sentence."""
     origin: str = Field(examples=["drive.py"])
-    """File that it is in; empty where unknown."""
+    """File of its module; empty if unknown."""
     traceback: str = Field(examples=[""])
-    """Where it was raised; empty where nothing was."""
+    """The stack of the exception; empty if none was raised."""
 
 
 class PluginInfo(Answer):
@@ -413,21 +413,21 @@ class PluginInfo(Answer):
     group: str = Field(examples=["skiros.skills"])
     """Its group."""
     distribution: str = Field(examples=["skiros-skills"])
-    """What brings it."""
+    """Its distribution."""
     version: str = Field(examples=["0.1.0"])
-    """Version of that."""
+    """Version of the distribution."""
     object: str = Field(examples=["skiros_skills.drive:DRIVE"])
-    """What it names."""
+    """The object that it names."""
     works: bool
-    """True where nothing is wrong with it."""
+    """Whether it has no faults."""
     faults: list[PluginFaultInfo]
-    """What is wrong with it."""
+    """Its faults."""
 
 
 class Plugins(Answer):
-    """What is installed."""
+    """The installed plug-ins."""
 
     items: list[PluginInfo]
     """All entry points, by group and name."""
     others: list[PluginFaultInfo]
-    """Faults that belong to none of them."""
+    """Faults that belong to no entry point."""

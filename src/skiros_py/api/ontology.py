@@ -1,4 +1,4 @@
-"""What may be: classes, relations and properties, as people and forms need them."""
+"""The ontology on the wire: classes, relations and properties."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from skiros_py.api.world import Value
 
 
 class ClassNode(Answer):
-    """A class with those below it; a class with several parents stands below its primary one."""
+    """A class with its subclasses; a class with several parents is listed below its primary one."""
 
     name: str = Field(examples=["kitting:Starter"])
     """The class."""
@@ -22,9 +22,9 @@ class ClassNode(Answer):
     instances: int
     """Number of elements of it or its subclasses in the scene."""
     children: list[ClassNode]
-    """The classes below it, down to the depth that was asked for."""
+    """Its direct subclasses, down to the requested depth."""
     children_total: int
-    """How many classes stand directly below it."""
+    """Number of its direct subclasses."""
 
 
 class PropertyInfo(Answer):
@@ -35,22 +35,22 @@ class PropertyInfo(Answer):
     label: str = Field(examples=["mass"])
     """Its label."""
     comment: str
-    """What it means, with its unit."""
+    """Its meaning."""
     datatype: str = Field(examples=["xsd:decimal"])
     """Data type of its values."""
     says: str = Field(examples=["a finite number"])
-    """What a value looks like, for people."""
+    """Form of its values, for people."""
     unit: str = Field(examples=["kg"])
-    """Unit of its values; empty where there is none."""
+    """Unit of its values; empty if they have none."""
     borne_by: list[list[str]]
-    """What bears it: of each group one class at least."""
+    """Classes of elements that may have it: at least one class of each group."""
 
 
 class ClassProperty(PropertyInfo):
-    """A property that things of a class may have."""
+    """A property that elements of a class may have."""
 
     value: Value
-    """What the class gives, or was taught for it; null for nothing."""
+    """Value given by the class, or taught for it; null if there is none."""
 
 
 class RelationInfo(Answer):
@@ -67,17 +67,17 @@ class RelationInfo(Answer):
     parents: list[str]
     """Its direct super-relations."""
     subjects: list[list[str]]
-    """What the subject must be: of each group one class at least."""
+    """Required classes of the subject: at least one class of each group."""
     objects: list[list[str]]
-    """What the object must be: of each group one class at least."""
+    """Required classes of the object: at least one class of each group."""
     place_end: str | None
     """For a placement, the end that is the place: "subject" or "object"."""
     functional: bool
-    """True when a subject has at most one object."""
+    """Whether a subject has at most one object."""
     inverse: str | None
-    """The relation that says the same from the other end."""
+    """The inverse relation; null if there is none."""
     computed: bool
-    """True when a reasoner here works it out on demand."""
+    """Whether a reasoner computes it on demand."""
 
 
 PropertyPage = Page[PropertyInfo]

@@ -1,4 +1,4 @@
-"""Questions in SPARQL, and their answers."""
+"""SPARQL queries and their results."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from skiros_py.api.wire import Answer, Request
 from skiros_py.api.world import GivenPose, Number
 
 _LONGEST_TIME = 60.0
-"""What a question asked over the network may take at most [s]."""
+"""Maximum time limit of a query [s]."""
 
 
 class TextLiteral(Request):
-    """A text, where a plain string would be a name."""
+    """A text; a plain string would be a name."""
 
     text: Annotated[str, Field(max_length=65536)] = Field(examples=["pallet A"])
     """The text."""
@@ -37,11 +37,11 @@ Bound = (
     | Annotated[list[Number], Field(max_length=2048)]
     | Annotated[str, Field(min_length=1, max_length=1000)]
 )
-"""What a parameter stands for: a string is the name of an element, a class, a relation or a property."""
+"""Value of a parameter; a string is the name of an element, a class, a relation or a property."""
 
 
 class Query(Answer):
-    """A question."""
+    """A query."""
 
     model_config = ConfigDict(
         frozen=True,
@@ -59,42 +59,42 @@ class Query(Answer):
     bindings: Annotated[
         dict[Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]{0,99}$")], Bound], Field(max_length=100)
     ] = Field(default_factory=dict)
-    """What its parameters stand for."""
+    """Values of its parameters, by name without $."""
     entailed: bool = False
-    """Whether what OWL entails counts too."""
+    """Whether triples entailed by OWL are included."""
     time_limit: Annotated[float, Field(gt=0.0, le=_LONGEST_TIME, allow_inf_nan=False)] = 5.0
-    """How long it may take [s]."""
+    """Time limit [s]."""
 
 
 class SelectAnswer(Answer):
-    """What a SELECT answers."""
+    """Result of a SELECT."""
 
     form: Literal["SELECT"]
-    """What was asked."""
+    """Form of the query."""
     variables: list[str] = Field(examples=[["part"]])
     """The columns."""
     rows: list[dict[str, Any]] = Field(examples=[[{"part": "starter_1"}]])
-    """By variable: names as strings, literals as values, null for none."""
+    """Values by variable: names as strings, literals as values, null if unbound."""
 
 
 class AskAnswer(Answer):
-    """What an ASK answers."""
+    """Result of an ASK."""
 
     form: Literal["ASK"]
-    """What was asked."""
+    """Form of the query."""
     answer: bool
-    """Yes or no."""
+    """Whether the pattern matches."""
 
 
 class ConstructAnswer(Answer):
-    """What a CONSTRUCT answers."""
+    """Result of a CONSTRUCT."""
 
     form: Literal["CONSTRUCT"]
-    """What was asked."""
+    """Form of the query."""
     statements: list[tuple[str, str, Any]]
     """Subject, predicate and object."""
     turtle: str
-    """The same as the text of a Turtle file."""
+    """The same as Turtle text."""
 
 
 QueryAnswer = Annotated[SelectAnswer | AskAnswer | ConstructAnswer, Field(discriminator="form")]

@@ -1,4 +1,4 @@
-"""Robots: what they are made of, their devices and signals, where they are, what they saw, and moving them by hand."""
+"""Robots: their devices, signals, poses, images, and moving them manually."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ class JointDescription(Answer):
     name: str = Field(examples=["panda_joint1"])
     """Its name."""
     lower: float | None = Field(examples=[-2.9])
-    """Least position [rad or m]; null where it has no limit."""
+    """Minimum position [rad or m]; null if it has no limit."""
     upper: float | None = Field(examples=[2.9])
-    """Greatest position [rad or m]; null where it has no limit."""
+    """Maximum position [rad or m]; null if it has no limit."""
     velocity: float | None = Field(examples=[2.1])
-    """Greatest speed [rad/s or m/s]; null if unknown."""
+    """Maximum speed [rad/s or m/s]; null if unknown."""
 
 
 class ManualRun(Request):
@@ -39,13 +39,13 @@ class ManualRun(Request):
     )
 
     module: Name | None = Field(None, examples=["jog_tool"])
-    """One of the modules that the device has for this; the first of them where left out."""
+    """A module of the device for this purpose; the first if omitted."""
     arguments: Arguments = Field(default_factory=dict, examples=[{"translation": [0, 0, -0.05]}])
-    """Parameters of the module; its device is the one in the address."""
+    """Arguments of the module; its device is that of the address."""
 
 
 SignalValue = bool | float | tuple[float, ...]
-"""A truth value, a number, or numbers."""
+"""A truth value, a number, or a list of numbers."""
 
 
 class SignalInfo(Answer):
@@ -56,9 +56,9 @@ class SignalInfo(Answer):
     unit: str = Field(examples=["N"])
     """Its unit; empty for truth values and pure numbers."""
     dimension: str = Field(examples=["force"])
-    """The dimension that its unit measures; empty for no unit, or one that is not known."""
+    """The physical dimension of its unit; empty if it has none, or an unknown one."""
     frame: str = Field(examples=[""])
-    """"map", "own" for the frame of the device; empty where none matters."""
+    """Reference frame: "map", or "own" for that of the device; empty if it has none."""
     help: str = Field(examples=["force per finger"])
     """Its meaning."""
 
@@ -69,7 +69,7 @@ class DeviceModule(Answer):
     module: str = Field(examples=["gripper_control"])
     """Its name."""
     agent: str | None = Field(examples=["arm_1"])
-    """Id of the subsystem that runs it; null where none can."""
+    """Id of the subsystem that runs it; null if none can."""
 
 
 class DeviceInfo(Answer):
@@ -80,29 +80,29 @@ class DeviceInfo(Answer):
     kind: str = Field(examples=["gripper"])
     """Its kind."""
     robot: str | None = Field(examples=["robot_1"])
-    """The robot that it belongs to; null for none."""
+    """Id of its robot; null if it has none."""
     model: str = Field(examples=[""])
-    """Name of its own model, as `GET /robots/{id}/model` has it; empty for none, and for a device of a robot."""
+    """Name of its own model, as in `GET /robots/{id}/model`; empty if it has none, and for a device of a robot."""
     place: PoseInfo | None
     """Pose of a device without a robot in the map; null for a device of a robot."""
     description: dict[str, Any] = Field(examples=[{"max_gap": 0.08}])
-    """What is known of it, by the names that its kind uses."""
+    """Its constant data, by the names of its kind."""
     signals: tuple[SignalInfo, ...]
-    """The values that it offers."""
+    """Its signals."""
     open: bool = Field(examples=[True])
-    """Whether it may be used; false after it was closed."""
+    """Whether it can be used; false after it was closed."""
     commanded: bool = Field(examples=[True])
     """Whether it takes commands; false for a sensor."""
     joints: tuple[JointDescription, ...]
-    """The joints of its robot's model that it moves or measures."""
+    """The joints of the model that it moves or measures."""
     frames: tuple[str, ...] = Field(examples=[["tcp"]])
-    """Its links of its robot's model: a tip, an optical frame."""
+    """Its links in the model: a tip, an optical frame."""
     mounted_on: str = Field(examples=["arm_1"])
-    """Id of the device whose frame it shares: the arm of a gripper; empty for none."""
+    """Id of the device whose frame it shares (the arm of a gripper); empty if there is none."""
     jog: tuple[DeviceModule, ...]
     """Modules that move it by a small step, or home."""
     teach: tuple[DeviceModule, ...]
-    """Modules that learn something from its present state."""
+    """Modules that learn something from its current state."""
 
 
 class RobotInfo(Answer):
@@ -115,11 +115,11 @@ class RobotInfo(Answer):
     model: str = Field(examples=["mobile_panda"])
     """Name of its model."""
     carrier: str | None = Field(examples=["base_1"])
-    """Id of the device that moves it through the map, of whatever kind; null for a robot that stands still."""
+    """Id of the device of any kind that moves it in the map; null for a stationary robot."""
     place: PoseInfo | None
-    """Where in the map a robot stands that nothing moves; null for others."""
+    """Pose of a stationary robot in the map; null for others."""
     footprint: tuple[tuple[float, float], ...]
-    """Corners of its outline on the floor [m]."""
+    """Corners (x, y) of its outline on the floor, in the frame of its carrier, or in its own [m]."""
     devices: tuple[DeviceInfo, ...]
     """Its devices, of any kind."""
     agents: tuple[str, ...] = Field(examples=[["arm_1", "base_1"]])
@@ -138,13 +138,13 @@ class RobotReading(Answer):
     halted: str = Field(examples=[""])
     """Reason of the halt; empty if nothing is halted."""
     at: str = Field(examples=["pallet_a"])
-    """Id of the place where it is believed to be; empty for none."""
+    """Id of the place where it is believed to be; empty if there is none."""
     pose: PoseInfo
-    """Where the robot is in the map, as localised."""
+    """Pose of the robot in the map, as localised."""
     devices: dict[str, DeviceState]
-    """Its devices by id."""
+    """States of its devices, by device id."""
     frames: dict[str, PoseInfo]
-    """Frames of its devices in the map by id: the tip of an arm, the optical frame of a camera."""
+    """Poses of the frames of its devices in the map, by device id: the tip of an arm, the optical frame of a camera."""
 
 
 class DeviceReading(DeviceState):
@@ -157,7 +157,7 @@ class DeviceReading(DeviceState):
     cycle: int = Field(examples=[9160])
     """Number of the control cycle."""
     signals: dict[str, SignalValue] = Field(examples=[{"gap": 0.051, "force": 30.0}])
-    """The values that it offers, by name."""
+    """Values of its signals, by name."""
 
 
 class CellSignal(SignalInfo):
@@ -168,18 +168,18 @@ class CellSignal(SignalInfo):
     length: int | None = Field(examples=[3])
     """Number of values of a computed vector; null for any other."""
     source: str = Field(examples=["gripper_1"])
-    """Device or provider that gives it."""
+    """Its device or signal provider."""
     input: bool = Field(examples=[False])
-    """Whether it can be set."""
+    """Whether it can be set from outside."""
 
 
 class SignalReading(Answer):
     """The value of a signal in one cycle."""
 
     value: SignalValue | None = Field(examples=[30.0])
-    """The value; null where it has none."""
+    """The value; null if it has none."""
     reason: str = Field(examples=[""])
-    """Why it has no value; empty where it has one."""
+    """Why it has no value; empty if it has one."""
 
 
 class SignalReadings(Answer):
@@ -190,7 +190,7 @@ class SignalReadings(Answer):
     cycle: int = Field(examples=[9160])
     """Number of the control cycle."""
     signals: dict[str, SignalReading]
-    """The values by the names of the signals."""
+    """The values, by name of the signal."""
 
 
 class SetSignal(Request):
@@ -201,45 +201,45 @@ class SetSignal(Request):
 
 
 class Seen(Answer):
-    """One thing that was recognised, or not."""
+    """One segmented object, recognised or not."""
 
     type: str | None = Field(examples=["kitting:Starter"])
-    """Its class; null for what fits no known shape."""
+    """Its class; null if it fits no known shape."""
     pose: PoseInfo
-    """Where it is in the map."""
+    """Its pose in the map."""
     size: tuple[float, float, float]
-    """Length, width, height of the box around it [m]."""
+    """Length, width, height of its bounding box [m]."""
     cost: float = Field(examples=[0.0011])
     """Mean misfit of the shape [m]; smaller is better."""
     margin: float = Field(examples=[0.004])
-    """By how much the next best shape fits worse [m]."""
+    """Difference of the cost to the second-best shape [m]."""
 
 
 class Look(Answer):
-    """The last picture that a camera took for somebody, as points."""
+    """The last requested image of a camera, as a point cloud."""
 
     number: int = Field(examples=[3])
-    """Counts the looks of this camera; 0 when there was none yet."""
+    """Number of the look of this camera, from 1; 0 if there was none yet."""
     camera: str = Field(examples=["camera_1"])
-    """The camera."""
+    """Id of the camera."""
     time: float = Field(examples=[21.4])
     """When it was taken [s, run time]."""
     pose: PoseInfo | None
-    """Where the camera was in the map; z looks forward. Null for no look yet."""
+    """Pose of the camera in the map, z forward; null if there was no look yet."""
     points: str
-    """What it saw: x, y, z in the map [m] as little-endian 32-bit floats, in base64."""
+    """Its points: x, y, z in the map [m] as little-endian 32-bit floats, in base64."""
     colours: str
-    """Red, green, blue of each point (0 to 255) as bytes, in base64; empty for none."""
+    """Red, green, blue of each point (0 to 255) as bytes, in base64; empty if there are none."""
     seen: tuple[Seen, ...]
-    """What was made out in it."""
+    """The objects segmented in it."""
     purpose: str = Field(examples=["parts"])
-    """What the look was for: parts, or a kit's exact pose."""
+    """Purpose of the look: parts, or the exact pose of a kit."""
 
 
 class DeviceMotion(Answer):
     """The planned motion of a device: the path of a base, the motion of an arm."""
 
     number: int = Field(examples=[7])
-    """Changes with the planned motion; 0 if there was none yet."""
+    """Number of the planned motion, from 1; 0 if there was none yet."""
     poses: tuple[PoseInfo, ...]
-    """Poses in the map along it: of a base, or of the tip of an arm; empty while nothing is planned."""
+    """Poses along it in the map, of a base or of the tip of an arm; empty while nothing is planned."""

@@ -11,13 +11,13 @@ from skiros_py.api.wire import Answer, Page, Request
 from skiros_py.api.world import Rotation
 
 SCENE_NAME = r"^[a-z0-9][a-z0-9_-]{0,63}$"
-"""Names under which scenes are saved: safe as names of files everywhere."""
+"""Pattern of names of saved scenes: valid file names on all systems."""
 
 Source = Literal["installed", "saved"]
 
 
 class SceneEntry(Answer):
-    """A scene that can be loaded, as far as a list tells of it."""
+    """A loadable scene in a list."""
 
     name: str = Field(examples=["kitting"])
     """Its name."""
@@ -43,76 +43,76 @@ class SceneRobot(Answer):
 
 
 class Scene(Answer):
-    """What a scene that can be loaded consists of."""
+    """A loadable scene."""
 
     name: str = Field(examples=["kitting"])
     """Its name."""
     source: Source
     """"saved" in this data directory, or "installed" with a package."""
     version: int = Field(examples=[2868123])
-    """Tells versions of its file apart; as in the ETag."""
+    """Checksum of its file; its ETag."""
     title: str = Field(examples=["kitting"])
-    """What it calls itself; its name where it does not."""
+    """Its title; its name if it has none."""
     elements: int = Field(examples=[22])
-    """How many elements it has; skills are not counted."""
+    """Number of its elements, without skills."""
     robots: list[SceneRobot]
     """Its robots."""
     goals: list[str] = Field(examples=[["InKit(Starter, kit_1)"]])
-    """The goals that go with it."""
+    """Goals stored with it."""
 
 
 class PresentScene(Answer):
-    """The scene that robots act in now, as believed."""
+    """The current scene, as believed."""
 
     name: str = Field(examples=["kitting"])
     """The scene that was loaded or saved last; empty for an upload."""
     version: int = Field(examples=[17])
-    """Version of the world, as in the ETag."""
+    """Version of the world; its ETag."""
     changed: bool | None = Field(examples=[True])
-    """Whether it differs from the scene of that name; null where there is none any more."""
+    """Whether it differs from the scene of that name; null if that no longer exists."""
     elements: int = Field(examples=[22])
-    """How many elements it has; skills are not counted."""
+    """Number of its elements, without skills."""
     learned: int
-    """How many things the robots were taught; they stay when a scene is loaded."""
+    """Number of learned concepts; they persist when a scene is loaded."""
     robots: list[SceneRobot]
     """Its robots."""
     goals: list[str] = Field(examples=[["InKit(Starter, kit_1)"]])
-    """The goals that go with it."""
+    """Goals stored with it."""
 
 
 class LoadScene(Request):
-    """Which scene to load."""
+    """The scene to load."""
 
     name: str = Field(min_length=1, max_length=64, examples=["kitting"])
     """Name of a saved or installed scene."""
 
 
 class SaveScene(Request):
-    """Under which name to save the present scene."""
+    """The name under which the current scene is saved."""
 
     name: str = Field(pattern=SCENE_NAME, examples=["my_cell"])
-    """Small letters, digits, '_' and '-', 64 at most."""
+    """Up to 64 lower-case letters, digits, '_' and '-'."""
 
 
 class SceneDifference(Answer):
-    """What makes the present scene of another one."""
+    """Edits that turn another scene into the current one."""
 
     name: str = Field(examples=["kitting"])
     """The other scene."""
     version: int = Field(examples=[17])
-    """Version of the world that was compared."""
+    """Version of the compared world."""
     total: int = Field(examples=[2])
-    """How many edits there are; the rest is on further pages."""
+    """Total number of edits, on all pages."""
     edits: list[dict[str, Any]]
     """The edits, as in the world's history."""
     lines: list[str] = Field(examples=[["~ starter_1 sk:in pallet_a -> sk:in kit_1_a"]])
-    """The same for people: what came (+), went (-), became another (~)."""
+    """The edits as text: added (+), removed (-), changed (~)."""
     next: str | None = None
-    """Cursor of the next page; null on the last one."""
+    """Cursor of the next page; null at the end."""
 
 
 _FAR = 1000.0
-"""Greatest distance from the map's origin that makes sense for a cell [m]."""
+"""Maximum coordinate of a body in the map [m]."""
 
 Coordinate = Annotated[float, Field(ge=-_FAR, le=_FAR, allow_inf_nan=False)]
 Position = tuple[Coordinate, Coordinate, Coordinate]
@@ -120,34 +120,34 @@ Position = tuple[Coordinate, Coordinate, Coordinate]
 
 
 class SimulationState(Answer):
-    """How the simulated, or pretended, world goes on."""
+    """State of the simulation, or of the fake driver."""
 
     driver: str
-    """What is behind the robots: "pybullet", "fake", or a driver's name."""
+    """Name of the driver: "pybullet", "fake", …."""
     simulates: bool
-    """Whether physics is simulated: only then are there bodies and pictures."""
+    """Whether physics is simulated; otherwise there are no bodies and images."""
     running: bool
-    """Whether its time goes on; false while everything is halted."""
+    """Whether its time advances; false while everything is halted."""
     halted: str = Field(examples=[""])
     """Reason of the halt; empty if nothing is halted."""
     resting: bool
-    """Whether nothing is under way, so that a scene can be loaded or reset."""
+    """Whether nothing runs, so that a scene can be loaded or reset."""
     pace: float | None = Field(examples=[1.0])
-    """Simulated seconds per second; null: in lockstep, as fast as possible."""
+    """Simulated time per wall time; null in lockstep, as fast as possible."""
     time: float = Field(examples=[12.5])
     """Simulated time since the start [s]."""
     cycle: int = Field(examples=[2500])
-    """Control cycles since the start."""
+    """Number of control cycles since the start."""
     period: float = Field(examples=[0.005])
     """Length of a control cycle [s]."""
     stuck: float = Field(examples=[0.004])
-    """For how long the cycle has not come round [s]."""
+    """Time since the control cycle last completed [s, wall time]."""
     stale: list[str] = Field(examples=[[]])
-    """What was changed so that only a reset brings it about, such as a robot's place."""
+    """Changes that take effect only after a reset, such as another place of a robot."""
 
 
 class SimulatedBody(Answer):
-    """Where something really is in the simulation; robots never get to know it."""
+    """The true pose of a body in the simulation, which robots do not know."""
 
     id: str = Field(examples=["starter_1"])
     """Id of the element."""
@@ -156,11 +156,11 @@ class SimulatedBody(Answer):
     position: list[float] = Field(examples=[[0.5, 0.25, 0.4]])
     """(x, y, z) in the map [m]."""
     orientation: list[float] = Field(examples=[[0.0, 0.0, 0.0, 1.0]])
-    """Quaternion (x, y, z, w)."""
+    """Unit quaternion (x, y, z, w), in the map."""
     place: str | None = Field(examples=["pallet_a"])
-    """What it really is in, on, or held by; null for what never moves."""
+    """Id of the element that it is really in, on, or held by; null for bodies that never move."""
     believed: bool
-    """Whether there is an element of that id in the world model."""
+    """Whether the world model has an element of that id."""
 
 
 class Bodies(Answer):
@@ -173,23 +173,23 @@ class Bodies(Answer):
 
 
 class BodyPose(Request):
-    """Where to put a body."""
+    """The new pose of a body."""
 
     position: Position = Field(examples=[[0.5, 0.25, 0.4]])
     """(x, y, z) in the map [m]."""
     orientation: Rotation = Field(default=(0.0, 0.0, 0.0, 1.0), examples=[[0.0, 0.0, 0.0, 1.0]])
-    """Unit quaternion (x, y, z, w)."""
+    """Unit quaternion (x, y, z, w), in the map; the identity if omitted."""
 
 
 class NewPace(Request):
-    """How fast to go on."""
+    """The new pace."""
 
     pace: float = Field(ge=0.05, le=20.0, allow_inf_nan=False, examples=[2.0])
-    """Simulated seconds per second."""
+    """Simulated time per wall time."""
 
 
 class Pace(Answer):
-    """How fast simulated time goes on."""
+    """The pace of the simulation."""
 
     pace: float = Field(examples=[2.0])
-    """Simulated seconds per second."""
+    """Simulated time per wall time."""

@@ -10,131 +10,131 @@ from pydantic import BaseModel, ConfigDict, Field
 from skiros_py.api.wire import Answer, Moment, Page, Request, WantedMoment
 
 RoleName = Literal["viewer", "operator", "engineer", "admin", "mes"]
-"""What somebody may do. Each of the first four may do what those before it may; mes may order and command jobs."""
+"""The roles. Each of the first four includes the permissions of those before it; mes may order and command jobs."""
 
 
 class KeyOrder(Request):
-    """A wish for a key."""
+    """A request for a key."""
 
     name: str = Field(min_length=1, max_length=100, examples=["line 1 MES"])
-    """Who gets it; author of what they write."""
+    """Its owner: the author of writes with it."""
     role: RoleName = Field(examples=["mes"])
-    """What they may do."""
+    """Its role."""
     expires: WantedMoment | None = Field(default=None, examples=["2030-01-01T00:00:00Z"])
-    """From when on it is not valid any more; never where left out."""
+    """When it expires; never if omitted."""
 
 
 class ApiKey(Answer):
-    """A key, without what is secret about it."""
+    """A key, without the secret."""
 
     id: str = Field(examples=["1f0c55a2"])
-    """Names it."""
+    """Its id."""
     name: str = Field(examples=["line 1 MES"])
     """Its owner."""
     role: RoleName = Field(examples=["mes"])
-    """What they may do."""
+    """Its role."""
     shown: str = Field(examples=["sk_1f0c55a2_…Zw4k"])
-    """Its beginning and its end, to tell keys apart."""
+    """Its first and last characters, to distinguish keys."""
     created: Moment = Field(examples=["2026-11-21T10:00:00Z"])
-    """When it was made."""
+    """When it was created."""
     expires: Moment | None = None
-    """From when on it is not valid; null for never."""
+    """When it expires; null for never."""
     revoked: Moment | None = None
-    """When it was revoked; null while it is not."""
+    """When it was revoked; null if it was not."""
     used: Moment | None = None
-    """When it was last used, about; null before that."""
+    """When it was last used, approximately; null if never."""
     valid: bool = Field(examples=[True])
-    """True while it opens the door."""
+    """Whether requests with it are accepted."""
 
 
 class NewKey(Answer):
-    """A key that was just made."""
+    """A new key."""
 
     key: ApiKey
-    """What is known of it from now on."""
+    """The key, without the secret."""
     secret: str = Field(examples=["sk_1f0c55a2_…"], repr=False)
-    """The key itself. It is shown this once, and kept nowhere."""
+    """The secret. It is returned only once and not stored."""
 
 
 class Login(Request):
-    """A key, shown once by a web page, which gets a cookie for it."""
+    """A login of a web page, which exchanges a key for a cookie."""
 
     key: str = Field(min_length=1, max_length=200, examples=["sk_1f0c55a2_…"], repr=False)
     """The key."""
 
 
 class Me(Answer):
-    """Who the caller is."""
+    """The caller."""
 
     name: str = Field(examples=["anna"])
-    """Their name; author of what they write."""
+    """Name of the caller: the author of their writes."""
     role: RoleName = Field(examples=["operator"])
-    """What they may do, in one word."""
+    """Their role."""
     key: str = Field(examples=["1f0c55a2"])
-    """Id of their key; empty where none is needed."""
+    """Id of their key; empty if none is needed."""
     keys_needed: bool = Field(examples=[True])
-    """True if every request needs a key."""
+    """Whether every request needs a key."""
     operations: list[str] = Field(examples=[["list_jobs"]])
-    """What they may do, as operation ids of the API's description."""
+    """Permitted operations, as operation ids of the OpenAPI document."""
 
 
 class AuditRecord(Answer):
-    """One request that changed something, or was refused."""
+    """A request that changed something, or was refused."""
 
     number: int = Field(examples=[17])
-    """Counts them."""
+    """Its number."""
     at: Moment = Field(examples=["2026-11-21T10:00:00Z"])
-    """When."""
+    """Time of the request."""
     caller: str = Field(examples=["line 1 MES"])
-    """Name of who made it; empty for strangers."""
+    """Name of the caller; empty if unknown."""
     role: str = Field(examples=["mes"])
-    """Their role; empty for strangers."""
+    """Role of the caller; empty if unknown."""
     key: str = Field(examples=["1f0c55a2"])
-    """Id of their key; empty where none was needed."""
+    """Id of the key; empty if none was needed."""
     address: str = Field(examples=["192.0.2.7"])
-    """The address it came from."""
+    """IP address of the client."""
     method: str = Field(examples=["POST"])
     """HTTP method."""
     path: str = Field(examples=["/api/v1/jobs/kit-17/abort"])
-    """What it was about."""
+    """Path of the request."""
     operation: str = Field(examples=["abort_job"])
-    """Which operation; empty where it did not get so far."""
+    """Operation id; empty if the request was refused earlier."""
     status: int = Field(examples=[200])
-    """HTTP status of the answer."""
+    """HTTP status of the response."""
     request: str = Field(examples=["9f3a5c0e1b2d4f66"])
-    """Id of the request; the server's log has the same."""
+    """Id of the request, as in the server's log."""
     job: str = Field(examples=["kit-17"])
-    """Id of the job that it was about; empty where none."""
+    """Id of the job; empty if it was not about one."""
     comment: str = Field(examples=["wrong kit"])
-    """What the caller said about it."""
+    """Comment by the caller."""
 
 
 AuditPage = Page[AuditRecord]
-"""Some of the audit log, the youngest entry first."""
+"""Some entries of the audit log, newest first."""
 
 
 class Health(Answer):
     """Whether the server is alive."""
 
     alive: bool = Field(examples=[True])
-    """True while the control cycle goes round."""
+    """Whether the control cycle runs."""
     why: str = ""
-    """What is wrong; empty in good times."""
+    """The fault; empty if there is none."""
 
 
 class Readiness(Answer):
-    """Whether orders can be fulfilled."""
+    """Whether the server can accept orders."""
 
     ready: bool = Field(examples=[True])
-    """True while the station is open and what is ordered can be kept."""
+    """Whether the station is open and orders can be stored."""
     halted: bool = False
-    """True while everything is halted: orders are kept and wait."""
+    """Whether everything is halted: orders are stored and wait."""
     why: str = ""
-    """What is wrong; empty in good times."""
+    """The fault; empty if there is none."""
 
 
 SERVER_FILE = "server.json"
-"""Lies in the data directory while a server runs on it; only its user can read it."""
+"""Name of the file in the data directory while a server uses it; readable only by its user."""
 
 
 class LocalServer(BaseModel):
@@ -151,9 +151,9 @@ class LocalServer(BaseModel):
     url: str = Field(examples=["http://127.0.0.1:8000"])
     """Its address."""
     pid: int = Field(examples=[4711])
-    """Its process."""
+    """Its process id."""
     token: str = Field(repr=False)
-    """A key of an administrator that counts until it ends."""
+    """A key with the role admin, valid until the server ends."""
 
 
 def is_address(text: str) -> bool:

@@ -1,4 +1,4 @@
-"""Tasks: what the robots pursue, of jobs and beside them."""
+"""Tasks: goals and sequences that robots execute, for jobs or started directly."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Word = Annotated[str, Field(min_length=1, max_length=300)]
 
 
 class WantedStep(Request):
-    """One step that somebody wants: a skill with its arguments."""
+    """A requested step: a skill with its arguments."""
 
     model_config = ConfigDict(
         json_schema_extra={"examples": [{"skill": "drive", "arguments": {"Location": "pallet_a"}}]}
@@ -24,11 +24,11 @@ class WantedStep(Request):
     skill: Word = Field(examples=["drive"])
     """Name of the skill."""
     arguments: dict[Word, Word] = Field(default_factory=dict, max_length=50, examples=[{"Location": "pallet_a"}])
-    """Element ids by parameter key; what is left out is inferred when the step starts."""
+    """Element ids by parameter key; omitted ones are inferred when the step starts."""
 
 
 class NewTask(Request):
-    """A goal, or steps without planning, to be started at once, apart from the queue of jobs."""
+    """A goal, or steps without planning, started immediately and independently of the job queue."""
 
     model_config = ConfigDict(
         json_schema_extra={
@@ -41,15 +41,15 @@ class NewTask(Request):
     )
 
     goal: list[GoalText] | None = Field(None, min_length=1, max_length=100, examples=[["InKit(Starter, kit_1)"]])
-    """Conditions that shall hold together."""
+    """Conditions that must hold together."""
     steps: list[WantedStep] | None = Field(None, min_length=1, max_length=_MOST_STEPS)
-    """Steps to be run in this order, without planning."""
+    """Steps, executed in this order without planning."""
     sequence: Name | None = Field(None, examples=["kit-round"])
-    """Id of a document of kind `sequence`, whose steps are run."""
+    """Id of a document of kind `sequence`, whose steps are executed."""
     iterate: int | None = Field(1, ge=1, le=1_000_000)
-    """Steps: how often; null for until it is stopped."""
+    """For steps: number of rounds; null to repeat until it is stopped."""
     anyway: bool = False
-    """Steps: true to run what cannot work as far as anybody knows."""
+    """For steps: whether to execute steps that are expected to fail."""
     policy: JobPolicy = JobPolicy()
     """How to proceed if part of the goal cannot be reached."""
 
@@ -61,89 +61,89 @@ class NewTask(Request):
 
 
 class TaskStep(Answer):
-    """One step that was started."""
+    """A started step."""
 
     number: int = Field(examples=[1])
-    """Counts the steps of the task."""
+    """Number of the step in the task, from 1."""
     skill: str = Field(examples=["drive"])
     """The skill."""
     arguments: dict[str, str] = Field(examples=[{"Location": "pallet_a"}])
     """Arguments by parameter."""
     agent: str = Field(examples=["base_1"])
-    """Id of the subsystem that does it."""
+    """Id of the subsystem that executes it."""
     start: float = Field(examples=[3.2])
-    """Run time [s]."""
+    """When it started [s, run time]."""
     end: float | None = Field(examples=[17.2])
-    """Run time [s]; null while it runs."""
+    """When it ended [s, run time]; null while it runs."""
     ended: str | None = Field(examples=["ended"])
     """ended, failed or cancelled; null while it runs."""
     text: str = Field(examples=["drive pallet_a: done"])
-    """What came of it, in a sentence."""
+    """Its result, in a sentence."""
 
 
 class TaskQuestion(Answer):
-    """What a task waits for a person to answer."""
+    """A question of a task to a person."""
 
     id: int = Field(examples=[1])
     """Number of the question."""
     text: str = Field(examples=["starter_1 cannot be picked. What shall become of it?"])
     """The question."""
     options: tuple[str, ...] = Field(examples=[["retry", "done by hand", "skip", "abort"]])
-    """The answers."""
+    """The possible answers."""
 
 
 class TaskReport(Answer):
-    """What came of a task."""
+    """Result of a task."""
 
     outcome: str = Field(examples=["reached"])
     """reached, held already, partly reached, not reached, no plan or stopped."""
     reached: bool
-    """True when every condition holds and nothing ended it before its time."""
+    """Whether every condition holds and it was not cancelled."""
     simulated: float = Field(examples=[158.6])
-    """Run time used [s]."""
+    """Duration [s, run time]."""
     wall: float = Field(examples=[12.0])
-    """Wall time used [s]."""
+    """Duration [s, wall time]."""
     conditions: tuple[dict[str, Any], ...]
     """Outcome of each condition."""
     no_plan: tuple[str, ...]
-    """Why there was no plan from the start."""
+    """Why there was no initial plan."""
     fault: str = Field(examples=[""])
-    """Why it ended before its time; empty in good times."""
+    """Why it was cancelled or failed; empty if it was not."""
 
 
 class TaskInfo(Answer):
-    """A task, under way or over."""
+    """A running or finished task."""
 
     name: str = Field(examples=["task 1"])
     """Its name; that of a job is the job's id."""
     status: str = Field(examples=["running"])
     """planning, running, paused, waiting (for a person) or ended."""
     job: str = Field(examples=[""])
-    """Id of the job that it is of; empty for none."""
+    """Id of its job; empty if it has none."""
     by: str = Field(examples=["anna"])
-    """Who began it; empty where a job did."""
+    """Who started it; empty for a job's task."""
     begun: Moment
-    """When."""
+    """When it was started."""
     goal: tuple[str, ...] = Field(examples=[["InKit(Starter, kit_1)"]])
-    """Its conditions; none for a sequence."""
+    """Its conditions; empty for a sequence."""
     plan: tuple[PlannedStep, ...]
-    """The present plan, or the last one."""
+    """The current plan, or the last one."""
     steps: tuple[TaskStep, ...]
-    """What was started, oldest first; of very many the last."""
+    """The started steps, oldest first; if there are very many, the last ones."""
     question: TaskQuestion | None
-    """What it asks a person; null while it does not."""
+    """Its open question to a person; null if there is none."""
     report: TaskReport | None
     """Its outcome; null until it is over."""
 
 
 Tasks = Items[TaskInfo]
-"""Tasks, the youngest first."""
+"""Tasks, newest first."""
 
 
 class TaskTrace(Answer):
-    """What happened in a task."""
+    """Trace of a task."""
 
     entries: tuple[dict[str, Any], ...]
     """Oldest first: time [s], what, text, step, skill, data."""
     forgotten: int = Field(examples=[0])
-    """How many entries before these are kept no more."""
+    """Number of earlier entries that are no longer stored."""

@@ -19,7 +19,7 @@ class AddOperation(Addition):
     """Adds an element."""
 
     op: Literal["add"]
-    """What is done."""
+    """The operation."""
     ref: Annotated[str, Field(pattern="^[a-z][a-z0-9_]{0,49}$")] | None = None
     """A name for later operations of this transaction, which refer to it as "$name"."""
 
@@ -28,7 +28,7 @@ class RemoveOperation(Request):
     """Removes an element with its parts; elements placed there move to its place."""
 
     op: Literal["remove"]
-    """What is done."""
+    """The operation."""
     element: Target = Field(examples=["starter_1"])
     """Id of the element."""
 
@@ -37,7 +37,7 @@ class SetOperation(Request):
     """Sets an element's own value of a property; ``rdfs:label`` is its label."""
 
     op: Literal["set"]
-    """What is done."""
+    """The operation."""
     element: Target = Field(examples=["starter_1"])
     """Id of the element."""
     property: Name = Field(examples=["sk:mass"])
@@ -50,7 +50,7 @@ class PlaceOperation(Request):
     """Moves an element."""
 
     op: Literal["place"]
-    """What is done."""
+    """The operation."""
     element: Target = Field(examples=["starter_1"])
     """Id of the element."""
     relation: Name = Field(examples=["sk:in"])
@@ -63,7 +63,7 @@ class RelateOperation(Request):
     """States a relation; a placement moves its element."""
 
     op: Literal["relate"]
-    """What is done."""
+    """The operation."""
     subject: Target = Field(examples=["kit_1"])
     """The subject."""
     relation: Name = Field(examples=["sk:hasA"])
@@ -76,7 +76,7 @@ class UnrelateOperation(Request):
     """Removes a stated relation."""
 
     op: Literal["unrelate"]
-    """What is done."""
+    """The operation."""
     subject: Target
     """The subject."""
     relation: Name

@@ -1,4 +1,4 @@
-"""What can be seen: shapes of the world, the robots' state at one moment, and replays of jobs."""
+"""Data for pictures: shapes of the world, the state of the robots, and replays of jobs."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ class DeviceState(Answer):
     """A device at one moment."""
 
     still: bool = Field(examples=[True])
-    """Whether it stands, so that a stop need not wait for it."""
+    """Whether it stands still, so that a stop need not wait for it."""
     state: dict[str, Any] | None = Field(examples=[{"gap": 0.051, "force": 30.0, "still": True}])
-    """Its readings, by the names that its kind uses; null for a device that is only asked, such as a camera."""
+    """Its readings, by the names of its kind; null for a device that is read on request only, such as a camera."""
     holds: str | None = Field(examples=["starter_1"])
     """Id of the element that it is believed to hold; null for none."""
 
@@ -57,11 +57,11 @@ class StationState(Answer):
     cycle: int = Field(examples=[9160])
     """Number of the control cycle."""
     pace: float | None = Field(examples=[1.0])
-    """Run time per wall time; null for as fast as possible."""
+    """Run time per wall time; null if as fast as possible."""
     halted: str = Field(examples=[""])
     """Reason of the halt; empty if nothing is halted."""
     standing: bool = Field(examples=[True])
-    """Whether all devices stand."""
+    """Whether all devices stand still."""
     devices: dict[str, DeviceState]
     """The devices by id."""
     platforms: dict[str, PoseInfo]
@@ -161,12 +161,12 @@ class ReplayFrames(Answer):
 
 
 class ReplayChange(Answer):
-    """What looked different from a moment on."""
+    """A visible change at one time."""
 
     time: float = Field(examples=[23.1])
     """When [s, run time]."""
     author: str = Field(examples=["pick"])
-    """Who changed it; empty where it is the world as it was found."""
+    """Its author; empty for the initial world."""
     whole: bool = False
     """True where the view shows the whole world, so that elements that are not in it are gone: the job goes on after it
     was held, or interrupted by a restart.
@@ -176,7 +176,7 @@ class ReplayChange(Answer):
 
 
 class Replay(Answer):
-    """A job from its first step to its end."""
+    """Recording of a job from its first step to its end."""
 
     job: str = Field(examples=["kit-17"])
     """Id of the job."""

@@ -40,7 +40,7 @@ class WebhookOrder(Request):
     secret: str = Field(default="", max_length=200)
     """Key of the signature (whsec_ and base64 of 24 to 64 bytes); generated if empty."""
     description: str = Field(default="", max_length=1000, examples=["the factory's MES"])
-    """For people."""
+    """Description, for people."""
 
 
 class WebhookChange(Request):
@@ -53,7 +53,7 @@ class WebhookChange(Request):
     jobs: Pattern | None = None
     """Prefix of the ids of reported jobs."""
     description: str | None = Field(default=None, max_length=1000, examples=["night shift"])
-    """For people."""
+    """Description, for people."""
 
 
 class Webhook(Answer):
@@ -68,7 +68,7 @@ class Webhook(Answer):
     jobs: str
     """Prefix of the ids of reported jobs."""
     description: str
-    """For people."""
+    """Description, for people."""
     active: bool
     """False while deliveries are suspended."""
     created: AwareDatetime

@@ -1,4 +1,4 @@
-"""What all data of the wire has in common, and problem documents (RFC 9457) with faults of fields."""
+"""Base classes of all data on the wire, and problem documents (RFC 9457) with faults of fields."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from pydantic_core import CoreSchema
 
 _LONGEST_NAME = 200
 _YEARS = range(1971, 9000)
-"""Beyond these a time can no longer be moved from one time zone to another, or counted from 1970."""
+"""Accepted years: other times cannot be converted between time zones, or to Unix timestamps."""
 
 
 @cache
@@ -65,13 +65,13 @@ class Answer(_Documented):
 
     @classmethod
     def view_of(cls, source: object, /, **others: Any) -> Self:
-        """Makes an answer from the attributes of an object that have the names of its fields.
+        """Makes an answer from the attributes of an object with the names of its fields.
 
-        A field that is an answer itself is made in the same way from the object there.
+        Fields that are answers are made from their objects in the same way.
 
         Args:
-            source: The object; moments may be seconds since 1970.
-            **others: Fields that it lacks, or has in another form.
+            source: The object; times may be Unix timestamps [s].
+            **others: Values of fields that the object lacks, or has in another form.
         """
         same = (name for name in cls.model_fields if name not in others and hasattr(source, name))
         return cls(**{name: getattr(source, name) for name in same}, **others)
@@ -101,32 +101,32 @@ def _sensible(value: datetime) -> datetime:
 
 
 Moment = AwareDatetime
-"""A time as it is answered: UTC (ISO 8601). A machine whose clock stood at 1970 tells that, too."""
+"""A time in a response: UTC (ISO 8601), also one from a machine whose clock stood at 1970."""
 
 WantedMoment = Annotated[AwareDatetime, AfterValidator(_sensible)]
-"""A time that somebody sends, with its zone (ISO 8601); kept and answered as UTC."""
+"""A time in a request, with its time zone (ISO 8601); stored and returned as UTC."""
 
 Name = Annotated[str, Field(min_length=1, max_length=_LONGEST_NAME)]
 """Id, label or class."""
 
 
 def moment(wall: float | None) -> datetime | None:
-    """Returns the time that is so many seconds after 1970; None for None."""
+    """Returns the UTC time of a Unix timestamp [s]; None for None."""
     return None if wall is None else datetime.fromtimestamp(wall, UTC)
 
 
 class ProblemDetails(BaseModel):
-    """What went wrong, and what would be right.
+    """A problem document: what is wrong, and what would be right.
 
     Attributes:
-        type: The kind of problem, as a name (``urn:skiros:problem:<code>``): to be compared, not fetched.
-        title: The kind of problem in words; the same for all of a kind.
+        type: The kind of problem as an identifier (``urn:skiros:problem:<code>``), not an address.
+        title: The kind of problem, as text; the same for all of a kind.
         status: The HTTP status.
         detail: What is wrong with this request, and what would be right.
-        code: The kind of problem, for programs ("UnknownJobOrderID", "InvalidJobOrderStatus", ...).
-        instance: Which request it was; the server's log has the same.
-        return_status: ISA-95 return status of a job command, as a bit map (OPC 10031-4 v2.00, annex B.2).
-        errors: Which fields are wrong, and why.
+        code: The kind of problem as a name, for programs ("UnknownJobOrderID", "InvalidJobOrderStatus", ...).
+        instance: Id of the request, as in the server's log.
+        return_status: ISA-95 return status of a job command, as a bit field (OPC 10031-4 v2.00, annex B.2).
+        errors: The wrong fields, with reasons.
     """
 
     model_config = ConfigDict(extra="allow")
@@ -171,16 +171,16 @@ _WORDS = {
     "enum": "must be {expected}",
     "json_invalid": "is not JSON: {error}",
 }
-"""By kind of fault, as pydantic names them; what is only of the wrong type has one entry for all ways to find that."""
+"""Messages by pydantic's kind of error, without the suffixes that all errors of type have."""
 _NONE = "must not be empty"
 _LIMITS = ("ge", "gt", "le", "lt", "min_length", "max_length")
 
 
 def fault_words(fault: Mapping[str, Any]) -> str:
-    """Returns what is wrong, to be read after the name of the field.
+    """Returns the message for an error of a field, to follow the name of the field.
 
     Args:
-        fault: One of the errors of a ``pydantic.ValidationError``.
+        fault: An error of a ``pydantic.ValidationError``.
     """
     kind, context = str(fault["type"]), {name: _plain(value) for name, value in fault.get("ctx", {}).items()}
     if context.get("min_length") == 1:  # whether signs or entries are lacking
@@ -195,11 +195,11 @@ def fault_words(fault: Mapping[str, Any]) -> str:
 
 
 def _plain(value: object) -> object:
-    """Writes whole numbers without a point."""
+    """Returns whole numbers as integers, which are shown without a decimal point."""
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
 def fault_limit(fault: Mapping[str, Any]) -> float | int | None:
-    """Returns the bound that is broken; None where there is none."""
+    """Returns the violated limit; None if the error has none."""
     context = fault.get("ctx", {})
     return next((context[name] for name in _LIMITS if isinstance(context.get(name), int | float)), None)

@@ -303,7 +303,7 @@ class Change(Answer):
             ]
         ]
     )
-    """What changed, each with its old and new value; "edit" tells what kind it is: "element", "placement", "property",
+    """The edits, each with its old and new value, and its kind as "edit": "element", "placement", "property",
     "relation", "goals" or "source" (the file of the scene). Perhaps not all.
     """
     edits_total: int
@@ -333,7 +333,7 @@ class Undoable(Answer):
     author: str = Field(examples=["ann"])
     """Its author."""
     reason: str = Field(examples=["delivered this morning"])
-    """Why."""
+    """Reason, for people."""
 
 
 class WorldInfo(Answer):

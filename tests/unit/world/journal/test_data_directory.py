@@ -424,7 +424,7 @@ def test_a_log_without_its_file_is_refused(open_tiny: Open, folder: Path) -> Non
     folder.mkdir()
     (folder / "journal.db-wal").write_bytes(b"what is left")
 
-    assert "journal.db-wal is still there" in damaged(open_tiny, folder)
+    assert "the file is missing, but journal.db-wal exists" in damaged(open_tiny, folder)
 
 
 # ---------------------------------------------------------------- folders

@@ -175,7 +175,7 @@ def test_without_room_for_one_more_page_the_reason_is_given(open_tiny: Open) -> 
     before = data.world.state()
 
     with (
-        pytest.raises(FileError, match=r"journal\.db: there is no room left for it on the disk: nothing was changed"),
+        pytest.raises(FileError, match=r"journal\.db: the disk is full: nothing was changed"),
         data.world.transaction("ann", "a long text") as tx,
     ):
         tx.set("ball_1", "rdfs:label", "x" * 60_000)
@@ -349,7 +349,7 @@ def test_a_file_of_a_later_version_is_refused(tmp_path: Path) -> None:
     with closing(sqlite3.connect(path)) as connection:
         connection.execute("PRAGMA user_version = 99")
 
-    with pytest.raises(FileError, match=r"version 99.*knows those up to 2.*a later one"):
+    with pytest.raises(FileError, match=r"version 99.*supports versions up to 2.*a later one"):
         Journal(path)
 
 
