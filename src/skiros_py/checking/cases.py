@@ -30,9 +30,9 @@ from skiros_py.skills.conditions import (
     Unrelate,
     write_effects,
 )
+from skiros_py.skills.conditions.effects import brought_about
 from skiros_py.skills.conditions.pattern import leaves
 from skiros_py.skills.inference import Inferred, Missing, infer
-from skiros_py.skills.lint.rules.reach import brought_about
 from skiros_py.skills.outcome import Failure, Outcome
 from skiros_py.skills.parameters import SAMPLES, Kind, sample_of_range
 from skiros_py.skills.primitive import Primitive

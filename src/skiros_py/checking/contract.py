@@ -13,9 +13,9 @@ from skiros_py.checking.cases import Case, Ground, NoCase, Rig, fake_rig, find_c
 from skiros_py.execution.containment import words
 from skiros_py.interruptions import CycleOverrun
 from skiros_py.skills.conditions import Assign, Condition, Effect, Not, Nothing, Relate, Unrelate
+from skiros_py.skills.conditions.effects import brought_about
 from skiros_py.skills.lint.checking import EFFECT_MISSING, NEVER_TRIED, UNDECLARED_CHANGE
 from skiros_py.skills.lint.rule import Finding, Rule, Spot, title
-from skiros_py.skills.lint.rules.reach import brought_about
 from skiros_py.skills.outcome import Failure, Outcome
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill

@@ -271,7 +271,7 @@ class DocumentService(Service):
     def _review(self, maker: DocumentKind, data: Any, made: RunnableDocument | None, module: str) -> Review:
         """Compares a document with the present world and the modules of this station."""
         session = self._station.session
-        skills = {one.skill.name: one.skill for one in session.tasks.capabilities}
+        skills = session.tasks.skills
         try:
             world = session.world.snapshot()
             found = limited(lambda: "its review", _PATIENCE, lambda: maker.review(data, world, skills))

@@ -86,6 +86,11 @@ class TaskManager:
         return self._context.capabilities
 
     @property
+    def skills(self) -> dict[str, SkillDescription]:
+        """The descriptions of these skills by name."""
+        return {capability.skill.name: capability.skill for capability in self.capabilities}
+
+    @property
     def active(self) -> tuple[TaskHandle, ...]:
         """The running tasks, in the order in which they were started."""
         return tuple(self._active.values())
@@ -152,7 +157,7 @@ class TaskManager:
             raise UsageError(f"iterate: a whole number from 1, or None for until it is stopped, not {iterate!r}")
         if not steps:  # an empty round takes no time: repeated forever, it would block the cycle
             raise UsageError("the sequence has no steps: add one")
-        read = tuple(read_step(step, self._context.world, self._skills) for step in steps)
+        read = tuple(read_step(step, self._context.world, self.skills) for step in steps)
         task = self._task(name, (), policy)
         executor = SequenceExecutor(task, self._context, read, iterate, anyway=anyway)
         self._start(task, lambda: executor)
@@ -160,11 +165,7 @@ class TaskManager:
 
     def check(self, steps: Sequence[Step]) -> tuple[StepCheck, ...]:
         """Checks steps in turn from the current world; steps after a failing one are checked as if it had worked."""
-        return check_steps(self._context.world, steps, self._skills)
-
-    @property
-    def _skills(self) -> dict[str, SkillDescription]:
-        return {capability.skill.name: capability.skill for capability in self.capabilities}
+        return check_steps(self._context.world, steps, self.skills)
 
     def _start(self, task: TaskHandle, make: Callable[[], TaskExecutor]) -> None:
         """Adds a task to the control cycle; its executor is made in its first cycle."""

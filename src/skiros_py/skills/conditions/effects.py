@@ -57,6 +57,14 @@ def effects_of(condition: Condition) -> tuple[Effect, ...]:
     return _effects(condition.pattern, condition)
 
 
+def brought_about(condition: Condition) -> tuple[Effect, ...]:
+    """Returns the effects of a condition; none where it cannot be brought about."""
+    try:
+        return effects_of(condition)
+    except DescriptionError:
+        return ()
+
+
 def _effects(pattern: Pattern, condition: Condition) -> tuple[Effect, ...]:
     match pattern:
         case Related(relation, subject, object_):

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import fields, is_dataclass
 from functools import partial
-from typing import Any
 
 from skiros_py.api import goals as api
-from skiros_py.errors import SkirosError, StaleVersion, UsageError
+from skiros_py.errors import StaleVersion, UsageError
 from skiros_py.planning.problem.stock import believed
 from skiros_py.planning.problem.task import Capability
-from skiros_py.skills.conditions import Condition, ConditionType, Nothing
-from skiros_py.skills.conditions.effects import Assign, Relate, effects_of
+from skiros_py.skills.conditions import ClassRelated, Compare, Computed, Condition, ConditionType, Has, Nothing, Related
+from skiros_py.skills.conditions.effects import Assign, Relate, brought_about
+from skiros_py.skills.conditions.pattern import Pattern, leaves
 from skiros_py.skills.conditions.watch import ReadingView
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.station.jobs.orders import texts_of
@@ -78,7 +77,7 @@ def _widest(classes: Sequence[str], ontology: Ontology) -> str | None:
 def _brought(skill: SkillDescription, ontology: Ontology) -> Iterator[_Change]:
     """Yields the effects of a skill."""
     for condition in skill.post:
-        for effect in _effects(condition):
+        for effect in brought_about(condition):
             if isinstance(effect, Assign):
                 yield effect.property, skill.param(effect.subject).element_class
             elif isinstance(effect, Relate):
@@ -87,28 +86,16 @@ def _brought(skill: SkillDescription, ontology: Ontology) -> Iterator[_Change]:
                 yield effect.relation, skill.param(moved).element_class
 
 
-def _effects(condition: Condition) -> Sequence[object]:
-    try:
-        return effects_of(condition)
-    except SkirosError:  # a derived condition: it needs no action of its own
-        return ()
-
-
-def _wanted(pattern: Any, ontology: Ontology) -> Iterator[Callable[[_Change], bool]]:
+def _wanted(pattern: Pattern, ontology: Ontology) -> Iterator[Callable[[_Change], bool]]:
     """Yields, for each part of a pattern, a predicate that returns whether a change may make it hold."""
-    match pattern:
-        case Nothing(relation=emptied):
-            yield partial(_takes_away, emptied, ontology)
-        case _ if isinstance(relation := getattr(pattern, "relation", None), str):
-            yield partial(_is_among, frozenset(ontology.sub_relations(relation)))
-        case _ if isinstance(property_ := getattr(pattern, "property", None), str):
-            yield partial(_is_among, frozenset({property_}))
-    if is_dataclass(pattern):
-        for one in fields(pattern):
-            inner = getattr(pattern, one.name)
-            for part in inner if isinstance(inner, tuple) else (inner,):
-                if is_dataclass(part):
-                    yield from _wanted(part, ontology)
+    for leaf, _ in leaves(pattern):
+        match leaf:
+            case Nothing(relation=emptied):
+                yield partial(_takes_away, emptied, ontology)
+            case Related(relation=relation) | Computed(relation=relation) | ClassRelated(relation=relation):
+                yield partial(_is_among, frozenset(ontology.sub_relations(relation)))
+            case Has(property=property_) | Compare(property=property_):
+                yield partial(_is_among, frozenset({property_}))
 
 
 def _is_among(names: frozenset[str], change: _Change) -> bool:

@@ -12,7 +12,7 @@ from skiros_py.errors import DescriptionError, DocumentFault, Refused
 from skiros_py.planning.plan import Step
 from skiros_py.skills.plain import Reader
 from skiros_py.skills.skill import SkillDescription
-from skiros_py.tasks.sequences import check_steps
+from skiros_py.tasks.sequences import StepCheck, check_steps
 from skiros_py.world.view import WorldView
 
 _MOST_STEPS = 100
@@ -75,13 +75,12 @@ def _place(number: int) -> str:
     return f"steps[{number}]"
 
 
-def require_works(steps: Sequence[Step], world: WorldView, skills: Skills) -> None:
-    """Requires that steps can be run in the present world.
+def require_works(checks: Sequence[StepCheck]) -> None:
+    """Requires that steps can be run.
 
     Raises:
         Refused: A step cannot work.
     """
-    checks = check_steps(world, steps, skills)
     broken = [f"step {n} ({c.step.skill}): {'; '.join(c.problems)}" for n, c in enumerate(checks) if c.problems]
     if broken:
         why = " / ".join(broken)

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Literal
 from skiros_py.api.tasks import NewTask, TaskInfo, TaskReport, Tasks, TaskStep, TaskTrace
 from skiros_py.errors import Refused, WrongState
 from skiros_py.planning.plan import Step
-from skiros_py.skills.skill import SkillDescription
 from skiros_py.station.document_store import SEQUENCE
 from skiros_py.station.jobs.views import planned_steps
 from skiros_py.station.requests import LIBRARY, Author, Service, find
@@ -20,7 +19,7 @@ from skiros_py.station.session import Session
 from skiros_py.station.tasks.sequences import require_works, steps_of
 from skiros_py.tasks.handle import Policy, TaskHandle
 from skiros_py.tasks.report import GoalReport
-from skiros_py.tasks.sequences import read_step
+from skiros_py.tasks.sequences import check_steps, read_step
 from skiros_py.tasks.trace import TraceEntry, TraceEventKind
 
 if TYPE_CHECKING:
@@ -134,10 +133,6 @@ def _report(report: GoalReport) -> TaskReport:
     return TaskReport.view_of(report, conditions=tuple(map(asdict, report.conditions)))
 
 
-def _skills(session: Session) -> dict[str, SkillDescription]:
-    return {capability.skill.name: capability.skill for capability in session.tasks.capabilities}
-
-
 class TaskService(Service):
     """Starts, follows and commands tasks; keeps the latest of several with the same name."""
 
@@ -212,7 +207,7 @@ class TaskService(Service):
             raise Refused("CannotWork", "the sequence has no steps: add one")
         session = self._session
         if not request.anyway:
-            require_works(steps, session.world.snapshot(), _skills(session))
+            require_works(check_steps(session.world.snapshot(), steps, session.tasks.skills))
 
         def begin(session: Session) -> TaskHandle:
             # Checked above: the control thread has no time to check again.
@@ -225,7 +220,7 @@ class TaskService(Service):
         if request.sequence is not None:
             return steps_of(self._station.document_store.find(SEQUENCE, request.sequence).data)
         session = self._session
-        view, skills = session.world.snapshot(), _skills(session)
+        view, skills = session.world.snapshot(), session.tasks.skills
         return [read_step(Step(one.skill, one.arguments), view, skills) for one in request.steps or []]
 
     def _start(self, begin: Callable[[Session], TaskHandle], author: Author) -> TaskInfo:

@@ -104,7 +104,7 @@ class Conductor:
             before = self._runtime.world.version
             try:
                 for intent in self._cut_off(id_):
-                    done_by_hand(self._runtime.world, self._tasks.capabilities, intent, by)
+                    done_by_hand(self._runtime.world, self._tasks.skills, intent, by)
                     self._book.store.settle(id_, intent.number, f"done by hand, says {by}")
             except SkirosError as error:
                 detail = f"that it was done by hand cannot be believed: {error}; answer again"

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Future
 
 from skiros_py.errors import UnknownName, WrongState
 from skiros_py.execution.runtime import Runtime
 from skiros_py.planning.domain.actions import with_defaults
 from skiros_py.planning.plan import Step
-from skiros_py.planning.problem.task import Capability
 from skiros_py.skills.inference import applying
 from skiros_py.skills.outcome import Failure
 from skiros_py.skills.outcome import Outcome as StepOutcome
+from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.jobs.book import JobBook
 from skiros_py.tasks.jobs.job import Actual, Intent, Job, MaterialActual, Outcome, Trigger
@@ -110,12 +110,12 @@ def _detail(moving: Sequence[Intent]) -> str:
     return f"the program ended {when}: look, then answer"
 
 
-def done_by_hand(world: World, capabilities: Sequence[Capability], intent: Intent, by: str) -> None:
+def done_by_hand(world: World, skills: Mapping[str, SkillDescription], intent: Intent, by: str) -> None:
     """Writes a step's effects into the world.
 
     Args:
         world: The live world model.
-        capabilities: The available skills.
+        skills: The available skills by name.
         intent: The step.
         by: Who reports it as done.
 
@@ -123,7 +123,6 @@ def done_by_hand(world: World, capabilities: Sequence[Capability], intent: Inten
         UnknownName: The skill is no longer available, so its effects are unknown.
         WorldError: The world model rejects the effects.
     """
-    skills = {capability.skill.name: capability.skill for capability in capabilities}
     if intent.skill not in skills:
         raise UnknownName("skill", intent.skill, skills)
     skill = skills[intent.skill]

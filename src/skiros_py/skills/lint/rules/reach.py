@@ -10,7 +10,6 @@ from skiros_py.errors import DescriptionError
 from skiros_py.skills.conditions import (
     Assign,
     Compare,
-    Condition,
     Effect,
     Has,
     Not,
@@ -21,19 +20,12 @@ from skiros_py.skills.conditions import (
     Unrelate,
     effects_of,
 )
+from skiros_py.skills.conditions.effects import brought_about
 from skiros_py.skills.inference.search import conjuncts
 from skiros_py.skills.lint.rule import Known, Problem, Severity, Source, rule
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.terms import Family
-
-
-def brought_about(condition: Condition) -> tuple[Effect, ...]:
-    """Returns the effects of a condition; none where it cannot be brought about."""
-    try:
-        return effects_of(condition)
-    except DescriptionError:
-        return ()
 
 
 @rule("impossible-effect", "A postcondition that no skill can bring about.", SkillDescription)
