@@ -146,8 +146,8 @@ class _Reader:
 
     def __call__(self) -> None:
         self.rounds += 1
-        version, seen = self._world.state()
-        self.torn.extend(f"version {version}: {text}" for text in self._faults(seen))
+        seen = self._world.snapshot()
+        self.torn.extend(f"version {seen.version}: {text}" for text in self._faults(seen))
 
     def _faults(self, seen: Index) -> Iterator[str]:
         for writer in range(self._writers):

@@ -148,14 +148,14 @@ class ThreadHost:
             PlanningError: It was closed.
         """
         stop = Event()
-        version, state = self._world.state()
+        state = self._world.snapshot()
 
         def work() -> Answer[T]:
             with self._lock:
                 self._working[get_ident()] = stop
             try:
                 value = answered(request, state, self._planners, lambda: stop.is_set() or self._closed.is_set())
-                return Answer(version, value)
+                return Answer(state.version, value)
             except _Stopped:
                 raise PlanningError("planning was stopped") from None
             finally:

@@ -113,7 +113,7 @@ class Recorder:
     def start(self) -> None:
         """Starts to record."""
         world = self.runtime.world
-        own = {"version": world.state()[0], "start": self.runtime.cycle.board.now, "wall": time.time()}
+        own = {"version": world.version, "start": self.runtime.cycle.board.now, "wall": time.time()}
         self.writer.put_metadata("run", {**self._about, **own, "robots": _robots(self.runtime), "ended": None})
         for source in self._sources:
             contained(f"recording source {getattr(source, '__qualname__', source)}", source)(self)

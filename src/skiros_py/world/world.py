@@ -177,13 +177,8 @@ class World(WorldView):
         return unsubscribe
 
     def snapshot(self) -> Index:
-        """Returns the current state, which is immutable; this is cheap."""
+        """Returns the current state: immutable, with its version, and without the writes of an open transaction."""
         return self._base
-
-    def state(self) -> tuple[int, Index]:
-        """Returns the current version and its state, without the writes of an open transaction."""
-        index = self._base
-        return index.version, index
 
     @property
     def goals(self) -> tuple[str, ...]:

@@ -34,10 +34,10 @@ class Watch:
 
     def look(self, running: Sequence[Step], rest: Sequence[Step]) -> Flaw | None:
         self._stale.stale = False
-        version, state = self._world.state()
+        state = self._world.snapshot()
         check = Check((IN_CONTAINER("ball_1", "slot_1"),), tuple(running), tuple(rest), SKILLS)
         found = check.answer(state, Planners.only(GivenPlanner()), lambda: False)
-        self._stale.read(found.keys, version)
+        self._stale.read(found.keys, state.version)
         return found.flaw
 
 

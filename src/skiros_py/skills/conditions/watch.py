@@ -235,7 +235,7 @@ class Watches:
     def evaluate(self, one: _Watched) -> None:
         """Evaluates a condition and notes what it read."""
         one.stale = False
-        version, state = self._world.state()
+        state = self._world.snapshot()
         view = ReadingView(state, self._world.sensors)
         try:
             one.verdict = one.condition.evaluate(view, one.binding)
@@ -243,7 +243,7 @@ class Watches:
             one.stale = True
             raise
         one.senses = view.sensed
-        self._note(one, frozenset(view.keys), version)
+        self._note(one, frozenset(view.keys), state.version)
 
     def forget(self, watched: Sequence[_Watched]) -> None:
         """Ends the watch of conditions."""

@@ -122,12 +122,12 @@ class GoalService(Service):
             UsageError: It cannot be parsed.
         """
         session = self._station.session
-        version, state = session.world.state()
+        state = session.world.snapshot()
         view = ReadingView(state, session.world.sensors)  # one state of the world, with the present readings of devices
         goal = parse_goal(texts_of(order, self._station.document_store), view, session.catalogue.conditions)
         each = tuple(_checked(condition, view) for condition in goal)
         holds = all(one.holds for one in each)
-        return api.CheckedGoal(text=goal_as_text(goal), conditions=each, holds=holds, world=version)
+        return api.CheckedGoal(text=goal_as_text(goal), conditions=each, holds=holds, world=state.version)
 
     def get(self) -> api.SceneGoals:
         """Returns the goals of the scene."""

@@ -121,11 +121,11 @@ class SceneService(Service):
 
     def present(self) -> PresentScene:
         """Describes the present scene: which scene was loaded last, and whether it was changed since."""
-        version, now = self._station.session.world.state()
+        now = self._station.session.world.snapshot()
         name = now.source.name
         return PresentScene(
             name=name,
-            version=version,
+            version=now.version,
             changed=self._is_changed(name),
             elements=len(scene_only(now).instances(ELEMENT)),
             learned=sum(map(is_learned, now.ids())),
@@ -168,8 +168,8 @@ class SceneService(Service):
 
     def turtle(self) -> tuple[str, int]:
         """Returns the present scene as Turtle, and the version of the world."""
-        version, now = self._station.session.world.state()
-        return scene_turtle(scene_only(now)), version
+        now = self._station.session.world.snapshot()
+        return scene_turtle(scene_only(now)), now.version
 
     def difference(self, name: str, begin: int = 0, limit: int = 100) -> SceneDifference:
         """Returns the edits that turn another scene into the present one.
@@ -217,12 +217,12 @@ class SceneService(Service):
             FileError: The scene is broken.
         """
         session = self._session
-        version, now = session.world.state()
-        key = (id(session), version, file.path, file.version)
+        now = session.world.snapshot()
+        key = (id(session), now.version, file.path, file.version)
         known = self._compared
         if known is None or known[0] != key:
             known = self._compared = key, diff(scene_only(self._read(file)), scene_only(now))
-        return version, known[1]
+        return now.version, known[1]
 
     def _read(self, file: SceneFile) -> Index:
         """Returns the content of a scene file.

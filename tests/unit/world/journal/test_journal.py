@@ -153,12 +153,12 @@ def test_on_a_full_disk_a_change_is_refused_and_the_next_that_fits_is_taken(open
     weigh(world, 1.0)
     seen: list[int] = []
     world.subscribe(lambda c: seen.append(c.number))
-    before = world.state()
+    before = world.snapshot()
 
     with small_disk(log.stat().st_size + 1000), pytest.raises(FileError, match=r"the disk|room"):
         weigh(world, 2.0)
 
-    assert world.state() == before
+    assert world.snapshot() == before
     assert seen == []
     assert world.value("ball_1", "sk:mass") == 1.0
     weigh(world, 3.0)
@@ -172,7 +172,7 @@ def test_without_room_for_one_more_page_the_reason_is_given(open_tiny: Open) -> 
     assert connection is not None
     (pages,) = connection.execute("PRAGMA page_count").fetchone()
     connection.execute(f"PRAGMA max_page_count = {pages}")
-    before = data.world.state()
+    before = data.world.snapshot()
 
     with (
         pytest.raises(FileError, match=r"journal\.db: the disk is full: nothing was changed"),
@@ -180,7 +180,7 @@ def test_without_room_for_one_more_page_the_reason_is_given(open_tiny: Open) -> 
     ):
         tx.set("ball_1", "rdfs:label", "x" * 60_000)
 
-    assert data.world.state() == before
+    assert data.world.snapshot() == before
     assert data.journal.history("ball_1")[-1].change.number == 1
 
 
