@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from functools import partial
 from typing import Any, ClassVar, Generic, Protocol, TypeVar, cast
 
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
 from skiros_py.ports.device import Contribution, DeviceSpec, Follower, MobileSpec
-from skiros_py.ports.driver import CellDriver, contain_kinds
-from skiros_py.ports.guard import KindGuard
+from skiros_py.ports.driver import CellDriver, RunsKinds, contain_kinds, exchange_with
+from skiros_py.ports.guard import KindGuard, has_nan
 from skiros_py.ports.paths import Path
 from skiros_py.ports.values import DepthImage, Pending, Snapshot
 
@@ -65,6 +66,9 @@ class DeviceBoard:
         shared: What runs want of shared devices in the coming cycle, by device and run; mostly empty.
         unmixed: Why a kind's mix rule was switched off, by kind.
         closed: Ids of devices that were closed: they take no commands and no modules.
+
+    Raises:
+        DeviceError: The driver has no state of a device, or one of another type than the device's kind says.
     """
 
     def __init__(self, driver: CellDriver) -> None:
@@ -73,6 +77,10 @@ class DeviceBoard:
         self._driver = driver
         self.snapshot: Snapshot = driver.read()
         self.devices = driver.devices
+        self._types = {id_: spec.state_type for id_, spec in self.devices.items() if spec.state_type is not None}
+        self._trusted = isinstance(driver, RunsKinds)  # its states come through the guard already
+        if wrong := self._wrong_states(self.snapshot):
+            raise DeviceError("; ".join(f"{id_}: {why}" for id_, why in wrong.items()))
         self._targets: dict[str, object] = {}
         self.owner: Commander | None = None
         self.share: Share | None = None
@@ -101,8 +109,23 @@ class DeviceBoard:
         commands, self._targets = self._targets, {}
         for device in self.guard.off:
             commands.pop(device, None)
-        self.snapshot = self._driver.exchange(commands)
-        return self.snapshot
+        last, now = self.snapshot, exchange_with(self._driver, commands, self.snapshot)
+        if wrong := self._wrong_states(now):
+            for device, why in wrong.items():
+                self.guard.switch_off(self.devices[device], why)
+            now = replace(now, devices={**now.devices, **{device: last.devices[device] for device in wrong}})
+        self.snapshot = now
+        return now
+
+    def _wrong_states(self, now: Snapshot) -> dict[str, str]:
+        """Returns what is wrong with states, by device."""
+        states, wrong = now.devices, {}
+        for device, type_ in self._types.items():
+            state = states.get(device)
+            if not isinstance(state, type_) or (not self._trusted and has_nan(state)):
+                right = f"a {type_.__name__} with numbers"
+                wrong[device] = f"driver '{self._driver.kind}' gave the state {state!r:.80}, not {right}"
+        return wrong
 
     @property
     def still(self) -> bool:

@@ -7,7 +7,7 @@ from contextlib import ExitStack
 from dataclasses import replace
 from typing import Any, ClassVar, Protocol, runtime_checkable
 
-from skiros_py.errors import DeviceError, UsageError
+from skiros_py.errors import DeviceError, SkirosError, UsageError
 from skiros_py.ports.device import DeviceSpec
 from skiros_py.ports.guard import DeviceModels, KindGuard
 from skiros_py.ports.values import Commands, DepthImage, Pending, Snapshot
@@ -79,6 +79,30 @@ def require_known(commands: Commands, known: Collection[str]) -> None:
     for device in commands:
         if device not in known:
             raise DeviceError(f"no device '{device}'; there is {', '.join(sorted(known)) or 'none'}")
+
+
+def exchange_with(driver: CellDriver, commands: Commands, last: Snapshot) -> Snapshot:
+    """Exchanges a driver's commands for one period; what it does wrong is an error with its name.
+
+    Args:
+        driver: The driver.
+        commands: The commands.
+        last: Its last snapshot.
+
+    Raises:
+        DeviceError: A device broke; or the driver raises, or does not return the snapshot of a later cycle.
+    """
+    try:
+        now: object = driver.exchange(commands)
+    except SkirosError:
+        raise
+    except Exception as error:
+        raise DeviceError(f"driver '{driver.kind}': its exchange raised {type(error).__name__}: {error}") from error
+    if not isinstance(now, Snapshot):
+        raise DeviceError(f"driver '{driver.kind}': its exchange returned {now!r:.80}, not a Snapshot")
+    if now.cycle <= last.cycle:
+        raise DeviceError(f"driver '{driver.kind}': its exchange returned cycle {now.cycle} after cycle {last.cycle}")
+    return now
 
 
 class ModelCell:
@@ -181,7 +205,8 @@ class CompositeDriver:
                     f"{driver.period:g} s"
                 )
             self.devices |= driver.devices
-        self._snapshot = self._merged(0, [driver.read() for driver in self.drivers])
+        self._last = [driver.read() for driver in self.drivers]
+        self._snapshot = self._merged(0)
 
     @property
     def period(self) -> float:
@@ -209,11 +234,10 @@ class CompositeDriver:
             DeviceError: A device broke, or a command is for a device that does not exist.
         """
         require_known(commands, self.devices)
-        snapshots = [
-            driver.exchange({device: target for device, target in commands.items() if device in driver.devices})
-            for driver in self.drivers
-        ]
-        self._snapshot = self._merged(self._snapshot.cycle + 1, snapshots)
+        for number, driver in enumerate(self.drivers):
+            own = {device: target for device, target in commands.items() if device in driver.devices}
+            self._last[number] = exchange_with(driver, own, self._last[number])
+        self._snapshot = self._merged(self._snapshot.cycle + 1)
         return self._snapshot
 
     def halt(self) -> None:
@@ -248,8 +272,8 @@ class CompositeDriver:
         for driver in self.drivers:
             contain_kinds(driver, guard)
 
-    def _merged(self, cycle: int, snapshots: Sequence[Snapshot]) -> Snapshot:
-        devices = {device: state for snapshot in snapshots for device, state in snapshot.devices.items()}
+    def _merged(self, cycle: int) -> Snapshot:
+        devices = {device: state for snapshot in self._last for device, state in snapshot.devices.items()}
         return Snapshot(cycle, cycle * self.period, devices)
 
 
