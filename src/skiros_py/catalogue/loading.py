@@ -132,6 +132,13 @@ def _subclass_of(base: type) -> Callable[[Any], bool]:
     return lambda value: isinstance(value, type) and issubclass(value, base)
 
 
+def _wrong_driver(plugin: Plugin) -> str | None:
+    """Returns which methods a class of cell drivers lacks; what another callable makes shows only when it is called."""
+    wanted = ("read", "exchange", "halt", "release", "capture", "close")
+    lacks = [name for name in wanted if not hasattr(plugin.value, name)] if isinstance(plugin.value, type) else []
+    return f"it is no CellDriver: it has no {', no '.join(lacks)}" if lacks else None
+
+
 _of_kind = partial(_wrong_class, attribute="kind", users="documents")
 _is_files = _instance_of(Path, Traversable)
 _is_robot = _instance_of(RobotModel, Path, Traversable)
@@ -148,7 +155,7 @@ KINDS: Mapping[str, Kind] = {
         Kind("skiros.planners", "what makes a Planner when it is called", callable),
         Kind("skiros.devices", "a subclass of DeviceSpec", _subclass_of(DeviceSpec), device_problem),
         Kind("skiros.adapters", "an Adapter", _instance_of(Adapter), adapter_problem),
-        Kind("skiros.drivers", "what makes a CellDriver when it is called", callable),
+        Kind("skiros.drivers", "what makes a CellDriver when it is called", callable, _wrong_driver),
         Kind("skiros.signals", "a function of the cell that returns signal providers", callable),
         Kind("skiros.engines", "what makes a simulation Engine when it is called", callable),
         Kind("skiros.ontologies", "a package with ontology files, or a Path", _is_files),

@@ -19,11 +19,11 @@ from skiros_py.plugins.plugin import PluginFault, origin_of
 @click.argument("name", required=False)
 @click.option("--group", metavar="GROUP", help="Only this group, such as skills or primitives.")
 @click.option("--tracebacks", is_flag=True, help="Show the tracebacks of plug-ins that do not load.")
-@click.option("--strict", is_flag=True, help="Exit with 1 if one is broken.")
-def command(name: str | None, group: str | None, tracebacks: bool, strict: bool) -> Found:
+def command(name: str | None, group: str | None, tracebacks: bool) -> Found:
     """Loads every plug-in and lists it: group, name, distribution, object, and whether it works.
 
-    With NAME, shows what is called so in full. What is hidden behind a name that stands twice is listed, too.
+    With NAME, shows what is called so in full. What is hidden behind a name that stands twice is listed, too. Exit
+    status 1 if one of those listed is broken.
     """
     wanted = _group(group)
     everything, strays = survey()
@@ -37,7 +37,7 @@ def command(name: str | None, group: str | None, tracebacks: bool, strict: bool)
         "others": [{"from": fault.distribution, **_fault(fault)} for fault in others],
     }
     lines = _table(listed, others, tracebacks=tracebacks) if name is None else _in_full(listed)
-    return found, lines, NOT_REACHED if strict and broken else REACHED
+    return found, lines, NOT_REACHED if broken else REACHED
 
 
 def _group(given: str | None) -> str | None:

@@ -86,8 +86,8 @@ class RunDisplay:
 
     def __enter__(self) -> Self:
         session = self._session
-        robots = ", ".join(robot.id for robot in session.spec.robots)
-        self.say(f"scene   {session.scene}: {robots}, seed {session.options.seed}")
+        about = [*(robot.id for robot in session.spec.robots), f"seed {session.options.seed}"]
+        self.say(f"scene   {session.scene}: {', '.join(about)}")
         for agent, manager in sorted(session.managers.items()):
             for name, skill in sorted(manager.descriptions.items()):
                 self.say(f"skill   {name:8} by {agent}: {skill.help}")

@@ -31,6 +31,8 @@ from skiros_py.world.journal.snapshot import read_piece
 
 RUNS = "runs"
 """Folder in a data directory that holds the recordings of its runs."""
+JOBS = "recordings"
+"""Folder in the data directory of a server that holds the recordings of its jobs."""
 SUFFIX = ".mcap"
 """How the name of a recording ends."""
 DEVICES = "/devices/"
@@ -379,14 +381,15 @@ def find_recording(path: Path) -> Path:
     """Returns the file of a recording.
 
     Args:
-        path: The file, or a data directory for the recording of its latest run.
+        path: The file, or a data directory for the recording of its latest run or job.
 
     Raises:
         FileError: There is none.
     """
     if not path.is_dir():
         return path
-    found = [*path.glob(f"{RUNS}/*{SUFFIX}"), *path.glob(f"*{SUFFIX}")]
-    if not found:
+    globs = (path.glob(f"{folder}*{SUFFIX}") for folder in ("", f"{RUNS}/", f"{JOBS}/"))
+    latest = [file for found in globs if (file := max(found, key=lambda one: one.stem, default=None))]
+    if not latest:
         raise FileError(path, "there is no recording of a run in it: 'skiros run SCENE --data DIR' keeps one of each")
-    return max(found, key=lambda file: file.stem)
+    return max(latest, key=lambda file: file.stat().st_mtime)

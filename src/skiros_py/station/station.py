@@ -11,6 +11,7 @@ from typing import Literal, Self
 
 from platformdirs import user_cache_path
 
+from skiros_py.recording.reader import JOBS
 from skiros_py.station.alarms.alarms import Alarms
 from skiros_py.station.alarms.sources import AlarmSources
 from skiros_py.station.control import ControlThread, OpenSession
@@ -115,7 +116,7 @@ class Station:
         self.robots = RobotService(self)
         self.scenes = SceneService(self)
         self.world = WorldService(self)
-        self.recordings = JobRecordings(data / "recordings", lambda: self.session.jobs)
+        self.recordings = JobRecordings(data / JOBS, lambda: self.session.jobs)
         for attach in (
             self.stops.open,  # first: a stop requested meanwhile takes effect before anything else
             self.query_worker.open,

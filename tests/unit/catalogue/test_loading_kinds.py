@@ -103,6 +103,7 @@ def test_a_valid_object_of_each_kind_has_no_problem(kind: str, value: Any) -> No
         ("conditions", replace(CONDITION, name=["a"]), "its name is ['a'], not a word"),
         ("reasoners", Reasoner.answer, "it is a function, nothing for reasoners: name a subclass of Reasoner"),
         ("planners", "fast", "it is a str, nothing for planners: name what makes a Planner when it is called"),
+        ("drivers", type("Empty", (), {"read": None}), "it is no CellDriver: it has no exchange, no halt, no release"),
         ("drivers", 5, "it is a int, nothing for drivers: name what makes a CellDriver when it is called"),
         ("scenes", "kitting.ttl", "it is a str, nothing for scenes: name a package with scene files, or a Path"),
     ],

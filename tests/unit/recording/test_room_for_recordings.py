@@ -202,3 +202,12 @@ def test_the_latest_recording_of_a_data_directory_is_found(tmp_path: Path) -> No
 
     assert find_recording(tmp_path) == find_recording(runs) == runs / f"{names[1]}.mcap"
     assert find_recording(runs / f"{names[0]}.mcap") == runs / f"{names[0]}.mcap"
+
+
+def test_the_recording_of_the_latest_job_of_a_server_is_found(tmp_path: Path) -> None:
+    jobs = tmp_path / "recordings"
+    jobs.mkdir()
+    for name in ("000000009", "000000010"):
+        (jobs / f"{name}.mcap").touch()
+
+    assert find_recording(tmp_path) == jobs / "000000010.mcap"
