@@ -222,7 +222,7 @@ def test_negated_facts_that_no_skill_changes_are_evaluated_at_the_start() -> Non
 
     assert steps_of(planned(WORLD, SCANNED("ball_2"), skills=(sort,)).outcome) == ["sort"]
     assert why_not(WORLD, SCANNED("red_ball_2"), skills=(sort,)).endswith(
-        "needs that it is not so that red_ball_2 is a RedBall, and red_ball_2 is a RedBall, and no skill changes it"
+        "needs that it is not true that red_ball_2 is a RedBall, and red_ball_2 is a RedBall, and no skill changes it"
     )
 
 

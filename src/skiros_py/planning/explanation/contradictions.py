@@ -12,7 +12,7 @@ from skiros_py.planning.domain.actions import is_placement
 from skiros_py.planning.domain.literals import NOTHING, allows_value, common_class, property_of
 from skiros_py.planning.domain.matching import Binding, unified
 from skiros_py.planning.domain.model import Action, Atom
-from skiros_py.planning.explanation.wording import Found, Shortage, listed
+from skiros_py.planning.explanation.wording import Found, Shortage, listed, some
 from skiros_py.planning.plan import Cause, CauseKind
 from skiros_py.planning.problem.reachability import Relaxation
 from skiros_py.skills.conditions import Compare, Condition, Not
@@ -26,12 +26,17 @@ _MOST = 2000
 """How many ways to fulfil one condition are considered; with more, the condition is skipped."""
 
 
+_Chosen = tuple[object, ...]
+"""What the thing of a demand is: an element, or a variable of the goal; for each way to fulfil it, if they differ."""
+
+
 class _Want(NamedTuple):
     """One of these things is required in one of these places, regardless of the condition."""
 
     relation: str
     things: frozenset[str]
     places: frozenset[str]
+    chosen: _Chosen
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +48,8 @@ class Demand:
         relation: The placement relation.
         things: What could be the thing.
         places: Where it could be.
+        chosen: What the thing is. The demands of "exists b: Ball (In(b, box_a) and In(b, slot_1))" are about one thing,
+            those of two variables need not be.
         meant: True if the goal means these specific things: by name, or because it quantifies over all of a class.
     """
 
@@ -50,6 +57,7 @@ class Demand:
     relation: str
     things: frozenset[str]
     places: frozenset[str]
+    chosen: _Chosen
     meant: bool
 
 
@@ -67,9 +75,18 @@ def _demands_of(relaxed: Relaxation) -> list[Demand]:
         if is_placement(atom, ontology):
             thing, placement = ontology.placed(atom.arguments[0], atom.predicate, atom.arguments[1])
             things, places = (frozenset(relaxed.alike(one)) for one in (thing, placement.place))
-            return (_Want(atom.predicate, things, places),)
-        each = [tuple(w for pre in a.pre for w in wants(pre.bind(b))) for a, b in islice(ways(atom), _MOST + 1)]
+            return (_Want(atom.predicate, things, places, (thing,)),)
+        each = [tuple(parts(atom, a, b)) for a, b in islice(ways(atom), _MOST + 1)]
         return _any_of(each) if len(each) <= _MOST else ()
+
+    def parts(atom: Atom, action: Action, binding: Binding) -> Iterator[_Want]:
+        """Yields what the preconditions of a bookkeeping action require."""
+        (reached,) = action.add
+        for pre in action.pre:
+            free = (a for a in pre.arguments if a in binding and a not in reached.arguments)
+            own: dict[object, object] = {binding[a]: (atom, action.name, a) for a in free}
+            for want in wants(pre.bind(binding)):
+                yield want._replace(chosen=tuple(own.get(one, one) for one in want.chosen))
 
     def ways(atom: Atom) -> Iterator[tuple[Action, Binding]]:
         for action, effect in closing:
@@ -93,11 +110,14 @@ def _any_of(ways: Sequence[Sequence[_Want]]) -> tuple[_Want, ...]:
         return ()
     chosen = [[way[min(i, len(way) - 1)] for way in ways] for i in range(max(map(len, ways)))]
     alike = [wants for wants in chosen if len({want.relation for want in wants}) == 1]
-    return tuple(dict.fromkeys(_Want(wants[0].relation, _all(wants, 1), _all(wants, 2)) for wants in alike))
+    return tuple(dict.fromkeys(map(_either, alike)))
 
 
-def _all(wants: Iterable[_Want], which: int) -> frozenset[str]:
-    return frozenset().union(*(want[which] for want in wants))
+def _either(wants: Sequence[_Want]) -> _Want:
+    things = frozenset[str]().union(*(want.things for want in wants))
+    places = frozenset[str]().union(*(want.places for want in wants))
+    chosen = tuple(one for want in wants for one in want.chosen)
+    return _Want(wants[0].relation, things, places, chosen if len(set(chosen)) > 1 else chosen[:1])
 
 
 def is_exclusive(relaxed: Relaxation, relation: str, place: str, ontology: Ontology) -> bool:
@@ -206,19 +226,33 @@ class Contradictions:
     # ------------------------------------------------------------ things and places
 
     def _two_places(self) -> Iterator[Cause]:
-        wanted: dict[str, list[Demand]] = {}
+        wanted: dict[object, list[Demand]] = {}
         for demand in self._demands:
-            if len(demand.things) == 1 and not self._classes(demand):
-                wanted.setdefault(min(demand.things), []).append(demand)
-        for thing, demands in wanted.items():
+            is_one = len(demand.things) == 1 and not self._classes(demand)
+            wanted.setdefault(min(demand.things) if is_one else demand.chosen, []).append(demand)
+        for demands in wanted.values():
             for one, other in combinations(demands, 2):
                 if one.places.isdisjoint(other.places):
-                    why = f"{thing} has one place only, it cannot be {_place(one)} and {_place(other)}"
-                    named = thing, *_only(one.places | other.places)
+                    thing = self._thing(one)
+                    why = f"{thing} has one place only, it cannot be {self._place(one)} and {self._place(other)}"
+                    named = *_only(one.things), *_only(one.places | other.places)
                     yield _contradiction((one.condition, other.condition), why, named)
 
+    def _place(self, demand: Demand) -> str:
+        return f"{self._ontology.relations[demand.relation].label} {listed(sorted(demand.places), 'or')}"
+
+    def _thing(self, demand: Demand) -> str:
+        """Returns the name of the thing that a demand is about, or a name for any."""
+        classes = self._classes(demand)
+        if len(demand.things) == 1 and not classes:
+            return min(demand.things)
+        return some(local_name(classes[0])) if classes else "a thing"
+
     def _too_few_things(self) -> Iterator[Found]:
-        apart = _apart(self._demands, lambda one, other: one.places.isdisjoint(other.places))
+        def are_apart(one: Demand, other: Demand) -> bool:
+            return one.places.isdisjoint(other.places) and set(one.chosen).isdisjoint(other.chosen)
+
+        apart = _apart(self._demands, are_apart)
         lacking = _lacking(apart, lambda demand: demand.things)
         things = sorted(frozenset[str]().union(*(demand.things for demand in lacking)))
         if things and any(self._classes(demand) for demand in lacking):
@@ -344,10 +378,6 @@ def _only(names: frozenset[str]) -> tuple[str, ...]:
 
 def _things(demands: Sequence[Demand]) -> tuple[str, ...]:
     return tuple(thing for demand in demands for thing in _only(demand.things))
-
-
-def _place(demand: Demand) -> str:
-    return f"{local_name(demand.relation)} {listed(sorted(demand.places), 'or')}"
 
 
 def _is(count: int) -> str:

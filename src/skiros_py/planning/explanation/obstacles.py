@@ -122,7 +122,9 @@ class Leaves:
             return verdict.text
         if isinstance(asked, Computed):
             return self._wording.none(atom, types)
-        return f"that is not so ({self._wording.atom(atom, types)})"
+        if asked is None and atom.predicate.startswith(NOT):
+            return self._wording.atom(Atom(atom.predicate.removeprefix(NOT), atom.arguments), types)
+        return f"it is not true that {self._wording.atom(atom, types)}"
 
     def _things(self, argument: str, types: Types) -> tuple[str, ...]:
         """Returns the elements an argument could be; a bounded number of them."""

@@ -38,7 +38,7 @@ class Wording:
         if predicate.startswith(NOTHING):
             return f"nothing {self.term(predicate.removeprefix(NOTHING))} {names[0]}"
         if predicate.startswith(NOT):
-            return f"it is not so that {self.atom(Atom(predicate.removeprefix(NOT), atom.arguments), types)}"
+            return f"it is not true that {self.atom(Atom(predicate.removeprefix(NOT), atom.arguments), types)}"
         if predicate.startswith(IS):
             return f"{names[0]} is {some(local_name(predicate.removeprefix(IS)))}"
         if predicate.startswith(BY_CLASS):
@@ -48,7 +48,7 @@ class Wording:
             property_, comparison = compared(predicate)
             return f"the {self.term(property_)} of {names[0]} is {comparison}"
         term = self.term(predicate)
-        verb = term.removesuffix(" a") if len(names) > 1 and is_variable(atom.arguments[1]) else term
+        verb = term.removesuffix(" a") if len(names) > 1 else term  # "has a": the name has its article
         return f"{names[0]} {verb} {' '.join(names[1:])}".strip()
 
     def none(self, atom: Atom, types: Mapping[str, str]) -> str:

@@ -70,6 +70,53 @@ def test_a_goal_that_needs_more_things_than_exist_is_explained_by_their_number()
     assert "4 of RedBall are wanted, but there is only red_ball_1" in cause.text
 
 
+@pytest.mark.parametrize(
+    ("goal", "why"),
+    [
+        (
+            "exists b: RedBall (Holding(gripper_1, b) and In(b, tray_1_1))",
+            "a RedBall has one place only, it cannot be held by gripper_1 and in tray_1_1",
+        ),
+        (
+            "exists b: Ball (Holding(gripper_1, b) and InTray(b, tray_1))",
+            "a Ball has one place only, it cannot be held by gripper_1 and in tray_1_1 or tray_1_2",
+        ),
+        (
+            "exists b: RedBall (exists c: RedBall (In(b, slot_1) and In(c, slot_2)))",
+            "2 of RedBall are wanted, but there is only red_ball_1",
+        ),
+    ],
+)
+def test_one_thing_wanted_in_two_places_is_not_counted_as_two_things(goal: str, why: str) -> None:
+    (cause,) = causes(tray(2), goal)
+
+    assert cause.text == f"{goal} cannot be reached: {why}"
+
+
+@pytest.mark.parametrize(
+    "goal",
+    [
+        "for all s: Slot (In(RedBall, s))",
+        "exists b: RedBall (exists c: RedBall (In(b, slot_1) and In(c, slot_2)))",
+        "exists b: RedBall (In(b, slot_1) and (exists c: RedBall (Holding(gripper_1, c))))",
+        "exists b: RedBall (In(b, slot_1) and (In(RedBall, slot_2) or In(b, slot_2)))",
+        "exists b: RedBall (In(b, slot_1) and In(b, slot_2) and In(RedBall, tray_1_1))",
+    ],
+)
+def test_things_that_are_too_few_are_no_longer_too_few_once_those_missing_are_there(goal: str) -> None:
+    few = [cause for cause in causes(tray(1), goal) if cause.kind is CauseKind.TOO_FEW]
+    missing = [int(cause.why.partition(" ")[0]) - 1 for cause in few]
+    more = [f"scene:red_{n} a tiny:RedBall ; sk:in scene:box_a ." for n in range(sum(missing))]
+
+    assert CauseKind.TOO_FEW not in [cause.kind for cause in causes(tray(1, *more), goal)]
+
+
+def test_a_relation_that_should_end_and_cannot_is_explained_by_what_holds() -> None:
+    (cause,) = causes(tray(1), "not HasPart(robot_1, arm_1)")
+
+    assert cause.text == "not HasPart(robot_1, arm_1) cannot be reached: robot_1 has arm_1, and no skill changes it"
+
+
 def test_a_place_that_already_holds_two_things_is_not_explained_as_full() -> None:
     crowded = [f"scene:{ball} sk:in scene:tray_1_1 ." for ball in ("ball_8", "ball_9")]
     world = tray(1, *(f"scene:{ball} a tiny:Ball ." for ball in ("ball_8", "ball_9")), *crowded)
