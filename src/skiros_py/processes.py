@@ -79,6 +79,14 @@ def end_connected(process: subprocess.Popen[bytes], line: socket.socket, grace: 
         process.wait()
 
 
+def is_stopped(pid: int) -> bool:
+    """Returns whether a child process is suspended by a signal (SIGSTOP)."""
+    try:
+        return os.waitid(os.P_PID, pid, os.WSTOPPED | os.WNOHANG | os.WNOWAIT) is not None
+    except ChildProcessError:  # it has ended
+        return False
+
+
 def packed(thing: object) -> bytes:
     """Returns an object as bytes that another Python process on this machine reads with ``pickle.loads``.
 

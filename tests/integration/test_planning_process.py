@@ -205,6 +205,32 @@ def residents(process: PlanningProcess) -> list[int]:
     return [c.pid for c in children if c.status() != psutil.STATUS_ZOMBIE and os.getpgid(c.pid) == c.pid]
 
 
+@pytest.mark.parametrize("victim", ["the replica", "its copies"])
+def test_a_process_suspended_by_a_signal_is_replaced_and_the_request_answered(
+    process: PlanningProcess, world: World, victim: str
+) -> None:
+    process.ask(Sleeping(0.0)).result()
+    assert process.pid is not None
+    replica = psutil.Process(process.pid)
+    before = set(replica.children())
+    asked = process.ask(Sleeping(0.5))
+    while not (copies := set(replica.children()) - before):
+        time.sleep(0.01)
+
+    for one in copies if victim == "its copies" else [replica]:
+        one.send_signal(signal.SIGSTOP)
+
+    assert _answered_within(asked, 20.0)
+    assert _answered_within(process.ask(request(world)), 20.0)
+
+
+def _answered_within(asked: Asked[object], seconds: float) -> bool:
+    end = time.monotonic() + seconds
+    while not asked.done and time.monotonic() < end:
+        time.sleep(0.01)
+    return asked.done and asked.result() is not None
+
+
 def test_an_object_that_cannot_be_serialised_is_refused_by_name(process: PlanningProcess) -> None:
     with pytest.raises(PlanningError, match=r"the request cannot be sent to the planning process: .*lock"):
         process.ask(_Locked(threading.Lock()))

@@ -1,7 +1,7 @@
 """Client side of planning: in a separate process, or in threads of this one.
 
 The control thread only posts requests and polls for answers. The process follows the world's change feed; each request
-is answered in a forked copy of it. A process that dies is restarted and its requests are repeated.
+is answered in a forked copy of it. A process that dies or is suspended is restarted and its requests are repeated.
 """
 
 from __future__ import annotations

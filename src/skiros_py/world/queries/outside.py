@@ -20,7 +20,7 @@ from types import MappingProxyType
 from typing import Self
 
 from skiros_py.errors import DeviceError, SkirosError, UsageError, WorldError
-from skiros_py.processes import end_connected, packed, receive, send, start_python
+from skiros_py.processes import end_connected, is_stopped, packed, receive, send, start_python
 from skiros_py.world.queries.answering import Binding, Result
 from skiros_py.world.queries.replica import OUT_OF_MEMORY, USUAL_LIMITS, Limits, Order
 from skiros_py.world.world import World
@@ -96,7 +96,7 @@ class Pending:
             every: Interval at which that is checked [s].
 
         Raises:
-            DeviceError: The replica died.
+            DeviceError: The replica died, or was suspended and therefore killed.
         """
         try:
             answer, status = bytearray(), bytearray()
@@ -107,6 +107,9 @@ class Pending:
             while left:
                 if stopped():
                     return None
+                if is_stopped(self._replica.pid):
+                    self._kill()
+                    raise DeviceError("the process with the replica was suspended")
                 for source, _ in waiting.poll(every * 1e3):
                     piece = os.read(source, _PIECE)
                     (answer if source == self._answer else status).extend(piece)

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from importlib import import_module
 
 from skiros_py.errors import SkirosError, UsageError
-from skiros_py.processes import limit, packed, receive, send
+from skiros_py.processes import is_stopped, limit, packed, receive, send
 from skiros_py.world.change import Change
 from skiros_py.world.index import Index
 from skiros_py.world.queries.answering import Binding, Question, Result, typed
@@ -46,6 +46,10 @@ def main(control: int, program: str) -> None:
         gc.freeze()  # these objects stay: collecting would copy their pages into each order's process
         send(parent, b"ready")
         replica.serve(parent)
+
+
+_LOOK = 1.0
+"""Interval between checks for suspended runs [s]."""
 
 
 @dataclass(slots=True, eq=False)
@@ -156,14 +160,13 @@ class Replica(ABC):
         os.close(run.status)
 
     def _kill_late_runs(self) -> float | None:
-        """Kills runs after their deadline; returns the time until the next deadline [s], None if there is none."""
+        """Kills runs after their deadline, or that are suspended; returns when to look again [s], None for never."""
         now = time.monotonic()
         for run in self._runs:
-            if run.deadline <= now:
+            if run.deadline <= now or is_stopped(run.pid):
                 os.kill(run.pid, signal.SIGKILL)
                 run.deadline = math.inf
-        first = min((run.deadline for run in self._runs), default=math.inf)
-        return None if math.isinf(first) else first - now
+        return min((min(run.deadline - now, _LOOK) for run in self._runs), default=None)
 
     def _handle(self, order: bytes, answer: int) -> None:
         """Handles an order in this process and ends it."""
