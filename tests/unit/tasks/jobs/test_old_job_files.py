@@ -9,7 +9,8 @@ import pytest
 
 from skiros_py.errors import FileError
 from skiros_py.tasks.jobs.job import JobState, Trigger
-from skiros_py.tasks.jobs.store import SCHEMA, JobStore
+from skiros_py.tasks.jobs.schema import SCHEMA
+from skiros_py.tasks.jobs.store import JobStore
 
 TABLES = """
 CREATE TABLE jobs (id TEXT PRIMARY KEY, number INTEGER NOT NULL UNIQUE, data TEXT NOT NULL) WITHOUT ROWID;
