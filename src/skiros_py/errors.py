@@ -203,7 +203,7 @@ class KeyReused(UsageError):
 
 
 class WrongState(UsageError):
-    """A request that is invalid in the present state: a finished job cannot be paused."""
+    """A request that is invalid in the current state: a finished job cannot be paused."""
 
 
 class Removed(WrongState):
@@ -211,7 +211,7 @@ class Removed(WrongState):
 
 
 class Refused(SkirosError):
-    """A use case cannot be done in the present state.
+    """A use case cannot be done in the current state.
 
     Attributes:
         code: Why, for programs.
@@ -246,10 +246,10 @@ class WorldError(SkirosError):
 
 
 class StaleVersion(WorldError):
-    """An edit was based on an outdated state; read the present one, then decide.
+    """An edit was based on an outdated state; read the current one, then decide.
 
     Attributes:
-        present: The present version, if known.
+        present: The current version, if known.
     """
 
     def __init__(self, text: str, *, present: int | None = None) -> None:
@@ -283,7 +283,7 @@ class DescriptionError(SkirosError):
         super().__init__(f"{place}: {text}" if place else text)
 
     def within(self, place: str) -> DescriptionError:
-        """Returns the same error of a larger document, in which the present one is at a place."""
+        """Returns the same error of a larger document, in which the current one is at a place."""
         inner = f".{self.place}" if self.place and not self.place.startswith("[") else self.place
         return DescriptionError(self.text, f"{place}{inner}")
 

@@ -77,7 +77,7 @@ def stops_everything_while_the_robot_moves(anna: Person, served: Any) -> None:
     anna.expect(anna.page.get_by_role("alert").get_by_text("STOPPED", exact=True)).to_be_visible()
     anna.expect(anna.page.get_by_text("The stop was obeyed.")).to_be_visible()
     assert served.services.station.session.cycle.halted
-    anna.expect(anna.page.get_by_text("robot stands", exact=True)).to_be_visible()
+    anna.expect(anna.page.get_by_text("robot not moving", exact=True)).to_be_visible()
     stands = anna.ask("/state")["platforms"]["base_1"]["position"]
     anna.sees("robot_1", stands, 0.01)
     anna.page.wait_for_timeout(500)

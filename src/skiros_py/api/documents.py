@@ -48,7 +48,7 @@ class DocumentContent(Request):
 
 
 class DocumentProblem(Answer):
-    """Something in a document that does not work in the present world."""
+    """Something in a document that does not work in the current world."""
 
     place: str = Field(examples=["steps[2]"])
     """Where in the document; empty for the whole."""
@@ -70,7 +70,7 @@ class DocumentInfo(Answer):
     data: dict[str, Any]
     """Its content."""
     problems: tuple[DocumentProblem, ...]
-    """What does not work in the present world; omitted in lists and revisions."""
+    """What does not work in the current world; omitted in lists and revisions."""
     agents: dict[str, str] = Field(examples=[{"steps[0]": "base_1"}])
     """The subsystems that would run parts of it now, by place; omitted in lists and revisions."""
 

@@ -49,10 +49,10 @@ class Interface:
 
 @dataclass(frozen=True, slots=True)
 class Review:
-    """A document compared with the present world.
+    """A document compared with the current world.
 
     Attributes:
-        faults: Why it is refused, unless its present revision has the same faults.
+        faults: Why it is refused, unless its current revision has the same faults.
         problems: What would not work now; it is accepted nevertheless.
         agents: The subsystems that would run parts of it now, by place.
     """
@@ -134,7 +134,7 @@ class DocumentKind:
         return ()
 
     def review(self, document: Any, world: WorldView, skills: Mapping[str, SkillDescription]) -> Review:  # noqa: ARG002
-        """Compares a document that passed :meth:`check` with the present world; by default nothing is found.
+        """Compares a document that passed :meth:`check` with the current world; by default nothing is found.
 
         Args:
             document: The document.

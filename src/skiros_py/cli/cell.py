@@ -113,7 +113,7 @@ def jog_device(client: Client, device: str, module: str | None, params: tuple[st
 @served("device teach base_1 --param location=pallet_a --data cell", device)
 @_by_hand
 def teach_device(client: Client, device: str, module: str | None, params: tuple[str, ...]) -> Found:
-    """Learns something from the present state of DEVICE, such as a grasp or a driving pose."""
+    """Learns something from the current state of DEVICE, such as a grasp or a driving pose."""
     return _followed(client, client.devices.teach(device, given_params(params), module=module))
 
 

@@ -56,7 +56,7 @@ def list_(scene: str) -> Found:
 @click.argument("name")
 @_CHOICE
 def show(name: str, params: tuple[str, ...], agent: str | None, scene: str) -> Found:
-    """Shows a module: its parameters with their present values, its conditions and whether they hold, and its body."""
+    """Shows a module: its parameters with their current values, its conditions and whether they hold, and its body."""
     with _fake(scene) as session:
         manager = _manager(session, name, agent)
         panel = manager.panel(name, given_params(params))

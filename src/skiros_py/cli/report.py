@@ -16,7 +16,7 @@ from skiros_py.cli.output import REACHED, answer
     "--output",
     type=click.Path(dir_okay=False, path_type=Path),
     metavar="FILE.html",
-    help="File for the page.  [default: the recording's name in the present folder]",
+    help="File for the page.  [default: the recording's name in the current folder]",
 )
 @click.option(
     "--mcap",

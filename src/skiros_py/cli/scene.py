@@ -104,7 +104,7 @@ def diff(old: str, new: str) -> Found:
     "--data",
     type=click.Path(file_okay=False, path_type=Path),
     metavar="DIR",
-    help="Save the present world of a data directory instead of a scene.",
+    help="Save the current world of a data directory instead of a scene.",
 )
 def save(scene_and_file: tuple[str, ...], data: Path | None) -> int:
     """Writes SCENE with all that it imports as one Turtle file FILE, in an order that depends on the content alone."""

@@ -281,7 +281,7 @@ class Runtime:
     Attributes:
         world: The live world model.
         cycle: The control cycle.
-        signals: The signals of the present cycle.
+        signals: The signals of the current cycle.
         context: What modules may reach.
         managers: The skill managers by the id of their subsystem.
         monitor: Module events.

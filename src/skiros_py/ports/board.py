@@ -51,7 +51,7 @@ class Share(Protocol):
 
 
 class DeviceBoard:
-    """The snapshot of the present cycle and the commands collected for the next one.
+    """The snapshot of the current cycle and the commands collected for the next one.
 
     Commands for a device with one owner go straight to the driver. Commands for a shared device are collected by run;
     :class:`~skiros_py.execution.mix.Mix` merges them into one target before the exchange.

@@ -139,7 +139,7 @@ class DeviceSpec(ABC, Generic[StateT, TargetT]):
         carries: True where bodies may stand on it. Those that name it as their ``sk:poseFrame`` have their ``sk:pose``
             in its frame and move with it; in a simulation they are bolted to :attr:`platform_link`.
         jog: Modules with which a person moves it by a small step, or home; the first is the usual one.
-        teach: Modules that learn something from its present state; the first is the usual one.
+        teach: Modules that learn something from its current state; the first is the usual one.
 
     Attributes:
         id: Its element id.

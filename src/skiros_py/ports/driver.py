@@ -35,7 +35,7 @@ class CellDriver(Protocol):
         """Longest time from full speed to standstill, as its snapshots say it, when commands cease [s]."""
 
     def read(self) -> Snapshot:
-        """Returns the present state without advancing time."""
+        """Returns the current state without advancing time."""
 
     def exchange(self, commands: Commands) -> Snapshot:
         """Applies the commands for one period and returns what the sensors say at its end.
@@ -132,7 +132,7 @@ class ModelCell:
         return self._models.braking_time + self.coming_to_rest
 
     def read(self) -> Snapshot:
-        """Returns the present state without advancing time."""
+        """Returns the current state without advancing time."""
         return self._snapshot
 
     def exchange(self, commands: Commands) -> Snapshot:
@@ -224,7 +224,7 @@ class CompositeDriver:
         return max(driver.braking_time for driver in self.drivers)
 
     def read(self) -> Snapshot:
-        """Returns the present state without advancing time."""
+        """Returns the current state without advancing time."""
         return self._snapshot
 
     def exchange(self, commands: Commands) -> Snapshot:

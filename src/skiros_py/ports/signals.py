@@ -150,7 +150,7 @@ def provider_problem(thing: object) -> str | None:
 
 
 class SignalReader(Protocol):
-    """Reads the signals of the present cycle; belongs to the control thread."""
+    """Reads the signals of the current cycle; belongs to the control thread."""
 
     def read(self, name: str) -> Sample:
         """Returns the value of a signal in this cycle.

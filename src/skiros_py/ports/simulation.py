@@ -355,7 +355,7 @@ class Engine(Protocol):
         """
 
     def poses(self) -> Mapping[str, Pose]:
-        """Returns the present poses of all bodies; quick to take, each pose is computed when it is first read."""
+        """Returns the current poses of all bodies; quick to take, each pose is computed when it is first read."""
 
     def twist(self, body: str) -> Twist:
         """Returns the velocity of a body's centre of mass.
@@ -405,7 +405,7 @@ class Engine(Protocol):
         """Returns the exact pinhole model of the images of a view."""
 
     def render(self, view: View, finish: Callable[[Rendering], T], *, latency: float = 0.0) -> Pending[T]:
-        """Renders the present moment, however long that takes.
+        """Renders the current moment, however long that takes.
 
         Args:
             view: What to render.

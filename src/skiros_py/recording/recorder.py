@@ -147,7 +147,7 @@ class Recorder:
         Args:
             topic: Where it belongs.
             value: What the topic's encoder takes.
-            at: Run time [s]; that of the present snapshot where left out.
+            at: Run time [s]; that of the current snapshot where left out.
         """
         self.writer.put(topic, self.runtime.cycle.board.snapshot.time if at is None else at, value)
 

@@ -283,7 +283,7 @@ def taken_by(kind: str, name: str) -> str | None:
 
 @contextmanager
 def knowledge_of(project: Project) -> Iterator[Knowledge]:
-    """Loads the knowledge for a package; its own plug-ins are included in their present state, installed or not."""
+    """Loads the knowledge for a package; its own plug-ins are included in their current state, installed or not."""
     with project.as_installed():
         ontology, _ = load_installed(ontology_paths())
         yield Knowledge(project, ontology, load_catalogue())

@@ -39,7 +39,7 @@ class Stage:
         robot: Name of its robot; empty for none.
 
     Attributes:
-        world: Its present state.
+        world: Its current state.
         goals: Its goals.
         left_to_robot: Required places of the robot, as (robot, relation, place): it drives there itself.
 

@@ -240,7 +240,7 @@ PROBLEMS: dict[int | str, dict[str, Any]] = {
         403: "The caller's role, host or origin does not allow it.",
         404: "There is no such thing.",
         408: "The body did not arrive in time.",
-        409: "It cannot be done in the present state.",
+        409: "It cannot be done in the current state.",
         412: "It was changed since: If-Match names an old version.",
         413: "The body is too long.",
         415: "The body is of another media type.",
@@ -286,7 +286,7 @@ def tagged(*statuses: int) -> dict[int | str, dict[str, Any]]:
     Args:
         statuses: Status codes of these answers; 200 if omitted.
     """
-    header = {"description": "The present version, for If-Match.", "schema": {"type": "string", "examples": ['"17"']}}
+    header = {"description": "The current version, for If-Match.", "schema": {"type": "string", "examples": ['"17"']}}
     return {status: {"headers": {"ETag": header}} for status in statuses or (200,)}
 
 

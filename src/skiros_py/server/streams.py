@@ -25,7 +25,7 @@ from skiros_py.station.events.log import Event, EventLog, Kind
 _PLACE = re.compile(r"([0-9a-f]{8})-(\d{1,18})", re.ASCII)
 
 _READ = ("/api/v1/jobs", "/api/v1/world", "/api/v1/tasks", "/api/v1/alarms", "/api/v1/stop")
-"""The routes at which the present state of the subjects of events can be read."""
+"""The routes at which the current state of the subjects of events can be read."""
 
 
 def position_text(log: EventLog, number: int) -> str:
@@ -238,7 +238,7 @@ class Streams:
                 await asyncio.sleep(0)  # a stream with much to catch up on yields to the others
 
     async def follow_state(self, live: LiveState, rate: float, caller: Caller) -> AsyncIterator[bytes]:
-        """Yields the present state of the robots as server-sent events; skips states for which the client is too slow.
+        """Yields the current state of the robots as server-sent events; skips states for which the client is too slow.
 
         Args:
             live: The state.

@@ -216,7 +216,7 @@ class RunContext:
 
     Attributes:
         world: The live world model.
-        board: Snapshot and commands of the present cycle.
+        board: Snapshot and commands of the current cycle.
         ports: The adapters; see :meth:`port`.
         cell: The cell's description (limits, joints, footprint) as brought up.
         frames: Where robots, links and devices are in a cycle.
@@ -229,7 +229,7 @@ class RunContext:
         emit: Takes (name of an event, value as plain data).
         effects: The effects of the skill that this module is part of; None for a module that runs on its own.
         floor: Who may drive where.
-        signals: The signals of the present cycle.
+        signals: The signals of the current cycle.
         waiting: Says, for as long as it is entered, that a long wait for a worker is no fault.
     """
 

@@ -123,7 +123,7 @@ class DocumentStore:
             expects: The version that it replaces; 0 if there must be none yet; None for any.
 
         Raises:
-            StaleVersion: The present version is a different one.
+            StaleVersion: The current version is a different one.
         """
         text = json.dumps(data)
         with self._database.transaction() as connection:
@@ -143,7 +143,7 @@ class DocumentStore:
         """Removes a document; has no effect if there is none.
 
         Raises:
-            StaleVersion: The present version is not the expected one.
+            StaleVersion: The current version is not the expected one.
         """
         with self._database.transaction() as connection:
             self._check(kind, name, expects)

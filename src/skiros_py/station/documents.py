@@ -157,7 +157,7 @@ class DocumentService(Service):
     def put(self, kind: str, id_: str, data: Any, seen: Seen | None = ANY_VERSION) -> tuple[api.DocumentInfo, bool]:
         """Writes a document; returns it, and True if it is new. Its next run uses this revision.
 
-        Faults that the present revision has, too, do not prevent writing: they are among its problems.
+        Faults that the current revision has, too, do not prevent writing: they are among its problems.
 
         Raises:
             NotFound: There is no such kind.
@@ -257,7 +257,7 @@ class DocumentService(Service):
             session.managers.documents[module] = replace(made, revision=document.version)
 
     def _reviewed(self, document: Document) -> Review:
-        """Compares a stored document with the present world; all that is found are problems."""
+        """Compares a stored document with the current world; all that is found are problems."""
         module = _module(document.kind, document.name)
         try:
             maker = self._kind(document.kind)
@@ -269,7 +269,7 @@ class DocumentService(Service):
         return _as_problems(self._review(maker, document.data, made, module))
 
     def _review(self, maker: DocumentKind, data: Any, made: RunnableDocument | None, module: str) -> Review:
-        """Compares a document with the present world and the modules of this station."""
+        """Compares a document with the current world and the modules of this station."""
         session = self._station.session
         skills = session.tasks.skills
         try:

@@ -73,21 +73,21 @@ ANY_VERSION: Final = Seen()
 
 
 def require_seen(seen: Seen | None, now: int) -> None:
-    """Requires that the author has seen the present version.
+    """Requires that the author has seen the current version.
 
     Args:
         seen: The version that the author has seen; None if not given.
-        now: The present version.
+        now: The current version.
 
     Raises:
         Refused: No version is given.
         StaleVersion: The author has seen a different version.
     """
     if seen is None:
-        raise Refused("VersionMissing", f'say which version you have seen: If-Match: "{now}" is the present one')
+        raise Refused("VersionMissing", f'say which version you have seen: If-Match: "{now}" is the current one')
     if seen.version not in (None, now):
         raise StaleVersion(
-            f"version {seen.version} is not the present one: it was changed since; look again", present=now
+            f"version {seen.version} is not the current one: it was changed since; look again", present=now
         )
 
 

@@ -272,7 +272,7 @@ class Session:
         self._on_plan.add(listener)
 
     def plan(self, goal: str | Sequence[Condition] | Sequence[str] | None = None) -> Planned:
-        """Plans from the present beliefs without doing anything."""
+        """Plans from the current beliefs without doing anything."""
         asked = self.planning.ask(self.tasks.plan_request(self._conditions(goal)))
         try:
             return asked.result().value

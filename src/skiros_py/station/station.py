@@ -75,7 +75,7 @@ class Station:
         alarms, devices, documents, elements, goals, jobs, modules, ontology, plugins, previews, recordings, robots,
             scenes, signals, simulation, stops, tasks, world: The use cases, by topic.
         events: The log of events.
-        live: The present state of the robots.
+        live: The current state of the robots.
         looks: The last looks of the cameras.
         motions: The planned motions of devices.
         document_store: The stored documents; from :meth:`start` on.

@@ -77,7 +77,7 @@ class HaltMark:
             self._settle()
 
     def _settle(self) -> None:
-        """Writes the present state to the file: a reset may have been requested before the stop was written."""
+        """Writes the current state to the file: a reset may have been requested before the stop was written."""
         with self._guard:
             wanted = self._wanted
             try:
@@ -167,7 +167,7 @@ class Stops:
         return _braking(session)
 
     def _has_heard(self, before: int, brake: threading.Thread | None) -> bool:
-        """Returns whether a whole cycle has passed: the present one may have sent its commands before."""
+        """Returns whether a whole cycle has passed: the current one may have sent its commands before."""
         braked = brake is None or not brake.is_alive()
         return self._session is None or (self._control.beat >= before + 2 and braked)
 

@@ -60,7 +60,7 @@ class Bench:
         questions: The questions to a person; see :func:`skiros_py.testing.answers`.
         managers: The skill managers by the id of their subsystem.
         cycle: The control cycle.
-        signals: The signals of the present cycle.
+        signals: The signals of the current cycle.
         watchdog: Interrupts code that blocks it.
     """
 

@@ -123,7 +123,7 @@ class FaultyCell:
         return self._driver.braking_time
 
     def read(self) -> Snapshot:
-        """Returns the present state, as reported, without advancing time."""
+        """Returns the current state, as reported, without advancing time."""
         return self._snapshot
 
     def exchange(self, commands: Commands) -> Snapshot:

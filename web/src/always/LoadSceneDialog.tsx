@@ -7,7 +7,7 @@ import { MayButton } from "../widgets/MayButton";
 import { problemText, problemTitle } from "../widgets/problems";
 import { useDialogs } from "./dialogs";
 
-/** Loads another scene after confirmation, since it replaces the present one. */
+/** Loads another scene after confirmation, since it replaces the current one. */
 export function LoadSceneDialog() {
   const { t } = useTranslation("always");
   const { opened, about, close } = useDialogs();

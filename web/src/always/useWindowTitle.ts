@@ -16,7 +16,7 @@ export function useWindowTitle(): void {
     halted: t("title.halted"),
     running: t("title.running"),
   };
-  // Hidden pages are disconnected: an old state must not look like the present one.
+  // Hidden pages are disconnected: an old state must not look like the current one.
   const hidden = useDocumentVisibility() === "hidden";
   useDocumentTitle(
     useStation(({ state }) => windowTitle(hidden ? null : state, lost && !hidden, hidden ? 0 : questions, words)),

@@ -16,7 +16,7 @@ test("a tab reopens with its last content", () => {
   expect(window.location.hash).toBe("#/world/kit_1");
 });
 
-test("a tab can define the content it opens with, and whether its button leaves the present content", () => {
+test("a tab can define the content it opens with, and whether its button leaves the current content", () => {
   leave("task", "kit-1");
   comesBackTo("task", (isOpen) => (isOpen ? "" : "kit-2"));
   opened()("task");

@@ -15,7 +15,7 @@ interface Props {
   preview: Preview | undefined;
   planning: boolean;
   lost: boolean;
-  /** Whether the plan belongs to the present goal. */
+  /** Whether the plan belongs to the current goal. */
   fits: boolean;
   conditions: readonly CheckedCondition[];
   /** Plans again, for another goal if one is given. */

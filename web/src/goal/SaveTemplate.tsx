@@ -24,7 +24,7 @@ interface Props {
   conditions: readonly CheckedCondition[];
 }
 
-/** Saves the present conditions as a template, with a choice of its parameters. */
+/** Saves the current conditions as a template, with a choice of its parameters. */
 export function SaveTemplate({ opened, onClose, conditions }: Props) {
   const { t } = useTranslation("goal");
   return (

@@ -7,7 +7,7 @@ import { useDraft } from "./draft";
 import { SaveTemplate } from "./SaveTemplate";
 import { useTemplates } from "./templates";
 
-/** Opens a goal template, or saves the present conditions as one. */
+/** Opens a goal template, or saves the current conditions as one. */
 export function TemplateChoice({ verdicts }: { verdicts: readonly Verdict[] }) {
   const { t } = useTranslation("goal");
   const { draft, change } = useDraft();

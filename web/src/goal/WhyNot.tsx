@@ -9,7 +9,7 @@ import { RepairCard } from "./RepairCard";
 
 interface Props {
   preview: Preview;
-  /** The conditions of the present goal. */
+  /** The conditions of the current goal. */
   conditions: readonly CheckedCondition[];
   /** Plans again. */
   again: (order?: GoalOrder | null) => void;

@@ -79,7 +79,7 @@ export const useDrafts = create<Drafts>()(
   ),
 );
 
-/** The name of the present scene; undefined until it is known. */
+/** The name of the current scene; undefined until it is known. */
 export function useSceneName(): string | undefined {
   const { data } = useQuery({
     queryKey: keys.station("scene"), // not "scenes", which every change of the world invalidates
@@ -88,14 +88,14 @@ export function useSceneName(): string | undefined {
   return data?.name;
 }
 
-/** The draft of the present scene, and a function to change it. */
+/** The draft of the current scene, and a function to change it. */
 export function useDraft() {
   const scene = useSceneName() ?? "";
   const draft = useDrafts(({ drafts }) => drafts[scene]) ?? NEW;
   const change = (next: Change) => useDrafts.getState().change(scene, next);
   return {
     draft,
-    /** The present draft, which may be newer than the rendered one. */
+    /** The current draft, which may be newer than the rendered one. */
     present: () => useDrafts.getState().drafts[scene] ?? NEW,
     change,
     addRows: (rows: readonly NewRow[]) => change((now) => ({ rows: [...now.rows, ...keyed(rows)] })),

@@ -29,13 +29,13 @@ export function usePreview(order: GoalOrder | null) {
     refetchInterval: ({ state }) => (state.data?.state === "planning" ? PAUSE : false),
   });
   return {
-    /** Requests a plan, for the present goal unless another is given. */
+    /** Requests a plan, for the current goal unless another is given. */
     ask: (wanted: GoalOrder | null = order) => wanted !== null && ask.mutate(wanted),
     preview: data,
     /** The server no longer keeps it. */
     lost: error instanceof ApiProblem,
     planning: ask.isPending || (asked !== null && isPending) || data?.state === "planning",
-    /** It is the plan for the present goal. */
+    /** It is the plan for the current goal. */
     fits: asked !== null && asked.order === JSON.stringify(order),
   };
 }

@@ -33,7 +33,7 @@ test("there is no piece after the last one", async () => {
   expect(starts).toEqual([3]);
 });
 
-test("while a slider moves fast, only pieces at its present position are fetched", async () => {
+test("while a slider moves fast, only pieces at its current position are fetched", async () => {
   const { pieces, starts } = asked();
   for (const share of [0, 1, 2, 3]) pieces.at(REPLAY.start + share * LENGTH);
   await settled();

@@ -42,7 +42,7 @@ export class Pieces {
     return Math.max(Math.floor((time - this.replay.start) / LENGTH), 0);
   }
 
-  /** Fetches one piece at a time, so that only pieces at the present position of a fast slider are requested. */
+  /** Fetches one piece at a time, so that only pieces at the current position of a fast slider are requested. */
   private async readMissing(): Promise<void> {
     if (this.busy) return;
     this.busy = true;

@@ -47,7 +47,7 @@ interface Props {
   only?: Command;
 }
 
-/** The commands for a job in its present state; those that end it need confirmation. */
+/** The commands for a job in its current state; those that end it need confirmation. */
 export function JobCommands({ job, gone = () => undefined, only }: Props) {
   const { t } = useTranslation("task");
   const [asking, ask] = useState<Grave | null>(null);

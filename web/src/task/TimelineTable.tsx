@@ -58,7 +58,7 @@ function Title({ bar, choose }: { bar: Bar; choose: (step: string) => void }) {
   );
 }
 
-/** Executed, planned and abandoned steps by time; of the present plan, only those not started. */
+/** Executed, planned and abandoned steps by time; of the current plan, only those not started. */
 function rowsOf(layout: TimelineLayout): { agent: string; bar: Bar }[] {
   return layout.lanes
     .flatMap(({ agent, bars }) => bars.filter(({ kind }) => kind !== "plan").map((bar) => ({ agent, bar })))

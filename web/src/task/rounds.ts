@@ -16,7 +16,7 @@ export function roundsOf(run: Run, steps: number): Rounds {
   return { done: steps === 0 ? 0 : Math.floor(worked / steps), tried, worked };
 }
 
-/** Adds the plan of the present round to a run without a plan. */
+/** Adds the plan of the current round to a run without a plan. */
 export function withRound(run: Run, steps: readonly PlannedStep[]): Run {
   if (run.plans.length > 0 || steps.length === 0) return run;
   const ends = run.steps.filter(({ ended }) => ended === "ended").map(({ end }) => end ?? run.begun);

@@ -13,7 +13,7 @@ function conflict(edit: Conflict["edit"], there: string[]): Conflict {
   return { edit, seen: SEEN, there: sequence(2, there) };
 }
 
-test("an outdated edit is applied to the intended step at its present position", () => {
+test("an outdated edit is applied to the intended step at its current position", () => {
   const removal = conflict({ kind: "remove", at: 1 }, ["pallet_b", "pallet_a", "kit_1"]);
   expect(onto(removal)).toEqual({ kind: "remove", at: 2 });
 });

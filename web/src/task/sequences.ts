@@ -77,7 +77,7 @@ export type Edit =
 /** A refused edit, because another person has changed the sequence; shown in the step's form if it has one. */
 export interface Conflict {
   edit: Exclude<Edit, { kind: "change" }>;
-  /** The version on which it was based, and the present one. */
+  /** The version on which it was based, and the current one. */
   seen: Sequence;
   there: Sequence;
 }
@@ -144,7 +144,7 @@ export function edited(steps: readonly WantedStep[], edit: Edit): WantedStep[] {
   }
 }
 
-/** The edit applied to the present version; null if its step has changed. */
+/** The edit applied to the current version; null if its step has changed. */
 export function onto({ edit, seen, there }: Conflict): Conflict["edit"] | null {
   if (edit.kind === "insert") return { ...edit, at: Math.min(edit.at, there.steps.length) };
   const at = sameStep({ seen, at: edit.at }, there);

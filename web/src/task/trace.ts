@@ -69,10 +69,10 @@ export interface Run {
   begun: number;
   /** Run time of its end [s]; null while it runs. */
   end: number | null;
-  /** Offset of its times from the server's present run time [s], which starts again with each run of the server. */
+  /** Offset of its times from the server's current run time [s], which starts again with each run of the server. */
   shift: number;
   steps: Step[];
-  /** All plans, the present one last. */
+  /** All plans, the current one last. */
   plans: Plan[];
   entries: TraceEntry[];
 }
@@ -100,7 +100,7 @@ export function readEntry(raw: Record<string, unknown>): TraceEntry {
 /**
  * Merges a job's stored entries with those of its running task.
  *
- * The former lag by up to a second and contain all attempts, the latter only the present one.
+ * The former lag by up to a second and contain all attempts, the latter only the current one.
  */
 export function joined(kept: readonly TraceEntry[], lately: readonly TraceEntry[]): TraceEntry[] {
   const first = lately[0];

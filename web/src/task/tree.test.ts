@@ -90,7 +90,7 @@ function own(time: number, implementation: string) {
   return { ...message(time, "pick", "running"), implementation };
 }
 
-test("a running step shows its present implementation, with the messages of that one only", () => {
+test("a running step shows its current implementation, with the messages of that one only", () => {
   const rows = [
     own(10, "by vision"),
     message(11, "pick/body/0", "error"),

@@ -32,7 +32,7 @@ export function moduleMood(status: string): Mood {
 /**
  * Returns the messages of a step's modules while it ran (or runs).
  *
- * @param shift - Offset of the present run times from the server's [s].
+ * @param shift - Offset of the current run times from the server's [s].
  */
 export function messagesOf(step: Step, rows: readonly OutputRow[], shift: number): OutputRow[] {
   if (step.shift !== shift) return []; // it ran before a restart of the server, whose messages are not kept
@@ -121,7 +121,7 @@ export function skillTree(
   return { nodes: [root, ...own], edges };
 }
 
-/** The last message of a node's last run: for a node in a loop, that of the present round. */
+/** The last message of a node's last run: for a node in a loop, that of the current round. */
 function stateOf(path: string, messages: readonly OutputRow[], texts: StateTexts): GraphNode["state"] & object {
   const last = messages.findLast((row) => row.path === path && row.status !== "event");
   if (last === undefined) return { mood: "waiting", text: texts.module("") };

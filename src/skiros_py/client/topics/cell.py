@@ -138,7 +138,7 @@ class Devices(Topic[C]):
     def teach(
         self, device: str, arguments: Mapping[str, Any] | None = None, *, module: str | None = None
     ) -> modules.ModuleRunInfo:
-        """Learns something from the present state of a device; see :meth:`jog`."""
+        """Learns something from the current state of a device; see :meth:`jog`."""
 
 
 class Signals(Topic[C]):

@@ -374,7 +374,7 @@ class Documents(Topic[C]):
 
     @operation("GET /documents/{kind}/{id_}")
     def get(self, kind: str, id_: str) -> documents.DocumentInfo:
-        """Returns a document, with what would not work in the present world."""
+        """Returns a document, with what would not work in the current world."""
 
     @operation("GET /documents/{kind}/{id_}/revisions")
     def revisions(self, kind: str, id_: str) -> documents.Documents:

@@ -3,7 +3,7 @@
 It is called in a process of its own, for each task again. So it may take as long as it likes, use libraries that are
 not made for threads, start programs or crash: it is stopped, and nothing of it is left running.
 
-Importing it takes a second or two, and its engines leave files in the present folder: it runs in a process of its own.
+Importing it takes a second or two, and its engines leave files in the current folder: it runs in a process of its own.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class FilesPlanner(CommandLinePlanner):
         Args:
             domain: The domain file.
             problem: The problem file.
-            folder: Where both are; the present folder, to work in. It is deleted afterwards.
+            folder: Where both are; the current folder, to work in. It is deleted afterwards.
 
         Returns:
             The plan as planners write it: one ``(action object …)`` a line, with times before and durations after where

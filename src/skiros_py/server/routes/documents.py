@@ -59,7 +59,7 @@ def list_documents(act: ViewerOrMes, kind: KindName) -> Documents:
 def get_document(act: ViewerOrMes, kind: KindName, document: Id) -> DocumentInfo:
     """Read a document.
 
-    Returns a document, with what would not work in the present world. Most kinds run as the module `{kind}:{id}`.
+    Returns a document, with what would not work in the current world. Most kinds run as the module `{kind}:{id}`.
     """
     found = act.station.documents.get(kind, document)
     return act.tagged(found, found.revision)

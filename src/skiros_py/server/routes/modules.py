@@ -187,6 +187,6 @@ def list_plugins(act: Engineer) -> api.Plugins:
 def list_plugin_faults(act: Engineer) -> list[api.PluginFaultInfo]:
     """List broken plug-ins.
 
-    Lists the plug-ins that do not load or do not fit the present scene, with the traceback for their authors.
+    Lists the plug-ins that do not load or do not fit the current scene, with the traceback for their authors.
     """
     return act.station.plugins.faults()

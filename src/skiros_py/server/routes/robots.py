@@ -167,7 +167,7 @@ def jog_device(act: Engineer, device: DeviceId, request: api.ManualRun) -> Modul
 def teach_device(act: Engineer, device: DeviceId, request: api.ManualRun) -> ModuleRunInfo:
     """Teach with a device.
 
-    Learns from the present state of a device: a grasp, a driving pose, whatever its kind names modules for.
+    Learns from the current state of a device: a grasp, a driving pose, whatever its kind names modules for.
     """
     run = act.station.devices.teach(device, request.arguments, module=request.module, author=act.author)
     act.locate("module-runs", run.id)

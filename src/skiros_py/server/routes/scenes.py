@@ -37,7 +37,7 @@ def list_scenes(act: Viewer, limit: Limit = 100, cursor: Cursor = None) -> api.S
 
 @router.post("/scenes", status_code=201, responses=NEEDS_VERSION | tagged(201))
 def save_scene(act: Operator, wanted: api.SaveScene, seen: SeenDep) -> api.SceneEntry:
-    """Save the present scene.
+    """Save the current scene.
 
     Saves the current beliefs as a scene, atomically: all elements and the goals.
 
@@ -65,12 +65,12 @@ def delete_scene(act: Operator, name: SceneName, seen: SeenDep) -> None:
     act.station.scenes.delete(name, seen)
 
 
-# ---------------------------------------------------------------- the present scene
+# ---------------------------------------------------------------- the current scene
 
 
 @router.get("/scene", responses=tagged())
 def get_scene(act: Viewer) -> api.PresentScene:
-    """Get the present scene.
+    """Get the current scene.
 
     Returns which scene was loaded last, what it contains now, and whether it was changed since.
     """
@@ -116,9 +116,9 @@ def load_scene(
 ) -> api.PresentScene:
     """Load a scene.
 
-    Replaces the present scene by another one, named or sent as Turtle. Learned concepts are kept.
+    Replaces the current scene by another one, named or sent as Turtle. Learned concepts are kept.
 
-    The new scene is read and checked first; if there is any fault, the present one is kept. Nothing is fetched from the
+    The new scene is read and checked first; if there is any fault, the current one is kept. Nothing is fetched from the
     network. Then robots, skill managers and bodies are brought up, and the response is sent when that is done; other
     requests wait meanwhile, jobs stay in the queue. The station must be idle. `If-Match` names the version of the world
     that was seen.
@@ -132,7 +132,7 @@ def load_scene(
     responses={200: {"description": "The scene.", "content": {TURTLE: {}}, **tagged()[200]}},
 )
 def get_scene_turtle(act: Viewer) -> Response:
-    """Export the present scene as Turtle.
+    """Export the current scene as Turtle.
 
     Returns the current beliefs as a scene file; equal contents give equal files.
     """
@@ -149,7 +149,7 @@ def get_scene_difference(
 ) -> api.SceneDifference:
     """Compare with another scene.
 
-    Returns the edits that turn another scene into the present one.
+    Returns the edits that turn another scene into the current one.
 
     Parameters:
         with: Name of the other scene.

@@ -111,7 +111,7 @@ class WebhookSender:
 
     Args:
         store: The messages to send.
-        session: Returns the present session, whose jobs are announced.
+        session: Returns the current session, whose jobs are announced.
         tell: Returns the data of a message.
         allowed: Hosts to which messages may be sent.
         on_dead: Called with each message that is given up.

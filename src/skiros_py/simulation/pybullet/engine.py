@@ -155,7 +155,7 @@ class PyBulletEngine:
         return self._link_centre(found.index, -1) @ Pose((-x, -y, -z))
 
     def poses(self) -> Poses:
-        """Returns the present poses of all bodies."""
+        """Returns the current poses of all bodies."""
         return Poses(self._bodies, self.client)
 
     def twist(self, body: str) -> Twist:
@@ -223,7 +223,7 @@ class PyBulletEngine:
         return intrinsics_of(view)
 
     def render(self, view: View, finish: Callable[[Rendering], T], *, latency: float = 0.0) -> Call[T]:
-        """Renders the present moment in the renderer's process, which also calls ``finish``."""
+        """Renders the current moment in the renderer's process, which also calls ``finish``."""
         poses = self.poses()
         bodies = {name: BodyLook(body.solid, body.colour, poses[name]) for name, body in self._bodies.items()}
         robots = {name: RobotLook(one.urdf, one.root, one.positions()) for name, one in self._robots.items()}

@@ -312,7 +312,7 @@ class PyBulletLink:
         )
 
     def remember(self) -> None:
-        """Keeps the present velocity."""
+        """Keeps the current velocity."""
         self._before = self.twist()
 
 

@@ -16,7 +16,7 @@ _RATE = 20.0
 
 
 class LiveState:
-    """The present state of the robots, for many streams.
+    """The current state of the robots, for many streams.
 
     Args:
         looks: The last looks of the cameras.
@@ -42,7 +42,7 @@ class LiveState:
         self._session = None
 
     def state(self, session: Session) -> dict[str, Any]:
-        """Returns the present state of the robots as plain data; does not block; callable from any thread."""
+        """Returns the current state of the robots as plain data; does not block; callable from any thread."""
         return _live_state(session) | {"looks": self._looks.numbers(), "motions": self._motions.numbers()}
 
     def text(self, now: float) -> str:

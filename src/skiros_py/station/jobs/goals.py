@@ -123,7 +123,7 @@ class GoalService(Service):
         """
         session = self._station.session
         state = session.world.snapshot()
-        view = ReadingView(state, session.world.sensors)  # one state of the world, with the present readings of devices
+        view = ReadingView(state, session.world.sensors)  # one state of the world, with the current readings of devices
         goal = parse_goal(texts_of(order, self._station.document_store), view, session.catalogue.conditions)
         each = tuple(_checked(condition, view) for condition in goal)
         holds = all(one.holds for one in each)

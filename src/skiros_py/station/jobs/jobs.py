@@ -196,7 +196,7 @@ class JobService(Service):
 
         Raises:
             UnknownName: There is no such job.
-            WrongState: It does not accept that command in its present state.
+            WrongState: It does not accept that command in its current state.
             StaleVersion: It was changed since the author has seen it.
         """
         jobs = self._jobs

@@ -213,7 +213,7 @@ class PluginService(Service):
         return _surveyed()
 
     def faults(self) -> list[api.PluginFaultInfo]:
-        """Lists the plug-ins that do not load or do not fit the present scene."""
+        """Lists the plug-ins that do not load or do not fit the current scene."""
         return list(map(api.PluginFaultInfo.view_of, self._session.catalogue.faults))
 
 

@@ -140,7 +140,7 @@ class DeviceService(Service):
     def teach(
         self, id_: str, arguments: Mapping[str, Any], *, module: str | None = None, author: Author = LIBRARY
     ) -> ModuleRunInfo:
-        """Learns something from the present state of a device, with a module that its kind names for that.
+        """Learns something from the current state of a device, with a module that its kind names for that.
 
         Arguments and errors are those of :meth:`jog`.
         """

@@ -27,7 +27,7 @@ class RobotService(Service):
         return self._info(self._find(id_))
 
     def reading(self, id_: str) -> RobotReading:
-        """Returns the present state of the devices of a robot; poses are those of localisation."""
+        """Returns the current state of the devices of a robot; poses are those of localisation."""
         robot, session = self._find(id_), self._session
         snapshot, view = session.cycle.board.snapshot, session.world.snapshot()
         placement = view.placement(id_) if view.has(id_) else None

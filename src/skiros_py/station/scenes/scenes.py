@@ -33,7 +33,7 @@ def scene_only(world: Index) -> Index:
 
 
 def changes_to(scene: Index, world: Index) -> tuple[Edit, ...]:
-    """Returns the edits that turn a world's present scene into another one.
+    """Returns the edits that turn a world's current scene into another one.
 
     The modules of skill managers are kept together with their subsystems, so that the managers find them when they
     start again.
@@ -161,7 +161,7 @@ class SceneStore:
         Raises:
             UnknownName: There is none with this name.
             Refused: It is an installed scene.
-            StaleVersion: The present version is not the one seen.
+            StaleVersion: The current version is not the one seen.
         """
         with self._writing:
             file = self.find(name)

@@ -1,4 +1,4 @@
-"""Use cases: the available scenes, and the present one."""
+"""Use cases: the available scenes, and the current one."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ class SceneService(Service):
         )
 
     def save(self, name: str, seen: Seen | None = None) -> tuple[SceneEntry, int]:
-        """Saves the present beliefs as a scene; returns its entry and its version.
+        """Saves the current beliefs as a scene; returns its entry and its version.
 
         Args:
             name: Its name; a saved scene with that name is replaced if the author has seen its version.
@@ -117,10 +117,10 @@ class SceneService(Service):
         with addressed(_UNKNOWN), _broken("SceneBroken", name):
             self._station.scene_store.remove(name, seen)
 
-    # ------------------------------------------------------------------ the present scene
+    # ------------------------------------------------------------------ the current scene
 
     def present(self) -> PresentScene:
-        """Describes the present scene: which scene was loaded last, and whether it was changed since."""
+        """Describes the current scene: which scene was loaded last, and whether it was changed since."""
         now = self._station.session.world.snapshot()
         name = now.source.name
         return PresentScene(
@@ -138,7 +138,7 @@ class SceneService(Service):
     ) -> PresentScene:
         """Loads a scene, by its name or as Turtle, keeping the concepts taught to robots.
 
-        It is read and checked beside the present scene, which is kept if there is any fault.
+        It is read and checked beside the current scene, which is kept if there is any fault.
 
         Raises:
             NotFound: There is none of that name.
@@ -167,12 +167,12 @@ class SceneService(Service):
         return self.present()
 
     def turtle(self) -> tuple[str, int]:
-        """Returns the present scene as Turtle, and the version of the world."""
+        """Returns the current scene as Turtle, and the version of the world."""
         now = self._station.session.world.snapshot()
         return scene_turtle(scene_only(now)), now.version
 
     def difference(self, name: str, begin: int = 0, limit: int = 100) -> SceneDifference:
-        """Returns the edits that turn another scene into the present one.
+        """Returns the edits that turn another scene into the current one.
 
         Args:
             name: The other scene.

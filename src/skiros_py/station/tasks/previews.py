@@ -71,7 +71,7 @@ class _Preview:
 
 
 class PreviewService(Service):
-    """Plans goals from the present beliefs, and applies the repairs offered if there is no plan. Close it."""
+    """Plans goals from the current beliefs, and applies the repairs offered if there is no plan. Close it."""
 
     def __init__(self, station: Station) -> None:
         super().__init__(station)

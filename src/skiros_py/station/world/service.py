@@ -74,7 +74,7 @@ _LIMITS = Limits()
 
 
 class Queries:
-    """Answers queries about the world of the present session.
+    """Answers queries about the world of the current session.
 
     Args:
         limits: Resource limits of one query.

@@ -155,7 +155,7 @@ class WorldService(Service):
         return editing.one_change(self._world, number, start, limit)
 
     def view_tag(self) -> str:
-        """Returns a tag of the present view, which changes with every visible difference."""
+        """Returns a tag of the current view, which changes with every visible difference."""
         # After a restart the shapes may differ at the same version of the world.
         return f"{self._world.version}.{self._station.events.epoch}"
 

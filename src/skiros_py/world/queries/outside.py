@@ -169,7 +169,7 @@ class FollowingReplica:
             self._started()
 
     def ask(self, order: bytes) -> tuple[int, Pending]:
-        """Sends it an order about the present world; returns the version of that, too.
+        """Sends it an order about the current world; returns the version of that, too.
 
         Args:
             order: The order, as bytes that its program decodes.

@@ -1,4 +1,4 @@
-"""Saved scenes are overwritten and removed only by callers who have seen the present version."""
+"""Saved scenes are overwritten and removed only by callers who have seen the current version."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def test_a_scene_that_was_saved_meanwhile_is_neither_overwritten_nor_removed(tmp
         lambda seen: store.save("shared", world.snapshot(), seen),
         lambda seen: store.remove("shared", seen),
     ):
-        with pytest.raises(StaleVersion, match=f"version {first} is not the present one"):
+        with pytest.raises(StaleVersion, match=f"version {first} is not the current one"):
             change(Seen(first))
     assert store.find("shared").version == second != first
 

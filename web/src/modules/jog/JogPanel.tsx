@@ -15,7 +15,7 @@ interface Props {
   show: (view: View, ...rest: string[]) => void;
 }
 
-/** Jogging a robot, and teaching at its present pose. */
+/** Jogging a robot, and teaching at its current pose. */
 export function JogPanel({ chosen, show }: Props) {
   const { t } = useTranslation("modules");
   const { data: robots = [] } = useRobots();

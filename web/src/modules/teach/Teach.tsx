@@ -4,7 +4,7 @@ import { useTranslation } from "react-i18next";
 import { ModuleForm } from "../jog/ModuleForm";
 import type { Device } from "../../api/cell";
 
-/** Teaches with the present state of a robot's devices, with the teach modules of their kinds. */
+/** Teaches with the current state of a robot's devices, with the teach modules of their kinds. */
 export function Teach({ devices, disabled }: { devices: readonly Device[]; disabled: boolean }) {
   const { t } = useTranslation("modules");
   const [chosen, setChosen] = useState<string>();

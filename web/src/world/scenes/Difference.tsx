@@ -3,7 +3,7 @@ import { useTranslation } from "react-i18next";
 import { problemText } from "../../widgets/problems";
 import { useDifference } from "./queries";
 
-/** The differences that make the present scene of another one, as lines. */
+/** The differences that make the current scene of another one, as lines. */
 export function Difference({ name }: { name: string }) {
   const { t } = useTranslation("world");
   const { data, error } = useDifference(name, true);

@@ -10,7 +10,7 @@ import { usePresent } from "./queries";
 import { ReplaceDialog } from "./ReplaceDialog";
 import { useSave } from "./useSave";
 
-/** The present scene: its facts, whether it is saved, and saving it. */
+/** The current scene: its facts, whether it is saved, and saving it. */
 export function Present() {
   const { data } = usePresent();
   if (data === undefined) return null;

@@ -6,7 +6,7 @@ const ALL = 1000;
 const LINES = 200;
 const LOOKED_AT = 2000; // ms: time has no events
 
-/** The present scene, with the ETag that loading another one must send. */
+/** The current scene, with the ETag that loading another one must send. */
 export function usePresent() {
   return useQuery({ queryKey: keys.scenes("present"), queryFn: () => answerWithTag(api.GET("/api/v1/scene")) });
 }
@@ -18,7 +18,7 @@ export function useScenes() {
   });
 }
 
-/** The differences that make the present scene of another one. */
+/** The differences that make the current scene of another one. */
 export function useDifference(name: string, enabled: boolean) {
   return useQuery({
     queryKey: keys.scenes("difference", name),

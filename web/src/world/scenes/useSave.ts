@@ -19,7 +19,7 @@ export interface Saving {
   close: () => void;
 }
 
-/** Saves the present scene; replaces an existing one only after confirmation. */
+/** Saves the current scene; replaces an existing one only after confirmation. */
 export function useSave(): Saving {
   const { t } = useTranslation("world");
   const client = useQueryClient();
