@@ -184,7 +184,7 @@ def checked_value(ontology: Ontology, element_id: str, type_: str, property_: st
         return None
     missed = ontology.missed_end(type_, declared.domains)
     if missed:
-        raise ValueError(f"{property_} is borne by a {' or '.join(missed)}, and {element_id} is a {type_}")
+        raise ValueError(f"{property_} belongs to a {' or '.join(missed)}, and {element_id} is a {type_}")
     try:
         checked = DATATYPES[declared.range].check(value)
         if property_ == SOLID:

@@ -84,7 +84,7 @@ def test_of_an_individual_with_classes_of_other_lines_what_does_not_fit_is_passe
     ("text", "line", "says"),
     [
         ("my:a a my:Tray ;\n sk:mass 'heavy' .", 11, "needs a finite number"),
-        ("my:a a my:Tray ;\n sk:maxGap 1.0 .", 11, "is borne by a sk:Gripper"),
+        ("my:a a my:Tray ;\n sk:maxGap 1.0 .", 11, "belongs to a sk:Gripper"),
         ("my:a a my:Tray ; sk:hasA my:b .\nmy:b a my:Tray ;\n sk:heldBy my:a .", 12, "its object must be a sk:Gripper"),
         ("my:a a my:Tray ; sk:hasA my:b .\nmy:b a my:Tray ; sk:hasA my:a .", 10, "is inside itself"),
         ("my:a a my:Tray ; sk:in my:b , my:c . my:b a my:Tray . my:c a my:Tray .", 10, "one of these, not all"),

@@ -224,7 +224,7 @@ def test_one_refusal_names_everything_wrong_and_what_is_allowed(world: World) ->
         (lambda tx: tx.set("starter_1", "sk:pose", "0 0 0 0 0 0"), "needs a pose"),
         (lambda tx: tx.set("starter_1", "sk:mass", math.inf), "needs a finite number"),
         (lambda tx: tx.set("starter_1", "sk:solid", '[{"kind": "ball"}]'), "needs a JSON text"),
-        (lambda tx: tx.set("rack_1", "sk:maxGap", 0.1), "borne by a sk:Gripper, and rack_1 is a kitting:Rack"),
+        (lambda tx: tx.set("rack_1", "sk:maxGap", 0.1), "belongs to a sk:Gripper, and rack_1 is a kitting:Rack"),
         (lambda tx: tx.set("rack_1", "rdfs:label", None), "needs a text"),
         (lambda tx: tx.relate("kit_1", "sk:poseFrame", "kit_1_a"), "has its own frame as sk:poseFrame"),
         (lambda tx: tx.add("kitting:Kit", id="kit-2", placement=Placement("sk:on", "floor")), "'kit-2' is no id"),

@@ -28,9 +28,9 @@ from skiros_py.world.ontology import Ontology
 from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners
 
 DOES_NOT_LOAD = Rule("does-not-load", Severity.ERROR, "A plug-in that cannot be loaded.")
-EFFECT_MISSING = Rule("effect-missing", Severity.ERROR, "A skill ran, and an effect it declares did not happen.")
-UNDECLARED_CHANGE = Rule("undeclared-change", Severity.ERROR, "A skill ran, and changed what it does not declare.")
-NEVER_TRIED = Rule("never-tried", Severity.WARNING, "A skill for which no world to try it in was found.")
+EFFECT_MISSING = Rule("effect-missing", Severity.ERROR, "A declared effect of a skill did not happen when it ran.")
+UNDECLARED_CHANGE = Rule("undeclared-change", Severity.ERROR, "A skill changed something undeclared when it ran.")
+NEVER_TRIED = Rule("never-tried", Severity.WARNING, "No world was found in which the skill can start.")
 
 _OF_CODE = (one for module in (words, reach, calls, ranges, devices, code) for one in vars(module).values())
 _ALL = (DOES_NOT_LOAD, *_OF_CODE, EFFECT_MISSING, UNDECLARED_CHANGE, NEVER_TRIED)
@@ -87,7 +87,7 @@ def _contained(rule: Rule, subject: Subject, known: Known) -> Iterator[Problem]:
     try:
         yield from rule.problems(subject, known)
     except Exception as error:  # noqa: BLE001 - looking at a plug-in's objects may run their code
-        yield f"it cannot be looked at: {type(error).__name__}: {error}"
+        yield f"it cannot be inspected: {type(error).__name__}: {error}"
 
 
 def _allowances(source: Source) -> Mapping[int, Sequence[str]]:
@@ -131,6 +131,6 @@ def faults_of_document(root: Behaviour, params: Sequence[Param], known: Known) -
     endless = calls.endless_calls((root,), known, known.skills)
     for place in places_of(root, params):
         for module in {call.module for call in place.node.uses().calls} & set(endless):
-            yield place.path, f"whichever way it succeeds, it calls {module}, which in the end calls itself again"
+            yield place.path, f"every way to succeed calls {module}, which leads back to this skill"
         for rule in _OF_DOCUMENTS:
             yield from ((place.path, str(found)) for found in rule.problems(place, known))

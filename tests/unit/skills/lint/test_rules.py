@@ -211,7 +211,7 @@ def test_an_argument_that_never_fits_its_role_is_reported() -> None:
     ("body", "said"),
     [
         (Do.of("wave", arm=P("Base")), "'wave' takes a sk:Arm as arm, and Base is a sk:Base"),
-        (Do.of("wave", arm=P("Speed")), "'wave' takes a sk:Arm as arm, and Speed is no element"),
+        (Do.of("wave", arm=P("Speed")), "'wave' takes a sk:Arm as arm, and Speed is not an element"),
         (Do.of("pick", Ball=P("Location"), Box=P("Location")), "'pick' takes a tiny:Ball as Ball"),
         (ForEach("ball", "tiny:Ball", Do.of("pick", Box=P("ball"))), "'pick' takes a tiny:Box as Box, and ball is"),
     ],
@@ -602,7 +602,7 @@ def test_an_object_that_raises_during_inspection_is_a_finding() -> None:
 
     texts = {finding.text for finding in findings(word(Odd()))}  # type: ignore[arg-type]
 
-    assert "it cannot be looked at: RuntimeError: not today" in texts
+    assert "it cannot be inspected: RuntimeError: not today" in texts
 
 
 # ------------------------------------------------------------------------------------------ held against the world

@@ -118,7 +118,7 @@ def test_a_scene_that_cannot_be_written_is_a_file_error(world: World, tmp_path: 
         ("scene:a a kitting:Starter ; sk:heldBy scene:floor .", 6, "its object must be a sk:Gripper"),
         ("scene:a-b a kitting:Starter ; sk:on scene:floor .", 6, "is no id"),
         ("scene:a a kitting:Kit ; sk:in scene:floor .\nscene:a sk:on scene:floor .", 7, "one of these, not all"),
-        ("scene:a a kitting:Starter ;\n sk:on scene:floor ;\n sk:maxGap 0.1 .", 8, "is borne by a sk:Gripper"),
+        ("scene:a a kitting:Starter ;\n sk:on scene:floor ;\n sk:maxGap 0.1 .", 8, "belongs to a sk:Gripper"),
         ("scene:a a kitting:Starter ;\n sk:on scene:floor ;\n sk:hasSkill scene:a .", 8, "its subject must be"),
         ("scene:a a kitting:Starter ;\n sk:on scene:floor ;\n sk:near scene:floor .", 8, "computed by a reasoner"),
         ("scene:a a kitting:Kit ;\n sk:placement scene:floor .", 6, "does not place a"),

@@ -13,7 +13,7 @@ from skiros_py.skills.references import variables
 from skiros_py.skills.skill import Skill
 
 
-@rule("unknown-module", "A body calls what is not there, or with parameters it has not.", Place, disables=True)
+@rule("unknown-module", "A body calls an unknown module, or passes it an unknown parameter.", Place, disables=True)
 def unknown_module(place: Place, known: Known) -> Iterator[str]:
     """Yields calls of modules that are not there, and arguments that these do not have."""
     for call in place.node.uses().calls:
@@ -57,7 +57,7 @@ def not_yet_written(place: Place, known: Known) -> Iterator[str]:  # noqa: ARG00
             yield f"{asker} reads '{name}', which only a later node writes"
 
 
-@rule("missing-argument", "A call leaves out an argument that cannot be inferred.", Place, disables=True)
+@rule("missing-argument", "A call omits an argument that cannot be inferred.", Place, disables=True)
 def missing_argument(place: Place, known: Known) -> Iterator[str]:
     """Yields required parameters that a call does not give and a run cannot fill in."""
     for call in place.node.uses().calls:
@@ -75,7 +75,7 @@ def _is_filled_in(param: Param, kind: str) -> bool:
 
 
 @rule(
-    "missing-parameter", "Something refers to a parameter that is not there.", Skill, ConditionType, type,
+    "missing-parameter", "A reference to a parameter that does not exist.", Skill, ConditionType, type,
     disables=True,
 )  # fmt: skip
 def missing_parameter(subject: Subject, known: Known) -> Iterator[str]:  # noqa: ARG001 - a check's signature
@@ -85,21 +85,21 @@ def missing_parameter(subject: Subject, known: Known) -> Iterator[str]:  # noqa:
             posts = [condition.key for condition in subject.description.post]
             asserted = (node.uses().pretends or () for root in subject.nodes for node in walk(root))
             for key in (key for keys in asserted for key in keys if key not in posts):
-                yield f"it asserts '{key}', which is no postcondition; there is {', '.join(posts)}"
+                yield f"it asserts '{key}', which is not a postcondition; there is {', '.join(posts)}"
         case ConditionType():
             strays = sorted(set(variables(subject.pattern)) - {role.name for role in subject.roles})
             yield from (f"its pattern asks for {name}, which is no role" for name in strays)
         case _:
             keys = [param.key for param in own_params(subject)]
             for key in (key for key in getattr(subject, "takes", ()) if key not in keys):
-                yield f"it takes {key}, which is no parameter of it{nearest(key, keys)}"
+                yield f"it takes {key}, which is not one of its parameters{nearest(key, keys)}"
 
 
-@rule("recursive-skill", "A skill that calls itself without end.", Skill)
+@rule("recursive-skill", "A skill that calls itself endlessly.", Skill)
 def recursive_skill(skill: Skill, known: Known) -> Iterator[str]:
     """Yields a problem for an implementation none of whose ways to succeed ever ends."""
     if calls := endless_calls(skill.nodes, known, [s for s in known.skills if s.driver == skill.driver]):
-        yield f"whichever way it succeeds, it calls {' and '.join(calls)}, which in the end calls itself again"
+        yield f"every way to succeed calls {' and '.join(calls)}, which leads back to this skill"
 
 
 def endless_calls(nodes: Collection[Behaviour], known: Known, skills: Collection[Skill]) -> list[str]:

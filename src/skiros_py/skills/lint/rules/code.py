@@ -13,7 +13,7 @@ from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill
 
 
-@rule("motion-in-finally", "Motion where a primitive must only let go.", Source)
+@rule("motion-in-finally", "Motion in the cleanup of a primitive, which must take no time.", Source)
 def motion_in_finally(source: Source, known: Known) -> Iterator[Problem]:  # noqa: ARG001 - a check's signature
     """Yields motion in code that runs when a primitive is stopped."""
     for what, body in _endings(source.tree) if source.has_primitives else ():
@@ -57,7 +57,7 @@ def _moves(node: ast.expr) -> str:
             return ""
 
 
-@rule("yield-never", "A primitive that is no generator.", type)
+@rule("yield-never", "A primitive whose execute is not a generator.", type)
 def yield_never(primitive: type[Primitive[object]], known: Known) -> Iterator[str]:  # noqa: ARG001 - a check's signature
     """Yields a problem where execute is no generator."""
     if inspect.isgeneratorfunction(primitive.execute) or _hands_on(primitive):
@@ -65,7 +65,7 @@ def yield_never(primitive: type[Primitive[object]], known: Known) -> Iterator[st
     if inspect.iscoroutinefunction(primitive.execute) or inspect.isasyncgenfunction(primitive.execute):
         yield "execute must be a plain generator, not async: each yield waits for the next control cycle"
     else:
-        yield "execute never yields, so it is no generator: each yield waits for the next control cycle"
+        yield "execute never yields, so it is not a generator: each yield waits for the next control cycle"
 
 
 def _hands_on(primitive: type[Primitive[object]]) -> bool:
@@ -80,14 +80,17 @@ def _hands_on(primitive: type[Primitive[object]]) -> bool:
     return any(isinstance(v, ast.Call) and isinstance(v.func, ast.Attribute) for v in returned)
 
 
-@rule("blocking-call", "A call that stops the control cycle.", Source)
+@rule("blocking-call", "A call that blocks the control cycle.", Source)
 def blocking_call(source: Source, known: Known) -> Iterator[Problem]:  # noqa: ARG001 - a check's signature
     """Yields calls in primitives that wait."""
     for node in ast.walk(source.tree) if source.has_primitives else ():
         if isinstance(node, ast.Call):
             name = source.dotted(node.func)
             if name in _BLOCKING or name.startswith(_BLOCKING_MODULES):
-                yield f"{name}() stops the control cycle of the whole robot; {_INSTEAD.get(name, _WORKER)}", node.lineno
+                yield (
+                    f"{name}() blocks the control cycle of the whole robot; {_INSTEAD.get(name, _WORKER)}",
+                    node.lineno,
+                )
 
 
 _BLOCKING = frozenset({"time.sleep", "input", "os.system", "os.wait", "os.waitpid", "select.select", "signal.pause"})
@@ -111,7 +114,7 @@ _PACKAGES = ("skiros_py.recording",)
 """Of these, plug-ins may import what the package itself lists, not its modules."""
 
 
-@rule("private-import", "An import of the platform's inside, which may change at any time.", Source)
+@rule("private-import", "An import of an internal module, which may change at any time.", Source)
 def private_import(source: Source, known: Known) -> Iterator[Problem]:  # noqa: ARG001 - a check's signature
     """Yields imports of modules that are not for plug-ins."""
     for node in ast.walk(source.tree):

@@ -32,7 +32,7 @@ class _Device:
         return self.name or f"the robot's {self.class_}"
 
 
-@rule("same-device", "Two parallel branches take one device exclusively.", Place)
+@rule("same-device", "Two parallel branches claim one device exclusively.", Place)
 def same_device(place: Place, known: Known) -> Iterator[str]:
     """Yields devices that two children of a node take, which run at the same time."""
     if not place.node.uses().concurrent:
@@ -78,7 +78,7 @@ def _taken(place: Place, known: Known) -> Iterator[_Device]:
                 yield _Device(param.element_class, own.agent if own is not None and is_agent else "", shared)
 
 
-@rule("no-mix-rule", "A device is shared whose kind cannot merge commands.", SkillDescription, type, disables=True)
+@rule("no-mix-rule", "A shared device whose kind cannot merge commands.", SkillDescription, type, disables=True)
 def no_mix_rule(subject: Subject, known: Known) -> Iterator[str]:
     """Yields parameters by which devices are shared that cannot be: no kind of their class has a mix rule."""
     shared = [param for param in own_params(subject) if param.access is Access.SHARED and param.is_element]

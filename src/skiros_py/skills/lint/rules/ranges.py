@@ -106,7 +106,7 @@ def _property(leaf: Pattern, classes: Classes, ontology: Ontology) -> Iterator[s
     if declared is None:
         return
     if class_ is not None and not _fits(ontology, class_, declared.domains):
-        yield f"{leaf.property} is borne by a {_said(declared.domains)}, and {leaf.subject} is a {class_}"
+        yield f"{leaf.property} belongs to a {_said(declared.domains)}, and {leaf.subject} is a {class_}"
     if isinstance(leaf, Compare) and not _comparable(leaf, declared.range, ontology):
         yield f"{leaf.property} has {DATATYPES[declared.range].says}, never {leaf.value!r}"
 

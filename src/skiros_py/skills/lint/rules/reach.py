@@ -28,7 +28,7 @@ from skiros_py.world.ontology import Ontology
 from skiros_py.world.terms import Family
 
 
-@rule("impossible-effect", "A postcondition that no skill can bring about.", SkillDescription)
+@rule("impossible-effect", "A postcondition that no skill can achieve.", SkillDescription)
 def impossible_effect(description: SkillDescription, known: Known) -> Iterator[str]:  # noqa: ARG001 - a check's signature
     """Yields postconditions that have no effects."""
     for condition in description.post:
@@ -39,7 +39,7 @@ def impossible_effect(description: SkillDescription, known: Known) -> Iterator[s
 
 
 @rule(
-    "unreachable-precondition", "A precondition that can never hold, or never again.", SkillDescription,
+    "unreachable-precondition", "A precondition that never holds, or cannot be restored.", SkillDescription,
     severity=Severity.WARNING,
 )  # fmt: skip
 def unreachable_precondition(description: SkillDescription, known: Known) -> Iterator[str]:
@@ -54,7 +54,7 @@ def unreachable_precondition(description: SkillDescription, known: Known) -> Ite
     effects = [e for s in known.skills for condition in s.description.post for e in brought_about(condition)]
     for condition, atom in needed:
         if _lost(atom, effects, known.ontology):
-            yield f"{condition}: skills end it, and none brings it about again"
+            yield f"{condition}: skills end it, and no skill restores it"
 
 
 def _exclude(one: Pattern, other: Pattern, ontology: Ontology) -> bool:
@@ -110,7 +110,7 @@ def _lost(atom: Pattern, effects: list[Effect], ontology: Ontology) -> bool:
             return False
 
 
-@rule("unplaced", "An effect takes a thing from its place, and none says where it is.", SkillDescription, disables=True)
+@rule("unplaced", "An effect removes a thing from its place, and no effect places it.", SkillDescription, disables=True)
 def unplaced(description: SkillDescription, known: Known) -> Iterator[str]:
     """Yields effects that take something from its place without saying where it is then."""
     posts = [condition.pattern for condition in description.post]
@@ -119,12 +119,12 @@ def unplaced(description: SkillDescription, known: Known) -> Iterator[str]:
         match pattern:
             case Not(Related(relation, start, end)) if relation in known.ontology.relations:
                 if known.ontology.is_placement(relation) and not any(ends & {start, end} for ends in placed):
-                    yield f"postcondition not {relation}({start}, {end}): everything is somewhere; say where it is then"
+                    yield f"postcondition not {relation}({start}, {end}): say where it is afterwards"
             case _:
                 pass
 
 
-@rule("moves-by-structure", "A thing is moved by changing what another one is built of.", SkillDescription, Source)
+@rule("moves-by-structure", "A thing is moved by changing the structure of another one.", SkillDescription, Source)
 def moves_by_structure(subject: SkillDescription | Source, known: Known) -> Iterator[Problem]:
     """Yields effects, and calls such as ``tx.relate(box, HAS_A, part)``, that change what a thing is built of."""
     if isinstance(subject, SkillDescription):
@@ -132,14 +132,14 @@ def moves_by_structure(subject: SkillDescription | Source, known: Known) -> Iter
             for effect in brought_about(condition):
                 if isinstance(effect, Relate | Unrelate) and _is_structure(effect.relation, known.ontology):
                     what = f"postcondition {condition} changes {effect.relation}"
-                    yield f"{what}, what a thing is built of; {_INSTEAD}"
+                    yield f"{what}, which defines the structure of a thing; {_INSTEAD}"
         return
     for node in ast.walk(subject.tree):
         match node:
             case ast.Call(func=ast.Attribute(attr="relate" | "unrelate" | "place"), args=[_, relation, *_]):
                 name = _value(relation, subject)
                 if _is_structure(name, known.ontology):
-                    yield f"it writes {name}, what a thing is built of; {_INSTEAD}", node.lineno
+                    yield f"it writes {name}, which defines the structure of a thing; {_INSTEAD}", node.lineno
             case _:
                 pass
 

@@ -109,7 +109,7 @@ def nearest(word: str, known: Iterable[str]) -> str:
 
 
 @rule(
-    "not-computed", "A computed relation that no reasoner works out.",
+    "not-computed", "A computed relation without a reasoner.",
     SkillDescription, Skill, Place, ConditionType, disables=True,
 )  # fmt: skip
 def not_computed(subject: Subject, known: Known) -> Iterator[str]:
@@ -124,7 +124,7 @@ _SHORTEST = 3
 """Shorter help texts are no help."""
 
 
-@rule("missing-help", "Nothing says what it is for.", SkillDescription, ConditionType, type)
+@rule("missing-help", "A missing or too short help text.", SkillDescription, ConditionType, type)
 def missing_help(subject: Subject, known: Known) -> Iterator[str]:  # noqa: ARG001 - a check's signature
     """Yields what has no help text, or one that is too short."""
     text = subject.help if isinstance(subject, SkillDescription | ConditionType) else _docstring(subject)
@@ -144,11 +144,11 @@ def _docstring(class_: Any) -> str:
     return "" if text.startswith(f"{class_.__name__}(") else text
 
 
-@rule("missing-unit", "A number whose unit nothing says.", SkillDescription, type)
+@rule("missing-unit", "A number without a unit.", SkillDescription, type)
 def missing_unit(subject: Subject, known: Known) -> Iterator[str]:  # noqa: ARG001 - a check's signature
     """Yields numbers without a unit."""
     outputs = [output.param for output in getattr(subject, "outputs", ())]
     for kind, params in (("parameter", own_params(subject)), ("output", outputs)):
         for param in params:
             if param.type in ("number", "vector") and not param.unit:
-                yield f"say the unit of {kind} {param.key}; a mere ratio has the unit '1', a count is an integer"
+                yield f"say the unit of {kind} {param.key}; a ratio has the unit '1', a count is an integer"
