@@ -87,10 +87,7 @@ def blocking_call(source: Source, known: Known) -> Iterator[Problem]:  # noqa: A
         if isinstance(node, ast.Call):
             name = source.dotted(node.func)
             if name in _BLOCKING or name.startswith(_BLOCKING_MODULES):
-                yield (
-                    f"{name}() blocks the control cycle of the whole robot; {_INSTEAD.get(name, _WORKER)}",
-                    node.lineno,
-                )
+                yield f"{name}() blocks the control cycle of all robots; {_INSTEAD.get(name, _WORKER)}", node.lineno
 
 
 _BLOCKING = frozenset({"time.sleep", "input", "os.system", "os.wait", "os.waitpid", "select.select", "signal.pause"})
