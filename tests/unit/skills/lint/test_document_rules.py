@@ -94,7 +94,7 @@ def test_a_constant_of_the_wrong_type_is_a_fault_at_its_node(arguments: Any, sai
         ("name", "to", "'move' takes number as to, and seen is a text"),
         ("ball", "to", "'move' takes number as to, and seen is a tiny:Ball"),
         ("ball", "box", "'move' takes a tiny:Box as box, and seen is a tiny:Ball: nothing is both"),
-        ("mass", "box", "'move' takes a tiny:Box as box, and seen is no element"),
+        ("mass", "box", "'move' takes a tiny:Box as box, and seen is not an element"),
         ("mass", "title", "'move' takes text as title, and seen is a number"),
     ],
 )

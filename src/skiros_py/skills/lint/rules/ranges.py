@@ -146,7 +146,7 @@ def _misfit(wanted: Param, given: Param, name: str, ontology: Ontology) -> str:
     takes = f"{wanted.type_name} as {wanted.key}"
     if wanted.is_element:
         if not given.is_element:
-            return f"a {takes}, and {name} is no element"
+            return f"a {takes}, and {name} is not an element"
         both = ontology.overlap(given.element_class, wanted.element_class)
         return "" if both else f"a {takes}, and {name} is a {given.type}: nothing is both"
     if not _may_be(given, wanted):
