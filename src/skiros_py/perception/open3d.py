@@ -1,6 +1,6 @@
 """Open3D's compiled library, without the viewers and the machine learning that ``import open3d`` loads too.
 
-Those import dash, plotly, IPython and scikit-learn: seconds of a processor and 160 MB in each process.
+Those import dash, plotly, IPython and scikit-learn: more than a second, and more than 100 MB in each process.
 """
 
 import sys
