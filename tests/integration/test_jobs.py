@@ -11,8 +11,8 @@ import pytest
 
 from skiros_py.errors import UnknownName, UsageError
 from skiros_py.station.session import Options, Session
-from skiros_py.tasks.handle import Policy
 from skiros_py.tasks.jobs.job import JobOrder, JobState, Outcome
+from skiros_py.tasks.policy import Policy
 
 STARTER = "InKit(Starter, kit_1)"
 ALTERNATOR = "InKit(Alternator, kit_1)"

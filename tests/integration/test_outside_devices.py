@@ -28,7 +28,7 @@ from skiros_py.ports.adapters import GivenPorts
 from skiros_py.ports.board import DeviceBoard, DeviceHandle
 from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.device import MobileSpec
-from skiros_py.ports.kinds import load_device_kinds
+from skiros_py.ports.device_kinds import load_device_kinds
 from skiros_py.ports.perception import LookRequest, LookResult, PartDetector, Region
 from skiros_py.ports.values import CameraIntrinsics, DepthImage, Done, Snapshot
 from skiros_py.recording import Recording, RecordingWriter

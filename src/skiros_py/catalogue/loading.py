@@ -29,7 +29,7 @@ from skiros_py.plugins.loading import LazyPlugins, fault_of, load, unambiguous
 from skiros_py.plugins.plugin import Entry, Plugin, PluginFault
 from skiros_py.ports.adapters import Adapter, adapter_problem
 from skiros_py.ports.device import DeviceSpec
-from skiros_py.ports.kinds import device_problem, load_device_kinds
+from skiros_py.ports.device_kinds import device_problem, load_device_kinds
 from skiros_py.ports.kinematics import RobotModel
 from skiros_py.skills.behaviour import Behaviour
 from skiros_py.skills.conditions import ConditionType

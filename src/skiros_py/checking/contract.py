@@ -10,7 +10,7 @@ from typing import Any
 
 from skiros_py.catalogue import Catalogue
 from skiros_py.checking.cases import Case, Ground, NoCase, Rig, fake_rig, find_case
-from skiros_py.execution.containment import words
+from skiros_py.execution.module_faults import words
 from skiros_py.interruptions import CycleOverrun
 from skiros_py.skills.conditions import Assign, Condition, Effect, Not, Nothing, Relate, Unrelate
 from skiros_py.skills.conditions.effects import brought_about

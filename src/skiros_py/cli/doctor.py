@@ -138,7 +138,7 @@ def data_folder(folder: Path) -> Iterator[Finding]:
 
 @_check("java")
 def _java() -> Iterator[Finding]:
-    from skiros_py.world.ontology.check.reasoner import java
+    from skiros_py.world.ontology.check.owl_reasoner import java
 
     path = java()
     todo = "optional: skiros ontology check asks HermiT where there is a Java; apt-get install default-jre-headless"

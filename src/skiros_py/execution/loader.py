@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from skiros_py.errors import ModuleError, UnknownName
-from skiros_py.execution.containment import contained, words
+from skiros_py.execution.module_faults import contained, words
 from skiros_py.interruptions import Activity, Chore, CycleOverrun
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import BROKEN, Failure

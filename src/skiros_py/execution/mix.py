@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from typing import Any
 
-from skiros_py.execution.containment import off_words
+from skiros_py.execution.module_faults import off_words
 from skiros_py.ports.board import DeviceBoard
 from skiros_py.ports.device import Contribution, DeviceSpec
 

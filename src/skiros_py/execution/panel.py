@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from skiros_py.execution.claims import complete
-from skiros_py.execution.containment import contained
+from skiros_py.execution.module_faults import contained
 from skiros_py.skills.conditions import Condition, Verdict
 from skiros_py.skills.inference import Inferred, Missing, infer
 from skiros_py.skills.outcome import Failure

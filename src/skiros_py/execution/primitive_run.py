@@ -9,8 +9,8 @@ from typing import Any
 
 from skiros_py.errors import UsageError
 from skiros_py.execution.claims import Claim, complete, devices_of, standstill
-from skiros_py.execution.containment import broken, contained
 from skiros_py.execution.loader import Loaded, Loader
+from skiros_py.execution.module_faults import broken, contained
 from skiros_py.execution.monitor import Status
 from skiros_py.execution.scope import ModuleRun, Scope, Unfinished, failed, run_recovery
 from skiros_py.interruptions import CycleOverrun

@@ -9,7 +9,7 @@ from typing import Any, Protocol
 
 from skiros_py.behaviours.children import run_until
 from skiros_py.errors import UsageError
-from skiros_py.execution.containment import contained
+from skiros_py.execution.module_faults import contained
 from skiros_py.execution.monitor import Status
 from skiros_py.execution.scope import ModuleRun, Scope
 from skiros_py.execution.task import Task

@@ -14,7 +14,7 @@ from typing import Any, Protocol
 
 from skiros_py.errors import UsageError
 from skiros_py.execution.claims import Claim, standstill
-from skiros_py.execution.containment import contained
+from skiros_py.execution.module_faults import contained
 from skiros_py.execution.monitor import ModuleEvent, Monitor, Status, end_of
 from skiros_py.execution.task import Task
 from skiros_py.interruptions import CycleOverrun

@@ -11,10 +11,10 @@ from graphlib import CycleError, TopologicalSorter
 from typing import Any
 
 from skiros_py.errors import DescriptionError, DeviceError, UnknownName, UsageError
-from skiros_py.execution.containment import off_words
+from skiros_py.execution.module_faults import off_words
 from skiros_py.ports.board import DeviceBoard
 from skiros_py.ports.device import DeviceSignal
-from skiros_py.ports.kinds import load_device_kinds
+from skiros_py.ports.device_kinds import load_device_kinds
 from skiros_py.ports.signals import Input, Request, Sample, Signal, SignalProvider, Value
 from skiros_py.ports.values import Snapshot
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from skiros_py.behaviours.children import lost, run_until
 from skiros_py.execution.claims import Claim, complete, devices_of
-from skiros_py.execution.containment import contained
+from skiros_py.execution.module_faults import contained
 from skiros_py.execution.monitor import Status
 from skiros_py.execution.panel import ConditionRow
 from skiros_py.execution.primitive_run import Take

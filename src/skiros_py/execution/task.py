@@ -6,7 +6,7 @@ from collections.abc import Callable, Generator
 from typing import Any, Generic, Protocol, TypeVar
 
 from skiros_py.errors import DeviceError, ModuleError
-from skiros_py.execution.containment import words
+from skiros_py.execution.module_faults import words
 from skiros_py.interruptions import CycleOverrun
 from skiros_py.ports.board import DeviceBoard
 

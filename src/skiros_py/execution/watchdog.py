@@ -22,7 +22,7 @@ from typing import ParamSpec, Self
 from skiros_py.execution.cycle import ControlCycle
 from skiros_py.interruptions import Overrun, Watched
 from skiros_py.listeners import Listeners
-from skiros_py.ports.guard import described
+from skiros_py.ports.device_faults import described
 from skiros_py.skills.primitive import Primitive
 
 P = ParamSpec("P")

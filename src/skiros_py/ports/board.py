@@ -11,8 +11,8 @@ from typing import Any, ClassVar, Generic, Protocol, TypeVar, cast
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
 from skiros_py.ports.device import Contribution, DeviceSpec, Follower, MobileSpec
+from skiros_py.ports.device_faults import KindGuard, has_nan
 from skiros_py.ports.driver import CellDriver, RunsKinds, contain_kinds, exchange_with
-from skiros_py.ports.guard import KindGuard, has_nan
 from skiros_py.ports.paths import Path
 from skiros_py.ports.values import DepthImage, Pending, Snapshot
 

@@ -14,7 +14,7 @@ from skiros_py.ports.device import DeviceSpec, LocalisingSpec, MobileSpec
 from skiros_py.ports.values import Snapshot
 
 if TYPE_CHECKING:
-    from skiros_py.ports.guard import KindGuard
+    from skiros_py.ports.device_faults import KindGuard
 
 SpecT = TypeVar("SpecT", bound=DeviceSpec[Any, Any])
 

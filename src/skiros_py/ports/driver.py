@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Protocol, runtime_checkable
 
 from skiros_py.errors import DeviceError, SkirosError, UsageError
 from skiros_py.ports.device import DeviceSpec
-from skiros_py.ports.guard import DeviceModels, KindGuard
+from skiros_py.ports.device_faults import DeviceModels, KindGuard
 from skiros_py.ports.values import Commands, DepthImage, Pending, Snapshot
 
 _PERIOD = 1.0 / 200.0

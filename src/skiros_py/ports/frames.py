@@ -11,7 +11,7 @@ from skiros_py.geometry import Pose
 from skiros_py.ports.adapters import Ports
 from skiros_py.ports.cell import CellSpec, RobotSpec
 from skiros_py.ports.device import DeviceSpec, MobileSpec
-from skiros_py.ports.guard import KindGuard
+from skiros_py.ports.device_faults import KindGuard
 from skiros_py.ports.kinematics import Kinematics
 from skiros_py.ports.values import Snapshot
 

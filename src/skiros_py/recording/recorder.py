@@ -21,8 +21,8 @@ from skiros_py.interruptions import limited
 from skiros_py.ports.adapters import Ports
 from skiros_py.ports.cell import CellSpec, RobotSpec
 from skiros_py.ports.device import DeviceSpec, MobileSpec
+from skiros_py.ports.device_faults import KindGuard
 from skiros_py.ports.frames import FrameTree
-from skiros_py.ports.guard import KindGuard
 from skiros_py.ports.signals import Value
 from skiros_py.ports.values import Snapshot
 from skiros_py.recording import foxglove

@@ -1,4 +1,8 @@
-"""Topics of a recording: a name, a schema and an encoder each. Plug-ins bring further ones."""
+"""Topics of a recording: a name, a schema and an encoder each.
+
+The built-in topics are defined where their messages are made: ``recorder.py`` (runs, log, tasks, trace, world and
+devices), ``pictures.py`` and ``station/recordings/sources.py`` (pictures and points). Plug-ins bring further ones.
+"""
 
 from __future__ import annotations
 

@@ -29,6 +29,8 @@ from skiros_py.server.routes import (
     queries,
     robots,
     scenes,
+    simulation,
+    stop,
     tasks,
     webhooks,
     world,
@@ -39,8 +41,8 @@ PREFIX = "/api/v1"
 _ROUTERS = (
     jobs.router, goals.router, goals.previews_router, world.router, elements.router,
     ontology.router, queries.router, world.learned_router, world.locks_router, scenes.router,
-    scenes.simulation_router, modules.router, documents.router, tasks.router,
-    modules.plugins_router, robots.router, alarms.router, events.router, alarms.stop_router, webhooks.router,
+    simulation.router, modules.router, documents.router, tasks.router,
+    modules.plugins_router, robots.router, alarms.router, events.router, stop.router, webhooks.router,
     access.router, access.keys_router, access.session_router,
 )  # fmt: skip
 """The routes, in the order in which the documentation shows them."""

@@ -17,8 +17,8 @@ from skiros_py.errors import DescriptionError, DeviceError, SkirosError, Unknown
 from skiros_py.geometry import Pose
 from skiros_py.plugins.loading import find_plugin
 from skiros_py.ports.cell import BodySpec, CellSpec, RobotSpec
+from skiros_py.ports.device_faults import DeviceModels
 from skiros_py.ports.driver import ModelCell
-from skiros_py.ports.guard import DeviceModels
 from skiros_py.ports.kinematics import write_robot_urdf
 from skiros_py.ports.simulation import Engine, EngineFactory, Rendering, Vector, View
 from skiros_py.ports.values import CameraIntrinsics, Commands, DepthImage, Pending, Snapshot

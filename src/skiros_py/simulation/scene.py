@@ -12,7 +12,7 @@ from skiros_py.errors import DescriptionError, UnknownName, UsageError
 from skiros_py.geometry import Pose
 from skiros_py.ports.cell import BodySpec, CellSpec, RobotSpec
 from skiros_py.ports.device import DeviceModel
-from skiros_py.ports.guard import model_of
+from skiros_py.ports.device_faults import model_of
 from skiros_py.ports.simulation import Colour, Engine, SimulatedRobot, Surface
 from skiros_py.simulation.spawn import free_pose, start_poses
 

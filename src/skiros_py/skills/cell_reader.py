@@ -14,8 +14,8 @@ from skiros_py.geometry import Pose
 from skiros_py.interruptions import limited
 from skiros_py.ports.cell import BodySpec, CellSpec, RobotSpec
 from skiros_py.ports.device import DeviceSpec, MobileSpec, read_footprint
-from skiros_py.ports.guard import require_description
-from skiros_py.ports.kinds import DeviceKinds, load_device_kinds
+from skiros_py.ports.device_faults import require_description
+from skiros_py.ports.device_kinds import DeviceKinds, load_device_kinds
 from skiros_py.skills.surroundings import is_held, owner, solid_of
 from skiros_py.world import vocabulary as v
 from skiros_py.world.poses import frames, pose_on

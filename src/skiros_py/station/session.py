@@ -31,7 +31,8 @@ from skiros_py.skills.restart import respawn
 from skiros_py.station.adapters import start_cell, start_planning, start_ports
 from skiros_py.station.worlds import load_world, open_directory, warn
 from skiros_py.tasks.goals import parse_goal
-from skiros_py.tasks.handle import Policy, TaskHandle
+from skiros_py.tasks.handle import TaskHandle
+from skiros_py.tasks.policy import Policy
 from skiros_py.tasks.report import ConditionReport, GoalReport
 from skiros_py.tasks.task_manager import TaskManager, learn_durations
 from skiros_py.world.view import WorldView

@@ -8,7 +8,7 @@ from contextlib import suppress
 from typing import TypeVar
 
 from skiros_py.errors import SkirosError
-from skiros_py.execution.containment import words
+from skiros_py.execution.module_faults import words
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.context import StopWanted, TaskContext

@@ -4,39 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future
-from dataclasses import dataclass
 from typing import Literal
 
-from skiros_py.errors import UsageError
 from skiros_py.planning.plan import Plan
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.context import Question
 from skiros_py.skills.outcome import Outcome
 from skiros_py.tasks.context import Control, Mode
+from skiros_py.tasks.policy import Policy
 from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.trace import StepRun, Trace
-
-
-@dataclass(frozen=True, slots=True)
-class Policy:
-    """How to go on when things go wrong.
-
-    Attributes:
-        rest: True to pursue the rest of the goal when a condition is given up; False to stop.
-        ask: True to ask the user before a condition is given up.
-        attempts: How often a skill may fail on one target before that target is left out of further plans.
-        partial: True to start even if part of the goal is unreachable from the outset; False to do nothing then.
-    """
-
-    rest: bool = True
-    ask: bool = False
-    attempts: int = 3
-    partial: bool = False
-
-    def __post_init__(self) -> None:
-        if isinstance(self.attempts, bool) or not isinstance(self.attempts, int) or self.attempts < 1:
-            raise UsageError(f"attempts: a whole number from 1, not {self.attempts!r}")
-
 
 TaskStatus = Literal["planning", "running", "paused", "waiting", "ended"]
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from skiros_py.errors import SkirosError, UnknownName
-from skiros_py.execution.containment import contained
+from skiros_py.execution.module_faults import contained
 from skiros_py.planning.domain.actions import needs_of, with_defaults
 from skiros_py.planning.plan import Step
 from skiros_py.planning.planners.planner import Planners

@@ -19,7 +19,8 @@ from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.context import TaskContext
 from skiros_py.tasks.executor import TaskExecutor
 from skiros_py.tasks.goal_executor import GoalExecutor
-from skiros_py.tasks.handle import Policy, TaskHandle
+from skiros_py.tasks.handle import TaskHandle
+from skiros_py.tasks.policy import Policy
 from skiros_py.tasks.record import TaskRecord
 from skiros_py.tasks.report import GoalReport, StepReport
 from skiros_py.tasks.sequence_executor import SequenceExecutor

@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from skiros_py.errors import DeviceError, UnknownName
+from skiros_py.ports.device_faults import KindGuard
 from skiros_py.ports.driver import CellDriver, contain_kinds
-from skiros_py.ports.guard import KindGuard
 from skiros_py.ports.values import Commands, DepthImage, Pending, Snapshot
 
 

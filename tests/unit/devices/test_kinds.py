@@ -14,7 +14,7 @@ from skiros_py.devices.localiser import LocaliserSpec
 from skiros_py.devices.mobile_base import BaseSpec, BaseTwist
 from skiros_py.errors import DeviceError
 from skiros_py.ports.device import Contribution, DeviceSpec, FakeRobot
-from skiros_py.ports.kinds import load_device_kinds
+from skiros_py.ports.device_kinds import load_device_kinds
 from skiros_py.testing.conformance import DeviceKindContract, small_cell
 
 SPECS = small_cell().devices

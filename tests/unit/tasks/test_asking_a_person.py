@@ -6,7 +6,8 @@ import pytest
 
 from skiros_py.behaviours import Wait
 from skiros_py.execution.monitor import ModuleEvent, Status
-from skiros_py.tasks.handle import Policy, TaskHandle
+from skiros_py.tasks.handle import TaskHandle
+from skiros_py.tasks.policy import Policy
 from skiros_py.tasks.report import GoalReport, Outcome
 from skiros_py.tasks.trace import TraceEventKind
 from skiros_py.testing import Bench, answers, tiny_world

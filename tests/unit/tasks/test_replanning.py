@@ -13,7 +13,8 @@ from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import param
 from skiros_py.skills.primitive import Execution, Primitive
-from skiros_py.tasks.handle import Policy, TaskHandle
+from skiros_py.tasks.handle import TaskHandle
+from skiros_py.tasks.policy import Policy
 from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.report import Outcome as TaskOutcome
 from skiros_py.tasks.trace import TraceEventKind

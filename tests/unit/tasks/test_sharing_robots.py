@@ -17,7 +17,8 @@ from skiros_py.ports.values import Pending
 from skiros_py.skills.outcome import Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive
-from skiros_py.tasks.handle import Policy, TaskHandle
+from skiros_py.tasks.handle import TaskHandle
+from skiros_py.tasks.policy import Policy
 from skiros_py.tasks.report import Outcome as TaskOutcome
 from skiros_py.tasks.trace import StepRun, TraceEntry, TraceEventKind
 from skiros_py.testing import Bench, tiny_world

@@ -13,7 +13,8 @@ from skiros_py.errors import FileError, UsageError
 from skiros_py.planning.planners.planner import Solved
 from skiros_py.skills.outcome import Failure, Outcome
 from skiros_py.tasks.context import Mode
-from skiros_py.tasks.handle import Policy, TaskHandle
+from skiros_py.tasks.handle import TaskHandle
+from skiros_py.tasks.policy import Policy
 from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.report import Outcome as TaskOutcome
 from skiros_py.tasks.trace import StepRun, TraceEventKind

@@ -8,8 +8,8 @@ from typing import Any
 from skiros_py.errors import DeviceError
 from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.device import FakeRobot
+from skiros_py.ports.device_faults import DeviceModels, model_of
 from skiros_py.ports.driver import ModelCell
-from skiros_py.ports.guard import DeviceModels, model_of
 from skiros_py.ports.values import DepthImage, Pending, Snapshot
 
 

@@ -17,7 +17,8 @@ from skiros_py.station.jobs.views import planned_steps
 from skiros_py.station.requests import LIBRARY, Author, Service, find
 from skiros_py.station.session import Session
 from skiros_py.station.tasks.sequences import require_works, steps_of
-from skiros_py.tasks.handle import Policy, TaskHandle
+from skiros_py.tasks.handle import TaskHandle
+from skiros_py.tasks.policy import Policy
 from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.sequences import check_steps, read_step
 from skiros_py.tasks.trace import TraceEntry, TraceEventKind

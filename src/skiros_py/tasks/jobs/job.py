@@ -9,7 +9,7 @@ from typing import Annotated, Any
 from pydantic import AwareDatetime, BaseModel, ConfigDict, Field, field_validator
 
 from skiros_py.errors import WrongState
-from skiros_py.tasks.handle import Policy
+from skiros_py.tasks.policy import Policy
 
 
 class JobState(enum.Enum):

@@ -17,8 +17,7 @@ from skiros_py.errors import UsageError
 from skiros_py.geometry import Array, Pose
 from skiros_py.world.element import Value
 from skiros_py.world.poses import attach, pose_in, write_pose
-from skiros_py.world.reasoners.boxes import MAP, Bools, Boxes, read_boxes
-from skiros_py.world.reasoners.distances import (
+from skiros_py.world.reasoners.box_geometry import (
     candidate_pairs,
     depth,
     distance,
@@ -27,6 +26,7 @@ from skiros_py.world.reasoners.distances import (
     offset_along,
     reach_along,
 )
+from skiros_py.world.reasoners.boxes import MAP, Bools, Boxes, read_boxes
 from skiros_py.world.reasoners.registry import Answer, Reasoner
 from skiros_py.world.vocabulary import (
     ABOVE,

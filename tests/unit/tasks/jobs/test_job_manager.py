@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 
 from skiros_py.errors import UsageError
-from skiros_py.tasks.handle import Policy
 from skiros_py.tasks.jobs.job import Job, JobOrder, JobState, Outcome
 from skiros_py.tasks.jobs.manager import JobManager
 from skiros_py.tasks.jobs.store import JobStore
+from skiros_py.tasks.policy import Policy
 from skiros_py.testing import Bench, tiny_world
 
 GOAL = "In(ball_1, slot_1)"

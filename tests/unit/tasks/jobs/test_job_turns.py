@@ -11,10 +11,10 @@ import pytest
 from skiros_py.behaviours import AssertEffects, Sequence, Wait
 from skiros_py.errors import WrongState
 from skiros_py.skills.skill import Skill
-from skiros_py.tasks.handle import Policy
 from skiros_py.tasks.jobs.job import JobOrder, JobState, Outcome
 from skiros_py.tasks.jobs.manager import JobManager
 from skiros_py.tasks.jobs.store import JobStore
+from skiros_py.tasks.policy import Policy
 from skiros_py.testing import Bench, tiny_world
 from skiros_py.testing.tiny import DRIVE, PICK, PLACE, pretend
 

@@ -18,10 +18,10 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
 from skiros_py.errors import KeyReused, Removed, StaleVersion, UnknownName, WrongState
-from skiros_py.tasks.handle import Policy
 from skiros_py.tasks.jobs.job import Job, JobOrder, JobState, Trigger, allowed, next_state
 from skiros_py.tasks.jobs.manager import JobManager
 from skiros_py.tasks.jobs.store import JobStore, Receipt
+from skiros_py.tasks.policy import Policy
 from skiros_py.testing import Bench, tiny_world
 
 S = JobState

@@ -10,8 +10,7 @@ from scipy.optimize import linprog, lsq_linear
 from scipy.spatial.transform import Rotation
 
 from skiros_py.geometry import Array
-from skiros_py.world.reasoners.boxes import MAP, Boxes
-from skiros_py.world.reasoners.distances import (
+from skiros_py.world.reasoners.box_geometry import (
     depth,
     distance,
     gap_seen_from_above,
@@ -19,6 +18,7 @@ from skiros_py.world.reasoners.distances import (
     offset_along,
     reach_along,
 )
+from skiros_py.world.reasoners.boxes import MAP, Boxes
 
 lengths = st.one_of(st.just(0.0), st.floats(0.01, 1.0))
 places = st.floats(-2.0, 2.0)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import combinations
 
-from skiros_py.ports.kinds import load_device_kinds
+from skiros_py.ports.device_kinds import load_device_kinds
 from skiros_py.skills.behaviour import P
 from skiros_py.skills.lint.rule import Known, Place, Subject, rule
 from skiros_py.skills.lint.rules.words import own_params

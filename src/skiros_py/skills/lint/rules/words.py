@@ -9,7 +9,7 @@ from functools import partial
 from typing import Any
 
 from skiros_py.errors import SkirosError, UnknownName
-from skiros_py.ports.kinds import load_device_kinds
+from skiros_py.ports.device_kinds import load_device_kinds
 from skiros_py.skills.conditions import (
     ClassRelated,
     Compare,

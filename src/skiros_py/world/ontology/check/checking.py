@@ -20,7 +20,7 @@ from skiros_py.world.ontology.check.material import (
     in_order,
     read_material,
 )
-from skiros_py.world.ontology.check.reasoner import HermiT, NoAnswer, NotStarted, OwlRlProcess, Reasoner, java
+from skiros_py.world.ontology.check.owl_reasoner import HermiT, NoAnswer, NotStarted, OwlReasoner, OwlRlProcess, java
 from skiros_py.world.ontology.check.reasoning import logical_findings
 from skiros_py.world.ontology.check.structure import structural_findings
 from skiros_py.world.ontology.documents import rdf_files
@@ -136,7 +136,9 @@ def _first_answer(
     return None, "; ".join(finding.text for finding in silences), silences
 
 
-def _choices(asked: ReasonerChoice, program: str | None, time_limit: float, owl_rl: Reasoner) -> Iterator[Reasoner]:
+def _choices(
+    asked: ReasonerChoice, program: str | None, time_limit: float, owl_rl: OwlReasoner
+) -> Iterator[OwlReasoner]:
     """The reasoners to try, in order; the time of each starts with its turn."""
     if program is not None:
         yield HermiT(program, time.monotonic() + time_limit)

@@ -19,7 +19,7 @@ import pyoxigraph as ox
 from reasonable import PyReasoner
 
 from skiros_py.world.names import STANDARD_PREFIXES
-from skiros_py.world.ontology.check.reasoner import NoAnswer, Verdict, one_of, some
+from skiros_py.world.ontology.check.owl_reasoner import NoAnswer, Verdict, one_of, some
 from skiros_py.world.store.store import Term, from_rdflib, to_rdflib
 
 _MEMBER = "rdf:rest*/rdf:first"

@@ -10,7 +10,7 @@ import pyoxigraph as ox
 
 from skiros_py.world.ontology.check.axioms import Axiom, axioms_of, in_words, place_of, triples_of
 from skiros_py.world.ontology.check.material import Finding, FindingKind, Material, Severity, finding_of
-from skiros_py.world.ontology.check.reasoner import NoAnswer, Reasoner, Verdict, one_of
+from skiros_py.world.ontology.check.owl_reasoner import NoAnswer, OwlReasoner, Verdict, one_of
 from skiros_py.world.terms import Kind, closure
 
 _QUESTIONS = 60
@@ -91,7 +91,7 @@ _STATEMENTS = 30
 """Maximum number of statements shown of an explanation that is not a smallest one."""
 
 
-def logical_findings(material: Material, reasoner: Reasoner, helpers: Sequence[Reasoner] = ()) -> list[Finding]:
+def logical_findings(material: Material, reasoner: OwlReasoner, helpers: Sequence[OwlReasoner] = ()) -> list[Finding]:
     """Returns contradictions in the files, and unsatisfiable classes.
 
     Args:
@@ -106,7 +106,7 @@ def logical_findings(material: Material, reasoner: Reasoner, helpers: Sequence[R
 
 
 class _Reasoning:
-    def __init__(self, material: Material, reasoner: Reasoner, helpers: Sequence[Reasoner]) -> None:
+    def __init__(self, material: Material, reasoner: OwlReasoner, helpers: Sequence[OwlReasoner]) -> None:
         self._material = material
         self._axioms = axioms_of(material)
         self._reasoner = reasoner
@@ -154,7 +154,7 @@ class _Reasoning:
                 return _contracted(areas[first], sees)
         return Explanation((), smallest=False)
 
-    def _sight(self, reasoner: Reasoner, assumed: Sequence[ox.Triple]) -> _Sees:
+    def _sight(self, reasoner: OwlReasoner, assumed: Sequence[ox.Triple]) -> _Sees:
         """Returns a test whether axioms contradict each other, with a limited number of calls."""
         given = [*self._axioms.declarations, *assumed]
         left = _QUESTIONS

@@ -13,7 +13,7 @@ import pytest
 
 from skiros_py.errors import MissingExtra
 from skiros_py.world.ontology.check import CheckReport, FindingKind
-from skiros_py.world.ontology.check.reasoner import HermiT, NoAnswer, NotStarted, OwlRlProcess
+from skiros_py.world.ontology.check.owl_reasoner import HermiT, NoAnswer, NotStarted, OwlRlProcess
 
 Check = Callable[..., CheckReport]
 

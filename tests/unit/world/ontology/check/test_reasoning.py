@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from skiros_py.errors import UsageError
 from skiros_py.world.ontology.check import CheckReport, Finding, FindingKind, check_ontology, checking
-from skiros_py.world.ontology.check.reasoner import OwlRlProcess
+from skiros_py.world.ontology.check.owl_reasoner import OwlRlProcess
 
 Check = Callable[..., CheckReport]
 

@@ -53,7 +53,7 @@ class Verdict:
     near: tuple[str, ...] = ()
 
 
-class Reasoner(Protocol):
+class OwlReasoner(Protocol):
     """A reasoner.
 
     Attributes:
@@ -149,7 +149,7 @@ class OwlRlProcess:
 
     def _started(self) -> Connection:
         self._deadline = time.monotonic() + self._time_limit
-        main = "skiros_py.world.ontology.check.reasoner:main"
+        main = "skiros_py.world.ontology.check.owl_reasoner:main"
         self._process, line = start_python(main, self._deadline, self._memory)
         self._line = Connection(line.detach())
         return self._line

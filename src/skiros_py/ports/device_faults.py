@@ -16,7 +16,7 @@ import numpy as np
 from skiros_py.errors import DeviceError, SkirosError
 from skiros_py.interruptions import Activity, CycleOverrun, limited
 from skiros_py.ports.device import DeviceModel, DeviceSpec, MobileSpec
-from skiros_py.ports.kinds import load_device_kinds
+from skiros_py.ports.device_kinds import load_device_kinds
 from skiros_py.ports.values import Commands
 
 T = TypeVar("T")
