@@ -105,7 +105,7 @@ def test_a_request_that_waits_too_long_is_refused_with_a_retry_time(
     assert control.call(lambda _: done) == []
 
 
-def test_work_that_does_not_end_is_not_said_to_be_undone(start: Start, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_work_that_times_out_is_not_reported_as_not_done(start: Start, monkeypatch: pytest.MonkeyPatch) -> None:
     control, go_on = start(), threading.Event()
     monkeypatch.setattr(module, "_PATIENCE", 0.2)
 
@@ -164,7 +164,7 @@ def test_where_the_new_session_cannot_be_opened_the_old_state_comes_back(start: 
     assert control.call(lambda session: session.resting)
 
 
-def test_where_nothing_can_be_opened_everybody_is_told_until_it_can_be(start: Start) -> None:
+def test_while_no_session_can_be_opened_every_request_is_refused_with_the_reason(start: Start) -> None:
     broken: list[str] = []
     control = start(opened=lambda _: raise_(DeviceError(broken[0])) if broken else None)
 
@@ -197,7 +197,7 @@ def test_listeners_that_raise_at_the_end_do_not_prevent_it(start: Start, caplog:
     assert caplog.text.count("a session did not end well: listener") == 2
 
 
-def test_what_was_attached_first_is_detached_last_and_a_fault_of_one_does_not_keep_the_others(
+def test_close_listeners_run_in_reverse_order_even_if_one_raises(
     start: Start, caplog: pytest.LogCaptureFixture
 ) -> None:
     ends: list[str] = []
@@ -271,7 +271,7 @@ def test_after_the_end_all_requests_are_refused_and_none_waits(start: Start) -> 
     control.soon(lambda _: raise_(AssertionError("it is not done")))
 
 
-def test_who_asks_all_the_time_does_not_stop_the_cycle(start: Start) -> None:
+def test_constant_requests_do_not_stop_the_cycle(start: Start) -> None:
     control, ending = start(), threading.Event()
 
     def ask(_session: Session) -> None:
@@ -285,7 +285,7 @@ def test_who_asks_all_the_time_does_not_stop_the_cycle(start: Start) -> None:
     ending.set()
 
 
-def test_what_is_not_waited_for_and_breaks_is_logged(start: Start, caplog: pytest.LogCaptureFixture) -> None:
+def test_an_exception_of_unawaited_work_is_logged(start: Start, caplog: pytest.LogCaptureFixture) -> None:
     control = start()
     control.soon(lambda _: raise_(RuntimeError("quietly")))
     control.call(lambda _: None)

@@ -167,7 +167,7 @@ def test_a_target_that_keeps_failing_is_asked_about_before_it_is_given_up_and_a_
     assert [s.skill for s in report.steps].count("pick") == 6
 
 
-def test_somebody_who_listens_can_answer_at_once() -> None:
+def test_a_listener_can_answer_a_question_at_once() -> None:
     with Bench(with_a_giant()) as bench:
         person = answers(bench.questions, {"giant_1": "skip"})
         report = finish(bench, begin(bench, "In(giant_1, slot_2)", GOAL))

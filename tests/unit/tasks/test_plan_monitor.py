@@ -49,7 +49,7 @@ def move(world: World, what: str, relation: str, place: str) -> None:
         tx.place(what, relation, place)
 
 
-def test_what_runs_is_supposed_to_succeed() -> None:
+def test_running_steps_are_assumed_to_succeed() -> None:
     world = tiny_world()
 
     assert checker(world).look([DRIVING], REST) is None
@@ -58,7 +58,7 @@ def test_what_runs_is_supposed_to_succeed() -> None:
     assert (flaw.step, flaw.verdict.text) == (0, "At(robot_1, box_a)")
 
 
-def test_only_a_change_of_what_was_read_makes_another_look_worth_while() -> None:
+def test_only_a_change_of_what_was_read_makes_a_plan_check_stale() -> None:
     world = tiny_world()
     watch = checker(world)
     assert watch.stale
@@ -84,7 +84,7 @@ def test_an_element_that_goes_is_heard_of() -> None:
     assert watch.look([DRIVING], REST) is not None
 
 
-def test_after_its_end_it_hears_nothing() -> None:
+def test_a_closed_plan_checker_receives_no_changes() -> None:
     world = tiny_world()
     watch = checker(world)
     watch.look([DRIVING], REST)
@@ -94,7 +94,7 @@ def test_after_its_end_it_hears_nothing() -> None:
     assert not watch.stale
 
 
-def test_supposing_leaves_the_world_alone_and_knows_where_robots_will_have_been() -> None:
+def test_assumed_effects_do_not_change_the_world_and_keep_the_numbers_that_robots_reached() -> None:
     world = tiny_world()
     version = world.version
     overlay, reached = supposing(world, [DRIVING, REST[0]], SKILLS, {"robot_1": 2})

@@ -100,7 +100,7 @@ def test_a_skill_whose_declared_effect_does_not_happen_is_retried_and_given_up_w
     assert "gave up on ball_1 after 3 failed tries" in report.conditions[0].reason
 
 
-def test_the_rest_is_done_where_that_is_the_policy() -> None:
+def test_the_remaining_goal_is_reached_if_the_policy_says_so() -> None:
     Grasp.slips["ball_1"] = 99
     with Bench(tiny_world(), GRASPING, (Grasp,)) as bench:
         task = begin(bench, GOAL, "In(red_ball_1, slot_2)", policy=Policy(rest=True))
@@ -113,7 +113,7 @@ def test_the_rest_is_done_where_that_is_the_policy() -> None:
     assert len(told(task, TraceEventKind.GIVEN_UP)) == 1
 
 
-def test_the_rest_is_left_where_that_is_the_policy() -> None:
+def test_the_remaining_goal_is_left_if_the_policy_says_so() -> None:
     Grasp.slips["ball_1"] = 99
     with Bench(tiny_world(), GRASPING, (Grasp,)) as bench:
         task = begin(bench, GOAL, "In(red_ball_1, slot_2)", policy=Policy(rest=False, attempts=1))
@@ -215,7 +215,7 @@ def test_changes_that_nothing_of_the_plan_reads_are_not_even_looked_at() -> None
     assert told(task, TraceEventKind.REPLANS) == []
 
 
-def test_what_makes_the_goal_hold_ends_the_task_and_what_runs_for_it() -> None:
+def test_a_change_that_fulfils_the_goal_ends_the_task_and_its_running_steps() -> None:
     with Bench(tiny_world(), SLOW) as bench:
         when(bench, "drive", Status.STARTED, lambda: move(bench, "ball_1", "sk:in", "slot_1"))
         task = begin(bench)

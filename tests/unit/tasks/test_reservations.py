@@ -40,7 +40,7 @@ def test_requests_are_served_in_order() -> None:
     assert reservations.claim("b", ["r"], ())
 
 
-def test_who_wants_more_keeps_meanwhile_only_what_still_moves() -> None:
+def test_a_task_that_waits_for_more_robots_keeps_only_those_still_moving() -> None:
     reservations = Reservations()
     for who, own in (("a", "r1"), ("b", "r2")):
         assert reservations.claim(who, [own], ())
@@ -63,7 +63,7 @@ def test_a_task_that_may_start_nothing_takes_nothing_and_keeps_its_place_for_nob
 
 
 @given(st.lists(st.tuples(st.sampled_from("abc"), st.sets(st.sampled_from("123"))), max_size=30))
-def test_nothing_is_ever_with_two_tasks_and_nobody_waits_for_ever(requests: list[tuple[str, set[str]]]) -> None:
+def test_no_robot_is_reserved_twice_and_no_task_waits_forever(requests: list[tuple[str, set[str]]]) -> None:
     reservations = Reservations()
     got: dict[str, set[str]] = {}
     waiting: dict[str, set[str]] = {}

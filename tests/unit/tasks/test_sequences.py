@@ -116,7 +116,7 @@ def test_steps_that_cannot_work_are_not_begun_and_the_step_and_the_reason_are_re
     )
 
 
-def test_what_cannot_work_can_be_asked_for_all_the_same_and_fails_at_that_step() -> None:
+def test_a_sequence_that_cannot_work_can_be_forced_and_fails_at_the_bad_step() -> None:
     with Bench(tiny_world()) as bench:
         task = bench.tasks.execute((PICK_STEP, PLACE_STEP), anyway=True)
         bench.until(lambda: task.done)
@@ -268,7 +268,7 @@ def test_a_sequence_that_leaves_nearly_everything_out_is_run() -> None:
     assert task.report.reached, task.report.fault
 
 
-def test_who_drove_there_is_who_picks_where_nobody_says_who() -> None:
+def test_an_omitted_agent_is_the_robot_that_drove_to_the_place() -> None:
     with Bench(tiny_world(robots=2)) as bench:
         made = (Step("drive", {"Base": "base_2", "Location": "box_a"}), Step("pick", {"Ball": "ball_1"}))
         task = bench.tasks.execute(made)

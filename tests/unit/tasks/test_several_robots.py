@@ -84,7 +84,7 @@ def test_a_change_that_breaks_one_robots_step_leaves_the_other_ones_alone() -> N
     assert sorted(drives) == [("base_1", "box_a", True), ("base_1", "box_b", False), ("base_2", "box_b", False)]
 
 
-def test_what_is_right_for_the_new_plan_too_is_not_cancelled() -> None:
+def test_running_steps_that_fit_the_new_plan_are_not_cancelled() -> None:
     with Bench(two_robots(BALLS), SLOW) as bench:
         task = bench.tasks.begin(bench.goal("In(Ball, slot_1)"))
         bench.until(lambda: any("drive" in manager.running for manager in bench.managers.values()))

@@ -85,7 +85,7 @@ def test_nothing_becomes_an_element_before_the_step_that_uses_it() -> None:
     assert begun.plan.steps[-1].arguments["Ball"] == "giant_1"
 
 
-def test_it_is_made_in_one_change_that_says_for_whom_and_for_what() -> None:
+def test_an_element_is_taken_from_stock_in_one_change_with_task_and_step_as_author_and_reason() -> None:
     with Bench(tiny_world(GIANTS)) as bench:
         bench.tasks.begin(bench.goal(GOAL), name="kit 7")
         bench.until(lambda: bench.world.has("giant_1"))

@@ -143,7 +143,7 @@ def test_the_trace_tells_the_whole_story_in_sentences_and_as_data() -> None:
     assert started[1].arguments["Ball"] == "ball_1"
 
 
-def test_whoever_wants_to_know_hears_of_each_step_before_its_first_command_and_after_its_end() -> None:
+def test_listeners_are_notified_before_the_first_command_of_each_step_and_after_its_end() -> None:
     heard: list[tuple[object, ...]] = []
     with Bench(tiny_world()) as bench:
         task = begin(bench)
@@ -237,7 +237,7 @@ def test_a_task_that_was_paused_before_it_began_plans_and_waits() -> None:
         assert finish(bench, task).reached
 
 
-def test_step_by_step_each_wish_does_one_step_and_pauses_again() -> None:
+def test_each_step_request_executes_one_step_and_pauses_again() -> None:
     with Bench(tiny_world()) as bench:
         task = begin(bench)
         task.pause()
@@ -249,7 +249,7 @@ def test_step_by_step_each_wish_does_one_step_and_pauses_again() -> None:
         assert finish(bench, task).reached
 
 
-def test_a_step_wish_in_mid_step_ends_that_step_and_pauses() -> None:
+def test_a_step_request_during_a_step_ends_that_step_and_pauses() -> None:
     with Bench(tiny_world(), SLOW) as bench:
         task = begin(bench)
         bench.until(lambda: running(bench, "drive"))

@@ -167,7 +167,7 @@ def test_being_cancelled_is_no_failure_of_the_target() -> None:
     assert report.conditions[0].reason == "" or "slipped" not in report.conditions[0].reason
 
 
-def test_a_change_that_does_not_matter_breaks_nothing_off() -> None:
+def test_an_irrelevant_change_cancels_nothing() -> None:
     world = tiny_world()
 
     def meddle(event: ModuleEvent) -> None:
@@ -183,7 +183,7 @@ def test_a_change_that_does_not_matter_breaks_nothing_off() -> None:
     assert [step.skill for step in report.steps] == ["drive", "pick", "place"]
 
 
-def test_what_the_world_did_by_itself_need_not_be_done() -> None:
+def test_steps_whose_effects_already_hold_are_skipped() -> None:
     world = tiny_world()
 
     def help_out(event: ModuleEvent) -> None:

@@ -33,7 +33,7 @@ def drive(driver: CellDriver, seconds: float) -> list[float]:
 
 
 @given(st.integers(0, 60), st.integers(0, 60))
-def test_a_deaf_base_stands_exactly_as_long_as_it_is_deaf(after: int, cycles: int) -> None:
+def test_a_deaf_base_stands_still_exactly_as_long_as_it_is_deaf(after: int, cycles: int) -> None:
     period = FakeCell(small_cell()).period
     ways = drive(cell(Deaf("base", after=after * period - 1e-9, for_=cycles * period)), 0.5)
 

@@ -47,7 +47,7 @@ def test_robots_of_a_file_are_imported_by_its_iri() -> None:
     assert "camera_1" in world.instances("sk:Camera")
 
 
-def test_what_the_text_says_itself_is_not_said_again() -> None:
+def test_statements_in_the_text_are_not_added_again() -> None:
     world = world_of('scene:hall a sk:Floor ; rdfs:label "hall" .')
 
     assert world.instances("sk:Floor") == ("hall",)

@@ -153,7 +153,7 @@ def test_a_fault_of_a_primitive_that_is_not_there_is_refused() -> None:
 
 
 @pytest.mark.parametrize("faults", [(), (Frozen("base_1", after=0.2),)])
-def test_what_does_not_end_is_stopped_at_the_limit_even_when_a_sensor_says_that_it_never_stands(
+def test_an_endless_run_is_stopped_at_the_limit_even_if_a_sensor_never_reports_standstill(
     faults: tuple[Frozen, ...],
 ) -> None:
     skill = Skill(DRIVE, Sequence.of(Do.of("roll", base=P("Base"), robot=P("Robot"), place=P("Location"), seconds=1e9)))
@@ -208,7 +208,7 @@ def test_a_question_that_no_answer_fits_stays_open() -> None:
 # ------------------------------------------------------------------ time under control
 
 
-def test_time_goes_on_only_when_it_is_told_to() -> None:
+def test_simulated_time_advances_only_on_request() -> None:
     with Bench(tiny_world(), (ROLLING,), [Roll], driver="any") as bench:
         running = bench.start("drive", Location="box_a")
         assert bench.time == 0.0
@@ -219,7 +219,7 @@ def test_time_goes_on_only_when_it_is_told_to() -> None:
         assert bench.until(AT_LOCATION("robot_1", "box_a")) == pytest.approx(0.25, abs=0.02)
 
 
-def test_waiting_in_vain_tells_why() -> None:
+def test_a_wait_that_times_out_gives_the_reason() -> None:
     with Bench(tiny_world()) as bench, pytest.raises(AssertionError, match="robot_1 is not at box_b: it is at unknown"):
         bench.until(AT_LOCATION("robot_1", "box_b"), limit=0.1)
 

@@ -68,7 +68,7 @@ def test_acknowledging_twice_changes_nothing(alarms, log):
     assert len(told(log)) == 2
 
 
-def test_what_does_not_last_is_over_when_it_is_acknowledged(alarms):
+def test_a_momentary_alarm_ends_when_it_is_acknowledged(alarms):
     alarm = alarms.raise_(AlarmKind.TASK, "the planner broke", "a", lasts=False)
     assert not alarms.acknowledge(alarm.id, ANNA).active
     assert alarms.active == ()

@@ -54,7 +54,7 @@ def test_many_threads_write_without_losing_or_doubling_a_number():
 
 @settings(max_examples=50, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(data=st.dictionaries(st.text(st.characters(exclude_categories=())), ANYTHING))
-def test_whatever_is_said_becomes_one_line_of_standard_json(data):
+def test_any_event_data_becomes_one_line_of_standard_json(data):
     text = EventLog(1).append(Kind.TASK, "started", data=data).text
     assert text.isascii()
     assert "\n" not in text
@@ -62,7 +62,7 @@ def test_whatever_is_said_becomes_one_line_of_standard_json(data):
     json.loads(text, parse_constant=lambda word: (_ for _ in ()).throw(AssertionError(word)))
 
 
-def test_what_json_has_no_words_for_is_said_as_text():
+def test_values_that_json_cannot_represent_are_written_as_text():
     event = EventLog(1).append(Kind.TASK, "started", data={"kind": Kind.JOB, "of": object, 3: float("nan")})
     assert event.data == {"kind": "job", "of": "<class 'object'>", "3": None}
 
@@ -81,7 +81,7 @@ def test_the_log_is_bounded_in_size_and_not_only_in_number():
     assert sum(len(event.text) for event in log.since(0, 1000)) <= 10_000
 
 
-def test_of_very_many_elements_no_list_is_kept_and_it_may_touch_any():
+def test_an_event_with_very_many_elements_keeps_no_list_and_may_concern_any_element():
     few, many = (EventLog(1).append(Kind.WORLD, "scene", elements=map(str, range(n))) for n in (1000, 1001))
     assert few.touches("7")
     assert not few.touches("kit_1")

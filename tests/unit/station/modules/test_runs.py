@@ -41,7 +41,7 @@ def test_a_halt_between_two_rounds_is_a_stop_and_no_failed_round(session: Sessio
     assert (run.status, run.done, run.succeeded, run.cut_off) == ("stopped", 1, 1, False)
 
 
-def test_a_round_that_a_halt_breaks_off_is_told_as_such(session: Session) -> None:
+def test_a_round_ended_by_a_halt_is_reported_as_such(session: Session) -> None:
     runs = ModuleRuns("run")
     runs.open(session)
     run = runs.start(session, Wish("base_1", "drive", {"Location": "pallet_a"}, "anna", repeat=3))

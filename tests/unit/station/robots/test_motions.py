@@ -86,7 +86,7 @@ def test_the_way_of_a_base_begins_where_it_stands_and_ends_with_its_last_turn(se
     assert motions.motion(session, "base_1").poses == ()
 
 
-def test_what_nobody_looks_at_is_not_piled_up(session, motions) -> None:
+def test_the_number_of_planned_motions_kept_per_device_is_bounded(session, motions) -> None:
     for turn in (0.05, -0.05) * 6:
         deltas = (turn, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         session.run_module("jog_joints", {"arm": "arm_1", "deltas": deltas})

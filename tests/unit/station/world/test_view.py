@@ -28,7 +28,7 @@ def position(element: ViewElement) -> tuple[float, ...]:
     return element.pose.position
 
 
-def test_each_element_is_told_as_what_it_is_by_its_class() -> None:
+def test_each_element_of_a_view_has_the_kind_given_by_its_class() -> None:
     view = seen(view_of(kitting().snapshot()))
 
     kinds = {name: element.kind for name, element in view.items()}
@@ -81,7 +81,7 @@ def test_a_robot_is_where_its_base_is_and_nowhere_while_nobody_says() -> None:
     assert seen(view_of(index))["robot_1"].pose is None
 
 
-def test_what_is_held_is_told_in_the_tool() -> None:
+def test_a_held_element_has_its_pose_in_the_tool_frame() -> None:
     world = kitting()
     grasp = Pose.of(0.0, 0.01, 0.02)
     with world.transaction(author="grasp", reason="felt") as tx:
@@ -131,7 +131,7 @@ def test_only_what_was_asked_for_is_told_with_what_moves_with_it() -> None:
     assert {"robot_1", "deck_1"} <= set(seen(view_of(world.snapshot(), ["base_1"])))
 
 
-def test_what_was_removed_is_gone_and_told_no_more() -> None:
+def test_a_removed_element_is_no_longer_in_the_view() -> None:
     world = kitting()
     with world.transaction(author="anna", reason="tidy") as tx:
         tx.remove("starter_1")

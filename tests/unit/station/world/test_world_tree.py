@@ -51,7 +51,7 @@ def test_a_tree_has_so_many_nodes_at_most_and_those_next_to_the_root_come_first(
 
 
 @pytest.mark.parametrize("limit", [1, 7, 1000])
-def test_reading_on_tells_each_child_once(limit: int) -> None:
+def test_reading_in_pages_gives_each_child_once(limit: int) -> None:
     view = MANY.snapshot()
     root = "slot_1" if limit == 1 else "box_a"
     assert read_on(root, limit) == sorted({*view.contents(root)})
@@ -64,6 +64,6 @@ def test_without_depth_children_are_only_counted() -> None:
     assert told.children_total > MOST_NODES / 2
 
 
-def test_what_is_not_there_has_no_tree() -> None:
+def test_an_unknown_root_has_no_tree() -> None:
     with pytest.raises(UnknownName):
         tree(MANY.snapshot(), "nothing", 1, 10)

@@ -48,7 +48,7 @@ def test_announcements_stay_small_whatever_was_ordered_and_planned(store):
     assert store.job("a").order == long
 
 
-def test_they_are_read_from_where_somebody_left_off_and_so_many_at_most(store):
+def test_announcements_are_read_in_limited_pages_from_a_given_number(store):
     for name in "abcd":
         store.add(job(name), Trigger.START)
     assert [number for number, *_ in told(store, after=2)] == [3, 4]
@@ -67,7 +67,7 @@ def test_numbers_go_on_without_gap_after_all_were_told_and_the_program_began_ane
     again.close()
 
 
-def test_where_nobody_reads_them_the_oldest_go(store, monkeypatch):
+def test_without_a_reader_the_oldest_announcements_are_dropped(store, monkeypatch):
     monkeypatch.setattr(stored, "MOST_ANNOUNCEMENTS", 3)
     for number in range(10):
         store.add(job(f"j{number}"), Trigger.START)

@@ -51,7 +51,7 @@ def cell(path: Path, *facts: str, at_once: int = 1) -> Iterator[Cell]:
         store.close()
 
 
-def test_what_was_cut_off_in_an_earlier_life_is_not_told_again(tmp_path: Path) -> None:
+def test_an_interruption_before_a_restart_is_not_announced_again(tmp_path: Path) -> None:
     with cell(tmp_path) as first:
         first.submit()
         first.until(lambda: first.moves("pick"))

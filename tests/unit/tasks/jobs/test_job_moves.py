@@ -23,7 +23,7 @@ def place(world: World, part: str, relation: str, where: str) -> None:
         tx.place(part, relation, where)
 
 
-def test_only_the_ends_of_its_way_count():
+def test_only_the_first_and_last_place_of_a_part_are_reported():
     world = tiny_world()
     began = world.version
     place(world, "ball_1", "sk:heldBy", "gripper_1")
@@ -32,20 +32,20 @@ def test_only_the_ends_of_its_way_count():
     assert (found.element, found.class_, found.origin, found.place) == ("ball_1", "tiny:Ball", "box_a", "slot_1")
 
 
-def test_what_moved_before_is_not_told():
+def test_moves_before_the_job_are_not_reported():
     world = tiny_world()
     place(world, "ball_1", "sk:in", "slot_1")
     assert moved(world, job(seen=world.version), steps("ball_1")) == ()
 
 
-def test_what_no_step_of_it_names_was_moved_by_somebody_else():
+def test_things_that_no_step_names_are_not_reported_as_moved():
     world = tiny_world()
     began = world.version
     place(world, "ball_1", "sk:in", "slot_1")
     assert moved(world, job(seen=began), steps("red_ball_1")) == ()
 
 
-def test_what_came_back_to_where_it_lay_was_not_moved():
+def test_a_thing_that_returned_to_its_place_is_not_reported_as_moved():
     world = tiny_world()
     began = world.version
     place(world, "ball_1", "sk:heldBy", "gripper_1")
@@ -60,7 +60,7 @@ def test_a_robot_that_drove_is_no_material():
     assert moved(world, job(seen=began), steps("ball_1")) == ()
 
 
-def test_what_was_told_before_goes_on_from_there():
+def test_a_report_of_moves_continues_from_the_previous_one():
     world = tiny_world()
     place(world, "ball_1", "sk:heldBy", "gripper_1")
     told = MaterialActual(**BALL, origin="box_a", place="gripper_1")
@@ -70,7 +70,7 @@ def test_what_was_told_before_goes_on_from_there():
     assert (found.origin, found.place) == ("box_a", "slot_1")
 
 
-def test_looking_twice_at_the_same_changes_tells_the_same():
+def test_evaluating_the_same_changes_twice_gives_the_same_moves():
     world = tiny_world()
     began = world.version
     place(world, "ball_1", "sk:heldBy", "gripper_1")
@@ -79,14 +79,14 @@ def test_looking_twice_at_the_same_changes_tells_the_same():
     assert moved(world, job(seen=began, materials=once), steps("ball_1")) == once
 
 
-def test_while_nothing_runs_what_was_told_stands():
+def test_without_running_steps_the_reported_moves_do_not_change():
     world = tiny_world()
     told = (MaterialActual(**BALL, origin="box_a", place="gripper_1"),)
     place(world, "ball_1", "sk:in", "slot_1")
     assert moved(world, job(materials=told), steps("ball_1")) == told
 
 
-def test_a_part_that_is_no_more_has_no_place():
+def test_a_removed_part_has_no_place():
     world = tiny_world()
     began = world.version
     place(world, "ball_1", "sk:in", "slot_1")

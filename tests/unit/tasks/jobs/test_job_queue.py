@@ -40,7 +40,7 @@ def by_looking_at_all(jobs: dict[str, Job], now: float) -> str | None:
 
 
 @given(st.lists(st.tuples(STEPS, st.integers(0, 21)), max_size=40))
-def test_the_next_job_is_that_of_a_look_at_all_also_when_the_clock_jumps(steps):
+def test_the_queue_and_a_full_search_choose_the_same_next_job_even_if_the_clock_jumps(steps):
     queue, jobs = JobQueue(), {}
     for number, ((what, subject, state), now) in enumerate(steps):
         if what == "remove":

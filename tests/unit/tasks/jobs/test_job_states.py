@@ -29,7 +29,7 @@ STANDARD = [
 
 
 @pytest.mark.parametrize(("state", "trigger", "follows"), STANDARD, ids=lambda value: getattr(value, "name", value))
-def test_the_rows_of_the_standard_lead_where_it_says(state, trigger, follows):
+def test_state_transitions_match_the_table_of_the_standard(state, trigger, follows):
     assert next_state(state, trigger) is follows
 
 
@@ -39,7 +39,7 @@ def test_the_numbers_are_those_of_the_standard():
 
 @pytest.mark.parametrize("state", [S.ENDED, S.ABORTED])
 @pytest.mark.parametrize("trigger", list(Trigger))
-def test_nothing_happens_any_more_to_what_is_over(state, trigger):
+def test_an_ended_job_has_no_further_transitions(state, trigger):
     with pytest.raises(UsageError, match="it is over"):
         next_state(state, trigger)
 
@@ -57,7 +57,7 @@ def test_a_refusal_says_which_commands_are_possible_instead():
 
 
 @given(st.lists(st.sampled_from(list(Trigger)), max_size=30))
-def test_what_has_begun_never_waits_for_its_start_again(triggers):
+def test_a_started_job_never_waits_for_its_start_again(triggers):
     state, begun = S.NOT_ALLOWED_TO_START, False
     for trigger in triggers:
         if trigger in allowed(state):

@@ -25,7 +25,7 @@ def job(id_="a", number=1, **changes):
     )
 
 
-def test_what_was_kept_is_there_after_opening_again(tmp_path, store):
+def test_stored_jobs_are_there_after_reopening(tmp_path, store):
     kept = job(reasons=("no starter",), plan=("drive(…)",))
     store.keep(kept, Trigger.DISPATCH, "its turn")
     store.close()
@@ -49,7 +49,7 @@ def test_numbers_are_never_given_again(store):
     assert store.add(job("a"), Trigger.START).number > first.number
 
 
-def test_what_cannot_be_kept_costs_no_number_and_leaves_nothing_behind(store):
+def test_a_job_that_cannot_be_stored_uses_no_number_and_leaves_nothing_behind(store):
     store.add(job("a"), Trigger.START, receipt=Receipt("mes", "k", "d"))
     with pytest.raises(FileError):
         store.add(job("b"), Trigger.START, receipt=Receipt("mes", "k", "other"))
@@ -91,7 +91,7 @@ def test_a_file_of_another_program_is_refused(tmp_path):
         JobStore(tmp_path / "jobs.db")
 
 
-def test_what_is_kept_outlives_a_kill(tmp_path):
+def test_stored_jobs_survive_a_kill(tmp_path):
     """The writer is killed right after it says that it has kept the job."""
     code = (
         "import sys, time; from pathlib import Path\n"

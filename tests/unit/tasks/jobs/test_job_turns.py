@@ -77,7 +77,7 @@ def cut_off(path: Path, job: str, other: str) -> None:
         one.until(other, JobState.RUNNING)
 
 
-def test_while_nobody_has_looked_at_what_was_cut_off_nothing_else_is_begun(tmp_path: Path) -> None:
+def test_no_job_starts_before_an_interrupted_job_was_answered(tmp_path: Path) -> None:
     cut_off(tmp_path, "cut", "other")
     with cell(tmp_path) as one:
         one.order("new", "At(robot_1, box_a)", priority=9)
@@ -223,7 +223,7 @@ def test_a_job_that_is_set_aside_is_stopped_at_once(tmp_path: Path) -> None:
         assert one.jobs.job("next").state is JobState.RUNNING
 
 
-def test_a_question_is_answered_once(tmp_path: Path) -> None:
+def test_a_question_can_be_answered_only_once(tmp_path: Path) -> None:
     with cell(tmp_path, GIANT) as one:
         one.order("asks", UNREACHABLE, policy=ASKING)
         one.until("asks", JobState.INTERRUPTED)
@@ -233,7 +233,7 @@ def test_a_question_is_answered_once(tmp_path: Path) -> None:
         one.until_over("asks")
 
 
-def test_what_waits_for_no_answer_says_so(tmp_path: Path) -> None:
+def test_answering_a_job_without_a_question_is_refused(tmp_path: Path) -> None:
     with cell(tmp_path) as one:
         one.order("job", BALL)
         one.until_over("job")
