@@ -165,6 +165,18 @@ def test_the_skill_of_a_new_package_is_planned_and_executed_after_installation(
     assert not re.search(rf"{name} 0\.1\.0 (?!.* works *$)", found, re.MULTILINE)
 
 
+def test_the_test_of_a_skill_still_passes_beside_a_second_skill_with_the_same_effect(
+    package: Path, skiros: Skiros
+) -> None:
+    for name in ("scan", "read"):
+        options = ("--agent", "sk:Arm", "--param", "Part:sk:Manipulatable", "--post", "Inspected(Part)")
+        assert skiros("new", "skill", name, *options)[0] == 0
+
+    told = tool(package, "pytest", "-q", "-p", "no:dash", "-p", "no:cacheprovider", "-W", "error", "tests/skills")
+
+    assert "failed" not in told
+
+
 def test_a_second_package_gets_distinct_names_and_works(package: Path, tmp_path: Path) -> None:
     with Project.around(package).as_installed():
         draft = draft_package(tmp_path, NewPackage("my_sorting"))

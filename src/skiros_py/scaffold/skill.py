@@ -184,7 +184,9 @@ def draft_skill(known: Knowledge, said: NewSkill) -> Draft:
             params=[[literal(param.key), *arguments_of(param)] for param in skill.params],
             conditions=[(key, written(some)) for key, some in (("pre", skill.pre), ("post", skill.post)) if some],
         ),
-        render("skill_test.py", **values, **_trial(known, said, skill, stage, cast)),
+        render(
+            "skill_test.py", **values, skills=_helpers(known, name, skill), **_trial(known, said, skill, stage, cast)
+        ),
         stage.turtle(f"What is needed to {words_of(name)}."),
     )
     notes = [
@@ -220,6 +222,19 @@ def _is_plannable(known: Knowledge, condition: Condition) -> bool:
     except PlanningError:
         return False
     return True
+
+
+def _helpers(known: Knowledge, name: str, skill: Described) -> str:
+    """Returns the tuple of skills of its test: itself, and what brings about its preconditions, but not its effects."""
+    effects, wanted = ({one.type.name for one in some} for some in (skill.post, skill.pre))
+    found: dict[str, None] = {}
+    others = [other.description for other in known.catalogue.skills.values()]
+    others = [one for one in others if effects.isdisjoint(condition.type.name for condition in one.post)]
+    while more := [o for o in others if o.name not in found and wanted & {condition.type.name for condition in o.post}]:
+        found |= dict.fromkeys(one.name for one in more)
+        wanted |= {condition.type.name for one in more for condition in one.pre}
+    names = [literal(one) for one in sorted({name, *found})]
+    return f"({', '.join(names)}{',' if len(names) == 1 else ''})"
 
 
 def _trial(known: Knowledge, said: NewSkill, skill: Described, stage: Stage, cast: Mapping[str, str]) -> dict[str, Any]:
