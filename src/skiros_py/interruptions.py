@@ -1,7 +1,7 @@
 """Interrupting code from outside: what a thread is doing, and the exceptions that are raised in it.
 
-They are no faults, and authors must not catch them. Recording an activity is a plain assignment per tick, so that it
-costs next to nothing; all locking is on the side that rarely runs, when a tick overruns.
+These exceptions are not faults, and authors must not catch them. Recording an activity is a plain assignment per tick,
+so that it costs next to nothing; all locking is on the side that rarely runs, when a tick overruns.
 """
 
 from __future__ import annotations
@@ -29,11 +29,11 @@ class Interruption(BaseException):
 
 
 class UserStop(KeyboardInterrupt):
-    """The user asks the command to end: what its handlers of signals raise."""
+    """The user asks the command to end; raised by the signal handlers of the command."""
 
 
 def by_user(error: BaseException) -> bool:
-    """Tells whether an exception comes from the user; without a handler of Ctrl-C, each interrupt counts."""
+    """Tells whether an exception comes from the user: any KeyboardInterrupt if the command has no SIGINT handler."""
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         return isinstance(error, KeyboardInterrupt)
     return isinstance(error, UserStop)
@@ -44,10 +44,10 @@ def raise_in(thread: int, kind: type[BaseException]) -> None:
     ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), ctypes.py_object(kind))
 
 
-def take_back(kind: type[BaseException]) -> None:
-    """Takes back an exception of :func:`raise_in` that has not been raised yet in the current thread.
+def cancel_pending(kind: type[BaseException]) -> None:
+    """Cancels an exception of :func:`raise_in` that has not been raised yet in the current thread.
 
-    It is replaced by one that is raised and caught here: taken back in C, it would leave CPython 3.11's evaluation loop
+    It is replaced by one that is raised and caught here: cancelled in C, it would leave CPython 3.11's evaluation loop
     checking for it forever, and a program that is profiled would never go on.
     """
     try:
@@ -58,7 +58,7 @@ def take_back(kind: type[BaseException]) -> None:
         pass
 
 
-class Watched(Protocol):
+class WatchedTask(Protocol):
     """A task, as the watchdog sees it.
 
     Attributes:
@@ -78,7 +78,7 @@ class Watched(Protocol):
 
 
 @dataclass(eq=False, slots=True)
-class Chore:
+class CycleStep:
     """Work of the cycle itself (devices, listeners): reported when it takes too long, never interrupted.
 
     Attributes:
@@ -90,7 +90,7 @@ class Chore:
     interruptible: bool = False
 
     def fail(self, fault: BaseException) -> None:
-        """Goes on: the cycle cannot do without it."""
+        """Does nothing: the cycle cannot run without this step."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,16 +98,16 @@ class Overrun:
     """One tick that takes too long.
 
     Attributes:
-        task: Whose tick it is.
-        tick: Which tick it is.
-        seconds: For how long it had lasted when it was noticed [s].
-        limit: For how long it may last [s].
+        task: The task that was running.
+        tick: The number of the tick.
+        seconds: Its duration when the overrun was detected [s].
+        limit: The longest allowed duration [s].
         module: The innermost primitive or device that was running; the task where there is none.
         stack: Where the control thread was, as text.
         device: The device whose kind was running within the task's own code; None for none.
     """
 
-    task: Watched
+    task: WatchedTask
     tick: int
     seconds: float
     limit: float
@@ -127,7 +127,7 @@ class CycleOverrun(Interruption):
     """Raised inside code that holds the control cycle; no ``except Exception`` of its author catches it.
 
     Attributes:
-        overrun: What was noticed; None while it is on its way.
+        overrun: The overrun; None until the exception is delivered.
     """
 
     def __init__(self, overrun: Overrun | None = None) -> None:
@@ -139,9 +139,8 @@ class Activity:
     """What the control thread is doing, for the watchdog.
 
     Attributes:
-        tick: Grows with every cycle and with every piece of work that is timed by itself: with :attr:`task` it names
-            one tick.
-        task: Whose code is running; None between ticks.
+        tick: Incremented every cycle and for every separately timed step; ``(task, tick)`` identifies one tick.
+        task: The task whose code is running; None between ticks.
         thread: Identity of the control thread.
         waits: Above 0 while the control thread legitimately waits.
         allowed: How long the present piece of work may take where that is more than for a tick [s]; else 0.
@@ -152,7 +151,7 @@ class Activity:
 
     def __init__(self) -> None:
         self.tick = 0
-        self.task: Watched | None = None
+        self.task: WatchedTask | None = None
         self.thread = 0
         self.waits = 0
         self.allowed = 0.0
@@ -160,24 +159,24 @@ class Activity:
         self._guard = threading.Lock()
 
     def begin_cycle(self) -> None:
-        """A cycle's ticks begin, in the calling thread."""
+        """Starts the ticks of a cycle, in the calling thread."""
         self.tick += 1
         self.thread = threading.get_ident()
 
-    def enter(self, task: Watched) -> Watched | None:
-        """Code begins to run outside a task's turn, such as when one is closed; returns whose code it interrupts."""
+    def enter(self, task: WatchedTask) -> WatchedTask | None:
+        """Starts code outside a task's turn, such as closing one; returns what was running, for :meth:`leave`."""
         outer, self.task = self.task, task
         self.begin_cycle()
         return outer
 
-    def leave(self, outer: Watched | None) -> None:
+    def leave(self, outer: WatchedTask | None) -> None:
         """Ends what :meth:`enter` began."""
         self.task = outer
         self.tick += 1
         if self.overrun is not None:
             self.settle()
 
-    def run(self, task: Watched, work: Callable[[], T]) -> T | None:
+    def run(self, task: WatchedTask, work: Callable[[], T]) -> T | None:
         """Runs code outside a task's turn; returns None where it took too long: it was interrupted, the task failed."""
         outer = self.enter(task)
         try:
@@ -186,7 +185,7 @@ class Activity:
             finally:
                 self.leave(outer)
         except CycleOverrun:
-            if not task.done:  # that of the code around it, or it arrived while the work ended
+            if not task.done:  # it belongs to the enclosing work, or arrived while this work ended
                 self.leave(outer)
             if not task.done:
                 raise
@@ -205,7 +204,7 @@ class Activity:
     def allowing(self, seconds: float) -> Iterator[None]:
         """Tells the watchdog that this piece of work may take longer than a tick.
 
-        The order matters: at no moment does the old limit meet the tick of the longer work.
+        The limit is set before the new tick begins, so that the old limit never applies to the longer work.
 
         Args:
             seconds: Wall time that it may take [s].
@@ -221,8 +220,8 @@ class Activity:
     def interrupt(self, overrun: Overrun) -> bool:
         """Raises :class:`CycleOverrun` in the control thread, if it still is in that tick; for the watchdog's thread.
 
-        The order matters: the overrun is announced before the tick is looked at once more. The control thread marks the
-        end of a tick before it looks for announcements, so one of the two always sees the other.
+        The order matters: :attr:`overrun` is set before the tick is checked again, and the control thread ends the tick
+        before it reads :attr:`overrun`, so one of the two always sees the other.
         """
         if not overrun.task.interruptible:
             return False
@@ -236,28 +235,28 @@ class Activity:
             return True
 
     def settle(self) -> None:
-        """Takes back an exception that came too late, and ends the task that overran; for the control thread."""
+        """Cancels an exception that came too late, and ends the task that overran; for the control thread."""
         while self.overrun is not None:
             try:
-                overrun = self._take_back()
+                overrun = self._cancel_pending()
                 if overrun is not None:
                     overrun.task.fail(CycleOverrun(overrun))
             except CycleOverrun:  # the exception arrived just here: that settles it, too
                 continue
 
-    def _take_back(self) -> Overrun | None:
+    def _cancel_pending(self) -> Overrun | None:
         with self._guard:
-            take_back(CycleOverrun)
+            cancel_pending(CycleOverrun)
             overrun, self.overrun = self.overrun, None
             return overrun
 
 
 # ---------------------------------------------------------------- code outside the control cycle
 
-_LOOK = 0.1
-"""Time between two looks at what runs with a time limit [s]."""
+_POLL_INTERVAL = 0.1
+"""Time between two checks of what runs with a time limit [s]."""
 _limited: dict[int, _Limited] = {}
-_begun = threading.Event()
+_has_limited = threading.Event()
 
 
 @dataclass(eq=False)
@@ -279,7 +278,7 @@ class _Limited:
     def fail(self, fault: BaseException) -> None:  # noqa: ARG002 - the protocol
         self.done = True
 
-    def look(self, now: float) -> None:
+    def check(self, now: float) -> None:
         if now > self.ends:
             self.ends = now + self.seconds
             self.where = _location(self.activity.thread)
@@ -306,7 +305,7 @@ def limited(what: Callable[[], str], seconds: float, work: Callable[[], T]) -> T
     one = _Limited(what, seconds, time.monotonic() + seconds, Activity())
     _watch_limits()
     _limited[id(one)] = one
-    _begun.set()
+    _has_limited.set()
     results: list[T] = []
     try:
         one.activity.run(one, lambda: results.append(work()))
@@ -326,16 +325,16 @@ def _location(thread: int) -> str:
 @cache
 def _watch_limits() -> None:
     os.register_at_fork(after_in_child=_watch_limits.cache_clear)
-    threading.Thread(target=_look_at_limits, name="skiros-time-limits", daemon=True).start()
+    threading.Thread(target=_check_limits, name="skiros-time-limits", daemon=True).start()
 
 
-def _look_at_limits() -> None:
+def _check_limits() -> None:
     while True:
-        _begun.wait()
-        time.sleep(_LOOK)
+        _has_limited.wait()
+        time.sleep(_POLL_INTERVAL)
         now = time.monotonic()
         for one in tuple(_limited.values()):
-            one.look(now)
-        _begun.clear()
+            one.check(now)
+        _has_limited.clear()
         if _limited:
-            _begun.set()
+            _has_limited.set()

@@ -5,9 +5,9 @@ import sys
 
 PROFILED = """
 import sys
-from skiros_py.interruptions import Interruption, take_back
+from skiros_py.interruptions import Interruption, cancel_pending
 
-take_back(Interruption)
+cancel_pending(Interruption)
 sys.setprofile(lambda *_: None)
 for _ in range(10_000):
     str.format("{}", 1)

@@ -12,7 +12,7 @@ from typing import Any
 
 from skiros_py.errors import PlanningError, SkirosError, UsageError, WorldError
 from skiros_py.execution.runtime import Runtime, RuntimeOptions
-from skiros_py.interruptions import Chore
+from skiros_py.interruptions import CycleStep
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.process import ThreadHost
 from skiros_py.simulation.fake.cell import FakeCell
@@ -60,7 +60,7 @@ class Rig:
         self._runtime = runtime
         self._cycle = runtime.cycle
         self._managers = runtime.managers
-        self._looking = Chore("a contract test", interruptible=True)
+        self._looking = CycleStep("a contract test", interruptible=True)
         questions = runtime.questions
         questions.subscribe(lambda question: questions.answer(question.id, question.options[0], by="the contract test"))
 

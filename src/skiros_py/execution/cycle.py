@@ -17,7 +17,7 @@ from skiros_py.execution.mix import Mix
 from skiros_py.execution.module_faults import off_words
 from skiros_py.execution.signals import Signals
 from skiros_py.execution.task import RunClock, Task
-from skiros_py.interruptions import Chore, CycleOverrun, Watched
+from skiros_py.interruptions import CycleOverrun, CycleStep, WatchedTask
 from skiros_py.ports.board import DeviceBoard
 
 __all__ = ["ControlCycle", "Task"]
@@ -74,7 +74,7 @@ class ControlCycle:
         self._ended: list[Task[Any]] = []
         self._places = math.inf
         self._stopping: list[Task[Any]] = []
-        self._exchanging = Chore("the exchange with the devices")
+        self._exchanging = CycleStep("the exchange with the devices")
         self._observers: list[_Observer] = []
         self._guest = ""
         self._epoch = (time.perf_counter(), board.snapshot.time)
@@ -224,7 +224,7 @@ class ControlCycle:
 
     # ------------------------------------------------------------------ parts of a cycle
 
-    def _do(self, chore: Watched, work: Callable[[], object]) -> None:
+    def _do(self, chore: WatchedTask, work: Callable[[], object]) -> None:
         """Runs a part of the cycle itself, watched by the watchdog."""
         outer = self.activity.enter(chore)
         try:

@@ -9,7 +9,7 @@ from typing import Any
 
 from skiros_py.errors import ModuleError, UnknownName
 from skiros_py.execution.module_faults import contained, words
-from skiros_py.interruptions import Activity, Chore, CycleOverrun
+from skiros_py.interruptions import Activity, CycleOverrun, CycleStep
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import BROKEN, Failure
 from skiros_py.skills.parameters import Kind, params_of, read_value
@@ -126,7 +126,7 @@ class Loader:
             return Failure(f"{module} did not load: {words(error)}", BROKEN)
 
     def _watched(self, module: str, context: RunContext) -> Loaded:
-        outer = self._activity.enter(Chore(f"the loading of {module}", interruptible=True))
+        outer = self._activity.enter(CycleStep(f"the loading of {module}", interruptible=True))
         try:
             with self._activity.allowing(_LIMIT):
                 cls = self._primitives[module]

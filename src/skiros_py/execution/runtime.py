@@ -19,7 +19,7 @@ from skiros_py.execution.monitor import Monitor
 from skiros_py.execution.signals import Signals
 from skiros_py.execution.skill_manager import CellModules, SkillManager
 from skiros_py.execution.watchdog import Watchdog
-from skiros_py.interruptions import Watched
+from skiros_py.interruptions import WatchedTask
 from skiros_py.listeners import Listeners
 from skiros_py.ports.adapters import NO_PORTS, Ports
 from skiros_py.ports.board import DeviceBoard
@@ -116,7 +116,7 @@ class Managers(Mapping[str, SkillManager]):
         for manager in self._managers.values():
             manager.watch()
 
-    def lose(self, task: Watched) -> None:
+    def lose(self, task: WatchedTask) -> None:
         """Gives up the manager whose task does not come back; for the watchdog's thread."""
         for manager in tuple(self._managers.values()):
             if manager.runs(task):

@@ -24,7 +24,7 @@ from skiros_py.execution.running import BehaviourRun, RunnableDocument, Running,
 from skiros_py.execution.scope import ModuleRun, Scope
 from skiros_py.execution.skill_run import SkillRun
 from skiros_py.execution.task import RunClock, Task
-from skiros_py.interruptions import Watched
+from skiros_py.interruptions import WatchedTask
 from skiros_py.skills.behaviour import calls_of
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.conditions.watch import Watches
@@ -286,7 +286,7 @@ class SkillManager:
         """What runs now, by name."""
         return dict(self._running)
 
-    def runs(self, task: Watched) -> bool:
+    def runs(self, task: WatchedTask) -> bool:
         """Tells whether a task is of one of its modules, or of what it runs in the background."""
         own = (*self._watching.copy().values(), *(running.task for running in self.running.values()))
         return any(one is task for one in own)

@@ -20,7 +20,7 @@ from types import FrameType
 from typing import ParamSpec, Self
 
 from skiros_py.execution.cycle import ControlCycle
-from skiros_py.interruptions import Overrun, Watched
+from skiros_py.interruptions import Overrun, WatchedTask
 from skiros_py.listeners import Listeners
 from skiros_py.ports.device_faults import described
 from skiros_py.skills.primitive import Primitive
@@ -60,7 +60,7 @@ class Watchdog:
         self._again = again
         self._patience = patience
         self._overruns = Listeners[[Overrun]]("overruns")
-        self._losses = Listeners[[Watched]]("lost tasks")
+        self._losses = Listeners[[WatchedTask]]("lost tasks")
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._watch, name="skiros-watchdog", daemon=True)
         self._interval = min(self.limit, again) / _LOOKS
@@ -77,7 +77,7 @@ class Watchdog:
         """Calls a function, in the watchdog's thread, once for each tick that takes too long."""
         self._overruns.add(listener)
 
-    def on_lost(self, listener: Callable[[Watched], None]) -> None:
+    def on_lost(self, listener: Callable[[WatchedTask], None]) -> None:
         """Calls a function, in the watchdog's thread, once for a task that does not end although it was interrupted."""
         self._losses.add(listener)
 
@@ -130,7 +130,7 @@ class Watchdog:
         waited = self._waited - before if before is not None and self._waited is not None else 0.0
         return max(0.0, passed - max(paused, waited, 0.0))
 
-    def _act(self, tick: int, task: Watched, now: float, limit: float) -> None:
+    def _act(self, tick: int, task: WatchedTask, now: float, limit: float) -> None:
         if self._overrun is None:
             self._overrun = self._describe(task, tick, self._held, limit)
             self._interrupted = now
@@ -153,7 +153,7 @@ class Watchdog:
         _log.error("%s\n%s", overrun, overrun.stack)
         self._overruns.notify(overrun)
 
-    def _describe(self, task: Watched, tick: int, seconds: float, limit: float) -> Overrun:
+    def _describe(self, task: WatchedTask, tick: int, seconds: float, limit: float) -> Overrun:
         frame = sys._current_frames().get(self._cycle.activity.thread)  # noqa: SLF001 - documented, for debugging
         stack = "" if frame is None else "".join(traceback.format_stack(frame)).rstrip()
         module, calling = _primitive_in(frame) or task.name, self._cycle.board.guard.calling

@@ -16,7 +16,7 @@ from threading import Event, Lock, Timer, get_ident
 from typing import Any, TypeVar
 
 from skiros_py.errors import DeviceError, PlanningError, SkirosError
-from skiros_py.interruptions import Interruption, raise_in, take_back
+from skiros_py.interruptions import Interruption, cancel_pending, raise_in
 from skiros_py.planning.planners.planner import Planner, Planners
 from skiros_py.planning.replica import MARK, PROCESSOR_TIME
 from skiros_py.planning.requests import Answer, Asked, Request, answered
@@ -163,7 +163,7 @@ class ThreadHost:
                     del self._working[get_ident()]
                     if get_ident() in self._interrupted:
                         self._interrupted.remove(get_ident())
-                        take_back(_Stopped)
+                        cancel_pending(_Stopped)
 
         try:
             return Asked(self._threads.submit(work), lambda: self._end(stop))

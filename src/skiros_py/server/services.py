@@ -48,7 +48,7 @@ class Services:
         self.authenticator: Authenticator
         self.audit: AuditLog
         job_events_logged(station.events)
-        self.streams = Streams(station.events, settings.streams, lambda caller: self.authenticator.still(caller))
+        self.streams = Streams(station.events, settings.streams, lambda caller: self.authenticator.recheck(caller))
         self.metrics = Metrics(station.control, station.events)
         self.webhooks: WebhookStore
         self._sender: WebhookSender | None = None
@@ -103,7 +103,7 @@ def set_up_access(settings: ServerSettings, data: Path, stack: ExitStack) -> tup
     keys = stack.enter_context(closing(KeyStore(data)))
     check_access(settings, keys)
     # A separate connection: a request that looks up its key never waits for writes.
-    audit = AuditLog(open_access(data), besides=keys.keep_uses)
+    audit = AuditLog(open_access(data), besides=keys.save_last_used)
     stack.callback(audit.close)
     audit.start()
     return keys, Authenticator(settings, keys), audit

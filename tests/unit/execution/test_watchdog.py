@@ -15,7 +15,7 @@ from skiros_py.devices.mobile_base import Base, BaseTwist
 from skiros_py.errors import ModuleError, UsageError
 from skiros_py.execution.cycle import ControlCycle
 from skiros_py.execution.watchdog import Watchdog
-from skiros_py.interruptions import Activity, CycleOverrun, Overrun, Watched
+from skiros_py.interruptions import Activity, CycleOverrun, Overrun, WatchedTask
 from skiros_py.ports.board import DeviceBoard
 from skiros_py.ports.values import Commands, Snapshot
 from skiros_py.simulation.fake.cell import FakeCell
@@ -159,7 +159,7 @@ def test_code_that_swallows_the_interruption_and_returns_ends_with_the_fault(
 
 
 def test_code_that_never_returns_is_lost_and_other_threads_continue(cycle: ControlCycle, watchdog: Watchdog) -> None:
-    lost: list[Watched] = []
+    lost: list[WatchedTask] = []
     released = threading.Event()
     watchdog.on_lost(lost.append)
 
@@ -187,7 +187,7 @@ def test_code_that_never_returns_is_lost_and_other_threads_continue(cycle: Contr
 def test_a_stuck_call_into_c_is_lost_and_its_task_ends_when_the_call_returns(
     cycle: ControlCycle, watchdog: Watchdog
 ) -> None:
-    lost: list[Watched] = []
+    lost: list[WatchedTask] = []
     watchdog.on_lost(lost.append)
     task = cycle.start(after_one_tick(lambda: time.sleep(1.0)))
     cycle.step()

@@ -1,4 +1,4 @@
-"""Writes a planning task as standard PDDL, deterministic and readable: ``:strips :typing`` is enough to read it."""
+"""Writes a planning task as standard PDDL, deterministic and readable; ``:strips :typing`` is mostly enough for it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _LOGIC = frozenset({"and", "or", "not", "exists", "forall", "when", "imply", "ei
 _STRUCTURE = frozenset({"object", "define", "domain", "problem"})
 _NUMBERS = frozenset({"number", "total-cost", "total-time", "increase", "decrease", "assign", "minimize", "maximize"})
 RESERVED = _LOGIC | _STRUCTURE | _NUMBERS
-"""Words of PDDL itself; a variable, with its question mark, may be called like one."""
+"""Words of PDDL itself; variables may use these words."""
 
 
 class NameMap:
@@ -40,11 +40,11 @@ class NameMap:
             self.pddl(name)
 
     def pddl(self, name: str, word: str | None = None) -> str:
-        """Returns the PDDL name of a name; of two similar names, the first gets the plain one.
+        """Returns the PDDL name of a name; if two names map to the same PDDL name, the later one gets a number.
 
         Args:
             name: The name.
-            word: What its PDDL name is made from, where that is not the name itself.
+            word: The text that its PDDL name is made from; the name itself if omitted.
         """
         if name not in self._to:
             plain = _plain(word or name)
@@ -58,7 +58,7 @@ class NameMap:
 
     @property
     def known(self) -> Mapping[str, str]:
-        """PDDL names by name, of those requested so far; a cheap view."""
+        """PDDL names by name, of those requested so far; a read-only view."""
         return MappingProxyType(self._to)
 
     def back(self, pddl_name: str) -> str:
@@ -70,7 +70,7 @@ class NameMap:
         return self._from[pddl_name.lower()]
 
     def gives(self, pddl_name: str) -> bool:
-        """Returns True when the PDDL name stands for something."""
+        """Returns True if a name has this PDDL name."""
         return pddl_name in self._from
 
     def _taken(self, candidate: str) -> bool:
@@ -150,7 +150,7 @@ class PddlWriter:
             self.predicates.pddl(predicate, _predicate_words(predicate))
         actions = (action.name for action in domain.actions)
         self.actions = NameMap(actions, avoid=(self.objects, self.types, self.predicates))
-        self.further = NameMap(avoid=(self.objects, self.types, self.predicates, self.actions))
+        self.other_names = NameMap(avoid=(self.objects, self.types, self.predicates, self.actions))
         self._title = NameMap().pddl(name)
         named = {argument for action in domain.actions for atom in action.atoms for argument in atom.arguments}
         self._constants = sorted(named & set(problem.objects))
@@ -160,10 +160,10 @@ class PddlWriter:
         actions = {self.actions.pddl(action.name): action for action in self.domain.actions}
         return PddlTexts(self._domain_text(), self._problem_text(), self.objects, actions, self.requirements())
 
-    # ------------------------------------------------------------ what kinds of task differ in
+    # ------------------------------------------------------------ overridden for temporal and cost tasks
 
     def requirements(self) -> tuple[str, ...]:
-        """Returns the requirements used: negating more than one atom is formally "disjunctive"."""
+        """Returns the requirements used; ``not`` over a conjunction or ``exists`` needs the two further ones."""
         quantified = (":disjunctive-preconditions", ":existential-preconditions")
         return (":strips", ":typing", *(quantified if any(action.none for action in self.domain.actions) else ()))
 
@@ -218,7 +218,7 @@ class PddlWriter:
         return " ".join(f"?{names.pddl(v.name)} - {self._type(v.type)}" for v in variables)
 
     def _ground(self, atom: Atom) -> str:
-        """Returns an atom over elements; each of them has its name by now."""
+        """Returns an atom over elements; all names are mapped already."""
         names = map(self.objects.known.__getitem__, atom.arguments)
         return f"({' '.join([self.predicates.known[atom.predicate], *names])})"
 
@@ -284,7 +284,7 @@ def _section(keyword: str, lines: Iterable[str]) -> list[str]:
 
 
 def _predicate_words(name: str) -> str:
-    """Returns what a predicate's PDDL name is made from, without parts that look like a prefix."""
+    """Returns the text that a predicate's PDDL name is made from, without namespace prefixes."""
     if name.startswith(NOT):
         return f"not_{local_name(_predicate_words(name.removeprefix(NOT)))}"
     if name.startswith(VALUE):

@@ -225,7 +225,7 @@ class _CostWriter(PddlWriter):
     def __init__(self, task: PlanningTask, name: str) -> None:
         super().__init__(task.domain, task.problem, name)
         self._view = task.view
-        self._cost = self.further.pddl("sequence-cost")
+        self._cost = self.other_names.pddl("sequence-cost")
 
     def requirements(self) -> tuple[str, ...]:
         return (*super().requirements(), ":action-costs")

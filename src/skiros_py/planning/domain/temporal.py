@@ -26,7 +26,7 @@ class _TemporalWriter(PddlWriter):
     def __init__(self, task: PlanningTask, name: str) -> None:
         super().__init__(task.domain, task.problem, name)
         self._task = task
-        self._idle = self.further.pddl("idle")
+        self._idle = self.other_names.pddl("idle")
         self._agents = {c.skill.name: f"?{c.skill.agent}" for c in task.capabilities}
         actions = task.domain.actions
         self._changing = {atom.predicate for action in actions for atom in (*action.add, *real_deletes(action))}

@@ -112,11 +112,11 @@ class Authenticator:
         if text is not None:
             self.logins.end(text)
 
-    def still(self, caller: Caller) -> bool:
+    def recheck(self, caller: Caller) -> bool:
         """Returns whether a caller's key is still valid; for streams."""
         if not caller.key:
             return not self.keys_needed
-        return caller.key == LOCAL or self.keys.still(caller.key) is not None
+        return caller.key == LOCAL or self.keys.recheck(caller.key) is not None
 
     def _by_key(self, shown: str, headers: Headers, address: str) -> Caller:
         # A correct key passes regardless of the number of wrong keys from the same address: a caller cannot lock out
@@ -138,7 +138,7 @@ class Authenticator:
     def _logged_in(self, headers: Headers) -> Key | None:
         text = _cookie(headers)
         key = self.logins.key(text) if text is not None else None
-        return self.keys.still(key) if key is not None else None
+        return self.keys.recheck(key) if key is not None else None
 
 
 def _shown(headers: Headers) -> str | None:

@@ -404,7 +404,7 @@ class _Answer:
     async def __call__(self, message: Message) -> None:
         if message["type"] == "http.response.start":
             self._begin(message)
-        elif self.stream and not self._services.authenticator.still(self._request.state.caller):
+        elif self.stream and not self._services.authenticator.recheck(self._request.state.caller):
             self.revoked = True
             await self._send({"type": "http.response.body", "body": b"", "more_body": False})
             raise ConnectionAbortedError("the reader's key was revoked")

@@ -54,12 +54,12 @@ _MOST = 10_000
 """Maximum number of keys, including revoked ones."""
 _COLUMNS = "id, name, role, digest, ending, created, expires, revoked, used"
 _TOKEN = re.compile(r"sk_([a-z0-9]{1,32})_[A-Za-z0-9_-]{43}")
-_LIKE_A_TOKEN = re.compile(r"sk(?:_|%5[fF])[A-Za-z0-9]{1,32}(?:_|%5[fF])[A-Za-z0-9_%-]{8,}")
+_TOKEN_LIKE = re.compile(r"sk(?:_|%5[fF])[A-Za-z0-9]{1,32}(?:_|%5[fF])[A-Za-z0-9_%-]{8,}")
 
 
 def without_keys(text: str) -> str:
     """Returns a text in which keys, complete or truncated, are masked; for logs."""
-    return _LIKE_A_TOKEN.sub("sk_…", text) if "sk" in text else text
+    return _TOKEN_LIKE.sub("sk_…", text) if "sk" in text else text
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,7 +151,7 @@ class KeyStore:
         """
         _check_name(name)
         if expires is not None and not time.time() < expires < _END_OF_TIME:
-            raise UsageError("a key expires at some time to come, before the year 9999")
+            raise UsageError("a key expires in the future, and before the year 10000")
         key_id = secrets.token_hex(4)
         text = f"sk_{key_id}_{secrets.token_urlsafe(32)}"
         key = Key(key_id, name, role, text[-4:], time.time(), expires, None, None, digest(text))
@@ -185,8 +185,8 @@ class KeyStore:
                 raise UnknownName("key", key_id, list(keys))
             if open_to_others and keys[key_id].role is Role.ADMIN and not _another_admin(keys, key_id):
                 raise WrongState(
-                    "that is the last key of an administrator; without it no key can be made from outside:"
-                    " make one first, or use 'skiros key revoke' on the server"
+                    "that is the last key of an administrator; without it no key can be created from another machine:"
+                    " create another one first, or use 'skiros key revoke' on the server"
                 )
             connection.execute("UPDATE keys SET revoked = coalesce(revoked, ?) WHERE id = ?", (time.time(), key_id))
         return self.key(key_id)
@@ -228,16 +228,16 @@ class KeyStore:
         self._uses[key.id] = time.time()
         return key
 
-    def still(self, key_id: str) -> Key | None:
+    def recheck(self, key_id: str) -> Key | None:
         """Returns a key that was checked before if it is still valid."""
         key = self._now().get(key_id)
         return key if key is not None and key.valid else None
 
-    def keep_uses(self, database: Database) -> None:
+    def save_last_used(self, database: Database) -> None:
         """Stores when keys were last used.
 
         Args:
-            database: The database; a different connection from the one on which requests wait.
+            database: The database, on a separate connection, so that requests do not wait for the write.
         """
         uses, self._uses = self._uses, {}
         if uses:
@@ -268,7 +268,7 @@ def digest(text: str) -> bytes:
 def _check_name(name: str) -> None:
     if not name.strip() or len(name) > _LONGEST_NAME or not name.isprintable():
         raise UsageError(
-            f"a key is named after who gets it, in 1 to {_LONGEST_NAME} printable characters, not {name[:120]!a}"
+            f"the name of a key is that of its owner: 1 to {_LONGEST_NAME} printable characters, not {name[:120]!a}"
         )
 
 

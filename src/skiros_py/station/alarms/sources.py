@@ -6,7 +6,7 @@ import logging
 
 from skiros_py.api.alarms import AlarmKind, Severity
 from skiros_py.execution.monitor import ModuleEvent, Status
-from skiros_py.interruptions import Overrun, Watched
+from skiros_py.interruptions import Overrun, WatchedTask
 from skiros_py.plugins.plugin import by_cause
 from skiros_py.skills.outcome import BROKEN
 from skiros_py.station.alarms.alarms import Alarms
@@ -178,7 +178,7 @@ class AlarmSources:
         text = f"everything was halted ({overrun}): look, then reset"
         self._alarms.raise_(AlarmKind.HALTED, text, severity=Severity.HIGH)
 
-    def _stuck(self, task: Watched) -> None:
+    def _stuck(self, task: WatchedTask) -> None:
         """In the watchdog's thread."""
         text = f"{task.name} holds the control cycle and does not come back: the station has to be restarted"
         self._alarms.raise_(AlarmKind.CYCLE, text, severity=Severity.CRITICAL)

@@ -104,16 +104,16 @@ def test_a_login_is_valid_until_it_or_its_key_ends(keys: KeyStore) -> None:
 def test_a_login_is_valid_until_its_key_is_revoked(keys: KeyStore) -> None:
     authenticator = Authenticator(ServerSettings(), keys)
     stranger = _caller(authenticator)
-    assert authenticator.still(stranger)
+    assert authenticator.recheck(stranger)
 
     key, text = keys.create("anna", Role.VIEWER)
     anna = _caller(authenticator, x_api_key=text)
 
-    assert not authenticator.still(stranger)
-    assert authenticator.still(anna)
-    assert authenticator.still(_caller(authenticator, x_api_key=keys.local_token))
+    assert not authenticator.recheck(stranger)
+    assert authenticator.recheck(anna)
+    assert authenticator.recheck(_caller(authenticator, x_api_key=keys.local_token))
     keys.revoke(key.id)
-    assert not authenticator.still(anna)
+    assert not authenticator.recheck(anna)
 
 
 def test_the_local_token_gives_access_when_all_keys_are_lost(keys: KeyStore) -> None:

@@ -93,7 +93,7 @@ def test_an_expired_key_is_invalid_and_keys_are_still_needed(keys: KeyStore, tmp
         connection.execute("UPDATE keys SET expires = ?", (time.time() - 1,))
 
     assert keys.check(text) is None
-    assert keys.still(key.id) is None
+    assert keys.recheck(key.id) is None
     assert keys.needed
 
 
@@ -163,7 +163,7 @@ def test_uses_of_keys_are_stored_later(keys: KeyStore, tmp_path: Path) -> None:
     before = time.time()
     keys.check(text)
     with closing(open_access(tmp_path)) as elsewhere:
-        keys.keep_uses(elsewhere)
+        keys.save_last_used(elsewhere)
 
     used = keys.key(key.id).used
 
