@@ -29,7 +29,7 @@ from skiros_py.skills.conditions import Condition
 from skiros_py.skills.outcome import Outcome
 from skiros_py.skills.restart import respawn
 from skiros_py.station.adapters import start_cell, start_planning, start_ports
-from skiros_py.station.worlds import load_world, open_directory, warn
+from skiros_py.station.worlds import Report, open_data, open_world, warn
 from skiros_py.tasks.goals import parse_goal
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.policy import Policy
@@ -149,7 +149,8 @@ class Session:
             raise
 
     def _open(self, scene: str) -> None:
-        self.world, faults = self._open_world(scene)
+        faults: list[PluginFault] = []
+        self.world = self._open_world(scene, faults.extend)
         # They are known already where the catalogue is that of the installation.
         self.catalogue = replace(self.catalogue, early=tuple(dict.fromkeys((*self.catalogue.faults, *faults))))
         fake = None if self.options.driver else self.options.fake  # what a driver is for is known when it is there
@@ -190,14 +191,14 @@ class Session:
             _log.warning("the station is brought up without %s: %s", element, why)
         return spec
 
-    def _open_world(self, scene: str) -> tuple[World, tuple[PluginFault, ...]]:
+    def _open_world(self, scene: str, report: Report) -> World:
         if self.options.data is None:
-            return load_world(scene)
-        directory, faults = open_directory(self.options.data, scene)
+            return open_world(scene, report)
+        directory = open_data(self.options.data, scene, report=report)
         self._stack.callback(lambda: directory.close() if self._opened else directory.discard())
         if self.simulates:
             respawn(directory.world, directory.journal)
-        return directory.world, faults
+        return directory.world
 
     @property
     def simulates(self) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -36,65 +36,57 @@ def why_not_loaded(data: Path, world: World, scene: str) -> str:
     return ""
 
 
-def open_world(scene: str) -> World:
-    """Loads the ontology and a scene, with the ontologies and reasoners of plug-ins; no robots, no physics.
-
-    A plug-in that does not load is skipped, and logged as a warning.
-
-    Raises:
-        UnknownName: No such scene.
-        FileError: A file cannot be read or parsed.
-    """
-    world, faults = load_world(scene)
-    warn(faults)
-    return world
-
-
-def load_world(scene: str) -> tuple[World, tuple[PluginFault, ...]]:
-    """Loads a scene, and the faults of plug-ins that do not load; see :func:`open_world`."""
-    path = find_scene(scene)
-    ontology, reasoners, faults = _installed()
-    return load_scene(ontology, path, ontology_paths(), reasoners=reasoners), faults
-
-
-def open_data(path: str | Path, scene: str | None = None, *, create: bool = True) -> DataDirectory:
-    """Opens a data directory, in which a world outlives its process. Close it, or use it in a ``with``.
-
-    A plug-in that does not load is skipped, and logged as a warning.
-
-    Args:
-        path: The folder; created if it is missing.
-        scene: Name or path of the initial scene of a new directory.
-        create: False to refuse a folder without a world.
-
-    Raises:
-        UnknownName: No such scene.
-        FileError: Another process uses the folder, it cannot be read or written, or a file is broken.
-    """
-    directory, faults = open_directory(Path(path), scene, create=create)
-    warn(faults)
-    return directory
-
-
-def open_directory(
-    path: Path, scene: str | None, *, create: bool = True
-) -> tuple[DataDirectory, tuple[PluginFault, ...]]:
-    """Opens a data directory, and returns the faults of plug-ins that do not load; see :func:`open_data`."""
-    from skiros_py.world.journal import DataDirectory  # most runs store nothing
-
-    file = find_scene(scene) if scene else None
-    ontology, reasoners, faults = _installed()
-    return DataDirectory.open(path, ontology, reasoners, file, imports=ontology_paths(), create=create), faults
-
-
 def warn(faults: Sequence[PluginFault]) -> None:
     """Logs the faults of plug-ins, once per cause."""
     for fault in by_cause(faults):
         _log.warning("%s", fault)
 
 
-def _installed() -> tuple[Ontology, Reasoners, tuple[PluginFault, ...]]:
-    """Loads the ontologies and reasoners of plug-ins, and returns the faults of those that do not load."""
+Report = Callable[[Sequence[PluginFault]], object]
+"""Receives the faults of plug-ins that do not load."""
+
+
+def open_world(scene: str, report: Report = warn) -> World:
+    """Loads the ontology and a scene, with the ontologies and reasoners of plug-ins; no robots, no physics.
+
+    Args:
+        scene: Name or path of the scene.
+        report: Receives the faults of plug-ins that do not load; those are skipped.
+
+    Raises:
+        UnknownName: No such scene.
+        FileError: A file cannot be read or parsed.
+    """
+    path = find_scene(scene)
+    ontology, reasoners = _installed(report)
+    return load_scene(ontology, path, ontology_paths(), reasoners=reasoners)
+
+
+def open_data(
+    path: str | Path, scene: str | None = None, *, create: bool = True, report: Report = warn
+) -> DataDirectory:
+    """Opens a data directory, in which a world outlives its process. Close it, or use it in a ``with``.
+
+    Args:
+        path: The folder; created if it is missing.
+        scene: Name or path of the initial scene of a new directory.
+        create: False to refuse a folder without a world.
+        report: Receives the faults of plug-ins that do not load; those are skipped.
+
+    Raises:
+        UnknownName: No such scene.
+        FileError: Another process uses the folder, it cannot be read or written, or a file is broken.
+    """
+    from skiros_py.world.journal import DataDirectory  # most runs store nothing
+
+    file = find_scene(scene) if scene else None
+    ontology, reasoners = _installed(report)
+    return DataDirectory.open(Path(path), ontology, reasoners, file, imports=ontology_paths(), create=create)
+
+
+def _installed(report: Report) -> tuple[Ontology, Reasoners]:
+    """Loads the ontologies and reasoners of plug-ins."""
     ontology, misfits = load_installed(ontology_paths())
     reasoners, unusable = load_reasoners(ontology)
-    return ontology, reasoners, (*unusable, *misfits)
+    report((*unusable, *misfits))
+    return ontology, reasoners
