@@ -1,4 +1,4 @@
-"""The services that routes use: the station, access, streams, webhooks. Start them, and close them."""
+"""The services that routes use: the station, access, streams, webhooks."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from skiros_py.server.webhooks.sender import WebhookSender
 from skiros_py.server.webhooks.store import Post, WebhookStore
 from skiros_py.station.control import OpenSession
 from skiros_py.station.jobs.views import announced_job
-from skiros_py.station.station import Station, StationLimits
+from skiros_py.station.station import Station
 
 
 class Services:
-    """The services of one server. Start it, and close it, or use it in a ``with``.
+    """The services of one server. Use it in a ``with``.
 
     Args:
         opening: Opens the session.
@@ -33,17 +33,17 @@ class Services:
     Attributes:
         settings: Settings of the server.
         station: The use cases that routes call.
-        keys: API keys; from :meth:`start` on.
-        authenticator: Identifies the caller of a request; from :meth:`start` on.
-        audit: The log of changes and refusals; from :meth:`start` on.
+        keys: API keys, while it runs.
+        authenticator: Identifies the caller of a request, while it runs.
+        audit: The log of changes and refusals, while it runs.
         streams: The event streams.
         metrics: The metrics of the server.
-        webhooks: Subscriptions and deliveries; from :meth:`start` on.
+        webhooks: Subscriptions and deliveries, while it runs.
     """
 
     def __init__(self, opening: OpenSession, data: Path, settings: ServerSettings) -> None:
         self.settings = settings
-        self.station = station = Station(opening, data, StationLimits(settings.kept_events, settings.open_jobs))
+        self.station = station = Station(opening, data, events=settings.kept_events, open_jobs=settings.open_jobs)
         self.keys: KeyStore
         self.authenticator: Authenticator
         self.audit: AuditLog
@@ -53,39 +53,30 @@ class Services:
         self.webhooks: WebhookStore
         self._sender: WebhookSender | None = None
         station.control.on_open(lambda session: session.jobs.subscribe(lambda _job: self.send_webhooks()))
-        self._stack = ExitStack()
 
-    def start(self) -> None:
+    def __enter__(self) -> Self:
         """Opens the session and runs it.
 
         Raises:
             SkirosError: It cannot be opened.
         """
         station = self.station
-        try:
+        with ExitStack() as stack:
             station.make_folder()
-            self.keys, self.authenticator, self.audit = set_up_access(self.settings, station.data, self._stack)
-            self._stack.enter_context(station)
-            self.webhooks, self._sender = open_sender(station, self.settings.webhook_hosts, self._stack)
-        except BaseException:
-            self.close()
-            raise
+            self.keys, self.authenticator, self.audit = set_up_access(self.settings, station.data, stack)
+            stack.enter_context(station)
+            self.webhooks, self._sender = open_sender(station, self.settings.webhook_hosts, stack)
+            self._close = stack.pop_all().close
+        return self
 
     def send_webhooks(self) -> None:
         """Wakes the sender of webhooks; does not block; callable from any thread."""
         if self._sender is not None:
             self._sender.wake()
 
-    def close(self) -> None:
-        """Stops everything and closes all services; may be called twice."""
-        self._stack.close()
-
-    def __enter__(self) -> Self:
-        self.start()
-        return self
-
     def __exit__(self, *_: object) -> None:
-        self.close()
+        """Stops everything and closes all services."""
+        self._close()
 
 
 def set_up_access(settings: ServerSettings, data: Path, stack: ExitStack) -> tuple[KeyStore, Authenticator, AuditLog]:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import ExitStack, closing
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Literal, Self
@@ -44,21 +42,8 @@ from skiros_py.station.world.world import WorldService
 from skiros_py.world.journal.data_directory import make_folder
 
 
-@dataclass(frozen=True, slots=True)
-class StationLimits:
-    """Limits of a station.
-
-    Attributes:
-        events: Number of events kept for replay.
-        open_jobs: Maximum number of open jobs.
-    """
-
-    events: int = 20_000
-    open_jobs: int = 50_000
-
-
 class Station:
-    """A running cell with its use cases, for several callers at once. Start and close it, or use it in a ``with``.
+    """A running cell with its use cases, for several callers at once. Use it in a ``with``.
 
     A control thread steps its :class:`~skiros_py.station.session.Session`, and opens another one when a scene is loaded
     or after a fault. The method ``open`` of each part that belongs to a session attaches the part to it, and names what
@@ -67,7 +52,8 @@ class Station:
     Args:
         opening: Opens the session.
         data: The data directory.
-        limits: Its limits.
+        events: Number of events kept for replay.
+        open_jobs: Maximum number of open jobs.
 
     Attributes:
         data: The data directory.
@@ -78,7 +64,7 @@ class Station:
         live: The current state of the robots.
         looks: The last looks of the cameras.
         motions: The planned motions of devices.
-        document_store: The stored documents; from :meth:`start` on.
+        document_store: The stored documents, while it runs.
         module_runs: Active and recent runs of modules.
         scene_store: The files of scenes.
         robot_models: Visual models of the robots.
@@ -86,10 +72,10 @@ class Station:
         waiter: Lets callers wait for jobs.
     """
 
-    def __init__(self, opening: OpenSession, data: Path, limits: StationLimits = StationLimits()) -> None:
+    def __init__(self, opening: OpenSession, data: Path, *, events: int = 20_000, open_jobs: int = 50_000) -> None:
         self.data = data
         self.control = ControlThread(opening)
-        self.events = EventLog(limits.events)
+        self.events = EventLog(events)
         self.alarms = Alarms(self.events, lambda: self.session)
         self.stops = Stops(self.control, self.events, HaltMark(data / "halted.json"))
         self.looks = Looks()
@@ -98,7 +84,7 @@ class Station:
         self.module_runs = ModuleRuns(self.events.epoch)
         self.tasks = TaskService(self)
         self.document_store: DocumentStore
-        self.waiter = JobWaiter(limits.open_jobs)
+        self.waiter = JobWaiter(open_jobs)
         self.query_worker = Queries()
         self.robot_models = RobotModels(user_cache_path("skiros-py") / "models")
         self.scene_store = SceneStore(data / "scenes")
@@ -135,7 +121,6 @@ class Station:
             self.recordings.open,
         ):
             self.control.on_open(attach)
-        self._stack = ExitStack()
 
     @property
     def session(self) -> Session:
@@ -154,44 +139,31 @@ class Station:
         """
         make_folder(self.data)
 
-    def start(self) -> None:
-        """Opens the session and runs it.
-
-        Raises:
-            SkirosError: It cannot be opened.
-        """
-        try:
-            self._stack.callback(self.recordings.close)
-            self.make_folder()
-            self._stack.callback(self.robot_models.close)
-            self._stack.callback(self.control.close)
-            self.stops.restore()
-            self.control.start()  # locks the data directory, so that no other program has its files open
-            self._stack.callback(self.waiter.close)
-            self._stack.callback(self.previews.close)
-            store = closing(DocumentStore(self.data / "server.db", self._note))
-            self.document_store = self._stack.enter_context(store)
-            self.control.call(self.documents.open)
-        except BaseException:
-            self.close()
-            raise
-
     def _note(self, what: Literal["written", "removed"], document: Document) -> None:
         """Announces a change of a document, not its content."""
         data = {"kind": document.kind, "name": document.name, "version": document.version}
         self.events.append(Kind.DOCUMENT, what, document.name, data=data)
 
-    def on_close(self, callback: Callable[[], object]) -> None:
-        """Calls the callback when the station ends."""
-        self._stack.callback(callback)
-
-    def close(self) -> None:
-        """Stops everything and closes all parts; may be called twice."""
-        self._stack.close()
-
     def __enter__(self) -> Self:
-        self.start()
+        """Opens the session and runs it.
+
+        Raises:
+            SkirosError: It cannot be opened.
+        """
+        with ExitStack() as stack:
+            stack.callback(self.recordings.close)
+            self.make_folder()
+            stack.callback(self.robot_models.close)
+            stack.callback(self.control.close)
+            self.stops.restore()
+            self.control.start()  # locks the data directory, so that no other program has its files open
+            stack.callback(self.waiter.close)
+            stack.callback(self.previews.close)
+            self.document_store = stack.enter_context(closing(DocumentStore(self.data / "server.db", self._note)))
+            self.control.call(self.documents.open)
+            self._close = stack.pop_all().close
         return self
 
     def __exit__(self, *_: object) -> None:
-        self.close()
+        """Stops everything and closes all parts."""
+        self._close()
