@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, TypedDict
+from typing import Annotated, Any
 
 from fastapi import APIRouter, Path, Query, Request, Response
 
@@ -79,12 +79,6 @@ def revoke_key(act: Admin, key_id: KeyId) -> ApiKey:
         return shown(act.services.keys.revoke(key_id, open_to_others=not is_loopback(act.services.settings.host)))
 
 
-class _CookieOptions(TypedDict):
-    httponly: bool
-    samesite: Literal["strict"]
-    secure: bool
-
-
 session_router = APIRouter(prefix="/session", tags=["access"])
 
 
@@ -129,7 +123,7 @@ def _cookie(request: Request) -> str:
     return cookie_name(request.headers.get("host", ""))
 
 
-def _options(request: Request) -> _CookieOptions:
+def _options(request: Request) -> dict[str, Any]:
     return {"httponly": True, "samesite": "strict", "secure": request.url.scheme == "https"}
 
 

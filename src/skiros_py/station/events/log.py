@@ -124,29 +124,25 @@ class EventLog:
     Attributes:
         epoch: Identifies this start of the server: event numbers of other starts are not valid here.
         clock: Returns the run time [s].
+        last: Number of the last event; 0 before the first.
     """
 
     def __init__(self, kept: int, clock: Callable[[], float] = lambda: 0.0, *, room: int = 32_000_000) -> None:
         self.epoch = secrets.token_hex(4)
         self.clock = clock
+        self.last = 0
         self._events: deque[Event] = deque()
         self._kept = kept
         self._room = room
         self._size = 0
         self._guard = threading.Lock()
-        self._last = 0
         self._listeners = Listeners[[]]("events")
-
-    @property
-    def last(self) -> int:
-        """Number of the last event; 0 before the first."""
-        return self._last
 
     @property
     def first(self) -> int:
         """Number of the oldest event that is kept; one more than :attr:`last` if none is."""
         with self._guard:
-            return self._last - len(self._events) + 1
+            return self.last - len(self._events) + 1
 
     def append(
         self,
@@ -162,7 +158,7 @@ class EventLog:
         touched = frozenset(elements)
         listed = touched if len(touched) <= _MOST_ELEMENTS else None
         with self._guard:
-            number, wall, now = self._last + 1, time.time(), self.clock()
+            number, wall, now = self.last + 1, time.time(), self.clock()
             head: dict[str, Any] = {
                 "id": f"{self.epoch}-{number}",
                 "number": number,
@@ -180,7 +176,7 @@ class EventLog:
             frame = f'event: {kind.value}\ndata: {as_text(head)[:-1]},"data":{text}}}\nid: {head["id"]}\n\n'.encode()
             event = Event(number, wall, now, kind, type_, subject, job, listed, frame)
             self._events.append(event)
-            self._last = number
+            self.last = number
             self._size += len(frame)
             while len(self._events) > self._kept or self._size > self._room:
                 self._size -= len(self._events.popleft().frame)
@@ -190,7 +186,7 @@ class EventLog:
     def since(self, number: int, most: int = 500) -> list[Event]:
         """Returns the events after a number, oldest first, up to a limit; events no longer kept are skipped."""
         with self._guard:
-            first = self._last - len(self._events) + 1
+            first = self.last - len(self._events) + 1
             skip = max(0, number + 1 - first)
             end = min(len(self._events), skip + most)
             return [self._events[index] for index in range(skip, end)]

@@ -200,7 +200,6 @@ class ModuleRuns:
         self._numbers = count(1)
         self._runs: OrderedDict[str, ModuleRun] = OrderedDict()
         self._active: tuple[ModuleRun, ...] = ()
-        self._session: Session | None = None
         self.turns = Listeners[[ModuleRun, Turn]]("turns of modules")
         self._guard = threading.Lock()
 
@@ -247,10 +246,9 @@ class ModuleRuns:
 
     def open(self, session: Session) -> None:
         """Follows the modules of a session, from its first cycle on."""
-        self._session = session
-        session.cycle.observe(self._attend)
-        session.monitor.subscribe(self._on_event)
-        session.world.subscribe(self._on_change)
+        session.cycle.observe(lambda: self._attend(session))
+        session.monitor.subscribe(partial(self._on_event, session))
+        session.world.subscribe(partial(self._on_change, session))
         session.on_close(partial(self._end_all, session))
 
     def _end_all(self, session: Session) -> None:
@@ -258,14 +256,12 @@ class ModuleRuns:
         for run in self._active:
             run.stop_wanted = True
             run.end(Failure("the station was shut down"), session.cycle.board.now)
-        self._active, self._session = (), None
+        self._active = ()
 
-    def _attend(self) -> None:
+    def _attend(self, session: Session) -> None:
         """Checks at the end of each cycle which runs have ended, and starts the next repetition if requested."""
-        if not self._active or self._session is None:
-            return
         for run in self._active:
-            self._follow(run, self._session)
+            self._follow(run, session)
             if turn := run.turn():
                 self.turns.notify(run, turn)
         self._active = tuple(run for run in self._active if not run.over)
@@ -296,19 +292,18 @@ class ModuleRuns:
 
     # ------------------------------------------------------------------ progress and changes of a run
 
-    def _on_event(self, event: ModuleEvent) -> None:
+    def _on_event(self, session: Session, event: ModuleEvent) -> None:
         for run in self._active:
-            if self._is_at_work(run) or run.is_about(event):
+            if _is_at_work(session, run) or run.is_about(event):
                 run.note(event)
 
-    def _on_change(self, change: Change) -> None:
+    def _on_change(self, session: Session, change: Change) -> None:
         for run in self._active:
-            if self._is_at_work(run):
+            if _is_at_work(session, run):
                 run.changes.append(change)
 
-    def _is_at_work(self, run: ModuleRun) -> bool:
-        """Returns whether the control thread is executing code of this run, so that the call comes from it."""
-        activity = self._session.cycle.activity if self._session is not None else None
-        if activity is None or activity.thread != threading.get_ident():
-            return False
-        return activity.task is run.running.task
+
+def _is_at_work(session: Session, run: ModuleRun) -> bool:
+    """Returns whether the control thread is executing code of this run, so that the call comes from it."""
+    activity = session.cycle.activity
+    return activity.thread == threading.get_ident() and activity.task is run.running.task

@@ -141,7 +141,6 @@ class JobRecordings:
         self._jobs = jobs
         self._most = most
         self._room = room
-        self._session: Session | None = None
         self._run = ""
         self._running: dict[int, Recorder] = {}
         self._writers: dict[int, RecordingWriter] = {}
@@ -186,14 +185,15 @@ class JobRecordings:
 
     def open(self, session: Session) -> None:
         """Follows the jobs of a session."""
-        self._session, self._run = session, uuid4().hex
-        session.on_close(self._end_all, session.tasks.on_begin(self._begin), session.jobs.on_remove(self._remove))
+        self._run = uuid4().hex
+        follow = session.tasks.on_begin(partial(self._begin, session))
+        session.on_close(self._end_all, follow, session.jobs.on_remove(self._remove))
 
     def _end_all(self) -> None:
         """Ends the recordings of jobs that were interrupted."""
         for recorder in self._running.values():
             recorder.end(cut_off=True)
-        self._running, self._session = {}, None
+        self._running = {}
 
     def close(self) -> None:
         """Waits until everything is written."""
@@ -202,10 +202,9 @@ class JobRecordings:
 
     # ------------------------------------------------------------------ jobs
 
-    def _begin(self, task: TaskHandle) -> None:
-        session = self._session
-        job = session.jobs.open.get(task.name) if session is not None else None
-        if session is None or job is None:
+    def _begin(self, session: Session, task: TaskHandle) -> None:
+        job = session.jobs.open.get(task.name)
+        if job is None:
             return
         number, before = job.number, self._writers.get(job.number)
         part = {"run": self._run, "start": session.cycle.board.now}

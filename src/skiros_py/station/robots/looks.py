@@ -7,6 +7,7 @@ import math
 from collections import Counter, deque
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -50,7 +51,6 @@ class Looks:
     """
 
     def __init__(self) -> None:
-        self._session: Session | None = None
         self._shots: dict[str, deque[_Shot]] = {}
         self._counts: Counter[str] = Counter()
         self._shown: dict[str, Look] = {}
@@ -60,11 +60,10 @@ class Looks:
         only_asked = (id_ for id_, spec in session.spec.devices.items() if spec.state_type is None)
         self._shots = {id_: deque(maxlen=_KEPT) for id_ in only_asked}
         self._shown = {}
-        self._session = session
-        session.on_close(self._forget, session.runtime.asked.subscribe(self._note))
+        session.on_close(self._forget, session.runtime.asked.subscribe(partial(self._note, session)))
 
     def _forget(self) -> None:
-        self._session, self._shots = None, {}
+        self._shots = {}
 
     def numbers(self) -> dict[str, int]:
         """Returns the number of the last look of each camera; 0 for none."""
@@ -85,10 +84,10 @@ class Looks:
             self._shown[device] = shown = _look(device, shot)
         return shown
 
-    def _note(self, call: LibraryCall) -> None:
+    def _note(self, session: Session, call: LibraryCall) -> None:
         """Records a request; called in the control thread."""
-        request, session = call.request, self._session
-        if session is None or not isinstance(request, LookRequest | RegistrationRequest):
+        request = call.request
+        if not isinstance(request, LookRequest | RegistrationRequest):
             return
         if request.camera not in session.spec.devices:  # the request does not name its camera
             return

@@ -6,6 +6,7 @@ import logging
 import threading
 from collections import Counter, deque
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from skiros_py.api.robots import DeviceMotion
@@ -89,7 +90,7 @@ class Motions:
     def open(self, session: Session) -> None:
         """Records the plans of a session."""
         self._session = session
-        session.on_close(self._forget, session.runtime.asked.subscribe(self._note))
+        session.on_close(self._forget, session.runtime.asked.subscribe(partial(self._note, session)))
 
     def _forget(self) -> None:
         with self._lock:
@@ -128,11 +129,10 @@ class Motions:
             _log.error("%s: its planned motion is not drawn, planned_poses failed: %s", device, error)
             return DeviceMotion(number=number, poses=())
 
-    def _note(self, call: LibraryCall) -> None:
+    def _note(self, session: Session, call: LibraryCall) -> None:
         """Records a request; called in the control thread."""
-        session = self._session
-        device = None if session is None else session.spec.devices.get(getattr(call.request, "device", ""))
-        if session is None or device is None or not device.plans_motions():
+        device = session.spec.devices.get(getattr(call.request, "device", ""))
+        if device is None or not device.plans_motions():
             return
         board = session.cycle.board
         with self._lock:  # never held for long

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass
+from functools import cache, partial
 from types import MappingProxyType
 from typing import Literal
 
@@ -13,6 +13,7 @@ from skiros_py.geometry import Pose, Primitive, Solid
 from skiros_py.world import vocabulary as v
 from skiros_py.world.element import Element, Value, is_abstract
 from skiros_py.world.index import Index
+from skiros_py.world.ontology import Ontology
 from skiros_py.world.poses import pose_on
 
 _AT = Pose()
@@ -35,28 +36,23 @@ class Shapes:
     def __init__(self, view: Index) -> None:
         self.used: dict[str, tuple[Block, ...]] = {}
         self._ontology = view.ontology
-        self._of_class: dict[str, dict[str, Value | None]] = {}
         self._keys: dict[tuple[Value | None, Value | None, str], str | None] = {}
 
     def of(self, element: Element) -> str | None:
         """Returns the key of an element's shape; None if it has none, or one that cannot be parsed."""
-        own, given = element.properties, self._given(element.type)
+        own = element.properties
         key = f"{element.type}#" if v.SOLID in own or v.SIZE in own else element.type
-        what = own.get(v.SOLID, given[v.SOLID]), own.get(v.SIZE, given[v.SIZE]), key
+        what = self._value(element, v.SOLID), self._value(element, v.SIZE), key
         if what not in self._keys:
             self._keys[what] = self._take(*what)
         return self._keys[what]
 
     def hollow(self, element: Element) -> bool:
         """Returns whether an element's shape is empty space, not solid."""
-        return element.properties.get(v.HOLLOW, self._given(element.type)[v.HOLLOW]) is True
+        return self._value(element, v.HOLLOW) is True
 
-    def _given(self, class_: str) -> dict[str, Value | None]:
-        given = self._of_class.get(class_)
-        if given is None:
-            read = self._ontology.class_value
-            given = self._of_class[class_] = {name: read(class_, name) for name in (v.SOLID, v.SIZE, v.HOLLOW)}
-        return given
+    def _value(self, element: Element, property_: str) -> Value | None:
+        return element.properties.get(property_, self._ontology.class_value(element.type, property_))
 
     def _take(self, solid: Value | None, size: Value | None, key: str) -> str | None:
         blocks = _blocks(solid, size)
@@ -132,14 +128,6 @@ def _dependents(view: Index, ids: Iterable[str]) -> set[str]:
     return found
 
 
-@dataclass(frozen=True, slots=True)
-class _Sort:
-    """Data common to all elements of a class."""
-
-    kind: Kind | None
-    base: bool
-
-
 class _Observer:
     """Describes elements one by one, caching the data that they have in common."""
 
@@ -147,7 +135,7 @@ class _Observer:
         self.shapes = Shapes(view)
         self._view = view
         self._platforms = platforms
-        self._sorts: dict[str, _Sort] = {}
+        self._kind = cache(partial(_kind, view.ontology))
         self._found: dict[str, tuple[str | None, Pose | None]] = {}
 
     def told(self, name: str) -> ViewElement | None:
@@ -172,7 +160,7 @@ class _Observer:
             in_hand=self._in_hand(name, placement.place) if placement is not None and held else None,
             shape=shape,
             hollow=shape is not None and self.shapes.hollow(element),
-            kind=self._sort(element.type).kind or ("other" if shape is None else "furniture"),
+            kind=self._kind(element.type) or ("other" if shape is None else "furniture"),
             version=view.stamp(name).change,
         )
 
@@ -180,7 +168,7 @@ class _Observer:
         """Returns the device that carries an element, if any, and the element's pose in its frame, else in the map."""
         if self._carries(name):
             return None, self._platforms.get(name)
-        if self._sort(self._view.element(name).type).kind == "robot":
+        if self._kind(self._view.element(name).type) == "robot":
             pieces = self._view.objects(name, v.STRUCTURE)
             moved = next((self._platforms[piece] for piece in pieces if piece in self._platforms), None)
             if moved is not None:
@@ -198,12 +186,8 @@ class _Observer:
         return pose if isinstance(pose, Pose) and gripper in self._view.objects(name, v.POSE_FRAME) else None
 
     def _carries(self, name: str) -> bool:
-        return name in self._platforms or self._sort(self._view.element(name).type).base
+        return name in self._platforms or self._view.ontology.is_a(self._view.element(name).type, v.BASE)
 
-    def _sort(self, class_: str) -> _Sort:
-        known = self._sorts.get(class_)
-        if known is None:
-            is_a = self._view.ontology.is_a
-            kind = next((kind for above, kind in _KINDS if is_a(class_, above)), None)
-            known = self._sorts[class_] = _Sort(kind, is_a(class_, v.BASE))
-        return known
+
+def _kind(ontology: Ontology, class_: str) -> Kind | None:
+    return next((kind for above, kind in _KINDS if ontology.is_a(class_, above)), None)
