@@ -61,46 +61,38 @@ class LookingPrimitive(ArmPrimitive):
 
     def look_for_parts(self, region: Region, x: float, y: float) -> Execution[LookResult | NoMotion]:
         """Searches a region for parts, in a picture from straight above a point of the map [m]."""
-        camera = self.camera_spec(self.params.camera)
-        detector = self.context.port(PartDetector, camera.id)
-        image = yield from self.look_down(camera, x, y, region.pose.position[2])
-        if isinstance(image, NoMotion):
-            return image
-        pose = self.camera_pose(camera, image)
-        request = LookRequest(image, pose, region, part_models(self.world), self.seed(), camera.id)
+        detector = self.context.port(PartDetector, self.params.camera)
+        picture = yield from self.look_down(x, y, region.pose.position[2])
+        if isinstance(picture, NoMotion):
+            return picture
+        request = LookRequest(*picture, region, part_models(self.world), self.seed(), self.params.camera)
         return (yield from self.wait(detector.detect(request)))
 
     def look_down(
-        self, camera: CameraSpec, x: float, y: float, surface: float, *, aside: float = 0.0
-    ) -> Execution[DepthImage | NoMotion]:
-        """Takes a picture from straight above a point of the map.
+        self, x: float, y: float, surface: float, *, aside: float = 0.0
+    ) -> Execution[tuple[DepthImage, Pose] | NoMotion]:
+        """Takes a picture from straight above a point of the map; returns it with the camera's pose in the map.
 
         Args:
-            camera: The camera.
             x: Where to look, in the map [m].
             y: Where to look, in the map [m].
             surface: Height of the viewed surface, in the map [m].
             aside: How far to retract the tool [m]: a part in the gripper hides that side of the image, so the point
                 should lie on the other side.
         """
+        camera = self.context.cell.device(self.params.camera, CameraSpec)
         tool_camera = self._camera_in_tool(camera)
-        answer: NoMotion | None = NoMotion("no height tried")
+        reason = ""
         for height in _LOOK_HEIGHTS:
             yaws = (self.base_pose.yaw + quarter * math.pi / 2.0 for quarter in range(4))
             poses = [downward(x, y, surface + height, yaw) @ tool_camera.inverse() for yaw in yaws]
             back = Pose((-aside, 0.0, 0.0))
-            answer = yield from self.go([(PoseMove(pose @ back),) for pose in poses])
-            if answer is None:
-                return (yield from self.wait(Camera(self.context.board, camera.id).capture()))
-        return NoMotion(f"cannot look at ({x:.2f}, {y:.2f}) from above: {answer.reason}" if answer else "")
-
-    def camera_pose(self, camera: CameraSpec, image: DepthImage) -> Pose:
-        """Returns the camera pose in the map when it took an image, from joints and localisation."""
-        return self.context.frames.at(image.snapshot).located(camera.id)
-
-    def camera_spec(self, camera: str) -> CameraSpec:
-        """Returns the description of one of the robot's cameras."""
-        return self.context.cell.device(camera, CameraSpec)
+            refusal = yield from self.go([(PoseMove(pose @ back),) for pose in poses])
+            if refusal is None:
+                image = yield from self.wait(Camera(self.context.board, camera.id).capture())
+                return image, self.context.frames.at(image.snapshot).located(camera.id)
+            reason = refusal.reason
+        return NoMotion(f"cannot look at ({x:.2f}, {y:.2f}) from above: {reason}")
 
     def _camera_in_tool(self, camera: CameraSpec) -> Pose:
         kinematics = self.context.port(Kinematics, self.params.arm)
@@ -143,15 +135,14 @@ class RegisterKit(LookingPrimitive):
         return Failure(f"{self.params.kit} is not recognised where it should be: {why}")
 
     def _look(self, believed: Pose, aside: float) -> Execution[RegistrationResult | NoMotion]:
-        camera, solid = self.camera_spec(self.params.camera), solid_of(self.world, self.params.kit)
-        registrar = self.context.port(Registrar, camera.id)
+        camera, solid = self.params.camera, solid_of(self.world, self.params.kit)
+        registrar = self.context.port(Registrar, camera)
         if solid is None:
             raise DeviceError(f"register_kit needs a shape of {self.params.kit}")
-        image = yield from self.look_down(camera, *believed.position, aside=aside)
-        if isinstance(image, NoMotion):
-            return image
-        pose = self.camera_pose(camera, image)
-        request = RegistrationRequest(image, pose, solid, believed, self.seed(), camera.id, self.params.kit)
+        picture = yield from self.look_down(*believed.position, aside=aside)
+        if isinstance(picture, NoMotion):
+            return picture
+        request = RegistrationRequest(*picture, solid, believed, self.seed(), camera, self.params.kit)
         return (yield from self.wait(registrar.register(request)))
 
     def _write(self, pose: Pose, cost: float) -> None:

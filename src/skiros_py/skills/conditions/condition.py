@@ -64,7 +64,7 @@ Operator = Literal["=", "!=", "<", "<=", ">", ">="]
 Constant = str | bool | int | float
 """What something may be compared with."""
 
-_OPERATORS: Mapping[str, Callable[[float, float], bool]] = MappingProxyType(
+OPERATORS: Mapping[str, Callable[[float, float], bool]] = MappingProxyType(
     {"=": eq, "!=": ne, "<": lt, "<=": le, ">": gt, ">=": ge}
 )
 _WORDS: Mapping[str, str] = MappingProxyType(
@@ -85,11 +85,11 @@ class Comparison:
     value: Constant
 
     def __post_init__(self) -> None:
-        kind = _kind(self.value)
+        kind = kind_of(self.value)
         if kind is None or (isinstance(self.value, float) and not math.isfinite(self.value)):
             raise DescriptionError(f"compare with a text, a finite number, true or false, not with {shown(self.value)}")
-        if self.op not in _OPERATORS:
-            raise DescriptionError(f"'{self.op}' does not compare: use one of {' '.join(_OPERATORS)}")
+        if self.op not in OPERATORS:
+            raise DescriptionError(f"'{self.op}' does not compare: use one of {' '.join(OPERATORS)}")
         if kind != "number" and self.op not in ("=", "!="):
             raise DescriptionError(f"'{self.op}' compares numbers, and {_said(self.value)} is a {kind}: use = or !=")
 
@@ -108,8 +108,8 @@ class Comparison:
         """
         if present is None:
             return Verdict(False, missing)
-        if _kind(present) != _kind(self.value):
-            kind = _kind(present) or "no text, number or truth value"
+        if kind_of(present) != kind_of(self.value):
+            kind = kind_of(present) or "no text, number or truth value"
             return Verdict(
                 False, f"{what} is {_said(present)} ({kind}): it cannot be compared with {_said(self.value)}"
             )
@@ -118,12 +118,13 @@ class Comparison:
 
     def allows(self, present: Value | None) -> bool:
         """Tells whether a value that is there, or None, compares as wanted."""
-        if present is None or _kind(present) != _kind(self.value):
+        if present is None or kind_of(present) != kind_of(self.value):
             return False
-        return _OPERATORS[self.op](present, self.value)  # type: ignore[arg-type]  # both of one kind
+        return OPERATORS[self.op](present, self.value)  # type: ignore[arg-type]  # both of one kind
 
 
-def _kind(value: object) -> str | None:
+def kind_of(value: object) -> str | None:
+    """Returns what a value is ("truth value", "number", "text"); None for anything else."""
     if isinstance(value, bool):  # before int, of which it is a subclass
         return "truth value"
     if isinstance(value, int | float):

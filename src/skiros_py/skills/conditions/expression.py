@@ -19,7 +19,7 @@ from lark import Lark, Token, Transformer, v_args
 from lark.exceptions import UnexpectedCharacters, UnexpectedInput, UnexpectedToken, VisitError
 
 from skiros_py.errors import DescriptionError, UnknownName
-from skiros_py.skills.conditions.condition import Condition, ConditionType
+from skiros_py.skills.conditions.condition import OPERATORS, Condition, ConditionType, kind_of
 from skiros_py.skills.conditions.pattern import Binding, Pattern, Verdict, leaves
 from skiros_py.world.literals import shown
 from skiros_py.world.view import NO_SENSORS, WorldView
@@ -187,11 +187,7 @@ def _said(value: Any) -> str:
 def _kind(value: Any) -> str:
     if isinstance(value, Sample):
         return " or ".join(sorted(value.kinds))
-    if isinstance(value, bool):
-        return "truth value"
-    if isinstance(value, int | float):
-        return "number"
-    return "text" if isinstance(value, str) else "vector" if isinstance(value, tuple) else type(value).__name__
+    return kind_of(value) or ("vector" if isinstance(value, tuple) else type(value).__name__)
 
 
 def _kinds(value: Any) -> frozenset[str]:
@@ -232,9 +228,6 @@ _FUNCTIONS: Mapping[str, Callable[..., Any]] = MappingProxyType(
         "min": _numeric("min", lambda *values: min(values)),
         "norm": _norm,
     }
-)
-_COMPARE: Mapping[str, Callable[[Any, Any], bool]] = MappingProxyType(
-    {"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge}
 )
 
 
@@ -336,13 +329,11 @@ def _truth(word: str, value: Any) -> bool:
 
 
 def _compare(left: Any, sign: str, right: Any) -> Any:
-    sampled = _sampled((left, right))
-    if sign in _COMPARE:
+    if sign not in ("=", "==", "!="):
         _needs("number", f"'{sign}'", left, right)
-        return _TRUTH if sampled else _COMPARE[sign](left, right)
-    if _kinds(left).isdisjoint(_kinds(right)):
+    elif _kinds(left).isdisjoint(_kinds(right)):
         raise _Unknown(f"{_said(left)} ({_kind(left)}) cannot be compared with {_said(right)} ({_kind(right)})")
-    return _TRUTH if sampled else bool(left != right if sign == "!=" else left == right)
+    return _TRUTH if _sampled((left, right)) else bool(OPERATORS[sign.replace("==", "=")](left, right))
 
 
 @cache

@@ -32,6 +32,7 @@ class ValueType:
         text: Writes it as such a text.
         json: Writes it as plain data.
         schema: JSON schema of that data.
+        sample: An example; None for a Python class.
     """
 
     says: str
@@ -40,6 +41,7 @@ class ValueType:
     text: Callable[[Any], str] = str
     json: Callable[[Any], Any] = field(default=lambda value: value)
     schema: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+    sample: Any = None
 
 
 def _check_number(value: Any) -> float:
@@ -67,40 +69,30 @@ def _pose_numbers(pose: Pose) -> list[float]:
     return [float(word) for word in format_value(pose).split()]
 
 
-def _of(curie: str, says: str, schema: Mapping[str, Any], **other: Callable[[Any], Any]) -> ValueType:
+def _of(curie: str, says: str, schema: Mapping[str, Any], sample: Any, **other: Callable[[Any], Any]) -> ValueType:
     datatype = DATATYPES[curie]
     usual: dict[str, Any] = {"check": datatype.check, "parse": datatype.parse, "text": format_value}
-    return ValueType(says, schema=MappingProxyType(schema), **(usual | other))
+    return ValueType(says, schema=MappingProxyType(schema), sample=sample, **(usual | other))
 
 
-_NUMBERS: Mapping[str, Any] = {"type": "array", "items": {"type": "number"}}
+_NUMBER: Mapping[str, Any] = {"type": "number"}
+_NUMBERS: Mapping[str, Any] = {"type": "array", "items": _NUMBER}
 _POSE = 'a pose "x y z roll pitch yaw" of finite numbers [m, rad]'
 _SIX = {**_NUMBERS, "minItems": 6, "maxItems": 6}
 
 VALUE_TYPES: Mapping[str, ValueType] = MappingProxyType(
     {
-        "number": ValueType("a finite number", _check_number, _parse_number, repr, schema={"type": "number"}),
-        "integer": _of("xsd:integer", "a whole number", {"type": "integer"}),
-        "text": _of("xsd:string", "a text", {"type": "string"}),
-        "boolean": _of("xsd:boolean", "true or false", {"type": "boolean"}),
-        "pose": _of("sk:poseLiteral", _POSE, _SIX, check=_check_pose, json=_pose_numbers),
-        "vector": _of("sk:vectorLiteral", "finite numbers separated by blanks", _NUMBERS, json=list),
-        "class": _of("xsd:string", "the name of a class", {"type": "string"}),
+        "number": ValueType("a finite number", _check_number, _parse_number, repr, schema=_NUMBER, sample=1.0),
+        "integer": _of("xsd:integer", "a whole number", {"type": "integer"}, 1),
+        "text": _of("xsd:string", "a text", {"type": "string"}, "text"),
+        "boolean": _of("xsd:boolean", "true or false", {"type": "boolean"}, True),
+        "pose": _of("sk:poseLiteral", _POSE, _SIX, Pose(), check=_check_pose, json=_pose_numbers),
+        "vector": _of("sk:vectorLiteral", "finite numbers separated by blanks", _NUMBERS, (1.0, 1.0), json=list),
+        "class": _of("xsd:string", "the name of a class", {"type": "string"}, ELEMENT),
     }
 )
 """By the name that a parameter gives."""
-
-SAMPLES: Mapping[str, Any] = MappingProxyType(
-    {
-        "number": 1.0,
-        "integer": 1,
-        "text": "text",
-        "boolean": True,
-        "pose": Pose(),
-        "vector": (1.0, 1.0),
-        "class": ELEMENT,
-    }
-)
+SAMPLES: Mapping[str, Any] = MappingProxyType({name: type_.sample for name, type_ in VALUE_TYPES.items()})
 """An example of each."""
 
 
