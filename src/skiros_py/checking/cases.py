@@ -17,20 +17,8 @@ from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.process import ThreadHost
 from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.cell_reader import read_cell
-from skiros_py.skills.conditions import (
-    AllOf,
-    Assign,
-    Condition,
-    Has,
-    Not,
-    Nothing,
-    Pattern,
-    Relate,
-    Related,
-    Unrelate,
-    write_effects,
-)
-from skiros_py.skills.conditions.effects import brought_about
+from skiros_py.skills.conditions import AllOf, Condition, Has, Not, Nothing, Pattern, Related
+from skiros_py.skills.conditions.effects import Assign, Relate, Unrelate, brought_about, write_effects
 from skiros_py.skills.conditions.pattern import leaves
 from skiros_py.skills.inference import Inferred, Missing, infer
 from skiros_py.skills.outcome import Failure, Outcome

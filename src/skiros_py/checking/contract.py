@@ -12,8 +12,8 @@ from skiros_py.catalogue import Catalogue
 from skiros_py.checking.cases import Case, Ground, NoCase, Rig, fake_rig, find_case
 from skiros_py.execution.module_faults import words
 from skiros_py.interruptions import CycleOverrun
-from skiros_py.skills.conditions import Assign, Condition, Effect, Not, Nothing, Relate, Unrelate
-from skiros_py.skills.conditions.effects import brought_about
+from skiros_py.skills.conditions import Condition, Not, Nothing
+from skiros_py.skills.conditions.effects import Assign, Effect, Relate, Unrelate, brought_about
 from skiros_py.skills.lint.checking import EFFECT_MISSING, NEVER_TRIED, UNDECLARED_CHANGE
 from skiros_py.skills.lint.rule import Finding, Rule, Spot, title
 from skiros_py.skills.outcome import Failure, Outcome

@@ -11,16 +11,9 @@ from functools import cached_property
 from skiros_py.planning.domain.actions import needs_of, with_defaults
 from skiros_py.planning.plan import Step
 from skiros_py.planning.sequence import Round
-from skiros_py.skills.conditions import (
-    Condition,
-    Effect,
-    Junction,
-    Pattern,
-    Verdict,
-    effects_of,
-    judge,
-    suppose_effects,
-)
+from skiros_py.skills.conditions import Condition, Pattern, Verdict, judge
+from skiros_py.skills.conditions.compound import Junction
+from skiros_py.skills.conditions.effects import Effect, effects_of, suppose_effects
 from skiros_py.skills.inference import applying
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.overlay import Overlay

@@ -11,7 +11,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from copy import copy
 
-from skiros_py.skills.conditions import Condition, Relate, Verdict, effects_of, judge
+from skiros_py.skills.conditions import Condition, Verdict, judge
+from skiros_py.skills.conditions.effects import Relate, effects_of
 from skiros_py.skills.inference import applying
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.overlay import Overlay

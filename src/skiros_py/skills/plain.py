@@ -14,18 +14,9 @@ from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
 from skiros_py.errors import DescriptionError, SkirosError, UnknownName
 from skiros_py.skills import conditions as patterns
 from skiros_py.skills.behaviour import Behaviour, Out, P
-from skiros_py.skills.conditions import (
-    Condition,
-    ConditionType,
-    ExpressionCondition,
-    Junction,
-    Quantified,
-    all_of,
-    any_of,
-    exists,
-    for_all,
-    holds,
-)
+from skiros_py.skills.conditions import Condition, ConditionType, all_of, any_of, exists, for_all, holds
+from skiros_py.skills.conditions.compound import Junction, Quantified
+from skiros_py.skills.conditions.expression import ExpressionCondition
 
 B = TypeVar("B")
 

@@ -18,8 +18,8 @@ from skiros_py.skills.conditions import (
     Verdict,
     all_of,
     any_of,
-    is_sensed,
 )
+from skiros_py.skills.conditions.expression import is_sensed
 from skiros_py.skills.parameters import IT, Kind, Param, check_params
 from skiros_py.skills.references import check_references, variables
 from skiros_py.world.view import WorldView

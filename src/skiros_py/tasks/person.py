@@ -8,7 +8,8 @@ from contextlib import suppress
 
 from skiros_py.errors import DescriptionError, SkirosError
 from skiros_py.planning.problem.stock import believed
-from skiros_py.skills.conditions import Condition, effects_of, write_effects
+from skiros_py.skills.conditions import Condition
+from skiros_py.skills.conditions.effects import effects_of, write_effects
 from skiros_py.skills.context import QuestionKind
 from skiros_py.skills.outcome import Failure
 from skiros_py.skills.primitive import Execution

@@ -7,20 +7,22 @@ from hypothesis import strategies as st
 from skiros_py.errors import DescriptionError, WorldError
 from skiros_py.skills.conditions import (
     AllOf,
-    Assign,
     Compare,
     Condition,
     ConditionType,
-    Effect,
     Expression,
     Has,
     Not,
     Pattern,
-    Relate,
     Related,
     Role,
-    Unrelate,
     any_of,
+)
+from skiros_py.skills.conditions.effects import (
+    Assign,
+    Effect,
+    Relate,
+    Unrelate,
     effects_of,
     suppose_effects,
     write_effects,

@@ -15,18 +15,8 @@ from skiros_py.ports.board import DeviceBoard
 from skiros_py.ports.signals import Request, Signal, Value
 from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.cell_reader import read_cell
-from skiros_py.skills.conditions import (
-    AllOf,
-    AnyOf,
-    Exists,
-    Expression,
-    Not,
-    Pattern,
-    Related,
-    Verdict,
-    holds,
-    is_sensed,
-)
+from skiros_py.skills.conditions import AllOf, AnyOf, Exists, Expression, Not, Pattern, Related, Verdict, holds
+from skiros_py.skills.conditions.expression import is_sensed
 from skiros_py.testing import Bench, tiny_world
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.view import NoSensors

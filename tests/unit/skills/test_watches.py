@@ -25,9 +25,9 @@ from skiros_py.skills.conditions import (
     Related,
     Role,
     Verdict,
-    Watches,
     any_of,
 )
+from skiros_py.skills.conditions.watch import Watches
 from skiros_py.testing import tiny_world
 from skiros_py.testing.tiny import AT_LOCATION, EMPTY_HANDED, FREE, HOLDING, IN_CONTAINER, REACHABLE
 from skiros_py.world.view import NoSensors

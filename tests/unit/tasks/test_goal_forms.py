@@ -12,15 +12,8 @@ from hypothesis import strategies as st
 
 from skiros_py.config import ontology_paths
 from skiros_py.errors import GoalSyntaxError, UnknownName, UsageError
-from skiros_py.skills.conditions import (
-    Condition,
-    Junction,
-    Quantified,
-    all_of,
-    any_of,
-    exists,
-    for_all,
-)
+from skiros_py.skills.conditions import Condition, all_of, any_of, exists, for_all
+from skiros_py.skills.conditions.compound import Junction, Quantified
 from skiros_py.tasks.goals import goal_as_data, goal_as_text, goal_from_data, parse_goal
 from skiros_py.testing import CONDITIONS, TINY_ONTOLOGY, tiny_scene, tiny_world
 from skiros_py.testing.tiny import AT_LOCATION, EMPTY_HANDED, FREE, HOLDING, IN_CONTAINER

@@ -24,7 +24,9 @@ from skiros_py.planning.domain.literals import (
     storable,
 )
 from skiros_py.planning.domain.model import Action, Atom, NoneSuch, Variable
-from skiros_py.skills.conditions import Assign, Condition, Not, Relate, Unrelate, effects_of, is_sensed
+from skiros_py.skills.conditions import Condition, Not
+from skiros_py.skills.conditions.effects import Assign, Relate, Unrelate, effects_of
+from skiros_py.skills.conditions.expression import is_sensed
 from skiros_py.skills.inference import applying
 from skiros_py.skills.parameters import Param
 from skiros_py.skills.skill import SkillDescription

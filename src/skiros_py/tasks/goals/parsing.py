@@ -11,7 +11,8 @@ from pydantic import ValidationError
 
 from skiros_py.errors import DescriptionError, UnknownName, UsageError
 from skiros_py.planning.domain.pddl import NameMap
-from skiros_py.skills.conditions import Condition, ConditionType, Junction, Quantified, all_of, any_of, exists, for_all
+from skiros_py.skills.conditions import Condition, ConditionType, all_of, any_of, exists, for_all
+from skiros_py.skills.conditions.compound import Junction, Quantified
 from skiros_py.tasks.goals import forms
 from skiros_py.tasks.goals.forms import Form
 from skiros_py.world.element import is_abstract
