@@ -194,15 +194,11 @@ class Catalogue:
     def _factory(self, kind: str, name: str, found: Mapping[str, Any]) -> Any:
         if name in found:
             return found[name]
-        reason = self._why_not(f"skiros.{kind}s", name, found)
-        if reason is None:
+        reason = found.why_not(name) if isinstance(found, LazyPlugins) else None
+        early = (str(fault) for fault in self.early if (fault.group, fault.name) == (f"skiros.{kind}s", name))
+        if (reason := reason or next(early, None)) is None:
             raise UnknownName(kind, name, found)
         raise UsageError(f"{kind} '{name}' cannot be used: {reason} (skiros plugins {name} shows it in full)")
-
-    def _why_not(self, group: str, name: str, found: Mapping[str, Any]) -> str | None:
-        if isinstance(found, LazyPlugins) and (reason := found.why_not(name)):
-            return reason
-        return next((str(fault) for fault in self.early if (fault.group, fault.name) == (group, name)), None)
 
 
 def _providers(factory: Callable[[CellSpec], Iterable[SignalProvider]], cell: CellSpec) -> list[SignalProvider]:

@@ -207,17 +207,6 @@ class Case:
     where: str
 
 
-@dataclass(frozen=True, slots=True)
-class NoCase:
-    """There is no such case.
-
-    Attributes:
-        reason: What was missing.
-    """
-
-    reason: str
-
-
 def find_case(
     skill: Skill,
     grounds: Sequence[Ground],
@@ -225,8 +214,10 @@ def find_case(
     rig_in: Callable[[Ground], Rig],
     *,
     may_make_up: bool = True,
-) -> Case | NoCase:
+) -> Case | str:
     """Finds a case in which a skill can start and has an effect that the world allows; else one in which it can start.
+
+    Where there is none, it returns what was missing.
 
     Args:
         skill: The implementation.
@@ -257,7 +248,7 @@ def find_case(
                     idle, reason = idle or found, ""
             if reason:
                 reasons.append(f"{ground.name}: {reason}")
-    return idle or NoCase("; ".join(dict.fromkeys(reasons)) or "there is no scene to try it in")
+    return idle or "; ".join(dict.fromkeys(reasons)) or "there is no scene to try it in"
 
 
 def _has_work(description: SkillDescription, case: Case) -> bool:

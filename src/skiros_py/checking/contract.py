@@ -9,7 +9,7 @@ from functools import partial
 from typing import Any
 
 from skiros_py.catalogue import Catalogue
-from skiros_py.checking.cases import Case, Ground, NoCase, Rig, fake_rig, find_case
+from skiros_py.checking.cases import Case, Ground, Rig, fake_rig, find_case
 from skiros_py.execution.module_faults import words
 from skiros_py.interruptions import CycleOverrun
 from skiros_py.skills.conditions import Condition, Not, Nothing
@@ -164,7 +164,7 @@ def check_contract(
 def _contract(
     skill: Skill,
     spot: Spot | None,
-    find: Callable[[Callable[[Ground], Rig]], Case | NoCase],
+    find: Callable[[Callable[[Ground], Rig]], Case | str],
     rig_in: Callable[[ExitStack, Ground], Rig],
     faults: Callable[[Case, Index, Outcome], Iterator[tuple[Rule, str]]],
 ) -> Contract:
@@ -179,10 +179,8 @@ def _contract(
     try:
         with ExitStack() as stack:
             case = find(partial(rig_in, stack))
-            if isinstance(case, NoCase):
-                return Contract(
-                    skill, (finding(NEVER_TRIED, f"no world was found in which it can start: {case.reason}"),)
-                )
+            if isinstance(case, str):
+                return Contract(skill, (finding(NEVER_TRIED, f"no world was found in which it can start: {case}"),))
             before = case.rig.world.snapshot()
             outcome = case.rig.run(case.agent, skill.description.name, case.arguments)
             with case.rig.watched():
@@ -236,7 +234,7 @@ def check_simulated(skill: Skill, scene: str, catalogue: Catalogue, spot: Spot |
         sessions.append(stack.enter_context(Session(scene, Options(), catalogue=alone)))
         return Rig(sessions[-1].runtime)
 
-    def find(rigs: Callable[[Ground], Rig]) -> Case | NoCase:
+    def find(rigs: Callable[[Ground], Rig]) -> Case | str:
         found = find_case(skill, [Ground(scene, lambda: open_world(scene))], simulable, rigs, may_make_up=False)
         return replace(found, where=f"{found.where}, simulated") if isinstance(found, Case) else found
 

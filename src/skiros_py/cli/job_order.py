@@ -24,15 +24,13 @@ _LOOK = 10.0
 """Maximum time that one request waits for a plan [s]."""
 
 
-class _Time(click.ParamType[datetime]):
-    name = "TIME"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> datetime:
-        """Parses a time; without a zone, in the zone of this machine."""
-        try:
-            return datetime.fromisoformat(value).astimezone()
-        except (ValueError, OverflowError):
-            self.fail(f"'{value}' is no time such as 2026-11-21T14:30 or 2026-11-21T14:30:00+01:00", param, ctx)
+def _time(text: str) -> datetime:
+    """Parses a time; without a zone, in the zone of this machine."""
+    try:
+        return datetime.fromisoformat(text).astimezone()
+    except (ValueError, OverflowError):
+        form = "2026-11-21T14:30 or 2026-11-21T14:30:00+01:00"
+        raise click.BadParameter(f"'{text}' is no time such as {form}") from None
 
 
 @served(
@@ -48,8 +46,8 @@ Examples:
 @click.option("--id", metavar="ID", help="Id of the job; repeating the same order returns the same job.")
 @click.option("--description", default="", metavar="TEXT", help="For people.")
 @click.option("--priority", type=click.IntRange(-(2**15), 2**15 - 1), default=0, help="Higher values come first.")
-@click.option("--not-before", type=_Time(), help="Earliest start.")
-@click.option("--deadline", type=_Time(), help="When it should be done.")
+@click.option("--not-before", type=_time, metavar="TIME", help="Earliest start.")
+@click.option("--deadline", type=_time, metavar="TIME", help="When it should be done.")
 @click.option("--expires", is_flag=True, help="It must not be started after its deadline.")
 @click.option("--hold", is_flag=True, help="Hold it until 'skiros job start'.")
 @click.option("--template", default="", metavar="NAME", help="Goal template of the server, instead of goals.")

@@ -27,16 +27,12 @@ _LASTING = re.compile(r"([1-9]\d{0,4})([hdw])")
 _SECONDS = {"h": 3600.0, "d": 86_400.0, "w": 604_800.0}
 
 
-class _Lasting(click.ParamType[float]):
-    """A time span such as 12h, 90d or 4w [s]."""
-
-    name = "span"
-
-    def convert(self, value: str | float, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        match = _LASTING.fullmatch(str(value))
-        if match is None:
-            self.fail(f"{value!r} is no time span: give hours, days or weeks, such as 12h, 90d or 4w", param, ctx)
-        return int(match[1]) * _SECONDS[match[2]]
+def _lasting(text: str) -> float:
+    """Parses a time span such as 12h, 90d or 4w [s]."""
+    match = _LASTING.fullmatch(text)
+    if match is None:
+        raise click.BadParameter(f"{text!r} is no time span: give hours, days or weeks, such as 12h, 90d or 4w")
+    return int(match[1]) * _SECONDS[match[2]]
 
 
 @click.group("key")
@@ -51,7 +47,7 @@ def command() -> None:
 @reports("key create 'line 1 MES' --role mes --expires 90d --data plant", command)
 @click.argument("name")
 @click.option("--role", required=True, type=click.Choice(_ROLES), help="Role of the key's owner.")
-@click.option("--expires", type=_Lasting(), metavar="SPAN", help="Validity: 12h, 90d, 4w.  [default: unlimited]")
+@click.option("--expires", type=_lasting, metavar="SPAN", help="Validity: 12h, 90d, 4w.  [default: unlimited]")
 @DATA
 @click.option("--new", is_flag=True, help="Create the data directory if it is missing, for a first start with a key.")
 def create(name: str, role: str, expires: float | None, data: Path, new: bool) -> Found:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from skiros_py.cli.commands import Found, reports
-from skiros_py.cli.options import Seconds
+from skiros_py.cli.options import time_limit_option
 from skiros_py.cli.output import NOT_REACHED, REACHED, counted, progress
 from skiros_py.errors import UsageError
 
@@ -38,13 +38,7 @@ def command() -> None:
     default="auto",
     help="hermit sees most and needs Java; owl-rl needs none; auto takes the best there is.  [default: auto]",
 )
-@click.option(
-    "--time-limit",
-    type=Seconds(),
-    default=60.0,
-    metavar="S",
-    help="Time limit of a reasoner [s], 3600 at most.  [default: 60]",
-)
+@time_limit_option(60.0, "Time limit of a reasoner")
 def check(paths: tuple[Path, ...], reasoner: ReasonerChoice, time_limit: float) -> Found:
     """Checks the ontologies PATHS together, as they would be loaded.
 

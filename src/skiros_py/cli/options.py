@@ -58,7 +58,7 @@ ENGINE = click.option(
 """The option that names a physics engine."""
 
 
-class Seconds(click.FloatRange):
+class _Seconds(click.FloatRange):
     """A time [s] that a wait can last: more than none, and no longer than an hour."""
 
     def __init__(self) -> None:
@@ -72,20 +72,28 @@ class Seconds(click.FloatRange):
         return seconds
 
 
-class _Pace(click.ParamType[float | None]):
-    name = "max|real|N"
+def time_limit_option(default: float, what: str) -> Callable[[_Command], _Command]:
+    """Returns the option for a time limit.
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float | None:
-        """Parses a pace; None for as fast as possible."""
-        if value in (None, "max"):
-            return None
-        try:
-            factor = 1.0 if value == "real" else float(value)
-        except ValueError:
-            factor = -1.0
-        if not _SLOWEST <= factor <= _FASTEST:
-            self.fail(f"'{value}' is not 'max', 'real' or a factor from {_SLOWEST} to {_FASTEST:.0f}", param, ctx)
-        return factor
+    Args:
+        default: The default [s].
+        what: What it limits, for the help text ("Time limit of a reasoner").
+    """
+    help_ = f"{what} [s], 3600 at most.  [default: {default:g}]"
+    return click.option("--time-limit", type=_Seconds(), default=default, metavar="S", help=help_)
+
+
+def _pace(text: str) -> float | None:
+    """Parses a pace; None for as fast as possible."""
+    if text == "max":
+        return None
+    try:
+        factor = 1.0 if text == "real" else float(text)
+    except ValueError:
+        factor = -1.0
+    if not _SLOWEST <= factor <= _FASTEST:
+        raise click.BadParameter(f"'{text}' is not 'max', 'real' or a factor from {_SLOWEST} to {_FASTEST:.0f}")
+    return factor
 
 
 def key_values(
@@ -191,7 +199,6 @@ def cell_options(pace: str) -> Callable[[_Command], _Command]:
     Args:
         pace: Default of the pace.
     """
-    pace_option = click.option(
-        "--pace", type=_Pace(), default=pace, help=f"Simulated seconds per second.  [default: {pace}]"
-    )
+    help_ = f"Simulated seconds per second.  [default: {pace}]"
+    pace_option = click.option("--pace", type=_pace, default=pace, metavar="max|real|N", help=help_)
     return combined(SEED, pace_option, FAKE, DRIVER, ENGINE, CONFIG)

@@ -194,7 +194,7 @@ def _serve(
                 services.station.robot_models.prepare(models)  # takes some seconds once
 
         serving = Serving(services, listening, on_listening)
-        stops.end_with(serving)
+        stops.serving = serving
         serving.run()
         click.echo("ending  the robots come to a standstill; what was under way waits for a person", err=True)
 
@@ -211,12 +211,17 @@ def _say_where(services: Services, url: str, data: Path, *, as_json: bool) -> No
 
 
 class _Stops:
-    """Handles Ctrl-C and SIGTERM: the first ends the server in an orderly way, the second immediately."""
+    """Handles Ctrl-C and SIGTERM: the first ends the server in an orderly way, the second immediately.
+
+    Attributes:
+        serving: What the first of them ends; before it is set, they end the opening.
+    """
+
+    serving: Serving | None = None
 
     def __init__(self, *, as_json: bool) -> None:
         self._as_json = as_json
         self._asked = self._left = False
-        self._serving: Serving | None = None
 
     @contextmanager
     def heard(self) -> Iterator[_Stops]:
@@ -228,16 +233,12 @@ class _Stops:
         finally:
             self._left = True
 
-    def end_with(self, serving: Serving) -> None:
-        """Lets the first of them end the server; before, they end the opening."""
-        self._serving = serving
-
     def _hear(self, _number: int, _frame: object) -> None:
         if self._asked:
             end_now(STOPPED)
         self._asked = True
         text = f"something does not come to its end within {_ENDING:.0f} s: the server ends without it"
         end_unless(lambda: self._left, text, NOT_REACHED, as_json=self._as_json, within=_ENDING)
-        if self._serving is None:
+        if self.serving is None:
             raise UserStop
-        self._serving.end()
+        self.serving.end()

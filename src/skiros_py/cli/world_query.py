@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from skiros_py.cli.options import JSON, Seconds, key_values
+from skiros_py.cli.options import JSON, key_values, time_limit_option
 from skiros_py.cli.output import REACHED, answer, counted, table_lines
 from skiros_py.cli.reaching import present_world
 from skiros_py.errors import FileError
@@ -47,13 +47,7 @@ Examples:
 @click.option("--entailed", is_flag=True, help="Include OWL entailments: inverses, sub-relations, …")
 @JSON
 @click.option("--csv", "as_csv", is_flag=True, help="Comma-separated values on stdout (for SELECT).")
-@click.option(
-    "--time-limit",
-    type=Seconds(),
-    default=5.0,
-    metavar="S",
-    help="Time limit [s], 3600 at most.  [default: 5]",
-)
+@time_limit_option(5.0, "Time limit")
 def command(
     words: tuple[str, ...],
     data: Path | None,

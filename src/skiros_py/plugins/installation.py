@@ -161,15 +161,10 @@ def misfit(distribution: Distribution, own_version: str | None = None) -> Misfit
         match = _NAME.fullmatch(text)
         # Most say nothing but the name; the library that reads the rest takes a while to import.
         if match and canonical(match[1]) == OWN_NAME and match[2].strip():
-            problem = _problem(text, own_version or _own_version())
+            problem = _problem(text, own_version or version(OWN_NAME))
             if problem:
                 return Misfit(problem, f"install a release of {distribution.name} that fits, or such a {OWN_NAME}")
     return None
-
-
-@lru_cache(maxsize=1)
-def _own_version() -> str:
-    return version(OWN_NAME)
 
 
 def _problem(text: str, own_version: str) -> str | None:

@@ -101,14 +101,12 @@ def load(entry: Entry, problem: Callable[[Plugin], str | None] = lambda _: None)
     try:
         with _LOADING, redirect_stdout(sys.stderr):  # stdout is the command's answer
             value = EntryPoint(entry.name, entry.value, entry.group).load()
+        plugin = Plugin(entry.group, entry.name, str(entry.distribution), value, entry.module)
+        reason = problem(plugin)
     except BaseException as error:
         if by_user(error):
             raise
         return _contained(entry, error)
-    plugin = Plugin(entry.group, entry.name, str(entry.distribution), value, entry.module)
-    reason = attempt(plugin, lambda: problem(plugin))
-    if isinstance(reason, PluginFault):
-        return reason
     return plugin.fault(reason) if reason else plugin
 
 

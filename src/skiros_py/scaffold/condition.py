@@ -12,7 +12,6 @@ from skiros_py.scaffold.declared import (
     constant_name,
     read_constant,
     read_parameter,
-    sentence,
     snake_case,
     words_of,
 )
@@ -39,13 +38,8 @@ def draft_condition(known: Knowledge, said: NewCondition) -> Draft:
         raise UsageError(f"condition '{name}': give either --property or --relation, of which it is made")
     roles, pattern = (_of_relation if said.relation else _of_property)(known.ontology, said)
     stem, constant = snake_case(name), constant_name(name)
-    values = {
-        "name": name,
-        "help": sentence(said.help or _told(pattern, roles), "--help-text"),
-        "stem": stem,
-        "module": f"{known.project.package}.conditions.{stem}",
-        "constant": constant,
-    }
+    help_ = said.help or _told(pattern, roles)
+    values = known.project.names("conditions", name, stem, help_, constant=constant)
     stage = Stage(known, stem)
     yes, no = _cast(stage, known.ontology, roles, pattern)
     code = {

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 
 from skiros_py.errors import UsageError
-from skiros_py.scaffold.declared import PYTHON_TYPES, joined, module_name, read_parameter, sentence, words_of
+from skiros_py.scaffold.declared import PYTHON_TYPES, joined, module_name, read_parameter, words_of
 from skiros_py.scaffold.draft import Draft, literal, render
 from skiros_py.scaffold.orders import NewPrimitive
 from skiros_py.scaffold.project import Knowledge
@@ -39,20 +39,13 @@ def draft_primitive(known: Knowledge, said: NewPrimitive) -> Draft:
     """
     name = module_name(said.name, "primitive")
     known.check_free("primitive", name)
-    help_ = sentence(said.help or words_of(name), "--help-text")
+    class_ = joined(name)
+    values = known.project.names("primitives", name, name, said.help or words_of(name), class_name=class_)
     params = tuple(read_parameter(text, known.ontology) for text in said.params)
     check_keys(params, f"primitive '{name}'")
     for param in params:
         module_name(param.key, f"parameter of primitive '{name}':")
-    class_ = joined(name)
     stage = Stage(known, name, said.robot)
-    values = {
-        "name": name,
-        "help": help_,
-        "stem": name,
-        "module": f"{known.project.package}.primitives.{name}",
-        "class_name": class_,
-    }
     arguments = list(_trial_arguments(params, stage))
     texts = (
         _module(values, params),

@@ -18,6 +18,7 @@ from skiros_py.config import ontology_paths
 from skiros_py.errors import DescriptionError, FileError, UnknownName, UsageError
 from skiros_py.plugins.installation import as_if_installed, canonical, installation
 from skiros_py.plugins.plugin import Entry
+from skiros_py.scaffold.declared import sentence
 from skiros_py.scaffold.draft import Draft, check_names
 from skiros_py.skills.conditions import Condition, ConditionType
 from skiros_py.skills.parameters import Param, params_of
@@ -124,6 +125,22 @@ class Project:
         document = tomlkit.parse(self.text)
         document["project"]["dependencies"].append(requirement)
         return Project(self.root, self.package, tomlkit.dumps(document))
+
+    def names(self, folder: str, name: str, stem: str, help_: str, **more: str) -> dict[str, str]:
+        """Returns what the templates of a new module and its test have in common.
+
+        Args:
+            folder: Its folder ("skills").
+            name: Name of what it declares.
+            stem: Name of the module.
+            help_: What it is, in a sentence.
+            **more: Further values.
+
+        Raises:
+            UsageError: The sentence is not valid.
+        """
+        module = f"{self.package}.{folder}.{stem}"
+        return {"name": name, "help": sentence(help_, "--help-text"), "stem": stem, "module": module, **more}
 
     def module_draft(
         self,

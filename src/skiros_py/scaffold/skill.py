@@ -14,7 +14,6 @@ from skiros_py.scaffold.declared import (
     kind_of,
     module_name,
     read_parameter,
-    sentence,
     words_of,
 )
 from skiros_py.scaffold.draft import Draft, literal, render
@@ -151,18 +150,11 @@ def draft_skill(known: Knowledge, said: NewSkill) -> Draft:
     """
     name = module_name(said.name, "skill")
     known.check_free("skill", name)
-    help_ = sentence(said.help or words_of(name), "--help-text")
-    skill = described(known, said)
     package, constant = known.project.package, constant_name(name)
+    values = known.project.names("skills", name, name, said.help or words_of(name), constant=constant)
+    skill = described(known, said)
     origins = {word: known.origin("skiros.conditions", word) for word in skill.words}
-    values = {
-        "name": name,
-        "help": help_,
-        "stem": name,
-        "module": f"{package}.skills.{name}",
-        "constant": constant,
-        "calls": calls_of(known, said.do, skill.params),
-    }
+    calls = calls_of(known, said.do, skill.params)
     stage = Stage(known, name, said.robot)
     cast = _staged(known, said, skill, stage)
 
@@ -177,6 +169,7 @@ def draft_skill(known: Knowledge, said: NewSkill) -> Draft:
         render(
             "skill.py",
             **values,
+            calls=calls,
             foreign=[pair for pair, own in is_own.items() if not own],
             own=[pair for pair, own in is_own.items() if own],
             kinds=any(param.kind is not Kind.ONLINE for param in skill.params),
@@ -234,8 +227,7 @@ def _helpers(known: Knowledge, name: str, skill: Described) -> str:
     while more := [o for o in others if o.name not in found and wanted & {condition.type.name for condition in o.post}]:
         found |= dict.fromkeys(one.name for one in more)
         wanted |= {condition.type.name for one in more for condition in one.pre}
-    names = [literal(one) for one in sorted({name, *found})]
-    return f"({', '.join(names)}{',' if len(names) == 1 else ''})"
+    return literal(tuple(sorted({name, *found})))
 
 
 def _trial(known: Knowledge, said: NewSkill, skill: Described, stage: Stage, cast: Mapping[str, str]) -> dict[str, Any]:
