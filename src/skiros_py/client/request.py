@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import threading
 import uuid
@@ -247,21 +248,33 @@ def _address(url: str) -> httpx2.URL:
 
 
 def arguments_of(call: Call[Any]) -> dict[str, Any]:
-    """Returns the HTTP client arguments for a call."""
+    """Returns the HTTP client arguments for a call.
+
+    Raises:
+        UsageError: The body is not plain data that JSON can carry.
+    """
     # "." and ".." are valid ids, but would be resolved as relative paths.
     path = "/".join(_DOTS.get(part, part) for part in call.path.split("/"))
     return {
         "method": call.method,
         "url": path,
         "params": {name: value for name, value in call.query.items() if value is not None},
-        "json": call.json,
-        "content": call.content,
+        "content": call.content if call.json is None else _json(call.json),
         "headers": _headers_of(call),
     }
 
 
+def _json(data: object) -> bytes:
+    try:
+        return json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
+    except (TypeError, ValueError) as error:
+        raise UsageError(f"a request carries plain data with finite numbers: {error}") from None
+
+
 def _headers_of(call: Call[Any]) -> dict[str, str]:
     headers = {name: value for name, value in call.headers.items() if value is not None}
+    if call.json is not None:
+        headers.setdefault("Content-Type", "application/json")
     if call.method == "POST" and call.repeatable:  # one key for all tries: lets the server recognize them
         headers.setdefault("Idempotency-Key", str(uuid.uuid4()))
     return headers

@@ -17,10 +17,15 @@ from skiros_py.interruptions import CycleOverrun
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Access, missing, params_of, read_arguments
+from skiros_py.skills.parameters.values import refusal
 from skiros_py.skills.primitive import Execution, Primitive
 
 Take = Callable[[str, Mapping[str, Access], Claim | None], Claim]
 """Asks for devices: for which module, which devices in which way, and out of which claim."""
+
+
+_NOT_TEXTS = ("number", "integer", "boolean", "vector", "pose")
+"""Types whose values a command line gives as texts; code does not."""
 
 
 class PrimitiveRun(ModuleRun):
@@ -143,14 +148,26 @@ class PrimitiveRun(ModuleRun):
 
     def _checked(self, outcome: Outcome) -> Outcome:
         """Returns an outcome; one with values other than the primitive declares is a mistake in its code."""
-        if isinstance(outcome, Failure) or not outcome.values:
+        if isinstance(outcome, Failure):
+            reason, code = outcome.reason, outcome.code
+            if type(reason) is str and type(code) is int:
+                return outcome
+            return self._broke(TypeError(f"it returned {outcome!r}: the reason is a text, the code a whole number"))
+        given: object = outcome.values
+        if given == {}:
             return outcome
-        declared = [output.param for output in self._loaded.cls.outputs]
+        declared = {output.name: output.param for output in self._loaded.cls.outputs}
         try:
-            values = read_arguments(declared, outcome.values, self._outer.context.world, "output")
+            if not isinstance(given, Mapping):
+                raise TypeError(f"the values of its outcome are given by name, not as {given!r}")
+            for key in declared.keys() & given.keys():
+                value, param = given[key], declared[key]
+                if value is None or (isinstance(value, str) and param.type in _NOT_TEXTS):
+                    raise UsageError(refusal(param, value, "output"))
+            values = read_arguments(tuple(declared.values()), given, self._outer.context.world, "output")
         except Exception as error:  # noqa: BLE001 - what an author returns may be anything
             return self._broke(error)
-        return Success(outcome.message, {key: values[key] for key in outcome.values})
+        return Success(outcome.message, {key: values[key] for key in given})
 
     def _begin(self) -> object:
         """Makes the primitive, starts it, and runs it up to its first ``yield``."""

@@ -215,7 +215,10 @@ class Weigh(Note):
         ({"mass": object()}, "output mass takes a finite number [kg], not <object"),
         ({"place": "box_99"}, "unknown element 'box_99' for output place, a tiny:Box"),
         ({"place": "robot_1"}, "output place takes a tiny:Box, and robot_1 is a"),
-        ([1.0], "AttributeError"),
+        ({"mass": "0.4"}, "output mass takes a finite number [kg], not '0.4'"),
+        ({"mass": None}, "output mass takes a finite number [kg], not None"),
+        ({"place": None}, "output place takes a tiny:Box, not None"),
+        ([1.0], "the values of its outcome are given by name, not as [1.0]"),
     ],
 )
 def test_an_output_of_another_type_than_declared_is_a_failure_that_names_it(found: Any, said: str) -> None:
@@ -244,6 +247,12 @@ def test_an_output_of_a_class_that_no_ontology_declares_keeps_the_primitive_from
     [
         ((Output("pose", "poses", "Where."),), "unknown type 'poses'"),
         ((Output("mass", "number", "How heavy.", "kgs"),), "'kgs' is no unit such as m"),
+        ((Output("mass", None, "How heavy."),), "parameter 'mass' of the outputs of primitive Wrong: its name, help"),
+        ((Output("mass", "number", "How heavy.", 5),), "parameter 'mass' of the outputs of primitive Wrong: its name"),
+        (
+            (Output(3, "number", "How heavy."),),
+            "parameter 3 of the outputs of primitive Wrong: its name, help and unit",
+        ),
         ((Output("a", "text", "A."), Output("a", "text", "B.")), "two parameters of the outputs of primitive Wrong"),
         ([Output("a", "text", "A.")], "outputs of primitive Wrong: a tuple"),
     ],

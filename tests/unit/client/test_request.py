@@ -36,6 +36,12 @@ def test_a_client_with_wrong_settings_is_refused_at_once(wrong: dict[str, Any]) 
         Client(**wrong)
 
 
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), object(), "\ud800"])
+def test_a_body_that_json_cannot_carry_is_refused_before_it_is_sent(value: Any) -> None:
+    with pytest.raises(UsageError, match="plain data with finite numbers"):
+        arguments_of(Call("PUT", "/signals/a", Any, json={"value": value}))
+
+
 @pytest.mark.parametrize("error", [httpx2.ConnectTimeout("x"), httpx2.DecodingError("x"), httpx2.TooManyRedirects("x")])
 def test_any_error_of_the_http_library_is_one_of_this_package_with_the_address(error: Exception) -> None:
     with pytest.raises(Unreachable, match=URL), reaching(URL):

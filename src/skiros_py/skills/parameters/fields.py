@@ -26,6 +26,12 @@ def check_params(params: Sequence[Param], where: str) -> None:
     """
     keys = [param.key for param in params]
     for number, param in enumerate(params):
+        texts = param.key, param.help, param.unit
+        if not all(isinstance(text, str) for text in texts) or not isinstance(param.type, str | type):
+            raise DescriptionError(
+                f"parameter {param.key!r} {where}: its name, help and unit are texts, and its type is a text such as "
+                "'number' or a class"
+            )
         if param.key in keys[:number]:
             raise DescriptionError(f"two parameters {where} are called '{param.key}'")
         if isinstance(param.type, str) and not param.is_element and param.type not in VALUE_TYPES:

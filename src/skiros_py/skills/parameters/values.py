@@ -196,7 +196,7 @@ def read_constant(param: Param, value: Any, noun: str = "parameter") -> Any:
     try:
         return _one(param, value) if param.length == 1 else _several(param, value)
     except (ValueError, RecursionError) as error:
-        raise UsageError(_refusal(param, value, str(error), noun)) from None
+        raise UsageError(refusal(param, value, noun, str(error))) from None
 
 
 def as_text(param: Param, value: Any) -> str:
@@ -277,8 +277,9 @@ def _is_json(text: str) -> bool:
     return text.lstrip()[:1] in ("[", "{")
 
 
-def _refusal(param: Param, value: Any, why: str, noun: str) -> str:
-    says = _type_of(param).says
+def refusal(param: Param, value: Any, noun: str = "parameter", why: str = "") -> str:
+    """Returns the message that a value is none of a parameter, or an output, of such a type."""
+    says = f"a {param.element_class}" if param.is_element else _type_of(param).says
     if param.length != 1:
         says = f"{param.length or 'any number of'} values, each {says}"
     unit = f" [{param.unit}]" if param.unit else ""
