@@ -35,7 +35,7 @@ def test_the_installed_ontologies_check_clean_and_the_reasoner_is_named() -> Non
     assert f"reasoner: {expected}" in result.stdout
 
 
-def test_without_java_the_other_reasoner_runs_and_says_so() -> None:
+def test_without_java_owl_rl_runs_and_the_report_notes_it() -> None:
     result = skiros("check", PATH="")
 
     assert result.returncode == 0

@@ -51,7 +51,7 @@ def raise_(error: BaseException) -> None:
     raise error
 
 
-def test_work_is_done_in_the_control_thread_and_its_result_returned(start: Start) -> None:
+def test_work_runs_in_the_control_thread_and_returns_its_result(start: Start) -> None:
     assert start().call(lambda session: (threading.current_thread().name, session.scene)) == (
         "skiros-control",
         "kitting",
@@ -68,7 +68,7 @@ def test_an_exception_of_the_work_is_raised_at_its_caller(start: Start) -> None:
     assert control.alive
 
 
-def test_work_that_tries_to_end_the_program_ends_nothing(start: Start) -> None:
+def test_system_exit_in_submitted_work_does_not_end_the_control_thread(start: Start) -> None:
     control = start()
 
     with pytest.raises(DeviceError, match="aborted: SystemExit"):
@@ -76,7 +76,7 @@ def test_work_that_tries_to_end_the_program_ends_nothing(start: Start) -> None:
     assert control.call(lambda session: session.resting)
 
 
-def test_work_asked_for_in_the_control_thread_is_done_at_once(start: Start) -> None:
+def test_work_submitted_in_the_control_thread_runs_immediately(start: Start) -> None:
     control = start()
 
     assert control.call(lambda _: control.call(lambda session: session.scene)) == "kitting"
@@ -105,7 +105,9 @@ def test_a_request_that_waits_too_long_is_refused_with_a_retry_time(
     assert control.call(lambda _: done) == []
 
 
-def test_work_that_times_out_is_not_reported_as_not_done(start: Start, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_running_work_that_times_out_is_not_reported_as_not_executed(
+    start: Start, monkeypatch: pytest.MonkeyPatch
+) -> None:
     control, go_on = start(), threading.Event()
     monkeypatch.setattr(module, "_PATIENCE", 0.2)
 
@@ -114,7 +116,7 @@ def test_work_that_times_out_is_not_reported_as_not_done(start: Start, monkeypat
     go_on.set()
 
 
-def test_a_broken_cycle_is_told_and_only_a_new_session_helps(start: Start) -> None:
+def test_after_a_broken_cycle_calls_are_refused_until_a_new_session(start: Start) -> None:
     ends: list[str] = []
     control = start(closed=lambda session: ends.append(session.scene))
     control.call(lambda session: session.cycle.observe(lambda: raise_(RuntimeError("observer"))))
@@ -144,7 +146,7 @@ def test_a_call_during_a_reopening_gets_the_new_session(start: Start) -> None:
     assert control.session is opened[-1]
 
 
-def test_a_session_that_does_not_want_to_go_stays(start: Start) -> None:
+def test_a_session_is_kept_if_its_closing_is_refused(start: Start) -> None:
     control = start()
     session = control.session
 
@@ -154,7 +156,7 @@ def test_a_session_that_does_not_want_to_go_stays(start: Start) -> None:
     assert control.alive
 
 
-def test_where_the_new_session_cannot_be_opened_the_old_state_comes_back(start: Start) -> None:
+def test_the_previous_state_is_restored_if_the_new_session_cannot_be_opened(start: Start) -> None:
     broken: list[str] = []
     control = start(opened=lambda _: raise_(DeviceError(broken[0])) if broken else None)
 
@@ -164,7 +166,7 @@ def test_where_the_new_session_cannot_be_opened_the_old_state_comes_back(start: 
     assert control.call(lambda session: session.resting)
 
 
-def test_while_no_session_can_be_opened_every_request_is_refused_with_the_reason(start: Start) -> None:
+def test_without_an_open_session_every_request_is_refused_with_the_reason(start: Start) -> None:
     broken: list[str] = []
     control = start(opened=lambda _: raise_(DeviceError(broken[0])) if broken else None)
 
@@ -178,7 +180,7 @@ def test_while_no_session_can_be_opened_every_request_is_refused_with_the_reason
     assert control.alive
 
 
-def test_a_session_that_cannot_be_opened_at_first_is_a_fault_of_start(tmp_path: Path) -> None:
+def test_a_failure_to_open_the_first_session_is_raised_by_start(tmp_path: Path) -> None:
     control = ControlThread(lambda: Session("nowhere", Options(fake=True, data=tmp_path)))
 
     with pytest.raises(UsageError, match="unknown scene 'nowhere'"):
@@ -188,7 +190,9 @@ def test_a_session_that_cannot_be_opened_at_first_is_a_fault_of_start(tmp_path: 
     control.close()
 
 
-def test_listeners_that_raise_at_the_end_do_not_prevent_it(start: Start, caplog: pytest.LogCaptureFixture) -> None:
+def test_an_exception_in_a_close_listener_does_not_prevent_closing(
+    start: Start, caplog: pytest.LogCaptureFixture
+) -> None:
     control = start(closed=lambda _: raise_(RuntimeError("listener")))
     control.reopen()
 
@@ -213,7 +217,7 @@ def test_close_listeners_run_in_reverse_order_even_if_one_raises(
     assert "a session did not end well: second" in caplog.text
 
 
-def test_what_was_halted_still_is_in_the_next_session(start: Start) -> None:
+def test_a_halt_persists_into_the_next_session(start: Start) -> None:
     control = start()
     control.call(lambda session: session.cycle.halt("somebody stood there"))
     control.reopen()
@@ -224,7 +228,7 @@ def test_what_was_halted_still_is_in_the_next_session(start: Start) -> None:
     assert control.call(lambda session: session.cycle.halted) == ""
 
 
-def test_a_job_under_way_waits_for_a_person_when_the_server_has_ended(start: Start) -> None:
+def test_a_job_running_at_the_end_of_the_server_waits_for_a_person_at_the_next_start(start: Start) -> None:
     def end_in_the_midst_of_it(session: Session) -> None:
         def look() -> None:
             if "job" in session.jobs.open and session.jobs.open["job"].attempts:
@@ -241,7 +245,7 @@ def test_a_job_under_way_waits_for_a_person_when_the_server_has_ended(start: Sta
     assert (job.state.name, job.choices) == ("INTERRUPTED", ("retry", "abort"))
 
 
-def test_a_queued_job_goes_on_in_the_next_session_though_nobody_asks(start: Start) -> None:
+def test_a_queued_job_continues_in_the_next_session_without_a_request(start: Start) -> None:
     control = start()
     control.call(lambda session: session.cycle.halt("first look"))
     control.session.jobs.submit(JobOrder(id="job", goal=("RobotAtLocation(robot_1, pallet_a)",)))
@@ -251,7 +255,7 @@ def test_a_queued_job_goes_on_in_the_next_session_though_nobody_asks(start: Star
     wait_for(lambda: not control.session.jobs.job("job").state.is_open)
 
 
-def test_after_the_end_all_requests_are_refused_and_none_waits(start: Start) -> None:
+def test_after_closing_waiting_and_new_requests_are_refused(start: Start) -> None:
     control, go_on = start(), threading.Event()
     control.soon(lambda _: go_on.wait(30.0))
     with ThreadPoolExecutor(2) as pool:
@@ -294,7 +298,7 @@ def test_an_exception_of_unawaited_work_is_logged(start: Start, caplog: pytest.L
     assert control.alive
 
 
-def test_of_those_who_wait_for_the_cycle_only_some_have_places_and_the_urgent_need_none(
+def test_requests_beyond_the_limit_are_refused_except_urgent_ones(
     start: Start, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(module, "_PLACES", 2)

@@ -15,7 +15,7 @@ def store(tmp_path):
     kept.close()
 
 
-def test_written_data_is_there_when_the_file_is_opened_again(store, tmp_path):
+def test_documents_persist_after_reopening_the_file(store, tmp_path):
     store.put("sequence", 'it\'s "odd"\n', {"steps": [1, None, "ä"]})
     store.close()
     again = DocumentStore(tmp_path / "server.db")
@@ -25,13 +25,13 @@ def test_written_data_is_there_when_the_file_is_opened_again(store, tmp_path):
         again.close()
 
 
-def test_kinds_have_names_of_their_own(store):
+def test_documents_of_different_kinds_can_have_the_same_name(store):
     store.put("sequence", "a", 1)
     store.put("template", "a", 2)
     assert [document.data for document in store.all("sequence")] == [1]
 
 
-def test_another_version_than_the_expected_one_is_not_overwritten(store):
+def test_a_document_is_overwritten_only_with_its_expected_version(store):
     first = store.put("sequence", "a", 1, expects=0)
     with pytest.raises(StaleVersion, match=f"version {first.version} is there, not version 0"):
         store.put("sequence", "a", 2, expects=0)
@@ -41,14 +41,14 @@ def test_another_version_than_the_expected_one_is_not_overwritten(store):
     assert store.find("sequence", "a") == second
 
 
-def test_a_document_removed_and_created_again_has_another_version(store):
+def test_a_recreated_document_has_a_new_version(store):
     first = store.put("sequence", "a", 1)
     store.remove("sequence", "a")
     assert store.get("sequence", "a") is None
     assert store.put("sequence", "a", 1).version > first.version
 
 
-def test_what_is_not_there_is_named_with_what_is_like_it(store):
+def test_a_missing_document_is_refused_with_similar_names(store):
     store.put("sequence", "fill kit", 1)
     with pytest.raises(UnknownName, match="Did you mean 'fill kit'"):
         store.find("sequence", "fil kit")

@@ -33,7 +33,7 @@ def opened(tmp_path: Path) -> Iterator[Opened]:
         yield open_
 
 
-def test_a_closed_skill_manager_offers_nothing_until_it_is_opened_again(opened: Opened) -> None:
+def test_a_closed_skill_manager_offers_no_skills_until_it_is_reopened(opened: Opened) -> None:
     station = opened()
     offered = {skill.name for skill in station.modules.skills()}
 
@@ -46,7 +46,7 @@ def test_a_closed_skill_manager_offers_nothing_until_it_is_opened_again(opened: 
     assert {skill.name for skill in station.modules.skills()} == offered
 
 
-def test_only_subsystems_of_the_session_have_a_skill_manager_and_each_has_one(opened: Opened) -> None:
+def test_a_skill_manager_can_be_opened_once_for_each_subsystem_of_the_session_only(opened: Opened) -> None:
     station = opened()
 
     with pytest.raises(WrongState, match="open already"):
@@ -60,7 +60,7 @@ def test_only_subsystems_of_the_session_have_a_skill_manager_and_each_has_one(op
         station.modules.open_manager("base_9")
 
 
-def test_a_choice_of_skills_is_all_that_is_on_offer(opened: Opened) -> None:
+def test_only_the_chosen_skills_are_offered(opened: Opened) -> None:
     station = opened(skills=("drive", "pick"))
 
     assert {skill.name for skill in station.modules.skills()} == {"drive", "pick"}
@@ -139,7 +139,7 @@ def test_a_program_edits_the_world_with_the_same_checks_as_a_client(opened: Open
     assert changed.label == "x"
 
 
-def test_a_program_is_told_the_code_of_what_is_refused(opened: Opened) -> None:
+def test_a_refusal_in_the_python_api_has_its_code(opened: Opened) -> None:
     station = opened()
 
     with pytest.raises(Refused) as refused:

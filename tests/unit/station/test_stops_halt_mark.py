@@ -13,14 +13,14 @@ def settled(mark: HaltMark) -> None:
     mark._settle()
 
 
-def test_what_is_kept_is_read_by_the_next_one(tmp_path: Path) -> None:
+def test_a_stored_halt_is_read_after_a_restart(tmp_path: Path) -> None:
     mark = HaltMark(tmp_path / "halted.json")
     mark.keep(HALT)
     settled(mark)
     assert HaltMark(tmp_path / "halted.json").read() == HALT
 
 
-def test_what_was_reset_is_gone_though_it_was_still_being_written(tmp_path: Path) -> None:
+def test_a_reset_deletes_a_halt_mark_that_is_still_being_written(tmp_path: Path) -> None:
     mark = HaltMark(tmp_path / "halted.json")
     for _ in range(20):
         mark.keep(HALT)
@@ -30,14 +30,14 @@ def test_what_was_reset_is_gone_though_it_was_still_being_written(tmp_path: Path
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_damaged_mark_is_a_stop_nevertheless(tmp_path: Path) -> None:
+def test_a_damaged_halt_mark_counts_as_a_stop(tmp_path: Path) -> None:
     (tmp_path / "halted.json").write_text("{")
     read = HaltMark(tmp_path / "halted.json").read()
     assert read is not None
     assert "somebody has stopped everything" in read.why
 
 
-def test_a_mark_that_is_reset_after_it_was_read_is_gone(tmp_path: Path) -> None:
+def test_a_reset_deletes_a_halt_mark_read_from_the_disk(tmp_path: Path) -> None:
     first = HaltMark(tmp_path / "halted.json")
     first.keep(HALT)
     settled(first)

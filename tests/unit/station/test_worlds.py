@@ -27,19 +27,19 @@ def reason(data: Path, scene: Path) -> str:
         return why_not_loaded(data, directory.world, str(scene))
 
 
-def test_the_scene_that_a_directory_was_made_from_counts_as_loaded(tmp_path: Path, scene: Path) -> None:
+def test_a_directory_is_current_with_the_scene_it_was_created_from(tmp_path: Path, scene: Path) -> None:
     assert reason(tmp_path / "data", scene) == ""
     assert reason(tmp_path / "data", scene) == ""
 
 
-def test_a_scene_whose_file_was_changed_since_is_said_to_be_an_earlier_version(tmp_path: Path, scene: Path) -> None:
+def test_a_scene_file_changed_since_loading_is_reported_as_an_earlier_version(tmp_path: Path, scene: Path) -> None:
     reason(tmp_path / "data", scene)
     scene.write_text(scene.read_text() + "\n# edited\n")
 
     assert "an earlier version of" in reason(tmp_path / "data", scene)
 
 
-def test_another_scene_is_said_not_to_be_loaded(tmp_path: Path, scene: Path) -> None:
+def test_a_scene_that_differs_from_the_loaded_one_is_reported_as_not_loaded(tmp_path: Path, scene: Path) -> None:
     reason(tmp_path / "data", scene)
 
     assert "lives mine: kitting_two was not loaded" in reason(tmp_path / "data", Path("kitting_two"))

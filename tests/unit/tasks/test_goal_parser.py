@@ -278,7 +278,7 @@ def test_a_contradiction_is_no_fault_of_the_text() -> None:
     ],
     ids=["not", "or", "implies", "PDDL"],
 )
-def test_what_is_nested_too_deep_is_refused(text: str) -> None:
+def test_a_too_deeply_nested_goal_is_refused(text: str) -> None:
     with pytest.raises(UsageError, match="nested deeper than 50 levels"):
         parse(text)
 

@@ -41,22 +41,20 @@ def test_the_shipped_kit_is_a_template_with_its_compartments(ontology: Ontology)
     assert world.element(pieces[1]).label == "compartment B"
 
 
-def test_they_can_not_be_written(ontology: Ontology) -> None:
+def test_abstract_elements_of_an_ontology_cannot_be_changed(ontology: Ontology) -> None:
     world = World(ontology)
 
     with pytest.raises(WorldError, match="never changed at run time"), world.transaction("me", "why not") as tx:
         tx.set("kitting:standard_kit", "sk:mass", 3.0)
 
 
-def test_an_individual_of_several_classes_is_of_the_most_specific_that_is_one_of_elements(
-    root: Path, tmp_path: Path
-) -> None:
+def test_an_individual_with_several_classes_gets_the_most_specific_element_class(root: Path, tmp_path: Path) -> None:
     world = world_of(root, tmp_path, "my:a a owl:NamedIndividual , kitting:Kit , my:Tray , sk:Container .")
 
     assert world.element("my:a").type == "my:Tray"
 
 
-def test_what_elements_cannot_bear_stays_in_the_graph_alone(root: Path, tmp_path: Path) -> None:
+def test_statements_that_an_element_cannot_hold_are_only_in_the_graph(root: Path, tmp_path: Path) -> None:
     world = world_of(
         root,
         tmp_path,
@@ -72,9 +70,7 @@ my:a a my:Tray , my:ReusableThing ; rdfs:label "Schale"@de , "tray"@en ; my:made
     assert world.objects("my:a", "my:madeBy") == ()
 
 
-def test_of_an_individual_with_classes_of_other_lines_what_does_not_fit_is_passed_over(
-    root: Path, tmp_path: Path
-) -> None:
+def test_values_that_do_not_fit_the_chosen_class_of_an_individual_are_ignored(root: Path, tmp_path: Path) -> None:
     world = world_of(root, tmp_path, "my:a a kitting:Starter , sk:Skill ; sk:mass 1.0 ; sk:maxGap 2.0 .")
 
     assert dict(world.element("my:a").properties) == {"sk:mass": 1.0}

@@ -40,7 +40,7 @@ def test_drafts_that_refer_to_each_other_are_added_once() -> None:
     assert second.all() == [second, first]
 
 
-def test_two_drafts_that_say_the_same_are_two_elements(world: World) -> None:
+def test_two_equal_drafts_become_two_elements(world: World) -> None:
     pallet = Draft("kitting:Pallet", relations=[("sk:on", "floor")])
     for _ in range(2):
         pallet.relate("^sk:in", Draft("kitting:Starter"))
@@ -51,7 +51,7 @@ def test_two_drafts_that_say_the_same_are_two_elements(world: World) -> None:
     assert world.subjects("sk:in", ids[pallet]) == ("starter_2", "starter_3")
 
 
-def test_of_a_draft_that_is_wrong_anywhere_nothing_is_added(world: World) -> None:
+def test_a_draft_with_an_invalid_part_is_not_added_at_all(world: World) -> None:
     kit = Draft("kitting:Kit", relations=[("sk:on", "kit_table")])
     kit.relate("sk:hasA", Draft("kitting:Compartmnt"))
     before = world.version
@@ -85,7 +85,7 @@ def test_a_copy_has_the_pieces_the_contents_and_their_relations_but_no_place(wor
     assert world.placement("starter_1") == Placement("sk:in", "kit_1_a")
 
 
-def test_a_pose_is_kept_only_in_the_frame_of_what_is_copied_too(world: World) -> None:
+def test_a_copy_keeps_a_pose_only_if_its_frame_is_copied_too(world: World) -> None:
     kit = draft_of(world, "kit_1")
     by_label = {draft.label: draft for draft in kit.all()}
 
@@ -117,12 +117,12 @@ def test_a_copy_follows_the_given_relations_only(world: World) -> None:
     ]
 
 
-def test_a_copy_cannot_hang_together_by_what_is_computed(world: World) -> None:
+def test_copying_along_a_computed_relation_is_refused(world: World) -> None:
     with pytest.raises(UsageError, match="sk:near is computed"):
         draft_of(world, "kit_1", "sk:near")
 
 
-def test_what_an_abstract_element_describes_comes_into_the_scene(world: World) -> None:
+def test_instantiating_an_abstract_element_adds_it_with_its_parts_to_the_scene(world: World) -> None:
     with world.transaction("operator", "a second kit") as tx:
         kit = instantiate(tx, "kitting:standard_kit", Placement("sk:on", "kit_table"))
 
@@ -135,7 +135,7 @@ def test_what_an_abstract_element_describes_comes_into_the_scene(world: World) -
     assert all(world.objects(piece, "sk:poseFrame") == (kit,) for piece in pieces)
 
 
-def test_only_what_is_abstract_is_instantiated(world: World) -> None:
+def test_only_abstract_elements_can_be_instantiated(world: World) -> None:
     with world.transaction("test", "try it") as tx:
         with pytest.raises(UsageError, match="'kit_1' is in the scene already"):
             instantiate(tx, "kit_1")
@@ -145,7 +145,7 @@ def test_only_what_is_abstract_is_instantiated(world: World) -> None:
     assert world.instances("kitting:Kit") == ("kit_1",)
 
 
-def test_what_is_learned_outlives_what_it_was_learned_from(world: World) -> None:
+def test_a_learned_concept_remains_after_its_source_is_removed(world: World) -> None:
     with world.transaction("put", "it lies there") as tx:
         tx.place("starter_1", "sk:in", "kit_1_a")
     with world.transaction("teacher", "that is how a kit looks") as tx:
@@ -160,7 +160,7 @@ def test_what_is_learned_outlives_what_it_was_learned_from(world: World) -> None
     assert world.placement(learned) is None
 
 
-def test_what_is_learned_refers_to_nothing_else_in_the_scene(world: World) -> None:
+def test_a_learned_concept_has_no_relations_to_the_scene(world: World) -> None:
     with world.transaction("operator", "starts there") as tx:
         tx.relate("robot_1", "sk:startLocation", "pallet_a")
     with world.transaction("teacher", "such a robot") as tx:
@@ -180,7 +180,7 @@ def test_a_learned_concept_is_instantiated_unchanged(world: World) -> None:
 
 
 @pytest.mark.parametrize("name", ["kitting:standard_kit", "learned:kit_1"])
-def test_only_from_what_is_in_the_scene_something_is_learned(world: World, name: str) -> None:
+def test_learning_from_an_abstract_element_is_refused(world: World, name: str) -> None:
     with world.transaction("teacher", "shown") as tx:
         learn(tx, "kit_1")
 

@@ -75,7 +75,7 @@ def takes_back(subject: str, relation: str, object_: str) -> Write:
     return lambda tx: tx.unrelate(subject, relation, object_)
 
 
-def test_more_than_the_most_is_refused_with_what_there_is(opened: Open) -> None:
+def test_exceeding_a_maximum_cardinality_is_refused_with_the_present_values(opened: Open) -> None:
     text = CUP.format("my:goesWith ; owl:maxCardinality 1")
     world = opened(text, cup="my:Cup", a="my:Saucer", b="my:Saucer")
     write(world, states("cup", "my:goesWith", "a"))
@@ -85,7 +85,7 @@ def test_more_than_the_most_is_refused_with_what_there_is(opened: Open) -> None:
     )
 
 
-def test_fewer_than_the_least_is_refused(opened: Open) -> None:
+def test_falling_below_a_minimum_cardinality_is_refused(opened: Open) -> None:
     text = CUP.format("my:goesWith ; owl:minCardinality 2")
     world = opened(text, a="my:Saucer", b="my:Saucer")
 
@@ -99,7 +99,7 @@ def test_fewer_than_the_least_is_refused(opened: Open) -> None:
     assert refusal(world, takes_back("cup", "my:goesWith", "b")).endswith("at least 2, and there are 1")
 
 
-def test_what_is_needed_cannot_be_removed(opened: Open) -> None:
+def test_removing_an_element_required_by_a_minimum_cardinality_is_refused(opened: Open) -> None:
     world = opened(CUP.format("my:goesWith ; owl:minCardinality 1"), a="my:Saucer")
     write(
         world,
@@ -111,7 +111,7 @@ def test_what_is_needed_cannot_be_removed(opened: Open) -> None:
     write(world, lambda tx: tx.remove("a"), lambda tx: tx.remove("cup"))
 
 
-def test_only_the_state_at_the_end_is_counted(opened: Open) -> None:
+def test_cardinalities_are_checked_at_the_end_of_the_transaction(opened: Open) -> None:
     text = CUP.format("my:goesWith ; owl:maxCardinality 1")
     world = opened(text, cup="my:Cup", a="my:Saucer", b="my:Saucer")
     write(world, states("cup", "my:goesWith", "a"))
@@ -129,7 +129,7 @@ def test_numbers_hold_for_subclasses_and_count_narrower_relations(opened: Open) 
     assert "mug (my:BigCup) must have by my:goesWith at most 1" in refusal(world, states("mug", "my:goesWith", "b"))
 
 
-def test_a_number_of_a_class_counts_only_what_is_of_it(opened: Open) -> None:
+def test_a_qualified_cardinality_counts_only_elements_of_its_class(opened: Open) -> None:
     text = CUP.format("my:goesWith ; owl:maxQualifiedCardinality 1 ; owl:onClass my:Cup")
     world = opened(text, cup="my:Cup", mug="my:BigCup", a="my:Saucer", b="my:Saucer", other="my:Cup")
     write(world, states("cup", "my:goesWith", "a"), states("cup", "my:goesWith", "b"))
@@ -140,7 +140,7 @@ def test_a_number_of_a_class_counts_only_what_is_of_it(opened: Open) -> None:
     )
 
 
-def test_a_property_is_had_or_not_and_that_of_the_class_counts(opened: Open) -> None:
+def test_a_required_property_can_be_set_on_the_element_or_its_class(opened: Open) -> None:
     text = CUP.format("my:batch ; owl:cardinality 1")
 
     def new(class_: str, **batch: str) -> Write:
@@ -155,7 +155,7 @@ def test_a_property_is_had_or_not_and_that_of_the_class_counts(opened: Open) -> 
     write(world, lambda tx: tx.add("my:BigCup", placement=Placement("sk:on", "floor")))
 
 
-def test_a_property_that_can_not_be_had_is_refused(opened: Open) -> None:
+def test_setting_a_property_with_maximum_cardinality_zero_is_refused(opened: Open) -> None:
     world = opened(CUP.format("my:batch ; owl:maxCardinality 0"), cup="my:Cup")
 
     assert refusal(world, lambda tx: tx.set("cup", "my:batch", "b3")) == (
@@ -163,7 +163,7 @@ def test_a_property_that_can_not_be_had_is_refused(opened: Open) -> None:
     )
 
 
-def test_what_is_abstract_may_leave_things_open_but_has_never_too_much(opened: Open) -> None:
+def test_abstract_elements_may_miss_a_minimum_but_not_exceed_a_maximum_cardinality(opened: Open) -> None:
     text = CUP.format("my:goesWith ; owl:cardinality 1")
     world = opened(text)
     write(world, lambda tx: tx.add("my:Cup", learned=True))
@@ -189,7 +189,7 @@ def test_narrower_relations_of_a_functional_one_are_counted_together(opened: Ope
     assert "must have by my:goesWith at most 1, and there are 2 (a, b)" in refusal(world, states("cup", "my:fond", "b"))
 
 
-def test_what_comes_to_a_place_and_goes_is_counted_there(opened: Open) -> None:
+def test_placements_count_for_the_cardinality_of_the_place(opened: Open) -> None:
     text = TRAY.format("my:bears ; owl:maxCardinality 1")
     world = opened(text, tray="my:Tray", other="my:SmallTray", a="my:Cup", b="my:Cup")
     write(world, states("tray", "my:bears", "a"))
@@ -202,7 +202,7 @@ def test_what_comes_to_a_place_and_goes_is_counted_there(opened: Open) -> None:
     assert "other (my:SmallTray)" in refusal(world, lambda tx: tx.place("a", "my:bears", "other"))
 
 
-def test_the_last_thing_that_a_place_needs_cannot_go(opened: Open) -> None:
+def test_the_last_element_required_by_a_place_cannot_be_moved_away(opened: Open) -> None:
     world = opened(TRAY.format("my:bears ; owl:minCardinality 1"), a="my:Cup", b="my:Cup")
     write(
         world,

@@ -27,7 +27,7 @@ def same(found: IdSet, expected: set[str]) -> bool:
 
 
 @given(st.sets(st.sampled_from(NAMES)), steps)
-def test_a_set_of_ids_does_as_a_set_of_python_does_whatever_comes_and_goes(
+def test_an_id_set_equals_a_python_set_after_any_additions_and_removals(
     first: set[str], steps: list[tuple[str, bool]]
 ) -> None:
     found, expected = built(sorted(first)), set(first)
@@ -39,7 +39,7 @@ def test_a_set_of_ids_does_as_a_set_of_python_does_whatever_comes_and_goes(
 
 
 @given(st.sets(st.sampled_from(NAMES)), st.sampled_from(NAMES))
-def test_a_set_stays_as_it_is_when_another_is_made_from_it(names: set[str], name: str) -> None:
+def test_deriving_a_set_does_not_change_the_original(names: set[str], name: str) -> None:
     found = built(sorted(names))
 
     more, less = found.with_(name), found.without(name)
@@ -68,7 +68,7 @@ def test_sets_of_one_and_of_several_blocks_give_the_same_answers() -> None:
         assert found.without("part_000").with_("part_000").ids() == tuple(sorted(names))
 
 
-def test_what_makes_no_difference_makes_no_other_set() -> None:
+def test_an_operation_without_effect_returns_the_same_set() -> None:
     for size in (3, 60):
         found = built(NAMES[:size])
 
@@ -83,6 +83,6 @@ def test_the_empty_set_holds_nothing() -> None:
     assert EMPTY.without("part_1") is EMPTY
 
 
-def test_what_is_no_text_is_in_no_set() -> None:
+def test_an_id_set_contains_only_strings() -> None:
     assert 5 not in built(NAMES[:3])
     assert None not in built(NAMES)

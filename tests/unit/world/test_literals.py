@@ -45,7 +45,7 @@ def test_a_number_is_exactly_the_same_after_writing_and_reading(number: float) -
 
 
 @pytest.mark.parametrize("text", ["0 0 0", "0 0 0 0 0 nan", "0 0 0 0 0 inf", "x y z r p y", "0 0 0 0 0 0 0"])
-def test_what_is_no_pose_is_refused_with_what_would_be(text: str) -> None:
+def test_an_invalid_pose_is_refused_with_the_expected_format(text: str) -> None:
     with pytest.raises(ValueError, match="needs a pose"):
         parse_value(text, "sk:poseLiteral", "sk:poseLiteral")
 

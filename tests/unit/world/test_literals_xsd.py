@@ -70,7 +70,7 @@ def test_a_value_of_a_standard_type_is_read_and_written(type_: str, text: str, v
 
 
 @pytest.mark.parametrize(("type_", "text"), BAD)
-def test_what_is_no_value_of_its_type_is_refused_in_few_words(type_: str, text: str) -> None:
+def test_an_invalid_value_of_an_xsd_type_is_refused_with_a_short_message(type_: str, text: str) -> None:
     with pytest.raises(ValueError, match=r"^needs ") as caught:
         parse_value(text, type_, type_)
 
@@ -78,7 +78,7 @@ def test_what_is_no_value_of_its_type_is_refused_in_few_words(type_: str, text: 
 
 
 @pytest.mark.parametrize("range_", ["xsd:int", "xsd:unsignedShort", "xsd:integer"])
-def test_turtles_own_whole_numbers_fit_every_type_of_them(range_: str) -> None:
+def test_turtle_integers_fit_every_integer_type(range_: str) -> None:
     assert parse_value("5", "xsd:integer", range_) == 5
 
 
@@ -108,7 +108,7 @@ def test_any_literal_keeps_its_value_and_type(value: Value) -> None:
 
 
 @pytest.mark.parametrize("value", [None, [1], math.nan, object()])
-def test_what_is_no_literal_is_refused_even_where_any_is_allowed(value: object) -> None:
+def test_a_value_that_is_not_a_literal_is_refused_even_for_rdfs_literal(value: object) -> None:
     with pytest.raises(ValueError):  # noqa: PT011  whoever asks words it
         DATATYPES["rdfs:Literal"].check(value)
 
@@ -136,6 +136,6 @@ def test_a_wrong_literal_found_in_a_graph_is_shown_as_its_text() -> None:
 
 
 @pytest.mark.parametrize("range_", sorted(DATATYPES))
-def test_every_type_says_what_its_values_look_like(range_: str) -> None:
+def test_every_datatype_describes_its_values(range_: str) -> None:
     assert DATATYPES[range_].says
     assert range_ in DATATYPES[range_].accepts or range_ == "rdfs:Literal"

@@ -52,7 +52,7 @@ def test_a_lock_names_its_element_its_owner_and_its_end(locks: Locks) -> None:
     assert locks.held() == taken
 
 
-def test_one_id_is_not_taken_for_a_list_of_letters(locks: Locks) -> None:
+def test_a_single_id_can_be_locked_without_a_list(locks: Locks) -> None:
     locks.acquire("kit_1", "ann", 10)
     assert names(locks) == ["kit_1"]
 
@@ -91,7 +91,7 @@ def test_a_lock_ends_by_itself(locks: Locks, clock: Clock) -> None:
     assert locks.acquire(["a"], "bob", 10) == (Lock("a", "bob", 120.0),)
 
 
-def test_its_owner_makes_a_lock_last_longer(locks: Locks, clock: Clock) -> None:
+def test_acquiring_a_lock_again_extends_it(locks: Locks, clock: Clock) -> None:
     locks.acquire(["a"], "ann", 10)
     clock.now += 8
     locks.acquire(["a"], "ann", 10)
@@ -100,7 +100,7 @@ def test_its_owner_makes_a_lock_last_longer(locks: Locks, clock: Clock) -> None:
     assert names(locks) == ["a"]
 
 
-def test_only_its_owner_gives_a_lock_back(locks: Locks) -> None:
+def test_only_the_owner_can_release_a_lock(locks: Locks) -> None:
     locks.acquire(["a", "b"], "ann", 10)
     locks.acquire(["c"], "bob", 10)
 
@@ -115,7 +115,7 @@ def test_only_its_owner_gives_a_lock_back(locks: Locks) -> None:
 
 
 @pytest.mark.parametrize("seconds", [0, -1, math.nan, math.inf, 24 * 3600 + 1])
-def test_a_lock_lasts_for_a_time_that_ends(locks: Locks, seconds: float) -> None:
+def test_the_duration_of_a_lock_must_be_positive_and_at_most_one_day(locks: Locks, seconds: float) -> None:
     with pytest.raises(UsageError, match="more than 0 s and at most 86400 s"):
         locks.acquire(["a"], "ann", seconds)
 
@@ -128,7 +128,7 @@ def test_a_lock_has_an_owner(locks: Locks, owner: str) -> None:
         locks.acquire(["a"], owner, 10)
 
 
-def test_of_many_threads_that_want_one_element_one_gets_it(locks: Locks) -> None:
+def test_exactly_one_of_many_threads_acquires_a_lock(locks: Locks) -> None:
     together = threading.Barrier(8)
     got: list[str] = []
 
@@ -154,7 +154,7 @@ def test_of_many_threads_that_want_one_element_one_gets_it(locks: Locks) -> None
 
 
 @pytest.mark.parametrize("writer", [Writer.PERSON, Writer.JOB])
-def test_people_and_jobs_cannot_edit_what_another_has_locked(world: World, writer: Writer) -> None:
+def test_people_and_jobs_cannot_edit_an_element_locked_by_another_author(world: World, writer: Writer) -> None:
     world.locks.acquire(["starter_1"], "ann", 60)
     before = world.version
 
@@ -166,7 +166,7 @@ def test_people_and_jobs_cannot_edit_what_another_has_locked(world: World, write
 
 
 @pytest.mark.parametrize("writer", [Writer.SKILL, Writer.SYSTEM])
-def test_no_lock_keeps_skills_and_the_platform_from_writing(world: World, writer: Writer) -> None:
+def test_skills_and_the_platform_can_edit_locked_elements(world: World, writer: Writer) -> None:
     world.locks.acquire(["starter_1"], "ann", 60)
 
     write(world, "look", writer)
@@ -202,7 +202,7 @@ def test_the_whole_of_a_locked_piece_is_edited_but_not_removed(world: World) -> 
 
 
 @pytest.mark.parametrize(("first", "second"), [("kit_1", "kit_1_a"), ("kit_1_a", "kit_1")])
-def test_nobody_locks_a_piece_of_what_another_has_locked_nor_the_whole_of_it(
+def test_the_parts_and_the_whole_of_a_locked_element_cannot_be_locked_by_another_author(
     world: World, first: str, second: str
 ) -> None:
     world.locks.acquire([first], "ann", 60)
@@ -212,7 +212,7 @@ def test_nobody_locks_a_piece_of_what_another_has_locked_nor_the_whole_of_it(
     world.locks.acquire([second], "ann", 60)
 
 
-def test_a_lock_taken_while_an_edit_is_written_down_still_counts(world: World) -> None:
+def test_a_lock_acquired_during_a_transaction_refuses_its_commit(world: World) -> None:
     def write_slowly() -> None:
         with world.transaction("bob", "because", writer=Writer.PERSON) as tx:
             tx.set("starter_1", "sk:missing", True)

@@ -27,18 +27,18 @@ def test_subclasses_count_and_the_ids_are_sorted(world: World) -> None:
     assert resolve(world, "kitting:RelayBox") == ("relay_box_1", "relay_box_2")
 
 
-def test_without_a_class_everything_in_the_scene_is_found(world: World) -> None:
+def test_resolve_without_a_class_finds_every_element_of_the_scene(world: World) -> None:
     assert resolve(world) == world.instances("sk:Element")
 
 
-def test_a_label_is_what_it_is_called_exactly(world: World) -> None:
+def test_a_label_must_match_exactly(world: World) -> None:
     assert resolve(world, label="relay box") == ("relay_box_1", "relay_box_2")
     assert resolve(world, label="relay") == ()
     assert resolve(world, label="Relay box") == ()
     assert resolve(world, label="") == ()
 
 
-def test_a_value_of_the_class_counts_until_the_element_has_its_own(world: World) -> None:
+def test_a_class_value_matches_until_the_element_has_its_own_value(world: World) -> None:
     assert resolve(world, "kitting:Part", properties={"sk:mass": 0.25}) == ("relay_box_1", "relay_box_2")
 
     with world.transaction("scale", "weighed") as tx:
@@ -48,7 +48,7 @@ def test_a_value_of_the_class_counts_until_the_element_has_its_own(world: World)
     assert resolve(world, "kitting:Part", properties={"sk:mass": 0.3}) == ("relay_box_2",)
 
 
-def test_a_property_is_asked_by_a_function_or_not_to_be_set_at_all(world: World) -> None:
+def test_a_property_can_be_filtered_by_a_function_or_as_not_set(world: World) -> None:
     with world.transaction("look", "not there") as tx:
         tx.set("starter_1", "sk:missedLooks", 2)
 
@@ -56,21 +56,21 @@ def test_a_property_is_asked_by_a_function_or_not_to_be_set_at_all(world: World)
     assert resolve(world, "kitting:Part", properties={"sk:missedLooks": None}) == PARTS[:-1]
 
 
-def test_a_function_is_never_asked_about_what_has_no_value(world: World) -> None:
+def test_a_property_function_is_called_only_for_elements_with_a_value(world: World) -> None:
     asked: list[object] = []
 
     assert resolve(world, properties={"sk:maxGap": lambda gap: asked.append(gap) is None}) == ("gripper_1",)
     assert asked == [world.value("gripper_1", "sk:maxGap")]
 
 
-def test_all_that_is_asked_holds_at_once(world: World) -> None:
+def test_all_given_conditions_must_hold_together(world: World) -> None:
     light = {"sk:mass": lambda kg: float(kg) < 0.5}
 
     assert resolve(world, "kitting:Part", properties=light, relations={"sk:in": "pallet_a"}) == ("relay_box_1",)
     assert resolve(world, relations={"sk:in": "pallet_a", "sk:on": "floor"}) == ()
 
 
-def test_narrower_relations_count(world: World) -> None:
+def test_sub_relations_match_a_super_relation(world: World) -> None:
     assert resolve(world, "kitting:Part", relations={"sk:placement": "pallet_b"}) == ("compressor_1", "relay_box_2")
 
 
@@ -79,7 +79,7 @@ def test_a_relation_is_read_backwards(world: World) -> None:
     assert resolve(world, relations={"^sk:in": "starter_1"}) == ("pallet_a",)
 
 
-def test_what_reasoners_compute_is_asked_both_ways(computing: World) -> None:
+def test_a_computed_relation_is_resolved_in_both_directions(computing: World) -> None:
     with computing.transaction("test", "a bigger part") as tx:
         tx.set("starter_1", "sk:graspWidth", 1.0)
 
@@ -88,13 +88,13 @@ def test_what_reasoners_compute_is_asked_both_ways(computing: World) -> None:
     assert resolve(computing, relations={"^sk:graspableBy": "starter_1"}) == ()
 
 
-def test_what_reasoners_compute_goes_with_what_is_stated(computing: World) -> None:
+def test_computed_and_stated_relations_can_be_combined(computing: World) -> None:
     wanted = {"sk:graspableBy": "gripper_1", "sk:in": "pallet_a"}
 
     assert resolve(computing, "kitting:Part", relations=wanted) == ("alternator_1", "relay_box_1", "starter_1")
 
 
-def test_what_is_abstract_is_found_only_when_asked_for(world: World) -> None:
+def test_abstract_elements_are_found_only_on_request(world: World) -> None:
     with world.transaction("teacher", "shown") as tx:
         tx.add("kitting:Kit", "my kit", learned=True)
 
@@ -116,7 +116,7 @@ def test_what_is_abstract_is_found_only_when_asked_for(world: World) -> None:
         ({"relations": {"sk:near": "pallet_a"}}, "unknown computed relation 'sk:near' (no reasoner computes it)"),
     ],
 )
-def test_a_name_that_nobody_knows_is_answered_with_the_nearest(
+def test_an_unknown_name_is_refused_with_the_nearest_known_name(
     world: World, asked: dict[str, object], says: str
 ) -> None:
     with pytest.raises(UnknownName) as caught:
@@ -125,16 +125,16 @@ def test_a_name_that_nobody_knows_is_answered_with_the_nearest(
     assert says in str(caught.value)
 
 
-def test_a_value_that_a_property_can_never_have_is_a_fault_and_not_an_empty_answer(world: World) -> None:
+def test_filtering_by_an_invalid_value_is_an_error_instead_of_an_empty_result(world: World) -> None:
     with pytest.raises(UsageError, match="sk:mass is always a finite number, never 'heavy'"):
         resolve(world, properties={"sk:mass": "heavy"})
 
 
-def test_the_one_that_is_meant_is_found(world: World) -> None:
+def test_the_only_matching_element_is_returned(world: World) -> None:
     assert the(world, "kitting:RelayBox", relations={"sk:in": "pallet_b"}) == "relay_box_2"
 
 
-def test_of_several_it_is_said_which_there_are(world: World) -> None:
+def test_several_matching_elements_are_listed_in_the_error(world: World) -> None:
     with pytest.raises(UsageError) as caught:
         the(world, "kitting:Part", label="relay box")
 
@@ -143,7 +143,7 @@ def test_of_several_it_is_said_which_there_are(world: World) -> None:
     )
 
 
-def test_of_none_it_is_said_what_was_asked_and_what_there_is_of_the_class(world: World) -> None:
+def test_without_a_match_the_error_lists_the_conditions_and_the_elements_of_the_class(world: World) -> None:
     asked = {"sk:mass": 0.1, "sk:pose": None, "sk:graspWidth": lambda _: True}
 
     with pytest.raises(UsageError) as caught:

@@ -39,7 +39,7 @@ def test_subclasses_and_sub_relations_include_the_term_itself_first(ontology: On
     assert ontology.sub_relations("sk:placement") == ("sk:placement", "sk:at", "sk:heldBy", "sk:in", "sk:on")
 
 
-def test_a_family_is_said_by_the_superproperty(ontology: Ontology) -> None:
+def test_the_family_of_a_relation_follows_from_its_super_relation(ontology: Ontology) -> None:
     relations = ("sk:heldBy", "sk:hasA", "sk:fitsIn", "sk:hasSkill")
 
     families = [ontology.family(relation) for relation in relations]

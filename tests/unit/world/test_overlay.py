@@ -12,7 +12,7 @@ from skiros_py.world.view import NO_SENSORS
 from skiros_py.world.world import World
 
 
-def test_what_is_supposed_never_reaches_the_base(world: World) -> None:
+def test_changes_in_an_overlay_do_not_reach_its_base(world: World) -> None:
     overlay = Overlay(world)
 
     overlay.place("starter_1", "sk:heldBy", "gripper_1")
@@ -24,7 +24,7 @@ def test_what_is_supposed_never_reaches_the_base(world: World) -> None:
     assert (world.value("starter_1", "sk:missing"), world.version) == (None, 1)
 
 
-def test_placing_moves_across_the_whole_family(world: World) -> None:
+def test_placing_an_element_replaces_any_other_placement_relation(world: World) -> None:
     overlay = Overlay(world)
 
     overlay.set_relation("starter_1", "sk:heldBy", "gripper_1")
@@ -45,7 +45,7 @@ def test_moving_back_leaves_the_overlay_as_its_base(world: World) -> None:
     assert overlay.subjects("sk:heldBy", "gripper_1") == ()
 
 
-def test_taking_a_relation_away_takes_the_narrower_ones_too(world: World) -> None:
+def test_unsetting_a_relation_unsets_its_sub_relations(world: World) -> None:
     overlay = Overlay(world)
 
     overlay.unset_relation("kit_1", "sk:structure", "kit_1_a")
@@ -69,7 +69,7 @@ def test_an_overlay_may_lie_on_an_overlay(world: World) -> None:
     assert above.objects("starter_1", "sk:placement") == ("kit_1_a",)
 
 
-def test_an_own_value_taken_away_uncovers_that_of_the_class(world: World) -> None:
+def test_unsetting_the_value_of_an_element_reveals_the_class_value(world: World) -> None:
     overlay = Overlay(world)
     overlay.set_value("starter_1", "sk:mass", 2.0)
 
@@ -97,14 +97,14 @@ def test_a_pose_in_the_map_follows_the_frames(world: World) -> None:
     assert map_pose(world, "starter_1") is None
 
 
-def test_frames_supposed_to_hang_on_each_other_give_no_pose(world: World) -> None:
+def test_a_frame_cycle_in_an_overlay_gives_no_pose(world: World) -> None:
     overlay = Overlay(world)
     overlay.set_relation("kit_1", "sk:poseFrame", "kit_1_a")
 
     assert map_pose(overlay, "kit_1_a") is None
 
 
-def test_what_is_read_through_an_overlay_is_noted_by_the_view_below_also_of_copies(world: World) -> None:
+def test_reads_through_a_copied_overlay_are_recorded_by_the_reading_view_below(world: World) -> None:
     reading = ReadingView(world.snapshot(), NO_SENSORS)
     overlay = Overlay(Overlay(reading)).copy()
     overlay.place("starter_1", "sk:heldBy", "gripper_1")
@@ -114,7 +114,7 @@ def test_what_is_read_through_an_overlay_is_noted_by_the_view_below_also_of_copi
     assert reading.subjects("sk:heldBy", "gripper_1") == ()
 
 
-def test_what_is_hidden_keeps_its_place_and_a_copy_is_independent(world: World) -> None:
+def test_hidden_elements_keep_their_placement_and_a_copied_overlay_is_independent(world: World) -> None:
     overlay = Overlay(world, hidden=["starter_1"])
     copied = overlay.copy()
     copied.unplace("alternator_1")

@@ -54,7 +54,7 @@ def assert_same(pose: Pose | None, expected: Array) -> None:
 
 @settings(max_examples=50, deadline=None)
 @given(trees(), st.data())
-def test_a_pose_in_any_frame_is_what_the_matrices_say(tree: Tree, data: st.DataObject) -> None:
+def test_a_pose_in_any_frame_equals_the_matrix_product(tree: Tree, data: st.DataObject) -> None:
     one, other = (data.draw(st.integers(0, len(tree) - 1)) for _ in range(2))
     world = world_of(tree)
 
@@ -65,7 +65,7 @@ def test_a_pose_in_any_frame_is_what_the_matrices_say(tree: Tree, data: st.DataO
 
 @settings(max_examples=50, deadline=None)
 @given(trees(), st.data())
-def test_what_is_attached_stays_where_it_is_and_moves_with_its_frame(tree: Tree, data: st.DataObject) -> None:
+def test_an_attached_element_keeps_its_map_pose_and_then_moves_with_its_frame(tree: Tree, data: st.DataObject) -> None:
     frame = data.draw(st.integers(0, len(tree) - 2))
     thing, last = f"thing_{len(tree) - 1}", len(tree) - 1
     world = world_of(tree)
@@ -83,7 +83,7 @@ def test_what_is_attached_stays_where_it_is_and_moves_with_its_frame(tree: Tree,
     assert_same(map_pose(world, thing), moved)
 
 
-def test_what_is_detached_stays_in_the_map() -> None:
+def test_a_detached_element_keeps_its_map_pose() -> None:
     world = world_of([(None, Pose.of(1, 2, 0, yaw=1.0)), (0, Pose.of(0.5, 0, 0))])
     before = map_pose(world, "thing_1")
     with world.transaction("test", "put down") as tx:
@@ -96,7 +96,7 @@ def test_what_is_detached_stays_in_the_map() -> None:
     assert world.objects("thing_1", "sk:poseFrame") == ()
 
 
-def test_things_on_a_frame_that_nobody_knows_the_place_of_know_each_others_pose() -> None:
+def test_elements_in_a_frame_of_unknown_pose_have_known_relative_poses() -> None:
     world = world_of([(None, Pose()), (0, Pose.of(1, 0, 0)), (0, Pose.of(0, 2, 0))])
     with world.transaction("test", "lost") as tx:
         write_pose(tx, "thing_0", None)
@@ -118,7 +118,7 @@ def test_a_thing_cannot_be_attached_where_its_pose_is_not_known() -> None:
     assert world.version == 1
 
 
-def test_a_frame_that_hangs_on_what_hangs_on_it_is_refused_and_supposed_ones_give_no_pose() -> None:
+def test_a_frame_cycle_is_refused_in_a_world_and_gives_no_pose_in_an_overlay() -> None:
     world = world_of([(None, Pose()), (0, Pose())])
 
     with pytest.raises(WorldError, match="has its own frame as sk:poseFrame"), world.transaction("test", "?") as tx:
@@ -128,7 +128,7 @@ def test_a_frame_that_hangs_on_what_hangs_on_it_is_refused_and_supposed_ones_giv
     assert map_pose(supposed, "thing_0") is None
 
 
-def test_an_unknown_element_or_frame_is_said_to_be_unknown() -> None:
+def test_the_pose_of_an_unknown_element_or_frame_is_refused() -> None:
     world = world_of([(None, Pose()), (None, Pose())])
 
     with pytest.raises(UnknownName, match="unknown element 'thing_9'"):
@@ -137,7 +137,7 @@ def test_an_unknown_element_or_frame_is_said_to_be_unknown() -> None:
         pose_in(world, "thing_0", "thing_9")
 
 
-def test_a_frame_whose_pose_is_known_otherwise_ends_the_way_up() -> None:
+def test_a_frame_with_a_sensed_pose_ends_the_frame_chain() -> None:
     one, two, three = Pose((1.0, 0.0, 0.0)), Pose((0.0, 2.0, 0.0)), Pose((0.0, 0.0, 3.0))
     world = world_of([(None, one), (0, two), (1, three)])
     sensed = {"thing_0": Pose((9.0, 0.0, 0.0)), "thing_2": Pose((7.0, 7.0, 7.0))}

@@ -138,7 +138,7 @@ moves = st.tuples(st.sampled_from(["starter_1", "robot_1", "kit_1"]), st.sampled
 
 @settings(max_examples=60, deadline=None)
 @given(st.lists(moves, max_size=10))
-def test_an_overlay_answers_as_a_world_in_which_the_same_was_written(moved: list[tuple[str, str, str]]) -> None:
+def test_an_overlay_answers_like_a_world_with_the_same_changes(moved: list[tuple[str, str, str]]) -> None:
     world = load_scene(ONTOLOGY, ROOT / "scenes" / "kitting.ttl")
     overlay = Overlay(world.snapshot())
     for element, relation, place in moved:

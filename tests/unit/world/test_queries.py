@@ -10,7 +10,7 @@ from skiros_py.world.world import World
 PARTS_IN = "SELECT ?part ?mass { ?part sk:in $place ; a ?class . ?class rdfs:subClassOf* kitting:Part ; sk:mass ?mass }"
 
 
-def test_one_query_sees_ontology_and_scene(world: World) -> None:
+def test_one_query_can_combine_ontology_and_scene(world: World) -> None:
     rows = select(world, PARTS_IN + " ORDER BY ?part", place="pallet_a")
 
     assert rows == [
@@ -39,13 +39,13 @@ def test_the_goals_can_be_asked_for(world: World) -> None:
     assert tuple(row["goal"] for row in rows) == world.goals
 
 
-def test_no_statement_is_seen_twice(world: World) -> None:
+def test_each_statement_is_returned_once(world: World) -> None:
     rows = select(world, "SELECT ?robot { ?robot a sk:Robot }")
 
     assert rows == [{"robot": "robot_1"}]
 
 
-def test_what_is_bound_stays_a_value(world: World) -> None:
+def test_bound_values_cannot_inject_query_text(world: World) -> None:
     nasty = '" } DROP ALL # \\'
 
     assert not ask(world, "ASK { ?s rdfs:label $label }", label=Text(nasty))
@@ -69,5 +69,5 @@ def test_a_query_that_cannot_be_run_is_refused(world: World, query: str, says: s
         select(world, query)
 
 
-def test_words_in_texts_are_no_keywords(world: World) -> None:
+def test_keywords_in_strings_are_not_keywords(world: World) -> None:
     assert select(world, "SELECT ?s { ?s rdfs:label 'SERVICE $x' } # SERVICE $y") == []

@@ -22,14 +22,14 @@ def refusal(world: World, element: str) -> str:
     return str(caught.value)
 
 
-def test_what_lay_in_it_goes_where_it_was_by_the_relation_by_which_it_was_there(world: World) -> None:
+def test_the_content_of_a_removed_element_moves_to_its_place_by_its_placement_relation(world: World) -> None:
     remove(world, "pallet_a")
 
     for part in ("alternator_1", "relay_box_1", "starter_1"):
         assert world.placement(part) == Placement("sk:on", "floor")
 
 
-def test_what_cannot_be_there_in_the_same_way_keeps_its_own(world: World) -> None:
+def test_content_that_cannot_use_the_placement_relation_of_the_removed_element_keeps_its_own(world: World) -> None:
     with world.transaction("drive", "arrived") as tx:
         tx.place("robot_1", "sk:at", "pallet_a")
         tx.place("starter_1", "sk:on", "deck_1")
@@ -46,14 +46,14 @@ def test_a_held_element_and_its_owner_cannot_be_removed(world: World) -> None:
     assert "starter_1 is held by gripper_1: have it put down before it is removed" in refusal(world, "starter_1")
 
 
-def test_everything_that_would_be_nowhere_is_named(world: World) -> None:
+def test_every_element_that_would_lose_its_place_is_named(world: World) -> None:
     text = refusal(world, "floor")
 
     for name in ("kit_table", "pallet_a", "pallet_b", "rack_1"):
         assert f"{name} would be nowhere: place it elsewhere first" in text
 
 
-def test_a_piece_is_removed_alone_and_what_lay_in_it_goes_where_the_whole_is(world: World) -> None:
+def test_removing_a_part_keeps_the_whole_and_moves_its_content_to_the_place_of_the_whole(world: World) -> None:
     with world.transaction("put", "it lies there") as tx:
         tx.place("starter_1", "sk:in", "kit_1_a")
 
@@ -63,7 +63,7 @@ def test_a_piece_is_removed_alone_and_what_lay_in_it_goes_where_the_whole_is(wor
     assert world.placement("starter_1") == Placement("sk:on", "kit_table")
 
 
-def test_relations_of_others_to_it_go_with_it(world: World) -> None:
+def test_relations_to_a_removed_element_are_removed(world: World) -> None:
     with world.transaction("operator", "starts there") as tx:
         tx.relate("robot_1", "sk:startLocation", "pallet_b")
 
@@ -72,7 +72,7 @@ def test_relations_of_others_to_it_go_with_it(world: World) -> None:
     assert world.objects("robot_1", "sk:startLocation") == ()
 
 
-def test_what_is_learned_leaves_what_lay_in_it_in_no_place(world: World) -> None:
+def test_the_content_of_a_removed_learned_concept_has_no_place(world: World) -> None:
     with world.transaction("teacher", "shown") as tx:
         kit = tx.add("kitting:Kit", learned=True)
         starter = tx.add("kitting:Starter", learned=True)

@@ -29,26 +29,26 @@ classes = st.sampled_from(["tiny:Ball", "tiny:RedBall", "tiny:Box", "tiny:Key", 
 
 @pytest.mark.parametrize("view", VIEWS, ids=lambda view: type(view).__name__)
 @given(class_=classes, limit=st.integers(0, 120), after=st.sampled_from(["", "a", "ball_1", "ball_150", "red", "zz"]))
-def test_the_first_instances_are_the_beginning_of_all(view: WorldView, class_: str, limit: int, after: str) -> None:
+def test_some_instances_are_the_first_of_all_instances(view: WorldView, class_: str, limit: int, after: str) -> None:
     expected = tuple(name for name in view.instances(class_) if name > after)[:limit]
 
     assert view.some_instances(class_, limit, after) == expected
 
 
 @pytest.mark.parametrize("view", VIEWS, ids=lambda view: type(view).__name__)
-def test_of_some_ids_those_of_a_class_are_told(view: WorldView) -> None:
+def test_instances_among_filters_ids_by_class(view: WorldView) -> None:
     ids = ("slot_1", "red_ball_1", "ball_103", "ball_100")
 
     assert view.instances_among("tiny:Ball", ids) == tuple(i for i in ids if i in view.instances("tiny:Ball"))
 
 
-def test_a_class_that_is_none_is_named() -> None:
+def test_an_unknown_class_is_refused_by_name() -> None:
     with pytest.raises(UnknownName, match="tiny:Baal"):
         WORLD.some_instances("tiny:Baal", 1)
 
 
 @pytest.mark.parametrize(("ball", "there"), [("ball_103", False), ("ball_104", True)])
-def test_what_does_not_take_part_is_not_found_by_what_it_is_related_to(ball: str, there: bool) -> None:
+def test_hidden_elements_are_not_found_through_their_relations(ball: str, there: bool) -> None:
     overlay = Overlay(WORLD)
     overlay.place(ball, "sk:in", "slot_1")
     found = Exists("b", "tiny:Ball", Related("sk:in", "b", "slot")).evaluate(
@@ -59,7 +59,7 @@ def test_what_does_not_take_part_is_not_found_by_what_it_is_related_to(ball: str
 
 
 @given(class_=classes)
-def test_elements_are_counted_as_they_are_listed(class_: str) -> None:
+def test_the_count_of_instances_equals_the_length_of_their_list(class_: str) -> None:
     index = WORLD.snapshot()
 
     assert index.count(class_) == len(index.instances(class_))

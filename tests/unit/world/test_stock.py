@@ -29,7 +29,7 @@ def taken(world: World, token: str = "reds#1") -> str:
         return take(tx, token)
 
 
-def test_what_is_left_of_a_stock_is_where_its_container_says() -> None:
+def test_a_stock_has_the_count_and_place_of_its_container() -> None:
     (stock,) = stocks(tiny_world(STOCK))
 
     assert (stock.id, stock.class_, stock.count) == ("reds", "tiny:RedBall", 2)
@@ -59,14 +59,14 @@ def test_a_stock_that_is_used_up_or_badly_described_has_nothing(described: str) 
 
 
 @pytest.mark.parametrize(("property_", "value"), [("sk:stockCount", -1), ("sk:stockOf", "tiny:Unheard")])
-def test_less_than_nothing_of_a_class_or_an_unknown_class_is_refused(property_: str, value: str | int) -> None:
+def test_a_stock_with_a_negative_count_or_an_unknown_class_is_refused(property_: str, value: str | int) -> None:
     world = tiny_world(STOCK)
 
     with pytest.raises(WorldError), world.transaction("ann", "wrong") as tx:
         tx.set("reds", property_, value)
 
 
-def test_what_is_taken_is_an_element_where_the_stock_is_and_one_less_is_without_one() -> None:
+def test_taking_from_a_stock_adds_an_element_and_lowers_the_count() -> None:
     world = tiny_world(STOCK)
 
     name = taken(world)
@@ -77,7 +77,7 @@ def test_what_is_taken_is_an_element_where_the_stock_is_and_one_less_is_without_
     assert world.changes[-1].author == "task"
 
 
-def test_from_a_used_up_stock_nothing_is_taken_and_nothing_changes() -> None:
+def test_taking_from_an_empty_stock_is_refused_and_changes_nothing() -> None:
     world = tiny_world(STOCK)
     names = {taken(world), taken(world, "reds#2")}
     before = world.version
@@ -98,7 +98,7 @@ def test_a_stock_that_was_removed_gives_nothing() -> None:
         taken(world)
 
 
-def test_undo_puts_back_what_a_person_took_and_its_name_is_never_used_again() -> None:
+def test_undoing_a_take_restores_the_stock_and_the_id_is_never_reused() -> None:
     world = tiny_world(STOCK)
     with world.transaction("ann", "by hand", writer=Writer.PERSON) as tx:
         first = take(tx, "reds#1")
@@ -110,7 +110,7 @@ def test_undo_puts_back_what_a_person_took_and_its_name_is_never_used_again() ->
     assert taken(world) != first
 
 
-def test_a_world_opened_again_has_the_same_left_and_gives_other_names(tmp_path: Path) -> None:
+def test_a_reopened_world_keeps_its_stock_and_never_reuses_ids(tmp_path: Path) -> None:
     scene = tiny_scene(tmp_path, STOCK)
     with DataDirectory.open(tmp_path / "data", tiny_ontology(), scene=scene) as data:
         first = taken(data.world)

@@ -18,7 +18,7 @@ def count(world: World, looks: int, author: str = "look") -> None:
         tx.set("starter_1", "sk:missedLooks", looks)
 
 
-def test_a_change_is_visible_when_it_is_told(world: World) -> None:
+def test_a_change_is_visible_when_subscribers_are_notified(world: World) -> None:
     seen: list[object] = []
     world.subscribe(lambda change: seen.append((change.number, world.version, world.value(*LOOKS))))
 
@@ -28,7 +28,7 @@ def test_a_change_is_visible_when_it_is_told(world: World) -> None:
     assert seen == [(2, 2, 1), (3, 3, 2)]
 
 
-def test_subscribers_are_told_in_the_order_in_which_they_came(world: World) -> None:
+def test_subscribers_are_notified_in_the_order_of_subscription(world: World) -> None:
     told: list[tuple[str, int]] = []
     for name in ("first", "second", "third"):
         world.subscribe(lambda change, name=name: told.append((name, change.number)))  # type: ignore[misc]
@@ -50,7 +50,7 @@ def test_changes_without_effect_notify_no_subscriber(world: World) -> None:
     assert told == []
 
 
-def test_one_that_raises_is_logged_and_hurts_neither_the_writer_nor_others(
+def test_an_exception_in_a_subscriber_is_logged_and_affects_no_other_subscriber(
     world: World, caplog: pytest.LogCaptureFixture
 ) -> None:
     told: list[int] = []
@@ -88,7 +88,7 @@ def test_changes_by_a_subscriber_are_sent_to_all_after_the_change_it_received(wo
     assert world.value(*LOOKS) == 10
 
 
-def test_who_unsubscribes_is_told_nothing_more_not_even_what_was_on_its_way(world: World) -> None:
+def test_a_removed_subscriber_does_not_receive_the_change_being_delivered(world: World) -> None:
     told: list[int] = []
     stops: list[Callable[[], None]] = []
     world.subscribe(lambda _: stops[0]())
@@ -99,7 +99,7 @@ def test_who_unsubscribes_is_told_nothing_more_not_even_what_was_on_its_way(worl
     assert told == []
 
 
-def test_who_unsubscribes_while_it_is_told_hears_this_change_only(world: World) -> None:
+def test_a_subscriber_that_removes_itself_receives_only_the_current_change(world: World) -> None:
     first, last = list[int](), list[int]()
 
     def once(change: Change) -> None:
@@ -116,7 +116,7 @@ def test_who_unsubscribes_while_it_is_told_hears_this_change_only(world: World) 
     assert last == [2, 3]
 
 
-def test_who_subscribes_while_others_are_told_hears_of_later_changes(world: World) -> None:
+def test_a_subscriber_added_during_delivery_receives_only_later_changes(world: World) -> None:
     late: list[int] = []
     world.subscribe(lambda change: world.subscribe(lambda later: late.append(later.number)) and None)
 
@@ -136,7 +136,7 @@ def test_a_subscriber_added_within_a_transaction_receives_it(world: World) -> No
     assert told == [2]
 
 
-def test_the_same_function_subscribed_twice_is_told_twice(world: World) -> None:
+def test_a_function_subscribed_twice_is_called_twice(world: World) -> None:
     told: list[Change] = []
     stop = world.subscribe(told.append)
     world.subscribe(told.append)
@@ -148,7 +148,7 @@ def test_the_same_function_subscribed_twice_is_told_twice(world: World) -> None:
     assert len(told) == 3
 
 
-def test_changes_of_many_threads_are_told_each_once_and_in_order(world: World) -> None:
+def test_changes_of_many_threads_are_delivered_once_and_in_order(world: World) -> None:
     told: list[int] = []
     world.subscribe(lambda change: told.append(change.number))
 

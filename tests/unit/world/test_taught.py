@@ -30,7 +30,7 @@ def docks(world: World, element: str) -> float | None:
     return pose.position[0] if isinstance(pose, Pose) else None
 
 
-def test_what_was_taught_for_a_class_counts_before_what_the_class_gives() -> None:
+def test_a_taught_value_overrides_the_class_value() -> None:
     world = tiny_world()
 
     teach(world, "tiny:Box", -2.0)
@@ -38,7 +38,7 @@ def test_what_was_taught_for_a_class_counts_before_what_the_class_gives() -> Non
     assert docks(world, "box_a") == -2.0
 
 
-def test_the_own_value_of_an_element_counts_before_what_was_taught() -> None:
+def test_the_value_of_an_element_overrides_a_taught_value() -> None:
     world = tiny_world()
     teach(world, "tiny:Box", -2.0)
 
@@ -48,7 +48,7 @@ def test_the_own_value_of_an_element_counts_before_what_was_taught() -> None:
     assert (docks(world, "box_a"), docks(world, "box_b")) == (-3.0, -2.0)
 
 
-def test_what_was_taught_for_the_more_specific_class_counts_whatever_came_last() -> None:
+def test_a_value_taught_for_a_more_specific_class_takes_precedence() -> None:
     world = tiny_world(BENCH)
 
     teach(world, "tiny:Bench", -2.0)
@@ -58,7 +58,7 @@ def test_what_was_taught_for_the_more_specific_class_counts_whatever_came_last()
 
 
 @given(st.integers(1, 25))
-def test_of_several_for_one_class_the_last_counts(times: int) -> None:
+def test_the_latest_value_taught_for_a_class_is_used(times: int) -> None:
     world = tiny_world()
 
     for number in range(times):
@@ -67,7 +67,7 @@ def test_of_several_for_one_class_the_last_counts(times: int) -> None:
     assert docks(world, "box_a") == -1.0 - times
 
 
-def test_a_class_that_gives_nothing_can_be_taught() -> None:
+def test_a_class_without_a_value_can_be_taught_one() -> None:
     world = tiny_world()
     assert docks(world, "slot_1") is None
 
@@ -77,7 +77,7 @@ def test_a_class_that_gives_nothing_can_be_taught() -> None:
     assert docks(Overlay(world), "slot_1") == -2.0
 
 
-def test_what_is_forgotten_no_longer_counts() -> None:
+def test_removing_a_taught_value_restores_the_previous_one() -> None:
     world = tiny_world()
     teach(world, "tiny:Box", -2.0)
     lesson = teach(world, "tiny:Box", -3.0)
@@ -88,7 +88,7 @@ def test_what_is_forgotten_no_longer_counts() -> None:
     assert docks(world, "box_a") == -2.0
 
 
-def test_a_grasp_that_was_taught_says_what_a_gripper_can_take() -> None:
+def test_a_taught_grasp_width_makes_a_class_graspable() -> None:
     world = tiny_world()
     assert not world.related("ball_1", "sk:graspableBy", "gripper_1")
 
@@ -99,7 +99,7 @@ def test_a_grasp_that_was_taught_says_what_a_gripper_can_take() -> None:
     assert world.related("red_ball_1", "sk:graspableBy", "gripper_1")
 
 
-def test_who_watches_a_condition_hears_of_what_is_taught_and_forgotten() -> None:
+def test_a_watched_condition_changes_with_taught_values() -> None:
     world = tiny_world()
     watch = Watches(world).add((REACHABLE("slot_1"),), {})
     before = watch.broken()
@@ -125,7 +125,7 @@ def test_learned_concepts_survive_a_restart(tmp_path: Path) -> None:
         assert docks(directory.world, "slot_9") == pytest.approx(-2.0)
 
 
-def test_who_says_a_taught_value_is_named() -> None:
+def test_the_lesson_that_gives_a_taught_value_is_found() -> None:
     world = tiny_world()
     teach(world, "tiny:Box", -2.0)
     lesson = teach(world, "tiny:Box", -3.0)

@@ -23,7 +23,7 @@ def world_threads(root: Path, monkeypatch: pytest.MonkeyPatch) -> ModuleType:
     return module
 
 
-def test_threads_that_read_and_write_tear_and_lose_nothing(world_threads: ModuleType) -> None:
+def test_parallel_reads_are_consistent_and_parallel_writes_are_not_lost(world_threads: ModuleType) -> None:
     outcome = world_threads.run(2.0)
 
     assert (outcome.errors, outcome.torn, outcome.lost) == ([], [], [])

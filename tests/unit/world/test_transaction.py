@@ -23,7 +23,7 @@ def refusal(world: World, write: Callable[[Transaction], object]) -> str:
     return str(caught.value)
 
 
-def test_an_element_has_one_place_across_the_whole_family(world: World) -> None:
+def test_an_element_has_one_placement_across_all_placement_relations(world: World) -> None:
     with world.transaction("pick", "fingers closed") as tx:
         tx.place("starter_1", "sk:heldBy", "gripper_1")
 
@@ -32,7 +32,7 @@ def test_an_element_has_one_place_across_the_whole_family(world: World) -> None:
     assert "starter_1" not in world.subjects("sk:in", "pallet_a")
 
 
-def test_nothing_is_visible_before_the_block_ends(world: World) -> None:
+def test_changes_are_visible_only_after_the_transaction(world: World) -> None:
     with world.transaction("pick", "fingers closed") as tx:
         tx.place("starter_1", "sk:heldBy", "gripper_1")
 
@@ -40,7 +40,7 @@ def test_nothing_is_visible_before_the_block_ends(world: World) -> None:
         assert tx.view.related("starter_1", "sk:heldBy", "gripper_1")
 
 
-def test_when_the_block_raises_nothing_happens(world: World) -> None:
+def test_an_exception_in_the_transaction_discards_its_changes(world: World) -> None:
     before = world.version
 
     def write_and_fail() -> None:
@@ -83,7 +83,7 @@ def test_ids_are_counted_per_class_and_never_used_again(world: World) -> None:
     assert "never used again" in refusal(world, lambda tx: tx.add("kitting:RelayBox", id=third, placement=place))
 
 
-def test_a_change_says_who_why_when_and_what_was_before(world: World) -> None:
+def test_a_change_records_author_reason_time_and_previous_values(world: World) -> None:
     world.clock = lambda: 12.5
 
     with world.transaction("look", "seen on the pallet") as tx:
@@ -116,7 +116,7 @@ def test_only_the_net_effect_is_a_change(world: World) -> None:
     assert world.version == before
 
 
-def test_subscribers_get_each_change_in_order_even_when_one_of_them_writes(world: World) -> None:
+def test_changes_written_by_a_subscriber_are_delivered_in_order(world: World) -> None:
     seen: list[int] = []
 
     def react(change: Change) -> None:
@@ -140,7 +140,7 @@ def test_subscribers_get_each_change_in_order_even_when_one_of_them_writes(world
     assert world.version == 5
 
 
-def test_removing_takes_the_pieces_along_and_moves_what_was_in_them_to_where_it_was(world: World) -> None:
+def test_removing_an_element_removes_its_parts_and_moves_their_content_to_its_place(world: World) -> None:
     with world.transaction("put", "it lies there") as tx:
         tx.place("starter_1", "sk:in", "kit_1_a")
 
@@ -184,7 +184,7 @@ def test_a_functional_relation_replaces_its_object(world: World) -> None:
     assert world.objects("robot_1", "sk:startLocation") == ("pallet_a",)
 
 
-def test_one_refusal_names_everything_wrong_and_what_is_allowed(world: World) -> None:
+def test_a_refusal_lists_all_faults_with_the_allowed_alternatives(world: World) -> None:
     def write(tx: Transaction) -> None:
         tx.place("starter_1", "sk:heldBy", "kit_1")
         tx.add("kitting:Startr")
@@ -246,7 +246,7 @@ def test_a_thread_cannot_open_a_transaction_within_another(world: World) -> None
         pass
 
 
-def test_a_transaction_that_is_over_takes_no_more_writes(world: World) -> None:
+def test_writing_to_a_finished_transaction_is_refused(world: World) -> None:
     with world.transaction("test", "nothing") as tx:
         pass
 
@@ -254,12 +254,12 @@ def test_a_transaction_that_is_over_takes_no_more_writes(world: World) -> None:
         tx.place("starter_1", "sk:on", "floor")
 
 
-def test_an_unknown_id_is_answered_with_the_nearest(world: World) -> None:
+def test_an_unknown_id_is_refused_with_the_nearest_known_id(world: World) -> None:
     with pytest.raises(UnknownName, match="Did you mean 'starter_1'"):
         world.element("starter1")
 
 
-def test_a_class_gives_what_an_element_has_not_itself(world: World) -> None:
+def test_an_element_without_a_value_has_the_value_of_its_class(world: World) -> None:
     assert world.value("starter_1", "sk:mass") == 0.8
 
     with world.transaction("scale", "weighed") as tx:

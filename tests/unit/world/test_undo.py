@@ -73,7 +73,7 @@ def heavier(mass: float, element: str = "ball_1") -> Edit:
     return lambda tx: tx.set(element, "sk:mass", mass)
 
 
-def test_the_last_edit_by_a_person_is_taken_back_as_a_change_of_its_own(case: Case) -> None:
+def test_undo_reverts_the_last_edit_by_a_person_as_a_new_change(case: Case) -> None:
     case.write(heavier(1.0))
     edit = case.write(heavier(2.0))
 
@@ -84,7 +84,7 @@ def test_the_last_edit_by_a_person_is_taken_back_as_a_change_of_its_own(case: Ca
     assert case.again().value("ball_1", "sk:mass") == 1.0
 
 
-def test_undo_again_takes_back_the_edit_before(case: Case) -> None:
+def test_a_second_undo_reverts_the_previous_edit(case: Case) -> None:
     case.write(heavier(1.0))
     case.write(heavier(2.0))
 
@@ -95,14 +95,14 @@ def test_undo_again_takes_back_the_edit_before(case: Case) -> None:
     assert "nothing to undo" in case.refusal()
 
 
-def test_what_skills_jobs_and_the_platform_wrote_is_never_taken_back(case: Case) -> None:
+def test_undo_never_reverts_edits_by_skills_jobs_or_the_platform(case: Case) -> None:
     for writer in (Writer.SKILL, Writer.JOB, Writer.SYSTEM):
         case.write(heavier(len(writer)), writer=writer)
 
     assert "no edit by a person" in case.refusal()
 
 
-def test_an_addition_is_not_taken_back_while_something_is_placed_in_it(case: Case) -> None:
+def test_undoing_an_addition_is_refused_while_the_element_has_content(case: Case) -> None:
     case.write(lambda tx: tx.add("tiny:Box", id="box_c", placement=Placement("sk:on", "floor")))
     case.write(lambda tx: tx.place("ball_1", "sk:in", "box_c"), author="place", writer=Writer.SKILL)
 
@@ -119,7 +119,7 @@ def test_undo_is_refused_when_a_later_change_touched_the_same_element(case: Case
     )
 
 
-def test_later_changes_of_other_things_are_no_obstacle(case: Case) -> None:
+def test_undo_is_possible_after_later_changes_of_other_elements(case: Case) -> None:
     case.write(heavier(1.0))
     case.write(heavier(2.0, "red_ball_1"), author="weigh", writer=Writer.SKILL)
 
@@ -128,7 +128,7 @@ def test_later_changes_of_other_things_are_no_obstacle(case: Case) -> None:
     assert case.again().value("ball_1", "sk:mass") is None
 
 
-def test_goals_are_taken_back_unless_they_were_set_since(case: Case) -> None:
+def test_undoing_a_change_of_goals_is_refused_after_a_later_change_of_goals(case: Case) -> None:
     before = case.again().goals
     case.write(lambda tx: tx.set_goals(["In(ball_1, slot_1)"]))
     case.undo()
@@ -141,7 +141,7 @@ def test_goals_are_taken_back_unless_they_were_set_since(case: Case) -> None:
     assert "the goals changed since, by job" in case.refusal()
 
 
-def test_a_removal_is_taken_back_with_everything_that_went(case: Case) -> None:
+def test_undoing_a_removal_restores_the_element_with_its_parts_and_relations(case: Case) -> None:
     case.write(lambda tx: (tx.set("ball_1", "sk:mass", 1.5), tx.set("ball_1", "rdfs:label", "mine")))
     state = facts(case.again())
     case.write(lambda tx: tx.remove("box_a"))
@@ -151,7 +151,7 @@ def test_a_removal_is_taken_back_with_everything_that_went(case: Case) -> None:
     assert facts(case.again()) == state
 
 
-def test_taking_back_what_was_learned_forgets_it_and_its_id_is_not_given_again(case: Case) -> None:
+def test_undoing_a_learned_concept_removes_it_and_its_id_is_not_reused(case: Case) -> None:
     case.write(lambda tx: tx.add("tiny:Ball", "mug", learned=True))
     case.undo()
     assert not case.again().has("learned:ball_1")
@@ -162,7 +162,7 @@ def test_taking_back_what_was_learned_forgets_it_and_its_id_is_not_given_again(c
     assert ids == ["learned:ball_2"]
 
 
-def test_the_last_edit_that_can_be_undone_is_known_before_it_is(case: Case) -> None:
+def test_the_next_undoable_edit_can_be_read(case: Case) -> None:
     assert case.again().log.undoable() is None
     first = case.write(heavier(1.0))
     second = case.write(lambda tx: tx.set_goals(["In(ball_1, slot_1)"]))
@@ -179,7 +179,7 @@ def facts(world: World) -> object:
     return elements, list(state.statements()), state.goals
 
 
-def test_only_the_change_that_is_meant_is_undone(tmp_path: Path) -> None:
+def test_undo_is_refused_if_the_undoable_change_is_not_the_expected_one(tmp_path: Path) -> None:
     world = load_scene(tiny_ontology(), tiny_scene(tmp_path))
     for label in ("one", "two"):
         with world.transaction("ann", label, writer=Writer.PERSON) as tx:

@@ -53,14 +53,14 @@ def test_the_version_of_an_element_is_the_last_change_that_touched_it(world: Wor
     assert world.stamp("relay_box_1").change == 1
 
 
-def test_a_writer_that_has_seen_the_latest_writes(world: World) -> None:
+def test_a_write_with_the_latest_version_is_accepted(world: World) -> None:
     weigh(world, 1.0)
     weigh(world, 2.0, expects={"starter_1": 2, "relay_box_1": 1, "": 2})
 
     assert world.value("starter_1", "sk:mass") == 2.0
 
 
-def test_a_writer_that_has_not_seen_the_latest_is_refused_before_it_begins(world: World) -> None:
+def test_a_write_with_an_outdated_version_is_refused(world: World) -> None:
     weigh(world, 1.0)
     begun = False
 
@@ -75,7 +75,7 @@ def test_a_writer_that_has_not_seen_the_latest_is_refused_before_it_begins(world
     assert world.version == 2
 
 
-def test_changes_of_other_elements_make_a_version_no_older(world: World) -> None:
+def test_changes_of_other_elements_do_not_change_a_version(world: World) -> None:
     weigh(world, 1.0)
 
     with world.transaction("editor", "lighter", expects={"relay_box_1": 1}) as tx:
@@ -85,7 +85,9 @@ def test_changes_of_other_elements_make_a_version_no_older(world: World) -> None
         weigh(world, 2.0, expects={"": 1})
 
 
-def test_both_ends_of_a_relation_are_changed_by_it_and_of_a_move_only_what_moves(world: World) -> None:
+def test_a_relation_changes_the_version_of_both_ends_and_a_placement_only_that_of_the_moved_element(
+    world: World,
+) -> None:
     with world.transaction("test", "a frame") as tx:
         tx.relate("starter_1", "sk:poseFrame", "rack_1")
     with world.transaction("test", "a move") as tx:
@@ -95,7 +97,7 @@ def test_both_ends_of_a_relation_are_changed_by_it_and_of_a_move_only_what_moves
     assert versions == {"starter_1": 2, "rack_1": 2, "relay_box_1": 3, "pallet_b": 1}
 
 
-def test_an_element_that_was_removed_since_is_gone_and_one_that_never_was_is_unknown(world: World) -> None:
+def test_expecting_a_version_of_a_removed_element_is_stale_and_of_a_missing_one_unknown(world: World) -> None:
     with world.transaction("operator", "broken") as tx:
         tx.remove("starter_1")
 
@@ -105,7 +107,7 @@ def test_an_element_that_was_removed_since_is_gone_and_one_that_never_was_is_unk
         weigh(world, 1.0, expects={"relay_box_9": 1})
 
 
-def test_a_refused_change_uses_no_id_and_no_version(world: World) -> None:
+def test_a_refused_change_consumes_no_id_and_no_version(world: World) -> None:
     place = Placement("sk:in", "pallet_a")
 
     def write_nonsense() -> None:
@@ -152,7 +154,7 @@ def careful(ontology: Ontology, root: Path) -> World:
     return world
 
 
-def test_a_reasoner_keeps_a_change_from_taking_effect(careful: World) -> None:
+def test_a_reasoner_can_refuse_a_change(careful: World) -> None:
     with pytest.raises(WorldError) as caught:
         weigh(careful, 2.0)
 
@@ -160,14 +162,14 @@ def test_a_reasoner_keeps_a_change_from_taking_effect(careful: World) -> None:
     assert (careful.version, careful.value("starter_1", "sk:mass")) == (1, 0.8)
 
 
-def test_a_reasoner_lets_pass_what_it_has_nothing_against(careful: World) -> None:
+def test_a_change_without_objections_of_the_reasoner_is_accepted(careful: World) -> None:
     weigh(careful, 0.9)
     weigh(careful, 2.0, writer=Writer.PERSON)
 
     assert careful.value("starter_1", "sk:mass") == 2.0
 
 
-def test_a_reasoner_is_asked_with_the_world_before_and_after_and_what_changes(careful: World) -> None:
+def test_a_reasoner_receives_the_world_before_and_after_the_change_and_its_edits(careful: World) -> None:
     weigh(careful, 0.9, writer=Writer.JOB)
 
     (heard,) = Careful.heard
@@ -177,14 +179,14 @@ def test_a_reasoner_is_asked_with_the_world_before_and_after_and_what_changes(ca
     assert (heard.author, heard.writer) == ("scale", Writer.JOB)
 
 
-def test_a_reasoner_is_not_asked_about_what_changes_nothing(careful: World) -> None:
+def test_a_reasoner_is_not_called_for_an_empty_change(careful: World) -> None:
     with careful.transaction("test", "nothing"):
         pass
 
     assert Careful.heard == []
 
 
-def test_every_reasoner_that_objects_is_heard(ontology: Ontology, root: Path) -> None:
+def test_the_objections_of_all_reasoners_are_reported(ontology: Ontology, root: Path) -> None:
     world = load_scene(ontology, root / "scenes" / "kitting.ttl", reasoners=Reasoners([Careful(), Strict()]))
 
     with pytest.raises(WorldError, match="refused: careful: starters weigh less; strict: no"):

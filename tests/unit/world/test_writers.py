@@ -29,14 +29,14 @@ def test_a_lock_on_a_kit_includes_its_compartments(world: World, writer: Writer)
     assert world.placement("starter_1").place == "kit_1_a"  # type: ignore[union-attr]
 
 
-def test_what_is_not_there_cannot_be_locked(world: World) -> None:
+def test_locking_an_unknown_element_is_refused(world: World) -> None:
     with pytest.raises(UsageError, match="nothing to lock by the name of kit_9"):
         world.locks.acquire(["kit_1", "kit_9"], "anna", 60)
 
     assert world.locks.held() == ()
 
 
-def test_a_kind_of_writer_that_does_not_exist_is_refused_before_anything_is_written(world: World) -> None:
+def test_an_unknown_kind_of_writer_is_refused_before_writing(world: World) -> None:
     with (
         pytest.raises(UsageError, match="one of skill, person, job, system"),
         world.transaction(
@@ -48,7 +48,7 @@ def test_a_kind_of_writer_that_does_not_exist_is_refused_before_anything_is_writ
         pytest.fail("the block must not be entered")
 
 
-def test_an_author_or_reason_is_one_line_that_can_be_printed(world: World) -> None:
+def test_author_and_reason_are_reduced_to_one_printable_line(world: World) -> None:
     with world.transaction("an\x1bna\ud800", "first\nline\x00") as tx:
         tx.place("starter_1", "sk:in", "pallet_b")
 

@@ -26,7 +26,7 @@ def told(log):
     return [(event.type, event.subject) for event in log.since(0, 10_000)]
 
 
-def test_an_alarm_comes_is_acknowledged_and_goes(alarms, log):
+def test_an_alarm_is_raised_acknowledged_and_cleared(alarms, log):
     alarm = alarms.raise_(AlarmKind.MANAGER, "arm_1 is lost", "arm_1", severity=Severity.HIGH)
     assert (alarm.state, alarm.active) == ("unacknowledged", True)
     assert alarms.acknowledge(alarm.id, ANNA).state == "acknowledged"
@@ -36,14 +36,14 @@ def test_an_alarm_comes_is_acknowledged_and_goes(alarms, log):
     assert told(log) == [(what, alarm.id) for what in ("raised", "acknowledged", "cleared")]
 
 
-def test_one_that_went_before_anybody_saw_it_says_so(alarms):
+def test_an_alarm_cleared_before_its_acknowledgement_is_in_state_returned(alarms):
     alarm = alarms.raise_(AlarmKind.HALTED, "halted")
     alarms.clear(AlarmKind.HALTED)
     assert alarms.get(alarm.id).state == "returned"
     assert alarms.acknowledge(alarm.id, ANNA).state == "normal"
 
 
-def test_what_is_active_already_is_the_same_alarm_with_another_text(alarms, log):
+def test_raising_an_active_alarm_again_updates_its_text(alarms, log):
     first = alarms.raise_(AlarmKind.JOB, "held: one", "a", choices=("retry",))
     same = alarms.raise_(AlarmKind.JOB, "held: one", "a", choices=("retry",))
     other = alarms.raise_(AlarmKind.JOB, "held: two", "a", choices=("abort",))
@@ -53,7 +53,7 @@ def test_what_is_active_already_is_the_same_alarm_with_another_text(alarms, log)
     assert alarms.active == (other,)
 
 
-def test_a_cause_that_returns_after_it_was_cleared_is_another_alarm(alarms):
+def test_raising_a_cleared_alarm_again_creates_a_new_alarm(alarms):
     first = alarms.raise_(AlarmKind.HALTED, "halted")
     alarms.clear(AlarmKind.HALTED)
     second = alarms.raise_(AlarmKind.HALTED, "halted")
@@ -74,7 +74,7 @@ def test_a_momentary_alarm_ends_when_it_is_acknowledged(alarms):
     assert alarms.active == ()
 
 
-def test_active_ones_are_never_dropped_and_of_the_others_the_last_thousand_are_kept(alarms):
+def test_all_active_alarms_and_the_last_thousand_others_are_kept(alarms):
     kept = [alarms.raise_(AlarmKind.QUESTION, "?", str(n)) for n in range(1500)]
     for n in range(1500):
         alarms.raise_(AlarmKind.HALTED, str(n))
@@ -83,7 +83,7 @@ def test_active_ones_are_never_dropped_and_of_the_others_the_last_thousand_are_k
     assert len(alarms.all(limit=10_000).items) == 2500
 
 
-def test_an_answer_has_to_be_one_of_the_choices_of_an_active_alarm(alarms):
+def test_an_answer_must_be_one_of_the_choices_of_an_active_alarm(alarms):
     asks = alarms.raise_(AlarmKind.QUESTION, "refill?", "q", choices=("done", "skip"), question=1)
     plain = alarms.raise_(AlarmKind.HALTED, "halted")
     assert alarms.require_choice(asks.id, "done") == asks
@@ -99,7 +99,7 @@ def test_an_answer_has_to_be_one_of_the_choices_of_an_active_alarm(alarms):
         alarms.require_choice(asks.id, "done")
 
 
-def test_an_unknown_one_is_told_with_those_there_are(alarms):
+def test_an_unknown_alarm_is_refused_with_the_known_alarms(alarms):
     alarm = alarms.raise_(AlarmKind.HALTED, "halted")
     with pytest.raises(UnknownName, match=alarm.id):
         alarms.get("1")
@@ -113,7 +113,7 @@ def test_clearing_by_kind_leaves_other_kinds(alarms):
     assert alarms.active == (other,)
 
 
-def test_an_alarm_on_the_wire_says_everything(alarms):
+def test_an_alarm_is_serialised_with_all_its_fields(alarms):
     alarm = alarms.raise_(AlarmKind.JOB, "held", "a", choices=("retry",), job="a", question=3)
     plain = alarm.model_dump(mode="json")
     assert (plain["since"], plain["until"]) == ("2023-11-14T22:13:20Z", None)

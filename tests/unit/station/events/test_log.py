@@ -35,7 +35,7 @@ def test_an_empty_log_has_no_last_event_and_expects_the_first():
 
 
 @given(count=st.integers(0, 60), kept=st.integers(1, 20), after=st.integers(0, 70), most=st.integers(1, 30))
-def test_since_gives_what_is_kept_after_a_number_in_order_and_no_more_than_asked_for(count, kept, after, most):
+def test_since_returns_kept_events_after_a_number_in_order_up_to_a_limit(count, kept, after, most):
     log = filled(count, kept)
     oldest = max(1, count - kept + 1)
     assert log.first == oldest
@@ -67,7 +67,7 @@ def test_values_that_json_cannot_represent_are_written_as_text():
     assert event.data == {"kind": "job", "of": "<class 'object'>", "3": None}
 
 
-def test_an_event_that_is_too_long_is_kept_without_its_data_and_says_so():
+def test_a_too_long_event_is_kept_without_its_data_and_marked():
     event = EventLog(1).append(Kind.TASK, "planned", "a", data={"plan": "x" * 100_000})
     assert len(event.text) < 1000
     assert "too many for an event" in event.data["left_out"]
@@ -88,7 +88,7 @@ def test_an_event_with_very_many_elements_keeps_no_list_and_may_concern_any_elem
     assert many.touches("kit_1")
 
 
-def test_a_listener_that_breaks_hurts_neither_writer_nor_other_listeners(caplog):
+def test_an_exception_in_a_listener_affects_neither_writer_nor_other_listeners(caplog):
     log, heard = EventLog(10), []
     log.on_event(lambda: 1 / 0)
     end = log.on_event(lambda: heard.append(log.last))

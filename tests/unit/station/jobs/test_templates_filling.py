@@ -22,7 +22,7 @@ def material(class_="Starter", **fields):
 
 
 @given(st.text(min_size=1), st.text(min_size=1))
-def test_any_name_stays_a_name(kit, class_):
+def test_names_with_special_characters_are_inserted_unchanged(kit, class_):
     values = {"kit": kit}
     plain = Material.model_construct(class_=class_, quantity=1, id="", location="x", use="")
     goal, piece = filled("fill", KIT, values, (plain,))
@@ -36,17 +36,17 @@ def test_each_piece_of_the_material_gets_its_condition():
     assert [piece["arguments"] for piece in pieces] == [["Starter", "a"], ["Alternator", "b"], ["Starter", "c"]]
 
 
-def test_two_pieces_that_one_would_stand_for_are_refused():
+def test_two_pieces_with_the_same_condition_are_refused():
     with pytest.raises(UsageError, match="two pieces lead to the same condition"):
         filled("fill", KIT, {"kit": "kit_1"}, (material(quantity=2),))
 
 
-def test_a_class_with_and_without_its_prefix_is_one_class():
+def test_a_class_is_the_same_with_and_without_its_prefix():
     with pytest.raises(UsageError, match="two pieces lead to the same condition"):
         filled("fill", KIT, {"kit": "kit_1"}, (material("Starter"), material("kitting:Starter")))
 
 
-def test_a_kit_of_nothing_is_refused_whatever_else_the_template_says():
+def test_an_order_without_materials_is_refused_by_a_template_per_material():
     with pytest.raises(UsageError, match="none is ordered"):
         filled("fill", KIT, {"kit": "kit_1"}, ())
 
@@ -63,19 +63,19 @@ def test_a_field_of_the_material_that_is_needed_must_be_there():
         filled("fill", KIT, {"kit": "kit_1"}, (material(location=""),))
 
 
-def test_material_is_never_passed_over():
+def test_material_for_a_template_without_materials_is_refused():
     bare = KIT.model_copy(update={"per_material": None})
     with pytest.raises(UsageError, match="says nothing of materials"):
         filled("fill", bare, {"kit": "kit_1"}, (material(),))
 
 
-def test_a_template_for_material_alone_needs_some():
+def test_a_template_with_only_material_conditions_needs_material():
     alone = KIT.model_copy(update={"goal": ()})
     with pytest.raises(UsageError, match="none is ordered"):
         filled("fill", alone, {"kit": "kit_1"}, ())
 
 
-def test_more_pieces_than_anybody_can_plan_for_are_refused():
+def test_an_order_for_more_than_2000_pieces_is_refused():
     with pytest.raises(UsageError, match="more than 2000 pieces"):
         filled("fill", KIT, {"kit": "kit_1"}, (material(quantity=1000),) * 3)
 

@@ -41,7 +41,7 @@ def without_marks(form):
 
 
 @given(goals)
-def test_a_structured_goal_is_read_back_as_what_it_says(goal):
+def test_the_text_of_a_structured_goal_parses_to_the_same_goal(goal):
     (text,) = goal_texts(goal)
     (form,) = FORMS.validate_python([goal])
     assert without_marks(read(text)) == without_marks(form)
@@ -54,12 +54,12 @@ def test_a_goal_means_the_same_as_text_and_as_data(seed):
     assert parse_goal(goal_texts(goal_as_data(goal)), world, CONDITIONS) == goal
 
 
-def test_texts_stay_as_they_are_and_the_order_is_kept():
+def test_goal_texts_are_kept_unchanged_and_in_order():
     structured = {"condition": "On", "arguments": ["a b", "c"]}
     assert goal_texts(["In(x, y)", structured, "On(a,b)"]) == ("In(x, y)", 'On("a b", c)', "On(a,b)")
 
 
-def test_an_implication_is_written_as_one():
+def test_a_structured_implication_is_written_with_implies():
     full, empty = ({"condition": word, "arguments": ["box"]} for word in ("Full", "Empty"))
     assert goal_texts({"if": full, "then": {"not": empty}}) == ("(Full(box)) implies (not (Empty(box)))",)
 
@@ -75,12 +75,12 @@ def test_an_implication_is_written_as_one():
         ({"condition": "In", "arguments": [""]}, "empty"),
     ],
 )
-def test_what_is_built_wrongly_is_told_with_its_path(goal, said):
+def test_an_invalid_structured_goal_is_refused_with_the_path_of_the_fault(goal, said):
     with pytest.raises(UsageError, match=said):
         goal_texts(goal)
 
 
-def test_what_is_nested_too_deep_is_refused():
+def test_a_too_deeply_nested_goal_is_refused():
     goal = {"condition": "In", "arguments": ["x"]}
     for _ in range(100):
         goal = {"not": goal}

@@ -17,7 +17,7 @@ from skiros_py.tasks.jobs.job import Job, JobOrder, JobState
         ({"detail": "paused"}, ("Suspended",)),
     ],
 )
-def test_a_job_is_held_when_it_asks_and_not_when_its_words_say_so(
+def test_a_job_is_held_because_of_its_choices_and_not_because_of_its_detail_text(
     changes: dict[str, object], substates: tuple[str, ...]
 ) -> None:
     job = Job(order=JobOrder(id="kit", goal=("A(x)",)), number=1, state=JobState.INTERRUPTED)
@@ -25,7 +25,7 @@ def test_a_job_is_held_when_it_asks_and_not_when_its_words_say_so(
     assert job_view(job.but(**changes), 0.0).state.substates == substates
 
 
-def test_moments_of_a_job_are_shown_in_utc() -> None:
+def test_times_of_a_job_are_shown_in_utc() -> None:
     job = Job(order=JobOrder(id="kit", goal=("A(x)",)), number=1, state=JobState.RUNNING, ordered=1.5, started=2.0)
 
     shown = job_view(job, 3.0).model_dump(mode="json")

@@ -25,7 +25,7 @@ def run_until_over(session: Session, run: ModuleRun) -> None:
     raise AssertionError(f"still {run.status}")
 
 
-def test_a_halt_between_two_rounds_is_a_stop_and_no_failed_round(session: Session) -> None:
+def test_a_halt_between_two_rounds_stops_the_run_without_a_failed_round(session: Session) -> None:
     runs, started = ModuleRuns("run"), list[ModuleRun]()
 
     def halt_after_the_first() -> None:

@@ -149,7 +149,7 @@ def test_a_range_in_which_nothing_moves_has_the_frames_around_it(tmp_path: Path,
     assert replayed(tmp_path / "one", start=50.0, end=60.0).frames.times == pytest.approx((10.0, 110.0))
 
 
-def test_while_nothing_moves_only_the_last_moment_of_it_is_kept(tmp_path: Path, world: World) -> None:
+def test_only_the_last_frame_of_a_standstill_is_kept(tmp_path: Path, world: World) -> None:
     job = Job(tmp_path / "one", world)
     for number in range(1, 1001):
         job.frame(snapshot(10.0 + number / 10.0))
@@ -178,7 +178,7 @@ def test_the_replay_of_a_long_job_has_evenly_spaced_frames_and_the_file_stays_sm
     assert (tmp_path / "one").stat().st_size < 50_000 + 25 * messages
 
 
-def test_the_replay_of_a_truncated_recording_has_what_was_kept_and_is_not_complete(
+def test_the_replay_of_a_truncated_recording_has_the_readable_frames_and_is_incomplete(
     tmp_path: Path, world: World
 ) -> None:
     job = Job(tmp_path / "one", world)
@@ -226,7 +226,7 @@ def test_shifts_are_listed_where_they_change_also_back_to_none(tmp_path: Path, w
     assert replayed(tmp_path / "one").shifts == ((61.0, 60.0), (500.0, 0.0))
 
 
-def test_a_job_that_was_held_and_went_on_is_complete(tmp_path: Path, world: World) -> None:
+def test_the_replay_of_a_job_that_was_held_and_continued_is_complete(tmp_path: Path, world: World) -> None:
     Job(tmp_path / "one", world, 10.0).end(11.0)
     Job(tmp_path / "one", world, 20.0).end(21.0)
     replay = replayed(tmp_path / "one")
@@ -246,7 +246,7 @@ def test_invisible_changes_are_left_out_and_removed_elements_are_listed(tmp_path
     assert [change.view.gone for change in replayed(tmp_path / "one").changes] == [("starter_1",)]
 
 
-def test_a_job_of_which_something_was_left_out_is_not_complete(tmp_path: Path, world: World) -> None:
+def test_the_replay_of_a_job_with_dropped_messages_is_incomplete(tmp_path: Path, world: World) -> None:
     job = Job(tmp_path / "one", world)
     job.writer.put_metadata("left out", {"/devices/arm_1": 3})
     job.end(10.1)

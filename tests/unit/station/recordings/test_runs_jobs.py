@@ -27,12 +27,14 @@ def kept(folder: Path) -> list[int]:
 
 
 @pytest.mark.parametrize("limits", [{"most": 4}, {"room": 350}])
-def test_the_oldest_of_too_many_or_too_large_ones_are_deleted(tmp_path: Path, limits: dict[str, int]) -> None:
+def test_the_oldest_recordings_are_deleted_beyond_the_limits_of_number_and_size(
+    tmp_path: Path, limits: dict[str, int]
+) -> None:
     filled(JobRecordings(tmp_path / "recordings", no_jobs, **limits), 12)._make_room()
     assert kept(tmp_path / "recordings") == [10, 11, 12]
 
 
-def test_a_recording_that_is_being_written_stays(tmp_path: Path) -> None:
+def test_a_recording_in_progress_is_not_deleted(tmp_path: Path) -> None:
     recordings = filled(JobRecordings(tmp_path / "recordings", no_jobs, most=3), 5)
     recordings._file(1).unlink()
     writer = recordings._writers[1] = RecordingWriter(recordings._file(1))
@@ -43,7 +45,7 @@ def test_a_recording_that_is_being_written_stays(tmp_path: Path) -> None:
     assert kept(tmp_path / "recordings") == [5]
 
 
-def test_a_recording_that_is_not_there_can_be_deleted(tmp_path: Path) -> None:
+def test_deleting_a_missing_recording_has_no_effect(tmp_path: Path) -> None:
     recordings = JobRecordings(tmp_path / "recordings", no_jobs)
     recordings._delete(recordings._file(7))
     assert not (tmp_path / "recordings").exists()

@@ -63,7 +63,9 @@ def test_recorded_frames_are_those_of_forward_kinematics_at_the_time(recorded: t
         assert found["gripper_1"] == found[f"robot_1/{arm.tip}"]
 
 
-def test_every_message_fits_its_schema_and_the_scene_has_what_is_believed(recorded: tuple[Session, Path]) -> None:
+def test_every_message_matches_its_schema_and_the_scene_shows_the_believed_world(
+    recorded: tuple[Session, Path],
+) -> None:
     scenes = []
     with recorded[1].open("rb") as file:
         for schema, channel, message in make_reader(file, validate_crcs=True).iter_messages():

@@ -83,7 +83,7 @@ def test_a_driver_is_disconnected_with_its_last_device_and_connected_with_the_fi
     assert station.board.closed == {"arm", "gripper", "localiser"}
 
 
-def test_what_is_in_use_or_moves_is_not_closed(station: Station) -> None:
+def test_a_device_in_use_or_in_motion_cannot_be_closed(station: Station) -> None:
     with station.claims.request("pick", {"gripper"}), pytest.raises(WrongState, match=r"gripper \(pick\) is in use"):
         station.devices.close("gripper")
     station.board.send("base", BaseTwist(0.1, 0.0))

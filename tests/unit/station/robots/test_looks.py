@@ -109,7 +109,9 @@ def colours_of(look: Any) -> np.ndarray[Any, Any]:
 
 
 @pytest.mark.parametrize("size", [(480, 640), (1000, 1000), (10, 20), (1, 50_000)])
-def test_of_many_points_some_are_told_that_lie_where_they_were_seen(station: Station, size: tuple[int, int]) -> None:
+def test_a_look_contains_a_sample_of_the_points_at_their_measured_positions(
+    station: Station, size: tuple[int, int]
+) -> None:
     station.see(shot(*size))
     points, colours = points_of(station.look()), colours_of(station.look())
     assert min(size[0] * size[1], MOST_POINTS) / 3 < len(points) <= MOST_POINTS
@@ -121,12 +123,12 @@ def test_of_many_points_some_are_told_that_lie_where_they_were_seen(station: Sta
     assert {tuple(colour) for colour in colours[points[:, 0] > 1.0 + 0.01]} == {(0, 0, 100)}
 
 
-def test_where_nothing_was_measured_there_are_no_points(station: Station) -> None:
+def test_a_look_without_measured_depth_has_no_points(station: Station) -> None:
     station.see(shot(depth=0.0))
     assert (station.look().points, station.look().colours, station.look().number) == ("", "", 1)
 
 
-def test_a_look_counts_when_it_is_known_what_it_shows(station: Station) -> None:
+def test_a_look_is_counted_after_its_detections_are_known(station: Station) -> None:
     station.see(shot(10, 20))
     station.see(shot(10, 20), Slow(None))
     assert station.looks.numbers() == {"camera_1": 1}
@@ -135,19 +137,19 @@ def test_a_look_counts_when_it_is_known_what_it_shows(station: Station) -> None:
     assert station.look().seen[0].type == "kitting:Starter"
 
 
-def test_a_look_of_which_nobody_knows_the_camera_is_left_out(station: Station) -> None:
+def test_a_look_of_an_unknown_camera_is_ignored(station: Station) -> None:
     station.see(shot(10, 20), camera="")
     station.see(shot(10, 20), camera="somebody's")
     assert station.looks.numbers() == {"camera_1": 0}
 
 
-def test_a_look_whose_worker_died_shows_what_was_seen_and_makes_nothing_out(station: Station) -> None:
+def test_a_look_whose_worker_died_has_points_but_no_detections(station: Station) -> None:
     station.see(shot(10, 20), Dead(None))
     assert station.look().seen == ()
     assert len(points_of(station.look())) == 200
 
 
-def test_a_registered_body_is_told_with_its_class_and_size(station: Station) -> None:
+def test_a_registered_body_is_shown_with_its_class_and_size(station: Station) -> None:
     station.perception.answer = Done(Registered(Pose.of(1.0, 2.0, 0.5), 0.0007))
     asked = RegistrationRequest(shot(10, 20), DOWN, Solid.box(0.3, 0.2, 0.1), Pose(), camera="camera_1", body="kit_1")
     station.ports.port(Registrar).register(asked)
@@ -159,7 +161,7 @@ def test_a_registered_body_is_told_with_its_class_and_size(station: Station) -> 
     assert (seen.type, seen.cost) == ("kitting:Kit", 0.0007)
 
 
-def test_what_was_seen_in_a_session_is_forgotten_with_it_and_the_numbers_go_on(session: Session) -> None:
+def test_looks_are_deleted_with_their_session_and_look_numbers_continue(session: Session) -> None:
     with Session("kitting", Options(fake=True)) as first:
         station = Station(first)
         station.see(shot(10, 20))

@@ -56,21 +56,21 @@ def test_a_whole_robot_has_few_triangles(model: DrawnModel, urdf: ET.Element) ->
     assert sum(map(len, model.meshes.values())) < 1_000_000
 
 
-def test_what_nobody_sees_is_left_out_and_everything_has_its_colour(urdf: ET.Element) -> None:
+def test_a_served_model_has_no_collision_shapes_and_every_visual_has_a_colour(urdf: ET.Element) -> None:
     assert not list(urdf.iter("collision")) + list(urdf.iter("inertial"))
     visuals = list(urdf.iter("visual"))
     assert len(visuals) > 20
     assert all(visual.find("material/color") is not None for visual in visuals)
 
 
-def test_links_and_joints_stay_as_they_are(urdf: ET.Element) -> None:
+def test_a_served_model_keeps_links_and_joints(urdf: ET.Element) -> None:
     joints = {joint.get("name") for joint in urdf.iter("joint")}
 
     assert {*BASE_JOINTS, "panda_joint1", "panda_finger_joint1"} <= joints
     assert {"map", "base_link", "tcp", "camera_optical"} <= {link.get("name") for link in urdf.iter("link")}
 
 
-def test_a_model_that_was_made_is_kept(folder: Path, model: DrawnModel, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_built_model_is_cached(folder: Path, model: DrawnModel, monkeypatch: pytest.MonkeyPatch) -> None:
     def nobody_is_asked(*_arguments: object) -> None:
         pytest.fail("it is made again")
 
@@ -86,13 +86,13 @@ def test_a_model_with_a_missing_mesh_is_rebuilt(folder: Path, model: DrawnModel)
     assert len(list(folder.glob("*/*.stl"))) == len(model.meshes)
 
 
-def test_a_model_is_drawn_also_where_it_cannot_be_kept(tmp_path: Path, model: DrawnModel) -> None:
+def test_a_model_is_served_even_if_it_cannot_be_cached(tmp_path: Path, model: DrawnModel) -> None:
     (tmp_path / "models").write_text("no folder")
 
     assert made(tmp_path / "models") == model
 
 
-def test_who_asks_while_a_model_is_made_for_long_is_told_to_come_again(
+def test_a_request_during_a_long_model_build_is_refused_as_busy(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("skiros_py.station.robots.models._PATIENCE", 0.0)
@@ -104,7 +104,7 @@ def test_who_asks_while_a_model_is_made_for_long_is_told_to_come_again(
         models.close()
 
 
-def test_a_robot_that_nobody_can_build_is_unknown(tmp_path: Path) -> None:
+def test_requesting_an_unknown_robot_model_names_the_known_models(tmp_path: Path) -> None:
     models = RobotModels(tmp_path)
     try:
         with pytest.raises(UnknownName, match="mobile_panda"):

@@ -45,7 +45,7 @@ def planned_for(device: str, session: Session, motions: Motions, running: Runnin
     return motion
 
 
-def test_the_way_of_an_arm_goes_from_where_its_tip_is_to_where_it_stands_at_last(session, motions) -> None:
+def test_the_planned_path_of_an_arm_leads_from_its_current_to_its_final_tip_position(session, motions) -> None:
     before = session.cycle.board.snapshot
     wanted = [angle + 0.2 for angle in before.state("arm_1", ArmState).positions]
     deltas = (0.2, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -60,7 +60,7 @@ def test_the_way_of_an_arm_goes_from_where_its_tip_is_to_where_it_stands_at_last
     assert all(math.dist(a, b) < 0.05 for a, b in pairwise(way))
 
 
-def test_a_motion_is_given_up_with_the_module_that_planned_it(session, motions) -> None:
+def test_a_planned_motion_is_removed_when_its_module_ends(session, motions) -> None:
     running = session.start_module("drive", {"Location": "pallet_a"})
     planned = planned_for("base_1", session, motions, running)
     assert planned.poses
@@ -73,7 +73,7 @@ def test_a_motion_is_given_up_with_the_module_that_planned_it(session, motions) 
     assert given_up.number == planned.number + 1
 
 
-def test_the_way_of_a_base_begins_where_it_stands_and_ends_with_its_last_turn(session, motions) -> None:
+def test_the_planned_path_of_a_base_begins_at_its_pose_and_ends_with_its_final_yaw(session, motions) -> None:
     start = session.cycle.board.snapshot.state("base_1", BaseState).pose
     running = session.start_module("drive", {"Location": "pallet_a"})
     poses = planned_for("base_1", session, motions, running).poses
@@ -94,7 +94,7 @@ def test_the_number_of_planned_motions_kept_per_device_is_bounded(session, motio
 
 
 @pytest.mark.parametrize("answer", [None, (1, 2)])
-def test_a_kind_whose_planned_poses_are_none_is_drawn_without_them(session, motions, monkeypatch, answer) -> None:
+def test_a_device_kind_without_planned_poses_has_an_empty_path(session, motions, monkeypatch, answer) -> None:
     monkeypatch.setattr(ArmSpec, "planned_poses", lambda *_: answer)
     running = session.start_module("jog_joints", {"arm": "arm_1", "deltas": (0.1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)})
     session.cycle.step()
@@ -106,7 +106,7 @@ def test_a_kind_whose_planned_poses_are_none_is_drawn_without_them(session, moti
     session.runtime.finish(running)
 
 
-def test_an_adapter_whose_answer_raises_keeps_no_other_motion_from_being_shown(session, motions) -> None:
+def test_an_exception_in_an_adapter_does_not_hide_other_motions(session, motions) -> None:
     class Broken:
         def done(self) -> bool:
             raise ValueError("not ready, never was")

@@ -27,7 +27,7 @@ def allowed(world: World, element: str, relation: str, place: str) -> bool:
 
 
 @pytest.mark.parametrize("element", ["ball_1", "box_a", "robot_1"])
-def test_a_place_fits_where_a_transaction_would_take_it(world: World, element: str) -> None:
+def test_placement_options_agree_with_the_checks_of_a_transaction(world: World, element: str) -> None:
     view = world.snapshot()
     told = placement_options(view, view.element(element).type, element, 100)
 
@@ -37,13 +37,13 @@ def test_a_place_fits_where_a_transaction_would_take_it(world: World, element: s
             assert place.fits == allowed(world, element, option.relation, place.id), (option.relation, place)
 
 
-def test_a_placement_whose_subject_is_the_place_is_offered_from_its_other_end(world: World) -> None:
+def test_a_placement_relation_whose_subject_is_the_place_is_offered_inversely(world: World) -> None:
     told = placement_options(world.snapshot(), "tiny:Ball", None, 100, relation="tiny:carries")
 
     assert [place.id for place in told.options[0].places] == list(world.instances("sk:Robot"))
 
 
-def test_places_are_read_on(world: World) -> None:
+def test_placement_options_are_read_in_pages(world: World) -> None:
     view = world.snapshot()
     whole = placement_options(view, "tiny:Ball", None, 100, relation="sk:in").options[0]
     first = placement_options(view, "tiny:Ball", None, 2, relation="sk:in").options[0]
@@ -54,7 +54,7 @@ def test_places_are_read_on(world: World) -> None:
     assert whole.total == first.total == len(whole.places)
 
 
-def test_what_nothing_can_be_put_somewhere_by_is_refused(world: World) -> None:
+def test_a_relation_that_is_not_a_placement_is_refused(world: World) -> None:
     with pytest.raises(UnknownName):
         placement_options(world.snapshot(), "tiny:Ball", None, 10, relation="sk:nothing")
     with pytest.raises(UsageError, match="sk:hasA does not place anything: use one of sk:at"):

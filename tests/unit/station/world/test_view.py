@@ -42,7 +42,7 @@ def test_each_element_of_a_view_has_the_kind_given_by_its_class() -> None:
     )
 
 
-def test_abstract_individuals_and_what_is_nowhere_are_not_told() -> None:
+def test_abstract_elements_and_elements_without_a_place_are_not_in_the_view() -> None:
     world = kitting()
     names = set(seen(view_of(world.snapshot())))
 
@@ -51,14 +51,14 @@ def test_abstract_individuals_and_what_is_nowhere_are_not_told() -> None:
     assert {"starter_1", "floor"} <= names
 
 
-def test_a_piece_is_where_the_frame_of_its_whole_puts_it() -> None:
+def test_the_pose_of_a_part_follows_the_frame_of_its_whole() -> None:
     view = seen(view_of(kitting().snapshot()))
 
     assert position(view["kit_1_a"]) == pytest.approx((-1.477, -0.073, 0.506))
     assert (view["kit_1_a"].owner, view["kit_1_a"].hollow, view["kit_1"].hollow) == ("kit_1", True, False)
 
 
-def test_nobody_knows_where_on_a_pallet_a_part_is_before_it_was_seen() -> None:
+def test_a_part_not_yet_seen_has_a_place_but_no_pose() -> None:
     view = seen(view_of(kitting().snapshot()))
 
     assert (view["starter_1"].pose, view["starter_1"].place) == (None, "pallet_a")
@@ -73,7 +73,7 @@ def test_a_carried_element_has_its_pose_in_the_frame_of_its_base() -> None:
     assert {name: here[name] for name in riding} == {name: there[name] for name in riding}
 
 
-def test_a_robot_is_where_its_base_is_and_nowhere_while_nobody_says() -> None:
+def test_a_robot_has_the_pose_of_its_base_and_none_if_that_is_unknown() -> None:
     index = kitting().snapshot()
     there = seen(view_of(index, None, {"base_1": Pose.of(1.0, 2.0, 0.0)}))
 
@@ -96,7 +96,7 @@ def test_a_held_element_has_its_pose_in_the_tool_frame() -> None:
     assert part.in_hand.position == grasp.position
 
 
-def test_an_own_shape_has_a_key_of_its_own_and_equal_ones_share_it() -> None:
+def test_elements_with_equal_own_shapes_share_one_shape_key() -> None:
     solid = '[{"kind": "cylinder", "size": [0.1, 0.2], "at": [0, 0, 0.1]}]'
     pallets = [
         f"scene:pallet_{n} a kitting:Pallet ; sk:on scene:floor ; sk:solid '{solid}'^^rdf:JSON ;"
@@ -120,7 +120,7 @@ def test_a_floor_is_a_sheet_below_the_ground() -> None:
     assert sheet.pose.position[2] + sheet.size[2] / 2.0 == pytest.approx(0.0)
 
 
-def test_only_what_was_asked_for_is_told_with_what_moves_with_it() -> None:
+def test_a_partial_view_contains_the_requested_elements_and_those_that_move_with_them() -> None:
     world = kitting()
 
     view = view_of(world.snapshot(), ["kit_1", "nothing", "unknown_location"])
@@ -151,7 +151,7 @@ def test_the_version_of_an_element_is_that_of_its_last_change() -> None:
     assert seen(view)["pallet_b"].version < view.version
 
 
-def test_frames_may_hang_on_each_other_as_deep_as_they_like() -> None:
+def test_a_chain_of_3000_frames_is_resolved() -> None:
     deep = 3000
     chain = [
         f"scene:pallet_{n} a kitting:Pallet ; sk:on scene:floor ; sk:poseFrame scene:pallet_{n - 1} ;"

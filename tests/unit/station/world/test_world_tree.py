@@ -32,7 +32,7 @@ def read_on(root: str, limit: int) -> list[str]:
     return found
 
 
-def test_everything_that_is_somewhere_hangs_on_its_place() -> None:
+def test_every_tree_node_is_below_its_place_or_its_owner() -> None:
     view = tiny_world().snapshot()
     told = tree(view, "", 20, 1000)
 
@@ -43,7 +43,7 @@ def test_everything_that_is_somewhere_hangs_on_its_place() -> None:
     assert {"box_a", "slot_1", "ball_1"} <= {node.id for node in nodes(told)}
 
 
-def test_a_tree_has_so_many_nodes_at_most_and_those_next_to_the_root_come_first() -> None:
+def test_a_tree_is_limited_in_nodes_and_keeps_those_nearest_to_the_root() -> None:
     told = tree(MANY.snapshot(), "", 20, 1000)
 
     assert len(list(nodes(told))) <= MOST_NODES + 1

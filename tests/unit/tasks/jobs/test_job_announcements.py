@@ -24,7 +24,7 @@ def told(store: JobStore, after: int = 0) -> list[tuple[int, str, str]]:
     return [(each.number, each.job.id, each.trigger) for each in store.announcements(after, 100)]
 
 
-def test_new_states_are_announced_and_new_details_are_not(store):
+def test_only_state_changes_of_a_job_are_announced(store):
     first = store.add(job(), Trigger.START)
     store.keep(first.but(detail="queued"))
     store.keep(first.but(state=JobState.RUNNING), Trigger.DISPATCH)
@@ -32,14 +32,14 @@ def test_new_states_are_announced_and_new_details_are_not(store):
     assert [each.job.state for each in store.announcements(0, 9)] == [JobState.ALLOWED_TO_START, JobState.RUNNING]
 
 
-def test_that_a_job_was_removed_is_announced_with_what_it_was_last(store):
+def test_the_removal_of_a_job_is_announced_with_its_last_state(store):
     over = store.add(job(state=JobState.ENDED, detail="last"), Trigger.START)
     store.forget(over, "cleared")
     assert told(store)[-1] == (2, "a", "cleared")
     assert store.announcements(1, 9)[0].job == over
 
 
-def test_announcements_stay_small_whatever_was_ordered_and_planned(store):
+def test_announcements_omit_large_goals_and_plans(store):
     long = job().order.model_copy(update={"goal": ("x" * 50_000, "y")})
     first = store.add(Job(order=long, number=1, state=JobState.RUNNING), Trigger.START)
     store.keep(first.but(plan=("drive(robot_1, kit_1)",) * 1000), Trigger.DISPATCH)
@@ -55,7 +55,7 @@ def test_announcements_are_read_in_limited_pages_from_a_given_number(store):
     assert [each.number for each in store.announcements(0, 2)] == [1, 2]
 
 
-def test_numbers_go_on_without_gap_after_all_were_told_and_the_program_began_anew(tmp_path, store):
+def test_announcement_numbers_continue_without_gap_after_a_restart(tmp_path, store):
     for name in "ab":
         store.add(job(name), Trigger.START)
     store.forget_announcements(2)
@@ -74,6 +74,6 @@ def test_without_a_reader_the_oldest_announcements_are_dropped(store, monkeypatc
     assert [number for number, *_ in told(store)] == [8, 9, 10]
 
 
-def test_before_the_first_one_the_last_number_is_none_at_all(store):
+def test_without_announcements_the_last_number_is_zero(store):
     assert store.last_announcement == 0
     assert told(store) == []

@@ -63,7 +63,7 @@ def test_an_interruption_before_a_restart_is_not_announced_again(tmp_path: Path)
         assert "pick" not in third.job.detail
 
 
-def test_what_waits_for_a_person_already_is_left_as_it_is_by_the_next_start(tmp_path: Path) -> None:
+def test_a_job_that_waits_for_a_person_is_unchanged_by_another_restart(tmp_path: Path) -> None:
     with cell(tmp_path) as first:
         first.submit()
         first.until(lambda: first.moves("pick"))
@@ -100,7 +100,7 @@ def test_a_step_done_by_hand_while_its_manager_is_gone_leaves_the_job_waiting(tm
         assert "unknown skill 'pick'" in second.job.detail
 
 
-def test_a_job_that_waits_for_an_answer_does_not_just_go_on(tmp_path: Path) -> None:
+def test_a_job_that_waits_for_an_answer_cannot_be_resumed(tmp_path: Path) -> None:
     with cell(tmp_path, *GIANTS) as one:
         one.submit("In(giant_1, slot_2)", policy=ASKING)
         one.until(lambda: one.job.choices)
@@ -111,7 +111,7 @@ def test_a_job_that_waits_for_an_answer_does_not_just_go_on(tmp_path: Path) -> N
         assert one.job.outcome is Outcome.NO_PLAN
 
 
-def test_a_second_question_is_shown_and_answered_as_itself(tmp_path: Path) -> None:
+def test_a_second_question_replaces_the_first_and_is_answered_separately(tmp_path: Path) -> None:
     with cell(tmp_path, *GIANTS) as one:
         one.submit("In(giant_1, slot_1)", "In(giant_2, slot_2)", policy=ASKING)
         one.until(lambda: one.job.choices)
@@ -122,7 +122,7 @@ def test_a_second_question_is_shown_and_answered_as_itself(tmp_path: Path) -> No
         assert "giant_2" in one.job.detail
 
 
-def test_a_job_that_is_paused_while_it_waits_stands_after_the_answer(tmp_path: Path) -> None:
+def test_a_job_paused_during_a_question_stays_paused_after_the_answer(tmp_path: Path) -> None:
     with cell(tmp_path, *GIANTS) as one:
         one.submit("In(giant_1, slot_2)", GOAL, policy=ASKING)
         one.until(lambda: one.job.choices)
@@ -137,7 +137,7 @@ def test_a_job_that_is_paused_while_it_waits_stands_after_the_answer(tmp_path: P
         assert one.job.outcome is Outcome.PARTIALLY_SUCCEEDED
 
 
-def test_while_everything_is_halted_no_answer_is_taken_and_the_job_keeps_waiting(tmp_path: Path) -> None:
+def test_during_a_halt_answers_are_refused_and_the_job_keeps_waiting(tmp_path: Path) -> None:
     with cell(tmp_path) as one:
         one.submit()
         one.until(lambda: one.moves("drive"))
@@ -166,7 +166,7 @@ def test_a_halt_before_the_first_tick_holds_the_job_and_no_other(tmp_path: Path)
         assert one.jobs.job("next").outcome is Outcome.SUCCEEDED
 
 
-def test_a_listener_that_breaks_does_not_keep_a_job_from_being_done(tmp_path: Path) -> None:
+def test_an_exception_in_a_listener_does_not_prevent_the_job(tmp_path: Path) -> None:
     def broken(_job: Job) -> None:
         raise ValueError("on purpose")
 

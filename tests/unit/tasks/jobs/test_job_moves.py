@@ -38,14 +38,14 @@ def test_moves_before_the_job_are_not_reported():
     assert moved(world, job(seen=world.version), steps("ball_1")) == ()
 
 
-def test_things_that_no_step_names_are_not_reported_as_moved():
+def test_elements_that_no_step_names_are_not_reported_as_moved():
     world = tiny_world()
     began = world.version
     place(world, "ball_1", "sk:in", "slot_1")
     assert moved(world, job(seen=began), steps("red_ball_1")) == ()
 
 
-def test_a_thing_that_returned_to_its_place_is_not_reported_as_moved():
+def test_an_element_that_returned_to_its_place_is_not_reported_as_moved():
     world = tiny_world()
     began = world.version
     place(world, "ball_1", "sk:heldBy", "gripper_1")
@@ -53,7 +53,7 @@ def test_a_thing_that_returned_to_its_place_is_not_reported_as_moved():
     assert moved(world, job(seen=began), steps("ball_1")) == ()
 
 
-def test_a_robot_that_drove_is_no_material():
+def test_a_moved_robot_is_not_reported_as_material():
     world = tiny_world()
     began = world.version
     place(world, "robot_1", "sk:at", "box_b")

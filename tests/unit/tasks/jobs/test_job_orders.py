@@ -52,7 +52,7 @@ def done(jobs: JobManager, bench: Bench, id_: str = "a") -> Job:
 # ---------------------------------------------------------------------- the same again
 
 
-def test_the_same_order_from_fifty_threads_at_once_is_one_job_and_one_answer(jobs, store):
+def test_one_order_submitted_by_fifty_threads_at_once_creates_one_job(jobs, store):
     together = threading.Barrier(50)
 
     def submit(_number: int) -> Job:
@@ -65,33 +65,33 @@ def test_the_same_order_from_fifty_threads_at_once_is_one_job_and_one_answer(job
     assert (len(store.ids()), store.last_announcement, answers[0].number) == (1, 1, 1)
 
 
-def test_different_orders_from_many_threads_are_all_taken_and_numbered_without_gap(jobs, store):
+def test_different_orders_from_many_threads_are_accepted_and_numbered_without_gap(jobs, store):
     with ThreadPoolExecutor(8) as pool:
         numbers = [job.number for job in pool.map(lambda n: jobs.submit(order(f"j{n}")), range(80))]
     assert sorted(numbers) == list(range(1, 81))
     assert [job.number for job in store.open()] == list(range(1, 81))
 
 
-def test_the_same_order_again_is_answered_when_its_goal_could_not_be_stated_any_more(jobs, bench):
+def test_repeating_an_order_returns_its_job_even_if_its_goal_is_no_longer_valid(jobs, bench):
     first = jobs.submit(order())
     with bench.world.transaction("test", "it is gone") as tx:
         tx.remove("ball_1")
     assert jobs.submit(order()) == first
 
 
-def test_the_same_order_again_is_answered_when_the_job_is_over(jobs, bench):
+def test_repeating_an_order_after_its_end_returns_its_job(jobs, bench):
     over = done(jobs, bench)
     assert jobs.submit(order(goal=HOLDS)) == over
 
 
-def test_another_order_under_the_id_is_refused_and_leaves_the_job_as_it_is(jobs):
+def test_another_order_under_a_used_id_is_refused_and_the_job_is_unchanged(jobs):
     first = jobs.submit(order())
     with pytest.raises(WrongState, match="'a' is there already"):
         jobs.submit(order(goal="In(ball_1, slot_2)"))
     assert jobs.job("a") == first
 
 
-def test_an_order_keeps_what_was_sent_with_it(bench, store):
+def test_a_stored_order_keeps_its_parameters_and_materials(bench, store):
     sent = order(
         work_master="kit", parameters={"Kit": "kit_1"}, materials=({"class": "tiny:Ball", "quantity": 2, "use": "x"},)
     )
@@ -104,40 +104,40 @@ def test_an_order_keeps_what_was_sent_with_it(bench, store):
 # ---------------------------------------------------------------------- receipts
 
 
-def test_the_same_request_again_is_the_same_job_whatever_id_was_made_for_it(jobs):
+def test_repeating_a_request_with_a_generated_id_returns_the_same_job(jobs):
     first = jobs.submit(order("made-1"), receipt=MES)
     assert jobs.submit(order("made-2"), receipt=MES) == first
     assert list(jobs.open) == ["made-1"]
     assert jobs.store.known(MES) == first
 
 
-def test_a_key_that_is_used_for_another_request_is_refused(jobs):
+def test_an_idempotency_key_used_for_another_request_is_refused(jobs):
     jobs.submit(order("a"), receipt=MES)
     with pytest.raises(KeyReused, match="'request-1' was used for another order"):
         jobs.submit(order("b"), receipt=Receipt("mes", "request-1", "another digest"))
     assert list(jobs.open) == ["a"]
 
 
-def test_keys_of_different_callers_have_nothing_to_do_with_each_other(jobs):
+def test_idempotency_keys_of_different_callers_are_independent(jobs):
     jobs.submit(order("a"), receipt=MES)
     jobs.submit(order("b"), receipt=Receipt("ann", "request-1", "another digest"))
     assert list(jobs.open) == ["a", "b"]
 
 
-def test_a_request_that_was_refused_leaves_its_key_free(jobs):
+def test_a_refused_request_does_not_use_up_its_idempotency_key(jobs):
     with pytest.raises(UnknownName):
         jobs.submit(order(goal="In(ball_77, slot_1)"), receipt=MES)
     assert jobs.store.known(MES) is None
     assert jobs.submit(order(), receipt=MES).id == "a"
 
 
-def test_a_request_that_meets_a_job_that_is_there_is_known_from_then_on(jobs):
+def test_the_idempotency_key_of_a_request_for_an_existing_job_is_stored(jobs):
     first = jobs.submit(order())
     assert jobs.submit(order(), receipt=MES) == first
     assert jobs.store.known(MES) == first
 
 
-def test_a_late_repeat_of_a_request_does_not_do_again_what_was_cleared(jobs, bench):
+def test_a_late_repeat_of_a_request_does_not_restart_a_cleared_job(jobs, bench):
     jobs.submit(order(goal=HOLDS), receipt=MES)
     bench.until(lambda: not jobs.job("a").state.is_open)
     last = jobs.clear("a")
@@ -145,7 +145,7 @@ def test_a_late_repeat_of_a_request_does_not_do_again_what_was_cleared(jobs, ben
     assert not jobs.store.page().jobs
 
 
-def test_receipts_go_after_a_day_and_not_before(bench, store):
+def test_receipts_are_deleted_after_one_day(bench, store):
     now = [0.0]
     jobs = JobManager(bench.tasks, bench.runtime, store, lambda t: bench.goal(*t), clock=lambda: now[0])
     jobs.submit(order("a"), receipt=MES)
@@ -160,7 +160,7 @@ def test_receipts_go_after_a_day_and_not_before(bench, store):
 # ---------------------------------------------------------------------- too many
 
 
-def test_more_open_jobs_than_the_limit_are_refused_and_earlier_ones_stand(jobs, bench):
+def test_orders_beyond_the_limit_of_open_jobs_are_refused_and_earlier_jobs_are_kept(jobs, bench):
     jobs.limit = 2
     first, second = (jobs.submit(order(name, HOLDS)) for name in "ab")
     with pytest.raises(Busy, match="2 jobs are open"):
@@ -183,7 +183,7 @@ def test_an_order_can_be_updated_with_its_latest_version(jobs):
     assert jobs.job("a") == second
 
 
-def test_an_id_that_is_ordered_anew_has_no_version_that_an_earlier_job_had(jobs):
+def test_a_reused_job_id_gets_a_newer_version_than_the_earlier_job(jobs):
     first = jobs.submit(order())
     cleared = jobs.cancel("a")
     again = jobs.submit(order(), again=True)
@@ -192,7 +192,7 @@ def test_an_id_that_is_ordered_anew_has_no_version_that_an_earlier_job_had(jobs)
         jobs.cancel("a", expects=first.version)
 
 
-def test_an_update_to_what_is_ordered_already_changes_nothing(jobs):
+def test_updating_a_job_with_an_equal_order_changes_nothing(jobs):
     first = jobs.submit(order())
     assert jobs.update(order()) == first
 
@@ -215,7 +215,7 @@ def test_every_command_without_the_latest_version_is_refused(jobs, command):
 # ---------------------------------------------------------------------- removing
 
 
-def test_a_waiting_job_is_cancelled_and_not_cleared(jobs, store):
+def test_a_waiting_job_can_be_cancelled_but_not_cleared(jobs, store):
     jobs.submit(order())
     with pytest.raises(WrongState, match="'a' is not over"):
         jobs.clear("a")
@@ -224,7 +224,7 @@ def test_a_waiting_job_is_cancelled_and_not_cleared(jobs, store):
     assert store.announcements(0, 9)[-1].trigger == "cancelled"
 
 
-def test_what_is_over_is_cleared_and_not_cancelled(jobs, bench, store):
+def test_an_ended_job_can_be_cleared_but_not_cancelled(jobs, bench, store):
     assert done(jobs, bench).outcome is Outcome.ALREADY_SATISFIED
     with pytest.raises(WrongState, match="is over: clear it"):
         jobs.cancel("a")
@@ -234,7 +234,7 @@ def test_what_is_over_is_cleared_and_not_cancelled(jobs, bench, store):
         jobs.job("a")
 
 
-def test_under_the_id_of_a_cancelled_job_something_else_is_ordered_where_that_is_meant(jobs, bench):
+def test_the_id_of_a_cancelled_job_can_be_reused_only_on_request(jobs, bench):
     first = jobs.submit(order(goal="In(ball_1, slot_2)", priority=5))
     jobs.cancel("a")
     with pytest.raises(WrongState, match="there was a job 'a' with another order"):
@@ -256,7 +256,7 @@ def test_a_late_repeat_of_an_order_does_not_restore_a_removed_job(jobs, bench, s
     assert jobs.store.removed("a").outcome is last.outcome
 
 
-def test_that_a_job_was_removed_is_known_over_restarts_and_for_a_week(tmp_path, bench):
+def test_the_removal_of_a_job_is_remembered_for_a_week_and_across_restarts(tmp_path, bench):
     now = [1e9]
 
     def life(store: JobStore) -> JobManager:
@@ -280,7 +280,7 @@ def test_that_a_job_was_removed_is_known_over_restarts_and_for_a_week(tmp_path, 
 # ---------------------------------------------------------------------- what is over
 
 
-def test_what_is_over_is_found_and_not_kept_in_memory(jobs, bench):
+def test_an_ended_job_is_read_from_the_store_and_not_kept_in_memory(jobs, bench):
     over = done(jobs, bench)
     assert not jobs.open
     assert (jobs.job("a"), list(jobs.store.page().jobs), jobs.store.page().jobs) == (over, [over], (over,))
@@ -298,7 +298,7 @@ def test_iterating_over_open_jobs_is_not_disturbed_by_new_ones(jobs):
     assert list(jobs.open) == ["aa", "bb", "cc"]
 
 
-def test_what_was_ordered_without_leave_to_start_is_stored_first_and_started_later(jobs):
+def test_a_job_ordered_without_permission_to_start_is_stored_and_can_be_started_later(jobs):
     jobs.submit(order(), start=False, comment="for tomorrow")
     jobs.start("a", "go")
     assert [(each.trigger, each.comment) for each in jobs.transitions("a")] == [

@@ -36,7 +36,7 @@ def test_pages_follow_each_other_without_gap_or_repeat(store):
 
 
 @pytest.mark.parametrize("since", [None, 5.0])
-def test_pages_go_back_from_the_last_job_without_gap_or_repeat_while_others_come(store, since):
+def test_pages_read_backwards_have_no_gap_or_repeat_while_jobs_are_added(store, since):
     for number in range(25):
         add(store, f"j{number}", S.ENDED, changed=10.0)
     seen, after, first = [], None, True
@@ -48,7 +48,7 @@ def test_pages_go_back_from_the_last_job_without_gap_or_repeat_while_others_come
     assert seen == [f"j{number}" for number in reversed(range(25))]
 
 
-def test_the_place_of_a_page_is_the_same_in_both_directions(store):
+def test_a_page_position_is_valid_in_both_directions(store):
     for name in "abcde":
         add(store, name, S.ENDED)
     middle = store.page(limit=3).next
@@ -56,7 +56,7 @@ def test_the_place_of_a_page_is_the_same_in_both_directions(store):
     assert [job.id for job in store.page(after=middle, newest_first=True).jobs] == ["b", "a"]
 
 
-def test_of_what_has_changed_since_then_the_newest_are_on_the_first_page(store):
+def test_the_newest_jobs_changed_since_a_time_are_on_the_first_page(store):
     for number in range(6):
         add(store, f"j{number}", S.ENDED if number % 2 else S.RUNNING, changed=float(number))
     page = store.page(since=2.0, states={S.ENDED}, limit=1, newest_first=True)
@@ -64,7 +64,7 @@ def test_of_what_has_changed_since_then_the_newest_are_on_the_first_page(store):
     assert [job.id for job in store.page(since=2.0, after=6, limit=9, newest_first=True).jobs] == ["j4", "j3", "j2"]
 
 
-def test_a_page_that_is_just_full_and_the_last_one_has_no_next(store):
+def test_a_full_last_page_has_no_next_page(store):
     for name in "abc":
         add(store, name, S.ENDED)
     assert store.page(limit=3).next is None
@@ -79,7 +79,7 @@ def test_a_page_has_the_jobs_in_the_wanted_states_only(store):
     assert store.page(states=()).jobs == ()
 
 
-def test_a_page_has_what_changed_since_then(store):
+def test_a_page_contains_only_jobs_changed_since_the_given_time(store):
     first = add(store, "a", S.RUNNING, changed=10.0)
     add(store, "b", S.RUNNING, changed=20.0)
     store.keep(first.but(state=S.ENDED, changed=30.0))
@@ -87,7 +87,7 @@ def test_a_page_has_what_changed_since_then(store):
     assert [job.id for job in store.page(since=25.0).jobs] == ["a"]
 
 
-def test_pages_of_what_has_changed_are_in_the_order_of_the_numbers_and_follow_each_other(store):
+def test_pages_of_changed_jobs_are_ordered_by_number_without_gap(store):
     jobs = [add(store, name, S.RUNNING, changed=1.0) for name in "abcdef"]
     for at, job in enumerate(reversed(jobs[1:])):
         store.keep(job.but(state=S.ENDED, changed=10.0 + at))
@@ -98,7 +98,7 @@ def test_pages_of_what_has_changed_are_in_the_order_of_the_numbers_and_follow_ea
     assert [job.id for job in store.page(since=12.0, states=[S.ENDED]).jobs] == ["b", "c", "d"]
 
 
-def test_a_page_of_very_large_jobs_has_fewer_of_them_and_none_is_left_out(store, monkeypatch):
+def test_a_page_of_very_large_jobs_is_shorter_and_no_job_is_left_out(store, monkeypatch):
     monkeypatch.setattr(module, "_ROOM", 3000)
     for name in "abcd":
         store.add(Job(order=JobOrder(id=name, goal=("x" * 2000,)), number=0, state=S.ENDED), Trigger.START)
@@ -111,7 +111,7 @@ def test_a_page_of_very_large_jobs_has_fewer_of_them_and_none_is_left_out(store,
     assert seen == list("abcd")
 
 
-def test_pages_are_read_while_somebody_else_writes(store):
+def test_pages_can_be_read_during_a_write(store):
     add(store, "a", S.ENDED)
     with store._database.transaction() as connection, ThreadPoolExecutor(1) as pool:
         connection.execute("DELETE FROM jobs")
@@ -128,13 +128,13 @@ def test_a_trace_is_read_piece_by_piece(store):
 
 
 @pytest.mark.parametrize("after", [2**63, 10**30])
-def test_a_page_after_a_number_that_no_job_can_have_is_empty(store, after):
+def test_a_page_after_an_impossibly_large_number_is_empty(store, after):
     add(store, "a", S.ENDED)
     assert store.page(after=after).jobs == ()
     assert [job.id for job in store.page(after=after, newest_first=True).jobs] == ["a"]
 
 
-def test_what_is_over_is_not_among_the_open_ones(store):
+def test_an_ended_job_is_not_among_the_open_jobs(store):
     add(store, "a", S.ENDED)
     add(store, "b", S.INTERRUPTED)
     assert [job.id for job in store.open()] == ["b"]

@@ -54,7 +54,7 @@ def test_the_queue_and_a_full_search_choose_the_same_next_job_even_if_the_clock_
         assert queue.next(float(now)) == by_looking_at_all(jobs, now)
 
 
-def test_leave_given_and_taken_back_many_times_takes_no_more_room():
+def test_toggling_the_permission_to_start_does_not_grow_the_queue():
     job = Job(order=JobOrder(id="a", goal=("x",)), number=1, state=JobState.ALLOWED_TO_START)
     queue = JobQueue([job])
     for _ in range(1000):

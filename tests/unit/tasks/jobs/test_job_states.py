@@ -33,7 +33,7 @@ def test_state_transitions_match_the_table_of_the_standard(state, trigger, follo
     assert next_state(state, trigger) is follows
 
 
-def test_the_numbers_are_those_of_the_standard():
+def test_state_numbers_match_the_standard():
     assert [state.value for state in JobState] == [1, 2, 3, 4, 5, 6]
 
 
@@ -44,7 +44,7 @@ def test_an_ended_job_has_no_further_transitions(state, trigger):
         next_state(state, trigger)
 
 
-def test_a_refusal_says_which_commands_are_possible_instead():
+def test_a_refused_command_lists_the_possible_commands():
     def refused(state):
         with pytest.raises(UsageError) as error:
             next_state(state, T.START)

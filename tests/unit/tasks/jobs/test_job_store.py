@@ -65,7 +65,7 @@ def test_an_intent_stays_open_until_it_is_settled(store):
     assert [(i.number, i.skill, i.ended) for i in store.intents("a")] == [(one, "pick", "done"), (two, "drive", None)]
 
 
-def test_settling_a_step_that_never_was_is_refused(store):
+def test_settling_an_unknown_intent_is_refused(store):
     with pytest.raises(UnknownName, match="step '7'"):
         store.settle("a", 7, "done")
 

@@ -77,7 +77,7 @@ def cut_off(path: Path, job: str, other: str) -> None:
         one.until(other, JobState.RUNNING)
 
 
-def test_no_job_starts_before_an_interrupted_job_was_answered(tmp_path: Path) -> None:
+def test_no_job_starts_before_all_interrupted_jobs_are_answered(tmp_path: Path) -> None:
     cut_off(tmp_path, "cut", "other")
     with cell(tmp_path) as one:
         one.order("new", "At(robot_1, box_a)", priority=9)
@@ -93,7 +93,7 @@ def test_no_job_starts_before_an_interrupted_job_was_answered(tmp_path: Path) ->
 
 
 @pytest.mark.parametrize("answer", ["retry", "done by hand"])
-def test_a_job_that_was_cut_off_waits_for_its_turn_when_it_is_answered(tmp_path: Path, answer: str) -> None:
+def test_an_answered_interrupted_job_waits_for_its_turn(tmp_path: Path, answer: str) -> None:
     cut_off(tmp_path, "cut", "other")
     with cell(tmp_path) as one:
         one.jobs.answer("other", "retry", by="ann")
@@ -106,7 +106,7 @@ def test_a_job_that_was_cut_off_waits_for_its_turn_when_it_is_answered(tmp_path:
         assert one.most == 1
 
 
-def test_what_goes_on_comes_before_new_orders_of_its_priority_and_after_those_of_a_higher_one(tmp_path: Path) -> None:
+def test_a_continued_job_runs_before_new_jobs_of_equal_priority_and_after_higher_ones(tmp_path: Path) -> None:
     cut_off(tmp_path, "cut", "first")
     with cell(tmp_path) as one:
         one.jobs.answer("first", "retry", by="ann")
@@ -118,7 +118,7 @@ def test_what_goes_on_comes_before_new_orders_of_its_priority_and_after_those_of
         assert one.ended() == ["first", "urgent", "cut", "later"]
 
 
-def test_what_waits_to_go_on_is_paused_resumed_and_stopped_like_any_other(tmp_path: Path) -> None:
+def test_a_job_that_waits_to_continue_can_be_paused_resumed_and_stopped(tmp_path: Path) -> None:
     cut_off(tmp_path, "cut", "other")
     with cell(tmp_path) as one:
         one.jobs.answer("other", "retry", by="ann")
@@ -139,7 +139,7 @@ def test_what_waits_to_go_on_is_paused_resumed_and_stopped_like_any_other(tmp_pa
         assert one.jobs.idle
 
 
-def test_a_halt_holds_what_waits_to_go_on(tmp_path: Path) -> None:
+def test_a_halt_interrupts_a_job_that_waits_to_continue(tmp_path: Path) -> None:
     cut_off(tmp_path, "cut", "other")
     with cell(tmp_path) as one:
         one.jobs.answer("other", "retry", by="ann")
@@ -156,7 +156,7 @@ def test_a_halt_holds_what_waits_to_go_on(tmp_path: Path) -> None:
         assert one.most == 1
 
 
-def test_an_id_that_is_ordered_anew_after_its_job_was_stopped_while_it_waited_is_begun_once(tmp_path: Path) -> None:
+def test_a_job_reordered_after_a_stop_while_waiting_starts_once(tmp_path: Path) -> None:
     cut_off(tmp_path, "cut", "other")
     with cell(tmp_path) as one:
         one.jobs.answer("other", "retry", by="ann")
@@ -186,7 +186,7 @@ def test_a_job_that_waits_for_a_person_does_not_keep_the_queue_waiting(tmp_path:
         assert one.most == 1
 
 
-def test_the_answer_lets_it_go_on_when_there_is_a_place_and_before_new_orders(tmp_path: Path) -> None:
+def test_an_answered_job_continues_when_a_slot_is_free_and_before_new_jobs(tmp_path: Path) -> None:
     with cell(tmp_path, GIANT) as one:
         one.order("asks", UNREACHABLE, BALL, policy=ASKING)
         one.until("asks", JobState.INTERRUPTED)
@@ -201,7 +201,7 @@ def test_the_answer_lets_it_go_on_when_there_is_a_place_and_before_new_orders(tm
         assert one.most == 1
 
 
-def test_a_job_that_waits_for_a_person_with_a_thing_in_its_hand_keeps_its_place(tmp_path: Path) -> None:
+def test_a_waiting_job_that_holds_a_part_keeps_its_slot(tmp_path: Path) -> None:
     with cell(tmp_path, skills=DROPPING) as one:
         one.order("asks", BALL, policy=ASKING)
         one.until("asks", JobState.INTERRUPTED)

@@ -60,11 +60,11 @@ def steps_while_a_command_is_kept(jobs: JobManager, bench: Bench, command: JobOr
     return ended
 
 
-def test_the_cycle_goes_round_while_an_order_is_being_kept(jobs, bench):
+def test_the_cycle_runs_while_an_order_is_being_stored(jobs, bench):
     assert steps_while_a_command_is_kept(jobs, bench, order("b", not_before=GATE), 200)
 
 
-def test_a_running_job_in_mid_motion_goes_on_while_an_order_is_being_kept(jobs, bench):
+def test_a_running_motion_continues_while_an_order_is_being_stored(jobs, bench):
     jobs.submit(order("a"))
     bench.until(lambda: any(intent.skill == "drive" for intent in jobs.intents("a")))
     bench.cycle.step()
@@ -73,7 +73,7 @@ def test_a_running_job_in_mid_motion_goes_on_while_an_order_is_being_kept(jobs, 
     assert jobs.job("a").outcome is Outcome.SUCCEEDED
 
 
-def test_when_the_end_is_told_all_of_the_trace_is_written(bench, tmp_path):
+def test_the_complete_trace_is_written_before_the_end_of_a_job_is_announced(bench, tmp_path):
     """Who hears of the end reads the trace for the last time."""
     with closing(JobStore(tmp_path / "jobs.db")) as store:
         book = JobBook(store, lambda: 0.0)
@@ -92,7 +92,7 @@ def test_when_the_end_is_told_all_of_the_trace_is_written(bench, tmp_path):
         assert written[0] > 0
 
 
-def test_orders_from_many_threads_while_jobs_run_are_all_done_once(jobs, bench):
+def test_orders_from_many_threads_are_each_executed_once(jobs, bench):
     def take(thread: int) -> None:
         for number in range(5):
             jobs.submit(order(f"{thread}-{number}", "In(ball_1, box_a)"))

@@ -75,7 +75,7 @@ def slow(paced: Paced, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("slow")
-def test_the_cycle_goes_on_while_the_disk_is_slow_and_each_step_waits_for_its_intent(
+def test_the_cycle_runs_during_slow_writes_and_each_step_starts_after_its_intent_is_stored(
     paced: Paced, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     intend = paced.store.intend
@@ -101,16 +101,14 @@ def test_the_cycle_goes_on_while_the_disk_is_slow_and_each_step_waits_for_its_in
 
 
 @pytest.mark.usefixtures("slow")
-def test_an_order_is_safe_when_it_is_acknowledged_and_listeners_hear_of_it_then(paced: Paced) -> None:
+def test_an_order_is_stored_before_it_is_acknowledged_and_announced(paced: Paced) -> None:
     paced.jobs.subscribe(lambda job: paced.log.append((f"told {job.state.name}", 0)))
     paced.jobs.submit(ORDER, start=False)
 
     assert [what for what, _ in paced.log] == ["sync begins", "sync ends", "told NOT_ALLOWED_TO_START"]
 
 
-def test_where_the_disk_does_not_take_an_intent_its_step_is_not_started(
-    paced: Paced, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_step_whose_intent_cannot_be_stored_is_not_started(paced: Paced, monkeypatch: pytest.MonkeyPatch) -> None:
     paced.jobs.submit(ORDER)
 
     def full(_descriptor: int) -> None:

@@ -39,7 +39,7 @@ with Bench(tiny_world()) as bench:
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_orders_that_were_acknowledged_outlive_a_kill_with_their_receipts(tmp_path: Path, seed: int) -> None:
+def test_acknowledged_orders_and_their_receipts_survive_a_kill(tmp_path: Path, seed: int) -> None:
     acknowledged = _take_and_kill(tmp_path / "jobs.db", lasting=random.Random(seed).uniform(0.05, 0.5))
     assert acknowledged
     with closing(JobStore(tmp_path / "jobs.db")) as store:

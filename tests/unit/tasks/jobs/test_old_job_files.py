@@ -61,34 +61,34 @@ def store(tmp_path):
     store.close()
 
 
-def test_the_mark_of_such_files_is_still_the_same():
+def test_the_application_id_of_job_files_is_unchanged():
     assert f"application_id = {SCHEMA.application};" in TABLES
 
 
-def test_all_jobs_are_there_and_known_by_their_state(store):
+def test_an_upgraded_file_has_all_jobs_with_their_states(store):
     assert [job.id for job in store.open()] == ["cut", "waits"]
     assert [job.id for job in store.page(states={JobState.ENDED}).jobs] == ["over"]
     assert store.job("over").ended == 20.75
     assert store.job("waits").order.materials == ()
 
 
-def test_what_happened_for_them_is_there(store):
+def test_an_upgraded_file_has_the_intents_and_transitions_of_its_jobs(store):
     assert [(intent.skill, intent.ended) for intent in store.intents("cut")] == [("pick", None)]
     assert [each.comment for each in store.transitions("cut")] == ["its turn"]
 
 
-def test_when_they_changed_is_known(store):
+def test_an_upgraded_file_has_the_times_of_the_last_changes(store):
     assert [job.id for job in store.page(since=20.0).jobs] == ["over"]
 
 
-def test_the_next_job_has_the_next_number_and_the_first_announcement(store):
+def test_a_job_added_to_an_upgraded_file_has_the_next_number_and_the_first_announcement(store):
     waiting = store.job("waits")
     order = waiting.order.model_copy(update={"id": "new"})
     assert store.add(waiting.model_copy(update={"order": order}), Trigger.START).number == 6
     assert store.last_announcement == 1
 
 
-def test_a_job_that_cannot_be_made_out_is_said_when_the_jobs_are_read(tmp_path):
+def test_an_unreadable_job_is_reported_when_the_jobs_are_read(tmp_path):
     write(tmp_path / "jobs.db")
     with closing(sqlite3.connect(tmp_path / "jobs.db")) as connection:
         connection.execute("UPDATE jobs SET data = '{' WHERE id = 'waits'")

@@ -120,6 +120,6 @@ def test_many_edits_take_several_texts(edits: list[Edit]) -> None:
         "[" * 100_000,
     ],
 )
-def test_what_is_no_change_is_a_value_error(text: str) -> None:
+def test_decoding_an_invalid_change_raises_a_value_error(text: str) -> None:
     with pytest.raises(ValueError):  # noqa: PT011  whatever it says
         decode_change(text)

@@ -51,7 +51,7 @@ def test_a_new_directory_begins_with_the_scene(open_tiny: Open, tmp_path: Path) 
     assert list(data.world.changes) == list(scene.changes)
 
 
-def test_a_world_that_began_with_an_opening_is_gone_once_that_is_discarded(open_tiny: Open, folder: Path) -> None:
+def test_discarding_the_first_opening_of_a_directory_deletes_its_world(open_tiny: Open, folder: Path) -> None:
     data = open_tiny()
     teach(data.world)
     data.discard()
@@ -61,7 +61,7 @@ def test_a_world_that_began_with_an_opening_is_gone_once_that_is_discarded(open_
         assert again.journal.version == 1
 
 
-def test_a_world_that_lived_before_an_opening_stays_when_that_is_discarded(open_tiny: Open) -> None:
+def test_discarding_a_later_opening_keeps_the_existing_world(open_tiny: Open) -> None:
     with open_tiny() as data:
         mug = teach(data.world)
     open_tiny().discard()
@@ -70,7 +70,9 @@ def test_a_world_that_lived_before_an_opening_stays_when_that_is_discarded(open_
         assert again.world.element(mug).label == "mug"
 
 
-def test_the_scene_is_the_first_content_only(open_tiny: Open, weigh: Weigh, folder: Path, tmp_path: Path) -> None:
+def test_a_scene_is_loaded_only_into_a_new_directory(
+    open_tiny: Open, weigh: Weigh, folder: Path, tmp_path: Path
+) -> None:
     with open_tiny() as data:
         weigh(data.world, 5.0)
     other = tmp_path / "other"
@@ -82,7 +84,7 @@ def test_the_scene_is_the_first_content_only(open_tiny: Open, weigh: Weigh, fold
         assert not data.world.has("ball_9")
 
 
-def test_a_world_opened_again_is_as_it_was(open_tiny: Open) -> None:
+def test_a_reopened_world_is_unchanged(open_tiny: Open) -> None:
     data = open_tiny()
     world = data.world
     world.clock = lambda: 12.5
@@ -109,7 +111,7 @@ def test_a_world_opened_again_is_as_it_was(open_tiny: Open) -> None:
 
 
 @pytest.mark.parametrize("compacted", [False, True])
-def test_ids_given_are_never_given_again(compacted: bool, open_tiny: Open) -> None:
+def test_ids_are_never_reused(compacted: bool, open_tiny: Open) -> None:
     data = open_tiny()
     place = Placement("sk:in", "box_a")
     with data.world.transaction("delivery", "new") as tx:
@@ -150,7 +152,7 @@ def test_after_many_changes_opening_makes_a_snapshot_and_forgets_nothing(
     assert [c.number for c in again.world.changes] == list(range(1, 12))
 
 
-def test_without_a_scene_a_directory_is_empty_and_takes_one_later(folder: Path, tmp_path: Path) -> None:
+def test_a_directory_opened_without_a_scene_is_empty_and_can_load_one_later(folder: Path, tmp_path: Path) -> None:
     with DataDirectory.open(folder, tiny_ontology()) as data:
         assert data.world.version == 0
         assert not data.world.has("floor")
@@ -159,7 +161,7 @@ def test_without_a_scene_a_directory_is_empty_and_takes_one_later(folder: Path, 
         assert data.world.has("floor")
 
 
-def test_a_broken_scene_leaves_a_directory_that_takes_a_better_one(folder: Path, tmp_path: Path) -> None:
+def test_after_a_broken_scene_the_directory_can_load_a_valid_one(folder: Path, tmp_path: Path) -> None:
     broken = tmp_path / "broken.ttl"
     broken.write_text("scene:x", encoding="utf-8")
     with pytest.raises(FileError, match=r"broken\.ttl:1"):
@@ -183,7 +185,7 @@ def test_after_closing_the_world_can_be_read_but_not_written(open_tiny: Open, we
 # ---------------------------------------------------------------- what was learned
 
 
-def test_what_was_learned_is_shown_in_a_file_that_follows_every_change(open_tiny: Open, folder: Path) -> None:
+def test_the_learned_file_is_updated_with_every_change_of_a_learned_concept(open_tiny: Open, folder: Path) -> None:
     data = open_tiny()
     file = folder / "learned.ttl"
     assert not file.exists()
@@ -200,7 +202,9 @@ def test_what_was_learned_is_shown_in_a_file_that_follows_every_change(open_tiny
     assert "jug" not in file.read_text(encoding="utf-8")
 
 
-def test_what_was_learned_can_be_carried_over_to_a_new_directory(open_tiny: Open, folder: Path, tmp_path: Path) -> None:
+def test_a_copied_learned_file_brings_its_concepts_into_a_new_directory(
+    open_tiny: Open, folder: Path, tmp_path: Path
+) -> None:
     mug = teach(open_tiny().world)
     text = (folder / "learned.ttl").read_text(encoding="utf-8")
     other = tmp_path / "other"
@@ -215,7 +219,9 @@ def test_what_was_learned_can_be_carried_over_to_a_new_directory(open_tiny: Open
         assert data.world.element("learned:ball_2").label == "cup"
 
 
-def test_the_journal_is_the_truth_about_what_was_learned(open_tiny: Open, folder: Path) -> None:
+def test_learned_concepts_are_restored_from_the_journal_and_not_from_the_learned_file(
+    open_tiny: Open, folder: Path
+) -> None:
     data = open_tiny()
     teach(data.world)
     data.close()
@@ -232,7 +238,7 @@ def test_the_journal_is_the_truth_about_what_was_learned(open_tiny: Open, folder
     assert file.read_text(encoding="utf-8") == text
 
 
-def test_a_learned_file_edited_by_hand_is_kept_once_and_what_counts_is_said(
+def test_a_learned_file_edited_by_hand_is_backed_up_and_rewritten_with_a_warning(
     open_tiny: Open, folder: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     data = open_tiny()
@@ -255,9 +261,7 @@ def test_a_learned_file_edited_by_hand_is_kept_once_and_what_counts_is_said(
     assert "let it be the learned.ttl of a new data directory" in caplog.text
 
 
-def test_a_learned_file_that_cannot_be_understood_stops_a_new_directory_before_it_begins(
-    folder: Path, tmp_path: Path
-) -> None:
+def test_an_invalid_learned_file_is_refused_before_a_new_directory_is_created(folder: Path, tmp_path: Path) -> None:
     folder.mkdir()
     file = folder / "learned.ttl"
     file.write_text("@prefix learned: <https://w3id.org/skiros-py/learned#> .\nlearned:x a learned:Y .\n")
@@ -298,7 +302,7 @@ def test_remains_of_the_learned_file_of_a_killed_process_are_removed(open_tiny: 
 # ---------------------------------------------------------------- a second process
 
 
-def test_a_second_one_is_told_who_uses_the_directory(open_tiny: Open, folder: Path) -> None:
+def test_opening_a_directory_in_use_names_the_process_that_uses_it(open_tiny: Open, folder: Path) -> None:
     open_tiny()
 
     with pytest.raises(FileError) as caught:
@@ -321,7 +325,7 @@ time.sleep(600)
 """
 
 
-def test_a_killed_process_is_no_obstacle(folder: Path) -> None:
+def test_the_directory_of_a_killed_process_can_be_opened(folder: Path) -> None:
     other = subprocess.Popen([sys.executable, "-c", OTHER, str(folder)], stdout=subprocess.PIPE, text=True)
     assert other.stdout is not None
     try:
@@ -337,7 +341,7 @@ def test_a_killed_process_is_no_obstacle(folder: Path) -> None:
     DataDirectory.open(folder, tiny_ontology()).close()
 
 
-def test_an_owner_file_that_says_nothing_still_keeps_others_out(open_tiny: Open, folder: Path) -> None:
+def test_a_lock_with_an_unreadable_owner_still_excludes_other_processes(open_tiny: Open, folder: Path) -> None:
     open_tiny()
     (folder / "lock").write_text("?", encoding="utf-8")
 
@@ -380,7 +384,7 @@ def test_a_truncated_file_is_refused(left: float, open_tiny: Open, weigh: Weigh,
 
 
 @pytest.mark.parametrize("content", [b"no database at all", b"\x00" * 8192, os.urandom(20_000)])
-def test_a_file_that_is_something_else_is_refused(content: bytes, open_tiny: Open, folder: Path) -> None:
+def test_a_file_that_is_not_a_journal_is_refused(content: bytes, open_tiny: Open, folder: Path) -> None:
     folder.mkdir()
     (folder / "journal.db").write_bytes(content)
 
@@ -412,7 +416,9 @@ def test_the_database_of_another_program_is_refused_and_left_alone(open_tiny: Op
         ("INSERT INTO snapshot VALUES (0, 5, '[]', '{}')", "change 6 is about 'ball_1', which was not there"),
     ],
 )
-def test_damaged_content_is_named(damage: str, reason: str, open_tiny: Open, weigh: Weigh, folder: Path) -> None:
+def test_a_damaged_journal_is_refused_with_the_damaged_part(
+    damage: str, reason: str, open_tiny: Open, weigh: Weigh, folder: Path
+) -> None:
     with closing(sqlite3.connect(filled(open_tiny, weigh, folder))) as connection:
         connection.execute(damage)
         connection.commit()
@@ -430,7 +436,7 @@ def test_a_log_without_its_file_is_refused(open_tiny: Open, folder: Path) -> Non
 # ---------------------------------------------------------------- folders
 
 
-def test_a_path_that_is_no_folder_is_refused(tmp_path: Path) -> None:
+def test_a_path_that_is_not_a_folder_is_refused(tmp_path: Path) -> None:
     file = tmp_path / "file"
     file.write_text("mine", encoding="utf-8")
 
@@ -441,7 +447,7 @@ def test_a_path_that_is_no_folder_is_refused(tmp_path: Path) -> None:
     assert file.read_text(encoding="utf-8") == "mine"
 
 
-def test_a_folder_that_takes_no_files_is_refused(tmp_path: Path) -> None:
+def test_a_folder_without_write_permission_is_refused(tmp_path: Path) -> None:
     with pytest.raises(FileError, match=r"cannot be (made|opened)"):
         DataDirectory.open(Path("/proc/self/fdinfo"), tiny_ontology())
     (tmp_path / "lock").mkdir()
@@ -453,7 +459,7 @@ def test_a_folder_that_takes_no_files_is_refused(tmp_path: Path) -> None:
         DataDirectory.open(tmp_path, tiny_ontology())
 
 
-def test_a_mistyped_folder_is_not_made_where_that_is_not_wanted(folder: Path) -> None:
+def test_a_missing_folder_is_not_created_unless_requested(folder: Path) -> None:
     with pytest.raises(FileError, match="is no data directory"):
         DataDirectory.open(folder, tiny_ontology(), create=False)
 
@@ -488,7 +494,7 @@ def other_ontology(folder: Path, *replacements: tuple[str, str]) -> Ontology:
          ["tiny:knows is stored as a plain relation, and is a computed relation now"]),
     ],
 )  # fmt: skip
-def test_a_journal_that_does_not_fit_the_ontology_any_more_is_refused_with_what_is_missing(
+def test_a_journal_is_refused_with_the_terms_that_the_ontology_no_longer_declares(
     old: str, new: str, reasons: list[str], folder: Path, tmp_path: Path
 ) -> None:
     colour = "tiny:colour a owl:DatatypeProperty ; rdfs:domain tiny:Ball ; rdfs:range xsd:string ."
@@ -515,9 +521,7 @@ def test_a_journal_that_does_not_fit_the_ontology_any_more_is_refused_with_what_
     DataDirectory.open(folder, fitting).close()
 
 
-def test_words_that_only_old_changes_used_may_be_gone_from_the_ontology(
-    open_tiny: Open, folder: Path, tmp_path: Path
-) -> None:
+def test_terms_used_only_by_past_changes_need_not_be_declared(open_tiny: Open, folder: Path, tmp_path: Path) -> None:
     with open_tiny() as data, data.world.transaction("ann", "no red balls") as tx:
         tx.remove("red_ball_1")
 
@@ -536,7 +540,7 @@ def test_individuals_of_the_ontology_come_from_the_ontology(folder: Path, tmp_pa
         data.world.element("tiny:model_ball")
 
 
-def test_a_journal_is_a_log_that_a_world_can_be_given(tmp_path: Path) -> None:
+def test_a_world_can_use_a_journal_as_its_log(tmp_path: Path) -> None:
     with closing(Journal(tmp_path / "own.db")) as journal:
         world = World(tiny_ontology(), past=journal.past(Index(tiny_ontology())))
         with world.transaction("ann", "a floor") as tx:

@@ -9,7 +9,7 @@ from skiros_py.errors import FileError
 from skiros_py.station.worlds import open_data
 
 
-def test_a_forked_process_is_refused_instead_of_losing_what_it_writes(tmp_path: Path) -> None:
+def test_a_forked_process_cannot_write_to_the_world_of_its_parent(tmp_path: Path) -> None:
     with open_data(tmp_path / "data", "kitting") as data:
         child = os.fork()
         if child == 0:

@@ -63,7 +63,7 @@ def test_changes_are_kept_in_order_when_the_file_is_opened_again(tmp_path: Path)
         assert list(journal.since(5)) == []
 
 
-def test_only_the_last_changes_are_kept_in_memory_and_older_ones_are_read_back(
+def test_recent_changes_are_kept_in_memory_and_older_changes_are_read_from_the_file(
     journal: Journal, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(journal_module, "_MOST_CHANGES", 3)
@@ -77,7 +77,7 @@ def test_only_the_last_changes_are_kept_in_memory_and_older_ones_are_read_back(
         assert list(journal.since(version)) == changes[version:]
 
 
-def test_a_huge_change_pushes_the_others_out_of_memory(journal: Journal, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_huge_change_displaces_other_changes_from_memory(journal: Journal, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(journal_module, "_MOST_EDITS", 5)
     huge = Change(4, "scene", "load", 0.0, tuple(change(1, f"ball_{n}").edits[0] for n in range(100)))
     for one in (change(1), change(2), change(3), huge):
@@ -87,7 +87,7 @@ def test_a_huge_change_pushes_the_others_out_of_memory(journal: Journal, monkeyp
     assert list(journal.since(2)) == [change(3), huge]
 
 
-def test_a_change_with_more_edits_than_one_text_holds_is_kept_whole(journal: Journal, tmp_path: Path) -> None:
+def test_a_change_split_over_several_rows_is_read_back_complete(journal: Journal, tmp_path: Path) -> None:
     huge = Change(1, "scene", "load", 0.0, tuple(change(n, f"ball_{n}").edits[0] for n in range(2500)))
     journal.append(huge)
     journal.close()
@@ -97,7 +97,7 @@ def test_a_change_with_more_edits_than_one_text_holds_is_kept_whole(journal: Jou
         assert [entry.change.number for entry in again.history("ball_2400")] == [1]
 
 
-def test_the_time_on_the_wall_is_remembered_beside_the_change(journal: Journal) -> None:
+def test_each_change_is_stored_with_its_wall_clock_time(journal: Journal) -> None:
     before = time.time()
     journal.append(change(1))
 
@@ -129,7 +129,7 @@ def test_the_history_of_an_element_is_every_change_that_touched_it(open_tiny: Op
     assert not data.journal.was_given("nothing_1")
 
 
-def test_changes_about_things_are_found_as_a_list_in_memory_finds_them(journal: Journal) -> None:
+def test_changes_of_elements_are_found_as_in_a_list_in_memory(journal: Journal) -> None:
     memory = MemoryLog()
     for n in range(1, 40):
         goals = (GoalsEdit((), ("x",)),) if n % 7 == 0 else ()
@@ -147,7 +147,9 @@ def test_changes_about_things_are_found_as_a_list_in_memory_finds_them(journal: 
 # ---------------------------------------------------------------- failing
 
 
-def test_on_a_full_disk_a_change_is_refused_and_the_next_that_fits_is_taken(open_tiny: Open, weigh: Weigh) -> None:
+def test_on_a_full_disk_a_change_is_refused_and_the_next_smaller_change_is_accepted(
+    open_tiny: Open, weigh: Weigh
+) -> None:
     data = open_tiny()
     world, log = data.world, data.path / "journal.db-wal"
     weigh(world, 1.0)
@@ -166,7 +168,7 @@ def test_on_a_full_disk_a_change_is_refused_and_the_next_that_fits_is_taken(open
     assert [c.number for c in open_tiny().world.changes] == [1, 2, 3]
 
 
-def test_without_room_for_one_more_page_the_reason_is_given(open_tiny: Open) -> None:
+def test_a_change_refused_for_a_full_disk_names_the_full_disk(open_tiny: Open) -> None:
     data = open_tiny()
     connection = data.journal._database._connection
     assert connection is not None
@@ -184,7 +186,7 @@ def test_without_room_for_one_more_page_the_reason_is_given(open_tiny: Open) -> 
     assert data.journal.history("ball_1")[-1].change.number == 1
 
 
-def test_on_a_full_disk_compaction_is_refused_and_nothing_is_forgotten(open_tiny: Open, weigh: Weigh) -> None:
+def test_on_a_full_disk_compaction_is_refused_and_all_changes_are_kept(open_tiny: Open, weigh: Weigh) -> None:
     data = open_tiny()
     for n in range(50):
         weigh(data.world, float(n))
@@ -197,7 +199,7 @@ def test_on_a_full_disk_compaction_is_refused_and_nothing_is_forgotten(open_tiny
     assert len(open_tiny().world.changes) == 51
 
 
-def test_what_was_broken_off_before_anybody_was_told_is_written_over(journal: Journal) -> None:
+def test_a_change_interrupted_before_its_publication_is_replaced_by_the_next_change(journal: Journal) -> None:
     journal.append(change(1))
     journal._remember = lambda _: exec("raise KeyboardInterrupt")  # type: ignore[method-assign]
     with pytest.raises(KeyboardInterrupt):
@@ -214,9 +216,7 @@ def test_what_was_broken_off_before_anybody_was_told_is_written_over(journal: Jo
 # ---------------------------------------------------------------- compaction
 
 
-def test_after_compaction_the_state_is_the_same_and_older_changes_are_refused_by_number(
-    open_tiny: Open, weigh: Weigh
-) -> None:
+def test_compaction_keeps_the_state_and_reading_a_deleted_change_is_refused(open_tiny: Open, weigh: Weigh) -> None:
     data = open_tiny()
     for n in range(20):
         weigh(data.world, float(n))
@@ -235,7 +235,7 @@ def test_after_compaction_the_state_is_the_same_and_older_changes_are_refused_by
     assert (again.journal.first, again.world.version) == (17, 21)
 
 
-def test_a_journal_that_forgot_everything_goes_on_counting(open_tiny: Open, weigh: Weigh) -> None:
+def test_change_numbers_continue_after_all_changes_were_compacted(open_tiny: Open, weigh: Weigh) -> None:
     data = open_tiny()
     weigh(data.world, 1.0)
     data.compact(keep=0)
@@ -262,12 +262,12 @@ def test_compaction_frees_disk_space(open_tiny: Open) -> None:
     assert (data.path / "journal.db").stat().st_size < long / 5
 
 
-def test_less_than_nothing_cannot_be_kept(open_tiny: Open) -> None:
+def test_compaction_refuses_a_negative_number_of_changes(open_tiny: Open) -> None:
     with pytest.raises(UsageError, match="not -1"):
         open_tiny().compact(keep=-1)
 
 
-def test_threads_may_ask_while_one_writes_and_another_compacts(open_tiny: Open, weigh: Weigh) -> None:
+def test_threads_can_read_the_journal_during_writing_and_compaction(open_tiny: Open, weigh: Weigh) -> None:
     data = open_tiny()
     faults: list[BaseException] = []
     done = threading.Event()
@@ -301,7 +301,7 @@ def test_threads_may_ask_while_one_writes_and_another_compacts(open_tiny: Open, 
 
 
 @pytest.mark.parametrize("longest", [1000, 4])
-def test_a_file_of_version_one_is_brought_up_to_date_with_its_content(
+def test_a_file_of_version_one_is_upgraded_with_its_content(
     longest: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(records, "LONGEST_PART", longest)
@@ -329,7 +329,7 @@ def test_a_file_of_version_one_is_brought_up_to_date_with_its_content(
         assert set(connection.execute("SELECT * FROM marks")) == marked
 
 
-def test_an_upgrade_that_breaks_leaves_the_file_as_it_was(tmp_path: Path) -> None:
+def test_a_failed_upgrade_leaves_the_file_unchanged(tmp_path: Path) -> None:
     old = old_file(tmp_path / "journal.db", tiny_world().changes)
     with closing(sqlite3.connect(old)) as connection:
         connection.execute("UPDATE changes SET data = 'no JSON'")
@@ -380,7 +380,7 @@ def numbers(heads: Sequence[Entry]) -> list[int]:
     return [head.change.number for head in heads]
 
 
-def test_pages_go_forward_from_a_number_or_back_before_it(journal: Journal) -> None:
+def test_pages_are_read_forward_after_a_number_or_backward_before_it(journal: Journal) -> None:
     journal.append_all([change(number, element=f"ball_{number % 2}") for number in range(1, 8)])
 
     assert numbers(journal.page(0, 3)) == [1, 2, 3]
@@ -391,7 +391,7 @@ def test_pages_go_forward_from_a_number_or_back_before_it(journal: Journal) -> N
 
 
 @pytest.mark.parametrize("total", [0, 1, 999, 1000, 1001, 2000, 2500])
-def test_of_a_long_change_any_edits_are_read_without_the_others(journal: Journal, total: int) -> None:
+def test_any_range_of_edits_of_a_long_change_can_be_read_alone(journal: Journal, total: int) -> None:
     edits = tuple(PropertyEdit(f"ball_{n}", "sk:mass", None, float(n)) for n in range(total))
     journal.append(Change(1, "scene", "loaded", 0.0, edits))
 
@@ -402,7 +402,7 @@ def test_of_a_long_change_any_edits_are_read_without_the_others(journal: Journal
         assert journal.edits(head, start, most) == edits[start : start + most]
 
 
-def test_what_can_be_undone_is_the_last_that_a_person_did_and_nobody_took_back(journal: Journal) -> None:
+def test_the_undoable_change_is_the_last_change_by_a_person_that_was_not_undone(journal: Journal) -> None:
     assert journal.undoable_entry() is None
     for number, more in enumerate(
         [{"writer": Writer.PERSON}, {}, {"writer": Writer.PERSON}, {"writer": Writer.PERSON, "undoes": 3}], start=1

@@ -72,7 +72,7 @@ def test_constants_are_upper_snake_typed_by_kind_and_explained(tmp_path: Path) -
     assert 'LEFT: Final = IndividualName("t:left")\n"""The left one."""\n' in text
 
 
-def test_names_that_collide_all_say_their_kind_and_then_their_prefix(tmp_path: Path) -> None:
+def test_colliding_constants_get_their_kind_as_suffix_and_their_namespace_as_prefix(tmp_path: Path) -> None:
     text = _generated(
         tmp_path,
         "t:Skill a owl:Class . t:skill a owl:ObjectProperty . t:A_b a owl:Class . t:A-b a owl:Class .\n"
@@ -100,13 +100,15 @@ def test_names_that_collide_all_say_their_kind_and_then_their_prefix(tmp_path: P
         ("a.b", "A_B"),
     ],
 )
-def test_odd_names_become_valid_ones(tmp_path: Path, local: str, name: str) -> None:
+def test_names_with_special_characters_become_valid_constants(tmp_path: Path, local: str, name: str) -> None:
     text = _generated(tmp_path, f"<http://t#{local}> a owl:Class .")
 
     assert _constants(text) == {name: f"t:{local}"}
 
 
-def test_only_the_words_asked_for_are_written_and_the_core_brings_label_and_comment(ontology: Ontology) -> None:
+def test_only_terms_of_the_requested_prefix_are_generated_with_label_and_comment_in_the_core(
+    ontology: Ontology,
+) -> None:
     core, kitting = (_constants(constants_module(ontology, [prefix])) for prefix in ("sk", "kitting"))
 
     assert core["LABEL"] == "rdfs:label"
@@ -116,7 +118,7 @@ def test_only_the_words_asked_for_are_written_and_the_core_brings_label_and_comm
     assert {"sk", "kitting"} <= set(namespaces_of(ontology))
 
 
-def test_an_unknown_prefix_is_refused_with_those_there_are(ontology: Ontology) -> None:
+def test_an_unknown_prefix_is_refused_with_the_known_prefixes(ontology: Ontology) -> None:
     with pytest.raises(UnknownName, match=r"'kiting'\. Did you mean 'kitting'"):
         constants_module(ontology, ["kiting"])
 
@@ -130,7 +132,7 @@ _KIND = st.sampled_from(["owl:Class", "owl:ObjectProperty", "owl:DatatypePropert
     terms=st.dictionaries(st.tuples(st.sampled_from("tu"), _LOCAL), _KIND, min_size=1, max_size=12),
     comment=st.text(st.characters(codec="utf-8", exclude_categories=["C"]), max_size=200),
 )
-def test_any_ontology_gives_a_module_that_holds_every_word_once(
+def test_any_ontology_generates_a_module_with_each_term_once(
     tmp_path_factory: pytest.TempPathFactory, terms: dict[tuple[str, str], str], comment: str
 ) -> None:
     quoted = comment.replace("\\", "\\\\").replace('"', '\\"').replace("\u0085", " ")

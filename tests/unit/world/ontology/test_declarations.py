@@ -55,7 +55,7 @@ def load(tmp_path: Path) -> Load:
         ("mine:r rdfs:domain [ owl:complementOf mine:B ] .", (), None),
     ],
 )  # fmt: skip
-def test_domains_are_kept_as_far_as_names_can_say_them(
+def test_domains_that_are_unions_or_intersections_of_named_classes_are_kept(
     load: Load, text: str, domains: tuple[tuple[str, ...], ...], domain: str | None
 ) -> None:
     relation = load(text).relation("mine:r")
@@ -75,7 +75,7 @@ def test_domains_are_kept_as_far_as_names_can_say_them(
         ("rdfs:range xsd:int, xsd:decimal ;", "rdfs:Literal"),
     ],
 )
-def test_a_range_is_a_type_that_values_can_be_checked_by(load: Load, range_: str, kept: str) -> None:
+def test_a_range_becomes_a_type_that_values_are_checked_against(load: Load, range_: str, kept: str) -> None:
     ontology = load(f"mine:percent a rdfs:Datatype . mine:p a owl:DatatypeProperty ; {range_} rdfs:domain mine:A .")
 
     assert ontology.properties["mine:p"].range == kept
@@ -85,7 +85,7 @@ def test_a_range_is_a_type_that_values_can_be_checked_by(load: Load, range_: str
 # ------------------------------------------------------------ classes
 
 
-def test_equivalent_classes_are_each_other_and_inherit_from_each_other(load: Load) -> None:
+def test_equivalent_classes_are_subclasses_of_each_other_and_share_values(load: Load) -> None:
     ontology = load(
         "mine:A owl:equivalentClass mine:B . mine:B rdfs:subClassOf mine:C ; mine:p 3 ."
         " mine:p a owl:DatatypeProperty ; rdfs:range xsd:integer ."
@@ -99,7 +99,7 @@ def test_equivalent_classes_are_each_other_and_inherit_from_each_other(load: Loa
     assert ontology.classes["mine:A"].parents == ()  # the tree of first parents stays a tree
 
 
-def test_a_value_of_the_class_itself_comes_before_that_of_the_nearest_above(load: Load) -> None:
+def test_a_class_value_overrides_the_value_of_its_superclass(load: Load) -> None:
     ontology = load(
         "mine:p a owl:DatatypeProperty ; rdfs:range xsd:integer . mine:C mine:p 1 . mine:B rdfs:subClassOf mine:C ;"
         " mine:p 2 . mine:A rdfs:subClassOf mine:B . mine:D a owl:Class ; rdfs:subClassOf mine:A ; mine:p 4 ."
@@ -126,7 +126,7 @@ def test_a_value_of_the_class_itself_comes_before_that_of_the_nearest_above(load
 @pytest.mark.parametrize(
     "frame", ["rdfs:subClassOf [ {} ]", "owl:equivalentClass [ owl:intersectionOf ( mine:B [ {} ] ) ]"]
 )
-def test_numbers_are_read_and_other_restrictions_passed_over(
+def test_cardinality_restrictions_are_read_and_other_restrictions_are_ignored(
     load: Load, frame: str, restriction: str, expected: Cardinality | None
 ) -> None:
     inner = f"a owl:Restriction ; owl:onProperty mine:r ; {restriction}"
@@ -135,7 +135,7 @@ def test_numbers_are_read_and_other_restrictions_passed_over(
     assert ontology.cardinalities("mine:D") == (() if expected is None else (expected,))
 
 
-def test_the_older_ways_to_declare_are_understood(load: Load) -> None:
+def test_rdfs_classes_and_untyped_object_properties_are_accepted(load: Load) -> None:
     ontology = load("mine:D a rdfs:Class . mine:s a owl:TransitiveProperty . mine:s owl:inverseOf mine:r .")
 
     assert "mine:D" in ontology.classes
@@ -162,9 +162,7 @@ def test_the_older_ways_to_declare_are_understood(load: Load) -> None:
         ("<http://example.org/mine#> a owl:Class .", 0, "needs a name after the last '#' or '/'"),
     ],
 )  # fmt: skip
-def test_what_would_be_misunderstood_is_refused_with_its_line(
-    load: Load, text: str, line: int | None, says: str
-) -> None:
+def test_an_ambiguous_declaration_is_refused_with_its_line(load: Load, text: str, line: int | None, says: str) -> None:
     with pytest.raises(FileError) as caught:
         load(text)
 
@@ -172,7 +170,7 @@ def test_what_would_be_misunderstood_is_refused_with_its_line(
     assert line is None or caught.value.line == LINE + line
 
 
-def test_a_word_of_an_import_that_is_not_at_hand_says_so(load: Load) -> None:
+def test_an_undeclared_term_is_reported_with_the_missing_import_that_may_declare_it(load: Load) -> None:
     text = "<http://example.org/m> a owl:Ontology ; owl:imports <http://example.org/gone> ."
 
     with pytest.raises(
@@ -181,14 +179,14 @@ def test_a_word_of_an_import_that_is_not_at_hand_says_so(load: Load) -> None:
         load(text + "mine:A rdfs:subClassOf mine:Gone .")
 
 
-def test_a_fault_is_found_in_the_file_that_says_it(load: Load) -> None:
+def test_a_fault_names_the_file_with_the_faulty_statement(load: Load) -> None:
     with pytest.raises(FileError) as caught:
         load("", bridge=HEAD.replace("mine:A a owl:Class .", "\nmine:A rdfs:subClassOf sk:Nothing ."))
 
     assert (caught.value.path.name, caught.value.line) == ("bridge.ttl", LINE)
 
 
-def test_words_of_vocabularies_that_no_file_declares_say_nothing(load: Load) -> None:
+def test_terms_of_undeclared_vocabularies_are_ignored(load: Load) -> None:
     ontology = load(
         "mine:A <http://purl.org/dc/terms/creator> 'me' . mine:x a <http://www.w3.org/2004/02/skos/core#Concept> ."
     )
@@ -200,7 +198,7 @@ def test_words_of_vocabularies_that_no_file_declares_say_nothing(load: Load) -> 
 # ------------------------------------------------------------ prefixes
 
 
-def test_a_namespace_without_prefix_is_called_after_its_last_word(load: Load) -> None:
+def test_a_namespace_without_a_prefix_gets_one_from_its_last_path_segment(load: Load) -> None:
     ontology = load(
         "<http://example.org/2024/Machine-Tools.owl#Lathe> a owl:Class . <urn:acme:shop:Till> a owl:Class ."
         "<http://example.org/mine/Shaft> a owl:Class . <http://www.w3.org/ns/plan/v2/Step> a owl:Class ."
@@ -210,7 +208,7 @@ def test_a_namespace_without_prefix_is_called_after_its_last_word(load: Load) ->
     assert ontology.names.iri("machine_tools:Lathe") == "http://example.org/2024/Machine-Tools.owl#Lathe"
 
 
-def test_made_prefixes_depend_on_the_files_content_alone(load: Load) -> None:
+def test_generated_prefixes_depend_only_on_the_content_of_the_files(load: Load) -> None:
     one = "<http://b.org/x#A> a <http://www.w3.org/2002/07/owl#Class> ."
     other = "<http://a.org/x#A> a <http://www.w3.org/2002/07/owl#Class> ."
 

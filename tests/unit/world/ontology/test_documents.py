@@ -54,7 +54,7 @@ def written(folder: Path, name: str, content: str | bytes) -> Path:
         ("empty.ttl", "", 0),
     ],
 )
-def test_a_file_is_read_in_the_language_that_it_is_written_in(
+def test_the_syntax_of_a_file_is_detected_from_its_content(
     tmp_path: Path, name: str, content: str, triples: int
 ) -> None:
     assert len(read_document(written(tmp_path, name, content)).triples) == triples
@@ -138,9 +138,7 @@ def test_a_bad_file_is_refused_with_the_reason_and_the_line(
         ("bridge.ttl", "upper.owl#Region", None, "upper:Region rdfs:subClassOf sk:Location"),
     ],
 )
-def test_a_fault_names_the_line_where_a_file_speaks_of_a_thing(
-    name: str, subject: str, term: str | None, text: str
-) -> None:
+def test_a_fault_names_the_line_of_its_statement(name: str, subject: str, term: str | None, text: str) -> None:
     document = read_document(DATA / name)
     there = None if term is None else f"http://example.org/robotics/{term}"
 
@@ -150,7 +148,7 @@ def test_a_fault_names_the_line_where_a_file_speaks_of_a_thing(
     assert text in document.text.splitlines()[fault.line - 1]
 
 
-def test_owl_xml_says_the_same_as_turtle_would(tmp_path: Path) -> None:
+def test_owl_xml_gives_the_same_triples_as_turtle(tmp_path: Path) -> None:
     tools = read_document(DATA / "tools.owx")
 
     assert tools.iri == "http://example.org/tools"
@@ -170,7 +168,7 @@ def test_imports_are_never_fetched(monkeypatch: pytest.MonkeyPatch) -> None:
         assert read_document(DATA / name).imports()
 
 
-def test_anonymous_nodes_of_two_files_do_not_meet(tmp_path: Path) -> None:
+def test_equal_blank_node_labels_in_two_files_stay_distinct(tmp_path: Path) -> None:
     one = read_document(written(tmp_path, "one.ttl", PREFIX + "_:b e:p e:x ."))
     other = read_document(written(tmp_path, "other.ttl", PREFIX + "_:b e:p e:x ."))
 
@@ -191,7 +189,7 @@ def test_a_document_is_the_same_in_another_process(name: str) -> None:
     assert pickle.loads(pickle.dumps(document)) == document
 
 
-def test_a_folder_gives_all_that_speaks_rdf_or_owl(tmp_path: Path) -> None:
+def test_a_folder_is_searched_for_all_rdf_and_owl_files(tmp_path: Path) -> None:
     catalog = '<catalog xmlns="urn:oasis:names:tc:entity:xmlns:xml:catalog"/>'
     for name, text in (
         ("b.ttl", ""),

@@ -105,7 +105,7 @@ def catalogue(catalogue_file: Path) -> Ontology:
 # ------------------------------------------------------------ in the manner of IEEE 1872
 
 
-def test_foreign_classes_stand_below_the_core_where_a_bridge_puts_them(robotics: Ontology) -> None:
+def test_a_bridge_makes_foreign_classes_subclasses_of_core_classes(robotics: Ontology) -> None:
     assert robotics.is_a("robots:AutonomousRobot", "sk:Robot")
     assert robotics.is_a("sk:Robot", "upper:Device")  # an equivalent class is both above and below
     assert not robotics.is_a("sk:Device", "upper:Device")
@@ -114,11 +114,11 @@ def test_foreign_classes_stand_below_the_core_where_a_bridge_puts_them(robotics:
     assert robotics.classes["robots:Robot"].parents == ("upper:Agent", "upper:Device")
 
 
-def test_a_class_defined_by_an_intersection_is_below_its_parts(robotics: Ontology) -> None:
+def test_a_class_defined_as_an_intersection_is_a_subclass_of_its_parts(robotics: Ontology) -> None:
     assert robotics.classes["robots:MobileRobot"].parents == ("robots:Robot",)
 
 
-def test_numbers_of_restrictions_are_inherited(robotics: Ontology) -> None:
+def test_cardinality_restrictions_are_inherited(robotics: Ontology) -> None:
     exactly_one_base = Cardinality("robots:hasRobotPart", 1, 1, "robots:RobotBase")
     at_least_one_part = Cardinality("robots:hasRobotPart", 1, None, None)
 
@@ -142,7 +142,7 @@ def test_characteristics_of_relations_are_known(robotics: Ontology) -> None:
     assert robotics.relation("tools:hasHandle").functional
 
 
-def test_unions_and_intersections_are_ends_of_relations(robotics: Ontology) -> None:
+def test_unions_and_intersections_can_be_domains_and_ranges(robotics: Ontology) -> None:
     works_in = robotics.relation("robots:worksIn")
 
     assert works_in.domains == (("robots:Robot", "robots:RobotGroup"),)
@@ -153,7 +153,7 @@ def test_unions_and_intersections_are_ends_of_relations(robotics: Ontology) -> N
     assert robotics.missed_end("upper:Region", works_in.ranges) == ("upper:Artifact",)
 
 
-def test_a_write_is_checked_against_unions(robotics: Ontology) -> None:
+def test_a_write_is_checked_against_union_ranges(robotics: Ontology) -> None:
     world = World(robotics)
     with world.transaction("test", "a handle for a hammer") as tx:
         tx.add("sk:Floor", id="floor")
@@ -170,7 +170,7 @@ def test_a_write_is_checked_against_unions(robotics: Ontology) -> None:
         tx.relate("handle", "tools:hasHandle", "hammer")
 
 
-def test_a_write_of_a_text_that_no_file_could_hold_is_refused_in_few_words(robotics: Ontology) -> None:
+def test_a_text_over_the_length_limit_is_refused_with_a_short_message(robotics: Ontology) -> None:
     def write(property_: str) -> None:
         with World(robotics).transaction("test", "too long") as tx:
             tx.add("sk:Floor", id="floor")
@@ -182,12 +182,12 @@ def test_a_write_of_a_text_that_no_file_could_hold_is_refused_in_few_words(robot
         assert len(str(caught.value)) < 500
 
 
-def test_individuals_of_ontologies_are_known_and_those_of_scenes_are_not_among_them(robotics: Ontology) -> None:
+def test_individuals_of_an_ontology_exclude_those_of_a_scene(robotics: Ontology) -> None:
     assert {"robots:pioneer", "tools:bestHammer"} <= set(robotics.individuals)
     assert all(":" in name and not name.startswith("scene:") for name in robotics.individuals)
 
 
-def test_sparql_sees_foreign_ontologies_and_the_core_as_one(robotics: Ontology) -> None:
+def test_sparql_queries_foreign_ontologies_and_the_core_together(robotics: Ontology) -> None:
     world = World(robotics)
 
     below = select(world, "SELECT ?c WHERE { ?c rdfs:subClassOf+ upper:Device } ORDER BY ?c")
@@ -219,7 +219,7 @@ def test_an_ontology_is_the_same_in_another_process(robotics: Ontology) -> None:
 # ------------------------------------------------------------ as Protégé writes it
 
 
-def test_a_large_protege_file_answers_on_the_core(catalogue: Ontology) -> None:
+def test_a_large_protege_file_can_be_queried_by_core_classes(catalogue: Ontology) -> None:
     last = f"parts_catalogue:Part{CLASSES - 1}"
 
     assert len(catalogue.subclasses("parts_catalogue:Part0")) == CLASSES
@@ -230,7 +230,7 @@ def test_a_large_protege_file_answers_on_the_core(catalogue: Ontology) -> None:
     assert rows == [{"n": CLASSES - 1}]
 
 
-def test_a_prefix_of_a_tool_gives_way_to_one_written_by_hand(catalogue: Ontology) -> None:
+def test_a_hand_written_prefix_takes_precedence_over_a_generated_prefix(catalogue: Ontology) -> None:
     assert catalogue.names.prefixes["kitting"] == "https://w3id.org/skiros-py/kitting#"
     assert "kitting2:Pallet" in catalogue.classes
     assert "kitting:Pallet" in catalogue.classes

@@ -28,7 +28,7 @@ def _chain(folder: Path, type_: str, word: str, levels: int) -> Path:
 
 
 @pytest.mark.parametrize(("type_", "word"), _WORDS)
-def test_a_hierarchy_is_refused_beyond_the_deepest_and_quickly(tmp_path: Path, type_: str, word: str) -> None:
+def test_a_hierarchy_deeper_than_the_limit_is_refused_quickly(tmp_path: Path, type_: str, word: str) -> None:
     start = time.monotonic()
 
     with pytest.raises(FileError, match=f"has more than {MOST_ABOVE} terms above it") as raised:
@@ -39,13 +39,13 @@ def test_a_hierarchy_is_refused_beyond_the_deepest_and_quickly(tmp_path: Path, t
 
 
 @pytest.mark.parametrize(("type_", "word"), _WORDS)
-def test_a_hierarchy_of_the_most_levels_is_taken(tmp_path: Path, type_: str, word: str) -> None:
+def test_a_hierarchy_as_deep_as_the_limit_is_accepted(tmp_path: Path, type_: str, word: str) -> None:
     Ontology.load([_chain(tmp_path, type_, word, MOST_ABOVE)])
 
 
 @pytest.mark.parametrize("name", ["a.owx", "a.owl", "a.rdf", "a.xml"])
 @pytest.mark.parametrize("text", ["", " \n", "# nothing\n", '<?xml version="1.0"?>\n', "<!-- nothing -->"])
-def test_a_file_named_like_xml_that_says_nothing_is_refused(tmp_path: Path, name: str, text: str) -> None:
+def test_an_empty_or_invalid_xml_file_is_refused(tmp_path: Path, name: str, text: str) -> None:
     file = tmp_path / name
     file.write_text(text, encoding="utf-8")
 

@@ -198,7 +198,7 @@ def apart(sparql: str) -> str:
 
 @settings(max_examples=150, deadline=None, derandomize=True)  # some by lot would take for ever
 @given(groups.map(apart))
-def test_a_query_answers_as_if_every_pair_were_stored(group: str) -> None:
+def test_a_query_for_a_computed_relation_answers_as_if_every_pair_were_stored(group: str) -> None:
     sparql = f"SELECT * {{ {group} }}"
 
     assert counted(select(WORLD, sparql)) == oracle(WORLD, sparql)
@@ -222,7 +222,7 @@ HARD = {
 
 
 @pytest.mark.parametrize("group", HARD.values(), ids=HARD)
-def test_what_holds_around_a_pattern_is_never_taken_for_more_than_it_is(group: str) -> None:
+def test_constraints_around_a_computed_pattern_never_change_the_result(group: str) -> None:
     sparql = f"SELECT * {{ {group} }}"
 
     found = counted(select(WORLD, sparql))
@@ -270,7 +270,7 @@ def asked() -> Iterator[list[tuple[int, int]]]:
         "SELECT ?b { BIND(scene:part_0 AS ?a) ?a sk:near ?b }",
     ],
 )
-def test_however_it_is_spelt_a_bound_end_is_looked_at_alone(sparql: str, asked: list[tuple[int, int]]) -> None:
+def test_a_computed_pattern_with_a_bound_end_evaluates_only_that_end(sparql: str, asked: list[tuple[int, int]]) -> None:
     everything = WORLD.instances("sk:SpatialThing")
 
     found = {row["b"] for row in select(WORLD, sparql)}
@@ -286,7 +286,7 @@ def test_a_parameter_may_name_the_relation_and_its_ends(asked: list[tuple[int, i
     assert asked == [(1, 1)]
 
 
-def test_what_is_said_around_a_pattern_narrows_what_is_looked_at(asked: list[tuple[int, int]]) -> None:
+def test_constraints_around_a_computed_pattern_reduce_the_evaluated_candidates(asked: list[tuple[int, int]]) -> None:
     starters = WORLD.instances("kitting:Starter")
 
     select(WORLD, "SELECT * { ?a a kitting:Starter OPTIONAL { ?a sk:near ?b . ?b a kitting:Alternator } }")
@@ -295,7 +295,7 @@ def test_what_is_said_around_a_pattern_narrows_what_is_looked_at(asked: list[tup
     assert asked == [(len(starters), len(WORLD.instances("kitting:Alternator"))), (len(starters), 1)]
 
 
-def test_what_is_mentioned_nowhere_is_never_worked_out(asked: list[tuple[int, int]]) -> None:
+def test_a_computed_relation_that_a_query_does_not_name_is_not_evaluated(asked: list[tuple[int, int]]) -> None:
     select(WORLD, "SELECT * { ?a ?p ?b }")
     select(WORLD, "SELECT * { ?a rdfs:label 'sk:near' } # sk:near")
     select(WORLD, "SELECT * { ?a sk:in/sk:on ?b }", entailed=True)
@@ -303,7 +303,7 @@ def test_what_is_mentioned_nowhere_is_never_worked_out(asked: list[tuple[int, in
     assert asked == []
 
 
-def test_what_was_worked_out_is_seen_by_no_later_query() -> None:
+def test_computed_pairs_are_not_visible_to_later_queries() -> None:
     everything = "SELECT * { ?a ?p ?b }"
     before = counted(select(WORLD, everything))
     select(WORLD, "SELECT * { ?a sk:near ?b }")
@@ -315,7 +315,7 @@ def test_what_was_worked_out_is_seen_by_no_later_query() -> None:
         assert store.quads(COMPUTED_GRAPH) == []
 
 
-def test_every_thread_sees_its_own_query_alone() -> None:
+def test_computed_pairs_of_parallel_queries_are_isolated() -> None:
     wanted = {r: len(select(WORLD, f"SELECT * {{ ?a {r} ?b }}")) for r in RELATIONS}
 
     def count_both(relation: str) -> bool:
@@ -339,21 +339,21 @@ def test_a_move_shows_in_the_next_answer() -> None:
     assert [row["a"] for row in select(world, query)] == sorted(near)
 
 
-def test_a_relation_above_holds_where_one_below_does() -> None:
+def test_a_computed_super_relation_holds_where_a_sub_relation_holds() -> None:
     found = {row["b"] for row in select(WORLD, "SELECT ?b { scene:part_0 sk:computed ?b }")}
 
     everything = WORLD.instances("sk:SpatialThing")
     assert found == {b for b in everything if any(drawn("part_0", r, b) for r in RELATIONS)}
 
 
-def test_computed_and_entailed_go_together() -> None:
+def test_a_query_can_combine_computed_relations_and_owl_entailments() -> None:
     found = select(WORLD, "SELECT ?a { ?a sk:near scene:part_0 ; sk:placement ?b ; a kitting:Part }", entailed=True)
 
     near = {part for part in WORLD.instances("kitting:Part") if drawn(part, "sk:near", "part_0")}
     assert {row["a"] for row in found} == near
 
 
-def test_what_is_constructed_may_be_computed() -> None:
+def test_a_construct_query_can_use_a_computed_relation() -> None:
     made = construct(WORLD, "CONSTRUCT { ?a sk:near ?b } WHERE { ?a sk:near ?b . ?a a kitting:Starter }")
 
     pairs = {(a, b) for a in WORLD.instances("kitting:Starter") for b in WORLD.instances("sk:SpatialThing")}

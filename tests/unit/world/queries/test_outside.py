@@ -99,7 +99,7 @@ def test_errors_come_as_the_kind_they_are(outside: OutsideQueries) -> None:
         outside.query("ASK { ?s ?p }")
 
 
-def test_a_query_sees_what_was_written_just_before(live: World, outside: OutsideQueries) -> None:
+def test_a_query_sees_the_latest_committed_change(live: World, outside: OutsideQueries) -> None:
     for mass in (1.5, 2.5, 3.5):
         with live.transaction("scale", "weighed") as tx:
             tx.set("compressor_1", "sk:mass", mass)
@@ -156,7 +156,7 @@ def test_an_invalid_time_limit_is_refused(outside: OutsideQueries, limit: float)
         outside.query("ASK {}", time_limit=limit)
 
 
-def test_a_text_that_is_too_long_is_refused_unread(outside: OutsideQueries) -> None:
+def test_a_query_text_over_the_length_limit_is_refused_before_parsing(outside: OutsideQueries) -> None:
     said = refusal(outside, "ASK {}" + " " * LIMITS.text)
 
     assert said == f"the query has {LIMITS.text + 6} characters, and {LIMITS.text} are the most"
@@ -167,7 +167,7 @@ def test_a_text_that_is_too_long_is_refused_unread(outside: OutsideQueries) -> N
     [FOR_EVER, "SELECT (COUNT(*) AS ?n) { ?a (!sk:x)* ?b . ?c (!sk:y)* ?d . ?e (!sk:z)* ?f }"],
     ids=["cross_product", "path"],
 )
-def test_a_query_that_runs_for_ever_is_ended(outside: OutsideQueries, sparql: str) -> None:
+def test_an_endless_query_is_ended_at_its_time_limit(outside: OutsideQueries, sparql: str) -> None:
     assert "took longer than 1 s" in refusal(outside, sparql)
 
 
@@ -179,7 +179,7 @@ def test_a_query_that_runs_for_ever_is_ended(outside: OutsideQueries, sparql: st
     ],
     ids=["concat", "group_concat"],
 )
-def test_a_query_that_wants_all_memory_is_ended(outside: OutsideQueries, sparql: str) -> None:
+def test_a_query_is_ended_when_it_exceeds_its_memory_limit(outside: OutsideQueries, sparql: str) -> None:
     # On a busy machine it takes more than the usual second to fill the memory.
     assert "needs more than 256 MiB of memory" in refusal(outside, sparql, time_limit=60.0)
 
@@ -225,14 +225,12 @@ def test_an_answer_that_is_too_large_is_refused(outside: OutsideQueries, sparql:
         ("CLEAR DEFAULT", "CLEAR changes triples"),
     ],
 )
-def test_what_goes_beyond_this_world_or_changes_it_is_refused_by_name(
-    outside: OutsideQueries, sparql: str, says: str
-) -> None:
+def test_federated_queries_and_updates_are_refused_by_keyword(outside: OutsideQueries, sparql: str, says: str) -> None:
     assert says in refusal(outside, sparql)
 
 
 @pytest.mark.parametrize("after", ["; DROP ALL", "; INSERT DATA { <a:b> <a:c> 1 }", ". ASK {}", "LOAD <a:b>"])
-def test_nothing_may_follow_a_query(live: World, outside: OutsideQueries, after: str) -> None:
+def test_text_after_the_end_of_a_query_is_refused(live: World, outside: OutsideQueries, after: str) -> None:
     version = live.version
 
     refusal(outside, f"ASK {{ }} {after}")
@@ -254,7 +252,7 @@ def test_nothing_may_follow_a_query(live: World, outside: OutsideQueries, after:
     ],
     ids=["text", "long_text", "comment", "first_comment", "iri", "variables", "prefix"],
 )
-def test_such_words_are_no_keywords_in_texts_comments_and_names(outside: OutsideQueries, sparql: str) -> None:
+def test_update_keywords_are_allowed_in_strings_comments_and_names(outside: OutsideQueries, sparql: str) -> None:
     assert outside.query(sparql) in (True, False)
 
 
@@ -289,7 +287,7 @@ def wait_until(holds: Callable[[], bool], seconds: float = 5.0) -> None:
         time.sleep(0.01)
 
 
-def test_a_query_that_runs_for_ever_holds_up_no_other(
+def test_endless_queries_do_not_delay_other_queries(
     live: World, outside: OutsideQueries, others: set[psutil.Process]
 ) -> None:
     said: list[str] = []
@@ -347,9 +345,7 @@ def test_the_death_of_the_replica_while_it_answers_is_survived(
     assert rows(outside, PARTS, {"place": "pallet_a"}) == IN_PALLET_A
 
 
-def test_no_process_and_no_file_is_left_after_queries_of_all_kinds(
-    outside: OutsideQueries, others: set[psutil.Process]
-) -> None:
+def test_queries_leave_no_process_and_no_open_file_behind(outside: OutsideQueries, others: set[psutil.Process]) -> None:
     def asked() -> None:
         outside.query("ASK {}")
         for sparql in ("ASK { ?a }", "SELECT * { ?a ?b ?c . ?d ?e ?f }"):
@@ -365,7 +361,7 @@ def test_no_process_and_no_file_is_left_after_queries_of_all_kinds(
     assert psutil.Process().num_fds() == before
 
 
-def test_closing_ends_the_replica_and_what_it_runs() -> None:
+def test_closing_ends_the_replica_and_its_running_queries() -> None:
     here = psutil.Process()
     others = set(here.children(recursive=True))
     said: list[str] = []

@@ -52,7 +52,7 @@ def marked(ontology: Ontology) -> World:
 
 
 @pytest.mark.parametrize("text", NASTY)
-def test_a_text_finds_what_has_just_that_text_and_changes_nothing(marked: World, text: str) -> None:
+def test_a_bound_text_matches_only_equal_texts_and_changes_nothing(marked: World, text: str) -> None:
     version = marked.version
     asked = "SELECT ?back ?s { BIND($label AS ?back) OPTIONAL { ?s rdfs:label $label } }"
 
@@ -73,12 +73,12 @@ def test_any_text_comes_back_as_it_was_bound(text: str) -> None:
     "name",
     ["pallet_a> . DROP ALL", "floor_1> ?p ?o . <x", "a b", "a\nb", 'a"b', "a{b}", "<http://a.example/>", "a`b", "a|b"],
 )
-def test_a_string_that_is_no_name_is_refused(marked: World, name: str) -> None:
+def test_a_string_that_is_not_a_name_is_refused(marked: World, name: str) -> None:
     with pytest.raises((UsageError, UnknownName), match=r"is no name|unknown prefix"):
         ask(marked, "ASK { $thing ?p ?o }", thing=name)
 
 
-def test_a_string_is_a_name_and_a_text_is_a_text(marked: World) -> None:
+def test_a_bound_str_is_a_name_and_a_bound_text_is_a_literal(marked: World) -> None:
     by_label = "SELECT ?s { ?s rdfs:label $what }"
 
     assert select(marked, by_label, what=Text("plain floor")) == [{"s": "floor_1"}]
@@ -86,20 +86,20 @@ def test_a_string_is_a_name_and_a_text_is_a_text(marked: World) -> None:
     assert select(marked, "SELECT ?label { $what rdfs:label ?label }", what="floor_1") == [{"label": "plain floor"}]
 
 
-def test_a_name_may_stand_in_each_place_of_a_triple(marked: World) -> None:
+def test_a_name_parameter_can_be_subject_predicate_or_object(marked: World) -> None:
     rows = select(marked, "SELECT ?s { ?s $p $o }", p="rdf:type", o="sk:Floor")
 
     assert sorted(str(row["s"]) for row in rows) == ["floor_1", "floor_2"]
     assert ask(marked, "ASK { $s a sk:Floor }", s="floor_2")
 
 
-def test_a_parameter_may_come_twice_and_next_to_another(marked: World) -> None:
+def test_a_parameter_can_occur_twice_and_beside_another_parameter(marked: World) -> None:
     rows = select(marked, "SELECT ?x { VALUES ?x { $a$b$a } }", a="floor_1", b=7)
 
     assert [row["x"] for row in rows] == ["floor_1", 7, "floor_1"]
 
 
-def test_a_parameter_within_a_text_a_comment_or_a_name_is_none(marked: World) -> None:
+def test_dollar_names_in_strings_comments_and_iris_are_not_parameters(marked: World) -> None:
     assert not ask(marked, "ASK { ?s rdfs:label '$a' , \"$b\" } # $c")
     assert not ask(marked, "ASK { ?s ?p <http://a.example/$d> }")
 
@@ -127,7 +127,7 @@ def test_a_number_finds_and_compares_numbers(world: World) -> None:
 
 
 @pytest.mark.parametrize("value", [None, object(), Decimal("NaN"), [1, 2], {"a": 1}, b"bytes"])
-def test_what_is_no_value_is_refused(marked: World, value: Value) -> None:
+def test_binding_an_unsupported_type_is_refused_with_the_supported_types(marked: World, value: Value) -> None:
     with pytest.raises(UsageError, match=r"is no value: bind a name, Text, bool, int, float, Decimal, Pose or vector"):
         ask(marked, "ASK { ?s ?p $value }", value=value)
 
@@ -190,14 +190,16 @@ def test_a_query_that_changes_something_is_refused_and_nothing_changes(marked: W
         (query, "ASK {\n ?s $ ?o }", "line 2: $ begins a parameter, and a name must follow"),
     ],
 )
-def test_the_error_says_what_would_be_right(marked: World, call: object, sparql: str, says: str) -> None:
+def test_calling_the_function_of_another_query_form_names_the_right_function(
+    marked: World, call: object, sparql: str, says: str
+) -> None:
     with pytest.raises(UsageError) as refused:
         call(marked, sparql)  # type: ignore[operator]
 
     assert says in str(refused.value)
 
 
-def test_a_query_of_any_form_gives_what_its_form_gives(marked: World) -> None:
+def test_query_returns_a_table_a_boolean_or_triples_depending_on_the_query_form(marked: World) -> None:
     assert isinstance(query(marked, "SELECT ?s { ?s a sk:Floor }"), Table)
     assert query(marked, "ASK { ?s a sk:Floor }") is True
     made = query(marked, "CONSTRUCT { ?s a sk:Floor } WHERE { ?s a sk:Floor }")

@@ -42,7 +42,7 @@ def empty_world(*things: str) -> World:
 
 @settings(max_examples=50, deadline=None)
 @given(solids, poses, poses)
-def test_a_box_holds_all_corners_of_the_shape_and_touches_it_on_every_side(solid: str, own: Pose, frame: Pose) -> None:
+def test_a_bounding_box_encloses_its_shape_tightly(solid: str, own: Pose, frame: Pose) -> None:
     world = empty_world("thing", "table")
     with world.transaction("test", "shapes and poses") as tx:
         tx.set("thing", "sk:solid", solid)
@@ -64,7 +64,7 @@ def test_a_box_holds_all_corners_of_the_shape_and_touches_it_on_every_side(solid
     assert np.allclose(box.axes[0], Rotation.from_quat(pose.orientation).as_matrix(), atol=1e-9)
 
 
-def test_the_own_shape_counts_before_that_of_the_class_and_a_size_where_there_is_no_shape() -> None:
+def test_a_box_uses_the_shape_of_the_element_then_of_its_class_then_its_size() -> None:
     world = empty_world("lump")
     with world.transaction("test", "things") as tx:
         tx.add("kitting:RelayBox", id="usual", placement=Placement("sk:on", "floor"))
@@ -85,7 +85,7 @@ def test_a_hollow_class_makes_hollow_boxes() -> None:
     assert read_boxes(world, ["room", "floor"]).hollow.tolist() == [True, False]
 
 
-def test_what_has_no_pose_is_its_own_root_and_that_of_what_hangs_on_it() -> None:
+def test_an_element_without_a_pose_is_the_root_frame_of_itself_and_its_dependants() -> None:
     world = empty_world("gripper", "held", "free")
     with world.transaction("test", "held") as tx:
         write_pose(tx, "held", Pose.of(0, 0, 0.1), "gripper")
@@ -97,7 +97,7 @@ def test_what_has_no_pose_is_its_own_root_and_that_of_what_hangs_on_it() -> None
     assert roots[3] not in (MAP, roots[0])
 
 
-def test_frames_that_an_overlay_supposes_to_hang_on_each_other_are_nowhere() -> None:
+def test_a_frame_cycle_in_an_overlay_has_no_pose_in_the_map() -> None:
     world = empty_world("a", "b", "c")
     with world.transaction("test", "poses") as tx:
         for thing, frame in (("a", None), ("b", "a"), ("c", "b")):

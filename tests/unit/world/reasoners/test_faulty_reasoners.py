@@ -69,7 +69,7 @@ def test_a_reasoner_whose_veto_raises_does_not_prevent_writing(
     assert "reasoner 'bad'" in caplog.text
 
 
-def test_a_computed_relation_holds_only_between_what_the_ontology_declares(world: World) -> None:
+def test_a_computed_relation_holds_only_within_its_declared_domain_and_range(world: World) -> None:
     from skiros_py.station.worlds import open_world
 
     kitting = open_world("kitting")

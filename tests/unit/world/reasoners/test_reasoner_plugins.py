@@ -73,14 +73,14 @@ def loaded() -> tuple[list[str], dict[str, PluginFault]]:
     return [reasoner.name for reasoner in reasoners], {fault.name: fault for fault in faults}
 
 
-def test_the_built_in_ones_come_by_the_same_door() -> None:
+def test_built_in_reasoners_are_loaded_like_plug_ins() -> None:
     names, faults = loaded()
 
     assert names == ["sizes", "spatial"]
     assert faults == {}
 
 
-def test_adapters_of_a_distribution_come_after_the_built_in_ones(install: Install) -> None:
+def test_reasoners_of_plug_ins_come_after_the_built_in_reasoners(install: Install) -> None:
     install("sk_colours", COLOURS, aaa="Colours")
 
     assert loaded() == (["sizes", "spatial", "colours"], {})
@@ -100,7 +100,7 @@ def test_adapters_of_a_distribution_come_after_the_built_in_ones(install: Instal
         ("Missing", "AttributeError: "),
     ],
 )
-def test_one_that_cannot_be_used_is_reported_and_affects_no_other(install: Install, value: str, reason: str) -> None:
+def test_an_unusable_reasoner_is_reported_and_does_not_affect_others(install: Install, value: str, reason: str) -> None:
     install(f"sk_bad_{value.lower()}", COLOURS, bad=value, good="Colours")
 
     names, faults = loaded()
@@ -110,7 +110,9 @@ def test_one_that_cannot_be_used_is_reported_and_affects_no_other(install: Insta
     assert faults["bad"].distribution == f"sk_bad_{value.lower()} 0.3"
 
 
-def test_one_whose_relations_no_ontology_declares_as_computed_is_left_out(install: Install, ontology: Ontology) -> None:
+def test_a_reasoner_whose_relations_are_not_declared_as_computed_is_left_out(
+    install: Install, ontology: Ontology
+) -> None:
     install(
         "sk_undeclared",
         f"{COLOURS}\nclass On(Reasoner):\n    name = 'on'\n    relations = frozenset({{'sk:on'}})",
@@ -127,7 +129,7 @@ def test_one_whose_relations_no_ontology_declares_as_computed_is_left_out(instal
     }
 
 
-def test_of_two_of_one_name_the_first_is_used(install: Install) -> None:
+def test_the_first_of_two_reasoners_with_one_name_is_used(install: Install) -> None:
     install("sk_twice", COLOURS, one="Colours", two="Other")
 
     names, faults = loaded()

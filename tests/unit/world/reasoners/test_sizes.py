@@ -53,7 +53,7 @@ def part(size: tuple[float, ...] | None) -> tuple[str, tuple[float, ...] | None]
 
 @settings(max_examples=30, deadline=None)
 @given(st.lists(sizes, min_size=1, max_size=5), st.lists(sizes, min_size=1, max_size=5), st.booleans())
-def test_pairs_are_those_that_are_answered_one_by_one(
+def test_the_pairs_of_a_relation_equal_its_single_answers(
     parts: list[tuple[float, ...]], crates: list[tuple[float, ...]], unknown: bool
 ) -> None:
     things = {f"part_{n}": part(size) for n, size in enumerate(parts)}
@@ -67,7 +67,7 @@ def test_pairs_are_those_that_are_answered_one_by_one(
 
 @settings(max_examples=30, deadline=None)
 @given(sizes, sizes, st.floats(0.0, 0.1))
-def test_what_fits_still_fits_into_more_room_and_the_value_is_what_is_left(
+def test_a_part_that_fits_also_fits_a_larger_container_and_the_value_is_the_clearance(
     size: tuple[float, float, float], room: tuple[float, float, float], more: float
 ) -> None:
     world = world_of(p=part(size), small=crate(room), large=crate((room[0] + more, room[1] + more, room[2])))
@@ -80,7 +80,7 @@ def test_what_fits_still_fits_into_more_room_and_the_value_is_what_is_left(
 
 
 @pytest.mark.parametrize(("width", "holds"), [(0.049, True), (0.0799, True), (0.08, False), (0.2, False)])
-def test_a_gripper_grasps_what_is_narrower_than_it_opens(width: float, holds: bool) -> None:
+def test_a_gripper_can_grasp_parts_narrower_than_its_opening(width: float, holds: bool) -> None:
     world = world_of(p=part(None), gripper=("sk:Gripper", None))
     with world.transaction("test", "widths") as tx:
         tx.set("p", "sk:graspWidth", width)
@@ -93,7 +93,7 @@ def test_a_gripper_grasps_what_is_narrower_than_it_opens(width: float, holds: bo
     assert world.subjects("sk:graspableBy", "gripper") == (("p",) if holds else ())
 
 
-def test_without_the_numbers_nothing_is_graspable_and_what_lacks_is_said() -> None:
+def test_without_a_width_or_an_opening_nothing_is_graspable_and_the_answer_says_why() -> None:
     world = world_of(p=part(None), gripper=("sk:Gripper", None))
 
     answer = SIZES.answer(world, "p", "sk:graspableBy", "gripper")
@@ -106,7 +106,7 @@ def test_without_the_numbers_nothing_is_graspable_and_what_lacks_is_said() -> No
 
 @settings(max_examples=50, deadline=None)
 @given(sizes, sizes, st.permutations([0, 1, 2]))
-def test_similarity_is_from_0_to_1_symmetric_and_1_for_the_same_size_however_it_lies(
+def test_similarity_is_symmetric_between_0_and_1_and_1_for_equal_sizes_in_any_orientation(
     one: tuple[float, float, float], other: tuple[float, float, float], turn: list[int]
 ) -> None:
     world = world_of(a=part(one), b=part(other), c=part(tuple(one[axis] for axis in turn)))
@@ -118,7 +118,7 @@ def test_similarity_is_from_0_to_1_symmetric_and_1_for_the_same_size_however_it_
     assert SIZES.similarity(world, "a", "c") == pytest.approx(1.0)
 
 
-def test_similarity_is_the_shared_part_of_both_rooms() -> None:
+def test_similarity_is_the_overlap_of_the_volumes_divided_by_their_union() -> None:
     world = world_of(a=part((0.1, 0.1, 0.1)), b=part((0.1, 0.1, 0.2)), unknown=crate(None))
 
     assert SIZES.similarity(world, "a", "b") == pytest.approx(0.5)
@@ -127,7 +127,7 @@ def test_similarity_is_the_shared_part_of_both_rooms() -> None:
 
 
 @pytest.mark.parametrize("class_", PARTS)
-def test_a_thing_of_the_size_of_a_class_is_most_likely_of_it(class_: str) -> None:
+def test_an_element_with_the_size_of_a_class_is_most_likely_of_that_class(class_: str) -> None:
     world = world_of(seen=("kitting:Part", None))
     size = SIZES.data(world_of(one=(class_, None)), "one", "dimensions")
     assert isinstance(size, tuple)
@@ -142,7 +142,7 @@ def test_a_thing_of_the_size_of_a_class_is_most_likely_of_it(class_: str) -> Non
 @settings(max_examples=50, deadline=None)
 @given(sizes, st.permutations([*PARTS, "kitting:Part", "sk:Gripper"]))
 @example((50.0, 50.0, 50.0), [*PARTS, "kitting:Part", "sk:Gripper"])
-def test_likelihoods_sum_to_1_likeliest_first_whatever_was_measured(
+def test_likelihoods_sum_to_1_and_are_sorted_for_any_measured_size(
     size: tuple[float, float, float], classes: list[str]
 ) -> None:
     found = SIZES.classify(world_of(seen=("kitting:Part", size)), "seen", classes)
@@ -152,7 +152,7 @@ def test_likelihoods_sum_to_1_likeliest_first_whatever_was_measured(
     assert [likely for _, likely in found] == sorted((likely for _, likely in found), reverse=True)
 
 
-def test_what_was_not_measured_or_has_no_rivals_of_known_size_is_not_classified() -> None:
+def test_elements_without_a_measured_size_or_candidates_of_known_size_are_not_classified() -> None:
     world = world_of(usual=("kitting:Starter", None), seen=("kitting:Part", (0.1, 0.1, 0.1)))
 
     assert SIZES.classify(world, "usual", PARTS) == ()
@@ -187,7 +187,7 @@ def test_sensed_values_are_believed(writer: Writer) -> None:
 
 
 @pytest.mark.parametrize(("size", "room"), [((0.1, 0.1, 0.1), (0.15, 0.15, 0.1)), ((0.2, 0.1, 0.1), None)])
-def test_what_fits_or_is_of_unknown_size_may_be_put_anywhere(
+def test_a_person_may_place_a_part_that_fits_or_has_an_unknown_size(
     size: tuple[float, ...], room: tuple[float, ...] | None
 ) -> None:
     world = world_of(p=part(size), c=crate(room))
@@ -197,7 +197,7 @@ def test_what_fits_or_is_of_unknown_size_may_be_put_anywhere(
     assert world.related("p", "sk:in", "c")
 
 
-def test_a_thing_may_stand_on_what_it_would_not_fit_into_and_new_things_are_judged_too() -> None:
+def test_only_placing_inside_requires_fitting_also_for_new_elements() -> None:
     world = world_of(p=part((0.2, 0.1, 0.1)), small=crate((0.15, 0.15, 0.1)))
     with world.transaction("somebody", "on the lid", writer=Writer.PERSON) as tx:
         tx.place("p", "sk:on", "small")

@@ -63,7 +63,7 @@ def points(thing: Thing, per_side: int = 2) -> Array:
 
 @settings(max_examples=50, deadline=None)
 @given(things, things)
-def test_beside_means_that_every_corner_is_beyond_that_side(a: Thing, b: Thing) -> None:
+def test_a_body_is_beside_another_if_all_its_corners_are_beyond_that_side(a: Thing, b: Thing) -> None:
     world = world_of(a, b)
     local = b[1].inverse().apply(points(a))
     for relation, axis, side in (
@@ -82,7 +82,7 @@ def test_beside_means_that_every_corner_is_beyond_that_side(a: Thing, b: Thing) 
 
 @settings(max_examples=50, deadline=None)
 @given(things, things)
-def test_above_means_higher_and_over_it(a: Thing, b: Thing) -> None:
+def test_a_body_is_above_another_if_it_is_higher_and_their_outlines_overlap(a: Thing, b: Thing) -> None:
     world = world_of(a, b)
     gap = points(a)[:, 2].min() - points(b)[:, 2].max()
     found = answer(world, "a", "sk:above", "b")
@@ -101,7 +101,7 @@ def test_above_means_higher_and_over_it(a: Thing, b: Thing) -> None:
 
 @settings(max_examples=50, deadline=None)
 @given(things, things)
-def test_inside_means_within_all_sides_but_the_top(a: Thing, b: Thing) -> None:
+def test_a_body_is_inside_another_if_it_is_within_all_its_sides_except_the_top(a: Thing, b: Thing) -> None:
     local = b[1].inverse().apply(points(a))
     half = np.array(b[0]) / 2
     clear = min((half[:2] - np.abs(local[:, :2]).max(axis=0)).min(), local[:, 2].min())
@@ -116,7 +116,7 @@ def test_inside_means_within_all_sides_but_the_top(a: Thing, b: Thing) -> None:
 
 @settings(max_examples=50, deadline=None)
 @given(things, things)
-def test_what_has_many_points_within_the_other_overlaps_it_and_is_near(a: Thing, b: Thing) -> None:
+def test_sampled_points_agree_with_overlap_and_nearness(a: Thing, b: Thing) -> None:
     world = world_of(a, b)
     local = b[1].inverse().apply(points(a, per_side=7))
     deep = (np.array(b[0]) / 2 - np.abs(local - (0, 0, b[0][2] / 2))).min(axis=1).max()
@@ -132,7 +132,7 @@ def test_what_has_many_points_within_the_other_overlaps_it_and_is_near(a: Thing,
 
 @settings(max_examples=60, deadline=None)
 @given(things, st.floats(-0.02, 0.02), st.floats(-0.5, 0.5))
-def test_a_thing_rests_on_the_top_that_its_lowest_point_is_at(a: Thing, height: float, aside: float) -> None:
+def test_a_body_rests_on_the_top_that_its_lowest_point_touches(a: Thing, height: float, aside: float) -> None:
     table = ((0.5, 0.5, 0.4), Pose.of(0, 0, 0.1))
     low = points(a)[:, 2].min()
     middle = points(a).mean(axis=0)
@@ -144,7 +144,7 @@ def test_a_thing_rests_on_the_top_that_its_lowest_point_is_at(a: Thing, height: 
         assert found.holds is (abs(height) < 0.005 and abs(aside) < 0.25)
 
 
-def test_on_a_hollow_thing_things_rest_on_its_floor() -> None:
+def test_bodies_in_a_hollow_body_rest_on_its_bottom() -> None:
     world = world_of(((0.1, 0.1, 0.05), Pose.of(0, 0, 0.2)), ((0.2, 0.2, 0.3), Pose.of(0, 0, 0.2)))
 
     assert not answer(world, "a", "sk:restsOn", "b").holds
@@ -158,7 +158,7 @@ def test_on_a_hollow_thing_things_rest_on_its_floor() -> None:
 
 @settings(max_examples=50, deadline=None)
 @given(things, things)
-def test_nothing_is_on_two_opposite_sides_and_symmetric_relations_are(a: Thing, b: Thing) -> None:
+def test_opposite_sides_exclude_each_other_and_nearness_and_overlap_are_symmetric(a: Thing, b: Thing) -> None:
     world = world_of(a, b)
     for one, other in (("sk:leftOf", "sk:rightOf"), ("sk:inFrontOf", "sk:behind"), ("sk:above", "sk:below")):
         assert not (answer(world, "a", one, "b").holds and answer(world, "a", other, "b").holds)
@@ -170,9 +170,7 @@ def test_nothing_is_on_two_opposite_sides_and_symmetric_relations_are(a: Thing, 
 
 @settings(max_examples=50, deadline=None)
 @given(things, things, turns)
-def test_of_things_that_look_the_same_way_one_is_left_of_the_other_when_that_is_right_of_it(
-    a: Thing, b: Thing, yaw: float
-) -> None:
+def test_left_and_right_are_inverse_for_bodies_with_equal_yaw(a: Thing, b: Thing, yaw: float) -> None:
     a, b = ((size, Pose.of(*pose.position, yaw=yaw)) for size, pose in (a, b))
     world = world_of(a, b)
     for one, other in (("sk:leftOf", "sk:rightOf"), ("sk:inFrontOf", "sk:behind")):
@@ -183,7 +181,7 @@ def test_of_things_that_look_the_same_way_one_is_left_of_the_other_when_that_is_
 
 @settings(max_examples=50, deadline=None)
 @given(things, things, standing)
-def test_what_is_inside_overlaps_and_is_near(a: Thing, b: Thing, there: Pose) -> None:
+def test_a_body_inside_another_overlaps_it_and_is_near_it(a: Thing, b: Thing, there: Pose) -> None:
     pose = b[1] @ Pose.of(*(0.2 * x for x in there.position), yaw=there.yaw)
     world = world_of((a[0], pose), b)
 
@@ -197,7 +195,7 @@ MOVED_WITH = ("sk:leftOf", "sk:rightOf", "sk:inFrontOf", "sk:behind", "sk:near",
 
 @settings(max_examples=50, deadline=None)
 @given(things, things, anyhow, standing)
-def test_moving_both_alike_changes_nothing(a: Thing, b: Thing, anyway: Pose, upright: Pose) -> None:
+def test_moving_two_bodies_together_keeps_their_relations(a: Thing, b: Thing, anyway: Pose, upright: Pose) -> None:
     world = world_of(a, b)
     for relations, motion in ((MOVED_WITH, anyway), (RELATIONS, upright)):
         moved = world_of((a[0], motion @ a[1]), (b[0], motion @ b[1]))
@@ -215,7 +213,7 @@ def test_moving_both_alike_changes_nothing(a: Thing, b: Thing, anyway: Pose, upr
 
 @settings(max_examples=40, deadline=None)
 @given(st.lists(things, min_size=2, max_size=8), st.data())
-def test_pairs_are_those_that_are_answered_one_by_one(found: list[Thing], data: st.DataObject) -> None:
+def test_the_pairs_of_a_relation_equal_its_single_answers(found: list[Thing], data: st.DataObject) -> None:
     world = world_of(*found)
     with world.transaction("test", "one on another, one lost, one hollow, one of no size") as tx:
         tx.relate("b", "sk:poseFrame", "a")
@@ -237,7 +235,7 @@ def test_pairs_are_those_that_are_answered_one_by_one(found: list[Thing], data: 
 
 
 @pytest.mark.parametrize("relation", RELATIONS)
-def test_among_many_things_the_same_pairs_are_found_as_among_few(relation: str) -> None:
+def test_the_search_tree_finds_the_same_pairs_as_single_comparisons(relation: str) -> None:
     """Many go by a search tree and remembered boxes, few one with each."""
     rng = np.random.default_rng(3)
     world = World(ONTOLOGY, reasoners=Reasoners((SPATIAL,)))
@@ -289,7 +287,7 @@ TABLE = ((1.0, 0.6, 0.5), Pose.of(2, 0, 0, yaw=np.pi / 2))  # looks along the ma
         ((2, 0, 0.7), "sk:inside", False, "a is not inside b: it is over it"),
     ],
 )
-def test_every_answer_says_why_with_the_number_that_decides(
+def test_every_answer_gives_its_reason_with_the_deciding_number(
     where: tuple[float, float, float], relation: str, holds: bool, reason: str
 ) -> None:
     found = answer(world_of(((0.1, 0.1, 0.1), Pose(where)), TABLE), "a", relation, "b")
@@ -298,7 +296,7 @@ def test_every_answer_says_why_with_the_number_that_decides(
 
 
 @pytest.mark.parametrize("relation", RELATIONS)
-def test_of_what_has_no_pose_nothing_holds_and_it_is_named(relation: str) -> None:
+def test_no_relation_holds_for_an_element_without_a_pose_and_the_answer_names_it(relation: str) -> None:
     world = world_of(TABLE)
 
     for pair in (("floor", "a"), ("a", "floor")):
@@ -308,7 +306,7 @@ def test_of_what_has_no_pose_nothing_holds_and_it_is_named(relation: str) -> Non
 
 
 @pytest.mark.parametrize("relation", ["sk:restsOn", "sk:overlaps", "sk:inside"])
-def test_where_size_matters_what_has_none_is_named_and_elsewhere_it_is_a_point(relation: str) -> None:
+def test_an_element_without_a_size_counts_as_a_point_unless_the_relation_needs_the_size(relation: str) -> None:
     world = world_of(TABLE, TABLE)
     with world.transaction("test", "no shape") as tx:
         tx.set("b", "sk:solid", None)
@@ -317,7 +315,7 @@ def test_where_size_matters_what_has_none_is_named_and_elsewhere_it_is_a_point(r
     assert answer(world, "a", "sk:near", "b").holds
 
 
-def test_a_held_part_has_relations_to_the_gripper_that_nobody_knows_the_place_of() -> None:
+def test_a_held_part_has_relations_to_a_gripper_of_unknown_pose() -> None:
     world = world_of(((0.1, 0.1, 0.1), Pose()), TABLE)
     with world.transaction("test", "held") as tx:
         tx.add("sk:Gripper", id="gripper", placement=Placement("sk:on", "floor"))
@@ -331,14 +329,14 @@ def test_a_held_part_has_relations_to_the_gripper_that_nobody_knows_the_place_of
     )
 
 
-def test_nothing_is_beside_itself() -> None:
+def test_no_spatial_relation_holds_between_an_element_and_itself() -> None:
     world = world_of(TABLE)
 
     assert not any(answer(world, "a", relation, "a").holds for relation in RELATIONS)
     assert world.objects("a", "sk:near") == ()
 
 
-def test_everything_that_holds_between_two_is_told_with_values() -> None:
+def test_all_relations_between_two_elements_are_listed_with_their_values() -> None:
     world = world_of(((0.1, 0.1, 0.1), Pose.of(2, 0, 0.5)), TABLE)
 
     found = {relation.relation: relation.value for relation in world.reasoners.between(world, "a", "b")}
@@ -346,7 +344,7 @@ def test_everything_that_holds_between_two_is_told_with_values() -> None:
     assert found["sk:near"] == pytest.approx(0.0)
 
 
-def test_an_overlay_is_judged_by_what_it_supposes() -> None:
+def test_relations_in_an_overlay_use_the_poses_of_the_overlay() -> None:
     world = world_of(((0.1, 0.1, 0.1), Pose()), TABLE)
     supposed = Overlay(world)
     supposed.set_value("a", "sk:pose", Pose.of(2, 0, 0.5))
@@ -356,7 +354,7 @@ def test_an_overlay_is_judged_by_what_it_supposes() -> None:
     assert not world.related("a", "sk:restsOn", "b")
 
 
-def test_the_family_as_a_whole_is_any_of_its_relations() -> None:
+def test_the_computed_super_relation_holds_if_any_of_its_relations_holds() -> None:
     world = world_of(((0.1, 0.1, 0.1), Pose()), TABLE)
 
     assert world.related("a", "sk:computed", "b")
@@ -366,7 +364,7 @@ def test_the_family_as_a_whole_is_any_of_its_relations() -> None:
 # ---------------------------------------------------------------- data by key
 
 
-def test_data_is_read_and_stored_by_key() -> None:
+def test_spatial_data_is_read_and_stored_by_key() -> None:
     world = world_of(((0.1, 0.1, 0.1), Pose()), TABLE)
     with world.transaction("test", "on the table") as tx:
         SPATIAL.store(tx, "a", "pose in b", Pose.of(0.1, 0.2, 0.5))
@@ -380,7 +378,7 @@ def test_data_is_read_and_stored_by_key() -> None:
     assert SPATIAL.data(world, "floor", "distance to a") is None
 
 
-def test_storing_a_position_keeps_the_orientation_and_the_other_way_round() -> None:
+def test_storing_a_position_keeps_the_orientation_and_vice_versa() -> None:
     world = world_of(TABLE)
     turned = Pose.of(0, 0, 0, yaw=1.0).orientation
     with world.transaction("test", "here") as tx:
@@ -392,7 +390,7 @@ def test_storing_a_position_keeps_the_orientation_and_the_other_way_round() -> N
     assert map_pose(world, "a") == Pose((5.0, 6.0, 7.0), turned)
 
 
-def test_storing_the_frame_leaves_a_thing_where_it_is() -> None:
+def test_storing_the_frame_keeps_the_pose_in_the_map() -> None:
     world = world_of(((0.1, 0.1, 0.1), Pose.of(2, 0, 0.5)), TABLE)
     with world.transaction("test", "taken along") as tx:
         SPATIAL.store(tx, "a", "frame", "b")
@@ -406,7 +404,7 @@ def test_storing_the_frame_leaves_a_thing_where_it_is() -> None:
 
 
 @pytest.mark.parametrize("key", ["colour", "pose on b", "distance", "frame in b", ""])
-def test_an_unknown_key_is_refused_with_those_that_are_known(key: str) -> None:
+def test_an_unknown_key_is_refused_with_the_known_keys(key: str) -> None:
     world = world_of(TABLE)
 
     with pytest.raises(UsageError, match="it reads pose, position, orientation"):
@@ -415,7 +413,7 @@ def test_an_unknown_key_is_refused_with_those_that_are_known(key: str) -> None:
         SPATIAL.store(tx, "a", key, 1.0)
 
 
-def test_a_change_refused_by_the_world_is_refused() -> None:
+def test_storing_an_invalid_value_is_refused_and_changes_nothing() -> None:
     world = world_of(TABLE)
 
     with pytest.raises(WorldError, match="needs a pose"), world.transaction("test", "?") as tx:

@@ -70,7 +70,7 @@ def test_distances_are_those_of_the_nearest_points(a: Boxes, b: Boxes) -> None:
 
 @settings(max_examples=60, deadline=None)
 @given(boxes(), boxes())
-def test_a_gap_is_never_more_than_the_distance_and_depth_means_shared_room(a: Boxes, b: Boxes) -> None:
+def test_a_gap_is_at_most_the_distance_and_a_depth_means_overlapping_boxes(a: Boxes, b: Boxes) -> None:
     for number, deep in enumerate(depth(a, b)):
         assert -deep <= true_distance(a, b, number) + 1e-6
         if deep > 1e-2:
@@ -81,7 +81,7 @@ def test_a_gap_is_never_more_than_the_distance_and_depth_means_shared_room(a: Bo
 
 @settings(max_examples=60, deadline=None)
 @given(boxes(), boxes())
-def test_moving_by_the_depth_parts_them_and_by_less_does_not(a: Boxes, b: Boxes) -> None:
+def test_a_body_moved_by_less_than_the_penetration_depth_still_touches(a: Boxes, b: Boxes) -> None:
     """Moved along the direction that is best, which the depth is the length of."""
     for number, deep in enumerate(depth(a, b)):
         if deep > 1e-3:
@@ -97,7 +97,7 @@ _REST = ("halves", "axes", "roots", "sized", "hollow")
 
 @settings(max_examples=60, deadline=None)
 @given(boxes(), boxes(), st.floats(0.0, 2.0))
-def test_what_is_closer_than_a_limit_is_what_the_distance_says(a: Boxes, b: Boxes, limit: float) -> None:
+def test_is_closer_agrees_with_the_distance(a: Boxes, b: Boxes, limit: float) -> None:
     apart = distance(a, b)
     clear = np.abs(apart - limit) > 1e-9
 
@@ -128,14 +128,14 @@ def test_a_gap_along_an_axis_is_between_the_nearest_corners(a: Boxes, b: Boxes, 
         assert gap == pytest.approx((side * along).min() - half, abs=1e-9)
 
 
-def test_two_points_lie_as_far_apart_as_they_are() -> None:
+def test_the_distance_of_boxes_without_size_is_that_of_their_centres() -> None:
     a = boxes_of([[0, 0, 0], [1, 2, 2]], [[0, 0, 0]] * 2, [[0, 0, 0]] * 2)
     b = boxes_of([[0, 0, 0], [0, 0, 0]], [[0, 0, 0]] * 2, [[0, 0, 0]] * 2)
 
     assert distance(a, b) == pytest.approx([0.0, 3.0])
 
 
-def test_crossed_bars_are_as_far_apart_as_the_edges_that_pass_each_other() -> None:
+def test_the_distance_of_crossed_bars_is_that_of_their_closest_edges() -> None:
     a = boxes_of([[0, 0, 0]], [[1, 0.1, 0.1]], [[np.pi / 4, 0, 0]])
     b = boxes_of([[0, 0, 1]], [[0.1, 1, 0.1]], [[0, np.pi / 4, 0]])
 

@@ -26,14 +26,14 @@ except FileError as error:
 """
 
 
-def test_a_file_is_written_and_nothing_else_is_left(tmp_path: Path) -> None:
+def test_writing_a_file_leaves_no_other_file(tmp_path: Path) -> None:
     write_atomically(tmp_path / "new.ttl", "ä\u2028\r\n")
 
     assert (tmp_path / "new.ttl").read_bytes() == "ä\u2028\r\n".encode()
     assert [file.name for file in tmp_path.iterdir()] == ["new.ttl"]
 
 
-def test_on_a_full_disk_the_old_file_stays_and_nothing_is_left(tmp_path: Path) -> None:
+def test_on_a_full_disk_the_old_file_is_kept_and_no_temporary_file_remains(tmp_path: Path) -> None:
     (tmp_path / "old.ttl").write_text("old", encoding="utf-8")
 
     told = subprocess.run(
@@ -57,7 +57,7 @@ def test_the_permissions_of_the_old_file_are_kept(tmp_path: Path, mode: int) -> 
     assert file.stat().st_mode & 0o777 == mode
 
 
-def test_a_new_file_has_the_permissions_that_any_new_file_has(tmp_path: Path) -> None:
+def test_a_new_file_has_default_permissions(tmp_path: Path) -> None:
     (tmp_path / "other").touch()
 
     write_atomically(tmp_path / "new.ttl", "new")
@@ -65,7 +65,7 @@ def test_a_new_file_has_the_permissions_that_any_new_file_has(tmp_path: Path) ->
     assert (tmp_path / "new.ttl").stat().st_mode == (tmp_path / "other").stat().st_mode
 
 
-def test_a_symbolic_link_goes_on_leading_to_its_file(tmp_path: Path) -> None:
+def test_writing_through_a_symbolic_link_keeps_the_link(tmp_path: Path) -> None:
     (tmp_path / "real.ttl").write_text("old", encoding="utf-8")
     (tmp_path / "link.ttl").symlink_to("real.ttl")
 
@@ -76,7 +76,7 @@ def test_a_symbolic_link_goes_on_leading_to_its_file(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["nowhere/new.ttl", "file/new.ttl", "folder", "x" * 300 + ".ttl", "nul\0.ttl"])
-def test_where_nothing_can_be_written_that_is_said_and_nothing_is_left(tmp_path: Path, name: str) -> None:
+def test_a_failed_write_raises_a_file_error_and_leaves_no_temporary_file(tmp_path: Path, name: str) -> None:
     (tmp_path / "file").touch()
     (tmp_path / "folder").mkdir()
 

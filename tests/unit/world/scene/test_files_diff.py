@@ -45,7 +45,7 @@ def load_into(world: World, path: Path, author: str) -> Change | None:
 
 @settings(max_examples=60, deadline=None)
 @given(worlds, worlds)
-def test_the_edits_between_two_scenes_make_one_of_the_other(old: World, new: World) -> None:
+def test_applying_the_diff_of_two_scenes_turns_one_into_the_other(old: World, new: World) -> None:
     learned = learned_turtle(old.snapshot())
     with old.transaction("test", "become the other") as tx:
         tx.apply(diff(old.snapshot(), new.snapshot()))
@@ -57,9 +57,7 @@ def test_the_edits_between_two_scenes_make_one_of_the_other(old: World, new: Wor
 
 @settings(max_examples=40, deadline=None)
 @given(worlds, worlds)
-def test_a_world_that_is_replaced_by_a_file_says_what_the_file_says_and_can_be_taken_back(
-    world: World, other: World
-) -> None:
+def test_loading_a_scene_into_a_world_replaces_its_content_and_can_be_undone(world: World, other: World) -> None:
     before = world.snapshot()
     with tempfile.TemporaryDirectory() as folder:
         save_scene(other, Path(folder) / "other.ttl")
@@ -73,19 +71,19 @@ def test_a_world_that_is_replaced_by_a_file_says_what_the_file_says_and_can_be_t
     assert all(alike(world.element(n), before.element(n)) for n in before.abstracts("sk:Element"))
 
 
-def test_equal_scenes_have_no_difference_and_loading_one_again_is_no_change(world: World) -> None:
+def test_loading_an_equal_scene_makes_no_change(world: World) -> None:
     assert diff(world.snapshot(), load_scene(world.ontology, KITTING).snapshot()) == ()
     assert load_into(world, KITTING, "anna") is None
     assert world.version == 1
 
 
-def test_a_copy_that_was_saved_is_no_different(world: World, tmp_path: Path) -> None:
+def test_a_saved_copy_has_no_differences(world: World, tmp_path: Path) -> None:
     save_scene(world, tmp_path / "copy.ttl")
 
     assert diff(world.snapshot(), load_scene(world.ontology, tmp_path / "copy.ttl").snapshot()) == ()
 
 
-def test_the_differences_are_told_in_words(ontology: Ontology, tmp_path: Path) -> None:
+def test_the_differences_of_two_scenes_are_printed_line_by_line(ontology: Ontology, tmp_path: Path) -> None:
     old = scene_of(
         tmp_path,
         "scene:a a kitting:Starter ; sk:on scene:floor ; sk:mass 1.5 . scene:b a kitting:Kit ; sk:on scene:floor ."
@@ -113,7 +111,7 @@ def test_the_differences_are_told_in_words(ontology: Ontology, tmp_path: Path) -
     ]
 
 
-def test_an_element_of_another_class_goes_and_comes_anew(ontology: Ontology, tmp_path: Path) -> None:
+def test_an_element_whose_class_changed_is_removed_and_added_again(ontology: Ontology, tmp_path: Path) -> None:
     guest = "scene:part a kitting:Starter ; sk:in scene:a ."
     world = load_scene(ontology, scene_of(tmp_path, f"scene:a a kitting:Kit ; sk:on scene:floor . {guest}"))
     wanted = scene_of(tmp_path, f"scene:a a kitting:Box ; sk:on scene:floor . {guest}")
@@ -158,7 +156,7 @@ def test_a_broken_file_changes_nothing_of_a_live_world(
     assert (world.version, world.snapshot()) == (1, before)
 
 
-def test_a_lock_of_somebody_else_keeps_a_scene_from_being_replaced(world: World) -> None:
+def test_a_scene_with_an_element_locked_by_another_author_is_not_replaced(world: World) -> None:
     world.locks.acquire(["kit_1"], "bert", 60.0)
 
     with pytest.raises(Locked, match="bert"):

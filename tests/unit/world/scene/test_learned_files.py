@@ -18,7 +18,7 @@ HEADER = """@prefix learned: <https://w3id.org/skiros-py/learned#> .
 """
 
 
-def test_what_was_learned_may_be_of_any_class_and_is_in_no_place(world: World) -> None:
+def test_a_learned_concept_can_have_any_class_and_has_no_place(world: World) -> None:
     with world.transaction("teacher", "shown by hand") as tx:
         kit = tx.add("kitting:Kit", "tall kit", properties={"sk:appliesTo": "kitting:Kit"}, learned=True)
         tx.relate(kit, "sk:hasA", tx.add("kitting:Compartment", "hollow", learned=True))
@@ -47,7 +47,7 @@ def test_what_was_learned_may_be_of_any_class_and_is_in_no_place(world: World) -
     ]
 
 
-def test_what_applies_to_a_class_that_is_none_is_refused_with_the_nearest(world: World) -> None:
+def test_a_learned_concept_for_an_unknown_class_is_refused_with_the_nearest_class(world: World) -> None:
     with (
         pytest.raises(WorldError, match=r"needs the name of a class.*Did you mean 'kitting:Starter'"),
         world.transaction("teacher", "shown") as tx,

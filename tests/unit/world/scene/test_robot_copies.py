@@ -38,7 +38,7 @@ def test_a_robot_built_like_another_has_pieces_of_its_own_with_its_own_number() 
     assert world.objects("deck_2", "sk:poseFrame") == ("base_2",)
 
 
-def test_it_is_the_same_to_a_driver_but_for_names_and_where_it_starts() -> None:
+def test_a_copied_robot_differs_for_its_driver_only_in_names_and_start_pose() -> None:
     one, other = read_cell(two(), ["robot_1", "robot_2"]).robots
 
     assert (one.model, one.of(ArmSpec)[0].home, one.of(CameraSpec)[0].width) == (
@@ -50,7 +50,7 @@ def test_it_is_the_same_to_a_driver_but_for_names_and_where_it_starts() -> None:
     assert (one.start.position, other.start.position) == ((0.0, 0.0, 0.0), (0.0, 2.0, 0.0))
 
 
-def test_what_the_scene_says_of_the_copy_counts() -> None:
+def test_statements_about_a_copied_robot_override_the_original() -> None:
     station = "scene:station_1 a sk:Station ; sk:on scene:floor . scene:robot_2 sk:at scene:station_1 ."
     told = f"{station} scene:base_2 sk:maxLinear 0.3 ."
 
@@ -62,7 +62,7 @@ def test_what_the_scene_says_of_the_copy_counts() -> None:
     assert world.value("base_1", "sk:maxLinear") == 0.8
 
 
-def test_where_a_base_stands_in_the_map_is_not_copied() -> None:
+def test_the_map_pose_of_a_base_is_not_copied() -> None:
     world = two(TWO.replace('scene:base_2 sk:pose "0 2 0 0 0 0"^^sk:poseLiteral .', ""))
 
     assert world.value("base_2", "sk:pose") is None
@@ -74,7 +74,7 @@ def test_a_piece_without_the_number_of_its_robot_gets_that_of_the_copy() -> None
     assert "lamp_2" in world.objects("robot_2", "sk:hasA")
 
 
-def test_a_saved_scene_says_the_copy_in_full(ontology: Ontology, tmp_path: Path) -> None:
+def test_a_saved_scene_contains_all_statements_of_a_copied_robot(ontology: Ontology, tmp_path: Path) -> None:
     world = two()
 
     save_scene(world, tmp_path / "saved.ttl")

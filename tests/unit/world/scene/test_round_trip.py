@@ -28,7 +28,7 @@ def saved_and_loaded(world: World) -> World:
 
 @settings(max_examples=80, deadline=None)
 @given(worlds)
-def test_a_scene_saved_is_the_scene_loaded_without_what_was_learned(world: World) -> None:
+def test_a_saved_and_reloaded_scene_is_equal_without_learned_concepts(world: World) -> None:
     again = saved_and_loaded(world)
 
     assert same(world.snapshot(), again.snapshot())
@@ -37,7 +37,7 @@ def test_a_scene_saved_is_the_scene_loaded_without_what_was_learned(world: World
 
 @settings(max_examples=40, deadline=None)
 @given(worlds)
-def test_a_scene_that_was_loaded_is_saved_as_the_same_text(world: World) -> None:
+def test_saving_a_loaded_scene_gives_the_same_text(world: World) -> None:
     again = saved_and_loaded(world)
 
     assert scene_turtle(again.snapshot()) == scene_turtle(saved_and_loaded(again).snapshot())
@@ -64,7 +64,7 @@ def test_the_text_depends_on_the_content_alone(random: Random, steps: list[Step]
 
 @settings(max_examples=30, deadline=None)
 @given(worlds)
-def test_another_library_reads_the_same_statements(world: World) -> None:
+def test_rdflib_reads_the_same_statements_from_a_saved_scene(world: World) -> None:
     text = scene_turtle(world.snapshot())
     graph = rdflib.Graph().parse(data=text, format="turtle")
     labels = {str(s).rpartition("#")[2]: str(o) for s, o in graph.subject_objects(rdflib.RDFS.label)}
@@ -103,7 +103,7 @@ def test_every_orientation_survives(pose: Pose, turn: Pose) -> None:
     assert same(world.snapshot(), saved_and_loaded(world).snapshot())
 
 
-def test_one_property_more_is_one_line_more_and_nothing_else_changes(tmp_path: Path) -> None:
+def test_each_added_statement_adds_one_line_to_the_saved_scene(tmp_path: Path) -> None:
     world = load_scene(ONTOLOGY, Path(__file__).parents[4] / "scenes" / "kitting.ttl")
     before = scene_turtle(world.snapshot()).splitlines()
     with world.transaction("look", "seen") as tx:

@@ -50,7 +50,7 @@ WITH_CRANE = """<> a owl:Ontology ; owl:imports <http://example.org/robots/crane
 """
 
 
-def test_an_import_is_found_among_other_files_at_hand(ontology: Ontology, tmp_path: Path) -> None:
+def test_an_import_is_found_among_the_given_files(ontology: Ontology, tmp_path: Path) -> None:
     folder = tmp_path / "robots"
     folder.mkdir()
     (folder / "crane.ttl").write_text(CRANE)
@@ -67,14 +67,16 @@ def test_the_individuals_of_a_robot_are_found_by_its_entry_point(ontology: Ontol
     assert world.has("gripper_1")
 
 
-def test_an_import_that_is_not_at_hand_is_refused(ontology: Ontology, tmp_path: Path) -> None:
+def test_an_import_without_a_file_is_refused(ontology: Ontology, tmp_path: Path) -> None:
     (tmp_path / "mine.ttl").write_text(HEADER + WITH_CRANE)
 
     with pytest.raises(FileError, match=r"mine\.ttl:\d+: imports <.*robots/crane>, which no file at hand declares"):
         load_scene(ontology, tmp_path / "mine.ttl")
 
 
-def test_a_saved_scene_is_the_same_world_and_the_same_file(world: World, ontology: Ontology, tmp_path: Path) -> None:
+def test_a_saved_scene_loads_as_the_same_world_and_saves_as_the_same_file(
+    world: World, ontology: Ontology, tmp_path: Path
+) -> None:
     with world.transaction("look", "seen") as tx:
         tx.set("starter_1", "sk:pose", Pose.of(1.5, -0.25, 0.5, yaw=0.3))
         tx.set("starter_1", "sk:missing", False)
@@ -165,7 +167,7 @@ def test_all_faults_are_reported_at_once_with_their_lines(ontology: Ontology, tm
     assert "mine.ttl:7: b sk:heldBy floor: its subject must be" in caught.value.reason
 
 
-def test_of_very_many_faults_the_first_are_told(ontology: Ontology, tmp_path: Path) -> None:
+def test_a_long_list_of_faults_is_cut_off_with_the_number_of_the_rest(ontology: Ontology, tmp_path: Path) -> None:
     with pytest.raises(FileError, match="and 190 more") as caught:
         scene_of(ontology, tmp_path, "\n".join(f"scene:a_{n} a kitting:Starter ." for n in range(200)))
 
@@ -217,7 +219,9 @@ BROKEN = {
 
 
 @pytest.mark.parametrize("what", BROKEN)
-def test_a_file_that_is_no_scene_is_refused_in_few_words(ontology: Ontology, tmp_path: Path, what: str) -> None:
+def test_a_file_that_is_not_a_scene_is_refused_with_a_short_message(
+    ontology: Ontology, tmp_path: Path, what: str
+) -> None:
     path = tmp_path / "broken.ttl"
     path.write_bytes(
         HEADER.replace("@prefix", "@prefix rdfs: <http://www.w3.org/2000/01/rdf-schema#> . @prefix", 1).encode()

@@ -14,7 +14,7 @@ from skiros_py.world.scene import load_scene
 from skiros_py.world.world import World
 
 
-def test_the_tree_goes_from_the_roots_down_over_placement_and_structure(world: World) -> None:
+def test_the_scene_tree_follows_placements_and_parts_from_its_roots(world: World) -> None:
     def outline(node: Branch) -> dict[str, object]:
         return {child.element.id: outline(child) for child in node.children}
 
@@ -28,7 +28,7 @@ def test_the_tree_goes_from_the_roots_down_over_placement_and_structure(world: W
     assert (robot.relation, robot.children[0].relation) == ("sk:at", "sk:hasA")
 
 
-def test_docked_at_a_place_the_robot_stands_48_cm_before_its_near_edge(world: World) -> None:
+def test_a_docked_robot_stands_48_cm_in_front_of_the_near_edge(world: World) -> None:
     near_edge = {"pallet_a": (4.7, 1.6), "pallet_b": (4.7, -1.6), "kit_1": (-1.3, 0.0)}
     for place, (x, y) in near_edge.items():
         frame, dock = map_pose(world, place), world.value(place, "sk:drivingPose")

@@ -90,14 +90,14 @@ def test_each_graph_holds_its_own(store: QuadStore) -> None:
     assert store.quads(node("three")) == []
 
 
-def test_what_was_removed_is_gone_and_nothing_else(store: QuadStore) -> None:
+def test_removing_quads_leaves_all_other_quads(store: QuadStore) -> None:
     store.remove([FAMILY[0], FAMILY[3], quad("nobody", "knows", "ann"), quad("bob", "knows", "cid", TWO)])
     store.remove([])
 
     assert set(store.quads()) == {FAMILY[1], FAMILY[2], FAMILY[4]}
 
 
-def test_a_graph_without_anything_is_none(store: QuadStore) -> None:
+def test_an_empty_graph_is_not_listed(store: QuadStore) -> None:
     store.remove(FAMILY[:2])
 
     assert store.graphs() == (TWO.value,)
@@ -157,7 +157,7 @@ def test_a_select_gives_columns_in_order_and_typed_terms(store: QuadStore) -> No
     assert answer == Rows(("age", "who"), ((ox.Literal(7), node("bob")), (ox.Literal(41), node("ann"))))
 
 
-def test_what_is_not_bound_is_none(store: QuadStore) -> None:
+def test_an_unbound_variable_is_none(store: QuadStore) -> None:
     text = f"SELECT ?who ?name {{ ?who <{EX}age> ?age OPTIONAL {{ ?who <{EX}name> ?name }} }} ORDER BY ?age"
 
     assert rows(store, text) == [(node("bob"), None), (node("ann"), ox.Literal("Ann"))]
@@ -182,7 +182,7 @@ def test_a_construct_gives_triples(store: QuadStore) -> None:
     }
 
 
-def test_a_query_reads_all_graphs_as_one_or_one_by_name(store: QuadStore) -> None:
+def test_a_query_reads_the_union_of_all_graphs_or_one_named_graph(store: QuadStore) -> None:
     joined = f"SELECT ?age {{ ?a <{EX}knows> ?b . ?b <{EX}age> ?age }}"
 
     assert rows(store, joined) == [(ox.Literal(7),)]
@@ -228,14 +228,14 @@ def test_an_answer_may_be_as_long_as_allowed_and_no_longer(store: QuadStore) -> 
         store.query("CONSTRUCT WHERE { ?s ?p ?o }", limits=AnswerLimits(bytes=20))
 
 
-def test_an_ask_has_no_size(store: QuadStore) -> None:
+def test_an_ask_is_not_limited_in_size(store: QuadStore) -> None:
     assert store.query("ASK { ?s ?p ?o }", limits=AnswerLimits(rows=0, bytes=0)) is True
 
 
 @pytest.mark.parametrize(
     "text", ["", "SELECT", "SELECT * { ?s ?p }", "ASK { ?s ?p ?o ", "ASK { ?s nowhere:p ?o }", "INSERT DATA {}", "{{{{"]
 )
-def test_what_is_no_query_is_refused_and_the_store_goes_on(store: QuadStore, text: str) -> None:
+def test_an_invalid_query_is_refused_and_the_store_stays_usable(store: QuadStore, text: str) -> None:
     with pytest.raises(UsageError, match=r"the query (does not parse|cannot be answered)"):
         store.query(text)
 
@@ -265,7 +265,7 @@ def test_a_query_calls_a_function_for_each_row(store: QuadStore) -> None:
     }
 
 
-def test_a_function_may_filter_and_no_answer_is_no(store: QuadStore) -> None:
+def test_a_function_can_filter_and_a_missing_result_counts_as_false(store: QuadStore) -> None:
     text = f"SELECT ?o {{ ?s ?p ?o FILTER(<{EX}length>(?o) > 2) }}"
 
     answer = store.query(text, functions=FUNCTIONS)

@@ -31,12 +31,12 @@ from skiros_py.world.store.store import parse_fault
         ("SELECT WHERE { ?x ?y ?z }", "line 1: something is wrong near 'SELECT WHERE { ?x ?y'"),
     ],
 )
-def test_it_is_said_where_and_what_was_expected(query: str, words: str) -> None:
+def test_a_parse_fault_names_the_position_and_the_expected_token(query: str, words: str) -> None:
     with pytest.raises(SyntaxError) as raised:
         ox.Store().query(query)
 
     assert parse_fault(query, raised.value.msg) == words
 
 
-def test_what_the_engine_says_otherwise_is_told_as_it_is() -> None:
+def test_an_unrecognised_engine_message_is_returned_unchanged() -> None:
     assert parse_fault("ASK {}", "too deep") == "too deep"

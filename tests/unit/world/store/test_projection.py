@@ -78,7 +78,7 @@ def test_there_is_a_graph_for_each_ontology_file_and_for_the_scene() -> None:
     assert set(store.graphs()) == {source.iri for source in ONTOLOGY.sources} | {SCENE_GRAPH}
 
 
-def test_what_is_learned_is_in_its_own_graph_until_it_is_forgotten() -> None:
+def test_a_learned_concept_is_in_the_learned_graph_until_it_is_removed() -> None:
     world = a_world()
     triples = TripleStore(world)
     before = held(triples)
@@ -134,7 +134,7 @@ def test_the_goals_are_followed() -> None:
         assert "rdf:type" in said_of(triples, "this")
 
 
-def test_a_transaction_that_is_broken_off_leaves_nothing_in_the_store() -> None:
+def test_a_refused_transaction_leaves_nothing_in_the_store() -> None:
     world = a_world()
     triples = TripleStore(world)
     before = held(triples)
@@ -172,7 +172,7 @@ writes = st.one_of(
 
 @settings(max_examples=25, deadline=None)
 @given(st.lists(st.lists(writes, min_size=1, max_size=3), max_size=6))
-def test_whatever_is_written_the_store_holds_what_a_new_one_would(
+def test_after_random_transactions_the_store_equals_a_freshly_built_one(
     transactions: list[list[tuple[str, ...]]],
 ) -> None:
     world = a_world()
@@ -199,7 +199,7 @@ class ForgetfulLog(MemoryLog):
         return super().since(version)
 
 
-def test_a_store_that_is_behind_what_is_remembered_begins_anew() -> None:
+def test_a_store_older_than_the_kept_changes_is_rebuilt() -> None:
     log = ForgetfulLog()
     world = World(ONTOLOGY, past=Past(Index(ONTOLOGY), log=log))
     triples = TripleStore(world)
@@ -258,9 +258,7 @@ def entailments(make: type) -> QuadStore:
     ],
     ids=["inverse", "symmetric", "sub_relation", "transitive", "subclass", "equivalent", "equivalent_subclass"],
 )
-def test_what_owl_entails_is_in_the_graph_of_the_inferred(
-    make: type, subject: str, predicate: str, object_: str
-) -> None:
+def test_owl_entailments_are_in_the_inferred_graph(make: type, subject: str, predicate: str, object_: str) -> None:
     prefix = "PREFIX f: <http://example.org/family#>"
     triple = f"{subject} {predicate} {object_}"
     store = entailments(make)
@@ -275,14 +273,14 @@ def test_entailment_without_its_library_names_the_extra(monkeypatch: pytest.Monk
         entailments(QuadStore)
 
 
-def test_nothing_is_entailed_that_does_not_follow() -> None:
+def test_invalid_entailments_are_not_inferred() -> None:
     store = entailments(QuadStore)
 
     for triple in ("f:m3 f:after f:m1", "f:m3 a f:Mill", "f:m2 f:feeds f:m1", "f:m2 f:touches f:m1"):
         assert store.query(f"PREFIX f: <http://example.org/family#> ASK {{ {triple} }}") is False
 
 
-def test_nothing_stated_is_inferred_again() -> None:
+def test_stated_triples_are_not_repeated_as_inferred() -> None:
     store = entailments(QuadStore)
 
     said = [(quad.subject, quad.predicate, quad.object) for quad in store.quads()]
@@ -290,7 +288,7 @@ def test_nothing_stated_is_inferred_again() -> None:
     assert len(said) == len(set(said))
 
 
-def test_the_entailed_store_is_another_and_follows_the_version() -> None:
+def test_the_store_with_entailments_is_separate_and_is_rebuilt_for_each_version() -> None:
     world = a_world()
     triples = TripleStore(world)
     asked = f"ASK {{ <{node('starter_1').value}> <{node('sk:placement').value}> <{node('pallet_b').value}> }}"

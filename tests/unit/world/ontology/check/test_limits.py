@@ -39,7 +39,7 @@ def _fake_java(folder: Path, errors: str) -> Path:
     return program
 
 
-def test_owl_rl_is_ended_when_its_time_is_over_and_leaves_no_process() -> None:
+def test_owl_rl_is_killed_at_its_time_limit_and_leaves_no_process() -> None:
     before, start = _children(), time.monotonic()
 
     with OwlRlProcess(2.0) as reasoner, pytest.raises(NoAnswer, match="OWL-RL reasoner found no answer in the time"):
@@ -49,7 +49,7 @@ def test_owl_rl_is_ended_when_its_time_is_over_and_leaves_no_process() -> None:
     assert _children() <= before
 
 
-def test_owl_rl_that_wants_too_much_memory_is_ended_and_not_asked_again() -> None:
+def test_owl_rl_is_killed_when_it_exceeds_its_memory_limit() -> None:
     before = _children()
 
     with OwlRlProcess(60.0, memory=64 << 20) as reasoner:
@@ -60,7 +60,7 @@ def test_owl_rl_that_wants_too_much_memory_is_ended_and_not_asked_again() -> Non
     assert _children() <= before
 
 
-def test_one_process_answers_several_questions() -> None:
+def test_one_owl_rl_process_answers_several_requests() -> None:
     with OwlRlProcess(60.0) as reasoner:
         assert reasoner.judge(_ring(3)).consistent
         first = _children()
@@ -68,7 +68,7 @@ def test_one_process_answers_several_questions() -> None:
         assert _children() == first
 
 
-def test_an_owl_rl_given_up_is_a_warning_and_other_findings_stand(check: Check) -> None:
+def test_an_aborted_owl_rl_is_a_warning_and_other_findings_are_kept(check: Check) -> None:
     added = ":likes rdfs:range :Nowhere ."
 
     report = check(added, "owl-rl", time_limit=0.01)
@@ -80,7 +80,7 @@ def test_an_owl_rl_given_up_is_a_warning_and_other_findings_stand(check: Check) 
     assert report.reasoner is None
 
 
-def test_no_reasoner_is_asked_about_a_cycle_and_the_cycle_is_told(check: Check) -> None:
+def test_a_class_cycle_is_a_finding_and_no_reasoner_runs(check: Check) -> None:
     report = check(":Toy rdfs:subClassOf :Ball . " + _APART, "owl-rl")
 
     assert [f.kind for f in report.findings] == [FindingKind.CYCLE, FindingKind.REASONER]
@@ -88,7 +88,7 @@ def test_no_reasoner_is_asked_about_a_cycle_and_the_cycle_is_told(check: Check) 
     assert "no reasoner was asked" in report.findings[1].text
 
 
-def test_too_many_levels_are_told_with_line_and_no_reasoner_is_asked(check: Check, head_lines: int) -> None:
+def test_a_too_deep_hierarchy_is_a_finding_with_its_line_and_no_reasoner_runs(check: Check, head_lines: int) -> None:
     chain = "\n".join(f":C{n} a owl:Class ; rdfs:subClassOf :C{n - 1} ." for n in range(1, 1500))
 
     report = check(":C0 a owl:Class .\n" + chain, "auto")
@@ -98,9 +98,7 @@ def test_too_many_levels_are_told_with_line_and_no_reasoner_is_asked(check: Chec
     assert report.reasoner is None
 
 
-def test_a_java_that_does_not_start_is_no_refusal_and_the_other_reasoner_judges(
-    check: Check, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_owl_rl_is_used_if_java_does_not_start(check: Check, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     _fake_java(tmp_path, _NO_HEAP)
     monkeypatch.setenv("PATH", str(tmp_path))
 
@@ -120,7 +118,7 @@ def test_a_java_that_does_not_start_is_no_refusal_and_the_other_reasoner_judges(
         (_REFUSED, NoAnswer, "does not take these statements: Non-simple"),
     ],
 )
-def test_what_keeps_hermit_from_an_answer_is_told_apart(
+def test_each_reason_why_hermit_gives_no_answer_has_its_own_error(
     tmp_path: Path, errors: str, kind: type[NoAnswer], says: str
 ) -> None:
     program = _fake_java(tmp_path, errors)
@@ -139,7 +137,7 @@ def bare_install(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("bare_install")
-def test_without_the_libraries_of_reasoners_the_rest_is_checked_and_the_extra_is_named(check: Check) -> None:
+def test_without_reasoner_libraries_the_structure_is_checked_and_the_missing_extra_is_named(check: Check) -> None:
     report = check(_APART, "auto")
 
     assert (report.reasoner, report.errors) == (None, 0)
@@ -149,6 +147,6 @@ def test_without_the_libraries_of_reasoners_the_rest_is_checked_and_the_extra_is
 
 @pytest.mark.usefixtures("bare_install")
 @pytest.mark.parametrize("reasoner", ["hermit", "owl-rl"])
-def test_a_reasoner_that_is_asked_for_and_not_installed_is_refused_with_the_extra(check: Check, reasoner: str) -> None:
+def test_requesting_a_reasoner_that_is_not_installed_names_the_missing_extra(check: Check, reasoner: str) -> None:
     with pytest.raises(MissingExtra, match=rf"--reasoner {reasoner} needs the extra 'ontology'"):
         check(_APART, reasoner)

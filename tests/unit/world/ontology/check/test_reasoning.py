@@ -107,7 +107,7 @@ def _of(report: CheckReport, kind: FindingKind) -> list[Finding]:
 
 @pytest.mark.parametrize("reasoner", REASONERS)
 @pytest.mark.parametrize(("added", "needed"), IMPOSSIBLE.values(), ids=IMPOSSIBLE)
-def test_a_class_that_nothing_can_be_of_is_found_with_a_smallest_reason(
+def test_an_unsatisfiable_class_is_found_with_a_minimal_explanation(
     check: Check, added: str, needed: int, reasoner: str
 ) -> None:
     report = check(added, reasoner)
@@ -121,7 +121,7 @@ def test_a_class_that_nothing_can_be_of_is_found_with_a_smallest_reason(
 
 @pytest.mark.parametrize("reasoner", REASONERS)
 @pytest.mark.parametrize(("added", "needed"), CONTRADICTIONS.values(), ids=CONTRADICTIONS)
-def test_a_contradiction_among_individuals_is_found_with_a_smallest_reason(
+def test_a_contradiction_among_individuals_is_found_with_a_minimal_explanation(
     check: Check, added: str, needed: int, reasoner: str
 ) -> None:
     found = _of(check(added, reasoner), FindingKind.INCONSISTENT)
@@ -133,7 +133,7 @@ def test_a_contradiction_among_individuals_is_found_with_a_smallest_reason(
 
 
 @pytest.mark.parametrize("reasoner", REASONERS)
-def test_an_explanation_says_in_words_and_lines_what_contradicts_itself(
+def test_an_explanation_lists_each_contradicting_statement_with_its_line(
     check: Check, head_lines: int, reasoner: str
 ) -> None:
     report = check(_APART + "\n:A a owl:Class ; rdfs:subClassOf :Ball ,\n :Doll .", reasoner)
@@ -149,7 +149,7 @@ def test_an_explanation_says_in_words_and_lines_what_contradicts_itself(
 
 
 @pytest.mark.parametrize("reasoner", REASONERS)
-def test_a_subclass_of_an_impossible_class_points_to_it(check: Check, reasoner: str) -> None:
+def test_a_subclass_of_an_unsatisfiable_class_refers_to_it(check: Check, reasoner: str) -> None:
     report = check(
         _APART + ":A a owl:Class ; rdfs:subClassOf :Ball , :Doll . :B a owl:Class ; rdfs:subClassOf :A .", reasoner
     )
@@ -170,7 +170,7 @@ def test_independent_contradictions_are_all_found(check: Check, reasoner: str) -
 
 
 @pytest.mark.parametrize("reasoner", REASONERS)
-def test_class_level_values_and_words_for_people_make_no_contradiction(check: Check, reasoner: str) -> None:
+def test_class_level_values_and_annotations_cause_no_contradiction(check: Check, reasoner: str) -> None:
     report = check(
         "sk:mass a owl:FunctionalProperty . :Toy sk:mass 1.0 . :Ball sk:mass 2.0 ; rdfs:label 'ball' .", reasoner
     )
@@ -179,7 +179,7 @@ def test_class_level_values_and_words_for_people_make_no_contradiction(check: Ch
 
 
 @needs_java
-def test_hermit_sees_a_contradiction_that_needs_a_choice_and_explains_it(check: Check) -> None:
+def test_hermit_finds_and_explains_a_contradiction_that_needs_case_analysis(check: Check) -> None:
     added = (
         _APART + ":A a owl:Class ; rdfs:subClassOf [ a owl:Class ; owl:unionOf ( :Ball :Doll ) ] ,\n"
         " [ a owl:Class ; owl:complementOf :Ball ] , [ a owl:Class ; owl:complementOf :Doll ] ."
@@ -192,7 +192,7 @@ def test_hermit_sees_a_contradiction_that_needs_a_choice_and_explains_it(check: 
 
 
 @needs_java
-def test_hermit_checks_what_values_are(check: Check) -> None:
+def test_hermit_checks_data_values(check: Check) -> None:
     report = check(":price a owl:FunctionalProperty . :x a :Ball ; :price 1.0 , 2.0 .", "hermit")
 
     assert len(_of(report, FindingKind.INCONSISTENT)[0].explanation) == 3
@@ -213,7 +213,7 @@ def test_a_reasoner_that_runs_out_of_time_is_an_error_and_leaves_nothing_behind(
 
 
 @needs_java
-def test_what_hermit_does_not_take_is_judged_by_the_other_and_said(check: Check) -> None:
+def test_owl_rl_judges_an_ontology_that_hermit_rejects_and_the_report_notes_it(check: Check) -> None:
     added = (
         ":likes a owl:TransitiveProperty . :A a owl:Class ; rdfs:subClassOf [ a owl:Restriction ;"
         " owl:onProperty :likes ; owl:maxCardinality '1'^^xsd:nonNegativeInteger ] .\n"
@@ -229,7 +229,7 @@ def test_what_hermit_does_not_take_is_judged_by_the_other_and_said(check: Check)
     assert "non-simple" in report.findings[1].text.lower()
 
 
-def test_without_java_the_other_reasoner_runs_and_says_so(check: Check, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_java_owl_rl_runs_and_the_report_notes_it(check: Check, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", "")
 
     report = check(_APART + ":x a :Ball , :Doll .", "auto")
@@ -239,7 +239,7 @@ def test_without_java_the_other_reasoner_runs_and_says_so(check: Check, monkeypa
     assert report.errors == 1
 
 
-def test_hermit_asked_for_without_java_is_wrong_usage(check: Check, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_requesting_hermit_without_java_is_a_usage_error(check: Check, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", "")
 
     with pytest.raises(UsageError, match="needs Java"):
@@ -247,7 +247,7 @@ def test_hermit_asked_for_without_java_is_wrong_usage(check: Check, monkeypatch:
 
 
 @needs_java
-def test_with_java_hermit_runs_and_says_so(check: Check) -> None:
+def test_with_java_hermit_runs_and_the_report_notes_it(check: Check) -> None:
     report = check("", "auto")
 
     assert (report.reasoner, report.note) == ("HermiT", "Java is there")
@@ -278,7 +278,7 @@ _NAMES = [f":C{number}" for number in range(6)]
     ),
     apart=st.lists(st.tuples(st.sampled_from(_NAMES), st.sampled_from(_NAMES)), max_size=3),
 )
-def test_of_trees_of_disjoint_classes_exactly_the_impossible_are_found(
+def test_exactly_the_unsatisfiable_classes_of_random_hierarchies_are_found(
     tmp_path_factory: pytest.TempPathFactory, above: list[tuple[str, str]], apart: list[tuple[str, str]]
 ) -> None:
     lines = [f"{name} a owl:Class ." for name in _NAMES]

@@ -110,7 +110,7 @@ FAULTS = {
 
 
 @pytest.mark.parametrize(("added", "kind", "says"), FAULTS.values(), ids=FAULTS)
-def test_a_fault_is_found_with_its_line_and_what_is_wrong(
+def test_each_structural_fault_is_an_error_with_its_line_and_reason(
     check: Check, head_lines: int, added: str, kind: str, says: str
 ) -> None:
     report = check(added)
@@ -124,14 +124,14 @@ def test_a_fault_is_found_with_its_line_and_what_is_wrong(
 
 
 @pytest.mark.parametrize("added", [added for added, _, _ in FAULTS.values()], ids=FAULTS)
-def test_a_fault_is_found_once(check: Check, added: str) -> None:
+def test_each_fault_is_reported_once(check: Check, added: str) -> None:
     findings = check(added).findings
 
     assert len(findings) == len({(f.kind, f.text) for f in findings})
     assert sum(f.is_error for f in findings) == 1
 
 
-def test_all_faults_are_found_not_only_the_first(check: Check) -> None:
+def test_all_faults_are_reported(check: Check) -> None:
     together = [fault for fault in FAULTS.values() if fault[0].startswith(":A ")]
 
     findings = check("\n".join(added for added, _, _ in together)).findings
@@ -148,7 +148,7 @@ def test_a_clean_ontology_has_no_findings(check: Check) -> None:
     assert report.reasoner is None
 
 
-def test_an_import_that_is_not_at_hand_is_a_warning_and_said_with_what_may_be_missing(check: Check) -> None:
+def test_a_missing_import_is_a_warning_and_is_named_with_terms_it_may_declare(check: Check) -> None:
     report = check(
         "<http://example.org/toys> owl:imports <http://example.org/more> . :A a owl:Class ; rdfs:subClassOf :B ."
     )
@@ -158,14 +158,14 @@ def test_an_import_that_is_not_at_hand_is_a_warning_and_said_with_what_may_be_mi
     assert report.findings[1].severity is Severity.WARNING
 
 
-def test_a_vocabulary_of_which_no_file_declares_anything_is_a_warning(check: Check) -> None:
+def test_a_vocabulary_without_any_declaration_is_a_warning(check: Check) -> None:
     report = check("@prefix dc: <http://purl.org/dc/terms/> . :Ball dc:creator 'me' . :Doll dc:date 'now' .")
 
     assert [(f.severity, f.kind) for f in report.findings] == [(Severity.WARNING, FindingKind.UNDECLARED)]
     assert "<http://purl.org/dc/terms/>" in report.findings[0].text
 
 
-def test_terms_without_words_are_warned_of_where_a_file_builds_on_the_core(check: Check) -> None:
+def test_terms_without_label_or_comment_are_warnings_in_files_that_build_on_the_core(check: Check) -> None:
     quiet = check(":A a owl:Class .")
     loud = check("<http://example.org/toys> owl:imports <https://w3id.org/skiros-py/core> . :A a owl:Class .")
 
@@ -175,13 +175,13 @@ def test_terms_without_words_are_warned_of_where_a_file_builds_on_the_core(check
     assert not loud.errors
 
 
-def test_a_relation_whose_end_is_apart_from_that_above_is_a_warning(check: Check) -> None:
+def test_a_domain_outside_that_of_the_super_relation_is_a_warning(check: Check) -> None:
     report = check(":r a owl:ObjectProperty ; rdfs:subPropertyOf :likes ; rdfs:domain :Box .")
 
     assert [(f.severity, f.kind) for f in report.findings] == [(Severity.WARNING, FindingKind.DOMAIN)]
 
 
-def test_a_file_that_cannot_be_read_is_a_finding_and_the_others_are_checked(tmp_path: Path) -> None:
+def test_an_unreadable_file_is_a_finding_and_the_other_files_are_checked(tmp_path: Path) -> None:
     (tmp_path / "a.ttl").write_text("this is no Turtle", encoding="utf-8")
     (tmp_path / "b.ttl").write_text(
         "@prefix : <http://b#> . @prefix rdfs: <http://www.w3.org/2000/01/rdf-schema#> .\n"
@@ -197,7 +197,7 @@ def test_a_file_that_cannot_be_read_is_a_finding_and_the_others_are_checked(tmp_
     ]
 
 
-def test_two_files_with_one_prefix_for_two_namespaces_are_a_finding(tmp_path: Path) -> None:
+def test_one_prefix_for_two_namespaces_in_two_files_is_a_finding(tmp_path: Path) -> None:
     for name in "ab":
         (tmp_path / f"{name}.ttl").write_text(
             f"@prefix x: <http://{name}#> . x:C a <http://www.w3.org/2002/07/owl#Class> .", encoding="utf-8"
