@@ -1,6 +1,6 @@
 """The contributions of plug-ins, checked before they are used."""
 
-from skiros_py.catalogue.catalogue import Catalogue, choose_planners
+from skiros_py.catalogue.catalogue import Catalogue
 from skiros_py.catalogue.loading import KINDS, Kind, Surveyed, fitting, load_catalogue, survey
 
-__all__ = ["KINDS", "Catalogue", "Kind", "Surveyed", "choose_planners", "fitting", "load_catalogue", "survey"]
+__all__ = ["KINDS", "Catalogue", "Kind", "Surveyed", "fitting", "load_catalogue", "survey"]

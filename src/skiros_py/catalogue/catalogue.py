@@ -102,16 +102,19 @@ class Catalogue:
         sources = {name: source for name, source in self.sources.items() if name.startswith("planners/")}
         return Catalogue({}, {}, {}, self.planners, sources)
 
-    def choice_of_planners(self, wanted: str | None = None) -> Planners:
+    def choice_of_planners(self, wanted: str | None = None, command: str | None = None) -> Planners:
         """Returns the planners to choose from, by their supported requirements; close it.
 
         Args:
             wanted: Name of the only planner to use; None to choose by requirements.
+            command: Command line of a planner, instead of a name.
 
         Raises:
             UnknownName: There is none of that name.
             UsageError: The requested one cannot be loaded; the text gives the reason and the distribution.
         """
+        if command is not None:
+            return Planners.only(CommandPlanner("command", command, supports=EVERYTHING))
         if wanted is not None:
             self._factory("planner", wanted, self.planners)
         names = self.planners.names if isinstance(self.planners, LazyPlugins) else tuple(self.planners)
@@ -211,19 +214,6 @@ def _providers(factory: Callable[[CellSpec], Iterable[SignalProvider]], cell: Ce
     if wrong := next((problem for one in providers if (problem := provider_problem(one))), None):
         raise DescriptionError(wrong)
     return providers
-
-
-def choose_planners(catalogue: Catalogue, wanted: str | None = None, command: str | None = None) -> Planners:
-    """Returns the planners to choose from; close them.
-
-    Args:
-        catalogue: The planners there are.
-        wanted: Name of the only planner to use; None for all.
-        command: Command line of a planner, instead of a name.
-    """
-    if command is not None:
-        return Planners.only(CommandPlanner("command", command, supports=EVERYTHING))
-    return catalogue.choice_of_planners(wanted)
 
 
 @dataclass(frozen=True, slots=True)

@@ -25,7 +25,7 @@ from skiros_py.errors import FileError, PlanningError, SkirosError, UnknownName
 from skiros_py.interruptions import by_user
 from skiros_py.planning.domain.actions import actions_of
 from skiros_py.plugins.installation import GROUPS, installation
-from skiros_py.plugins.loading import LazyPlugins, fault_of, load, unambiguous
+from skiros_py.plugins.loading import LazyPlugins, fault_of, load, load_plugins, unambiguous
 from skiros_py.plugins.plugin import Entry, Plugin, PluginFault
 from skiros_py.ports.adapters import Adapter, adapter_problem
 from skiros_py.ports.device import DeviceSpec
@@ -176,7 +176,7 @@ def load_catalogue() -> Catalogue:
     ``skiros.devices``, ``skiros.reasoners`` and ``skiros.ontologies`` are among the faults.
     """
     found = _Found()
-    lazy: dict[str, Any] = {kind: _lazy(found.entries(kind)) for kind in _LAZY}
+    lazy: dict[str, Any] = {kind: LazyPlugins(found.entries(kind), _problem) for kind in _LAZY}
     primitives = found.entries("primitives")
     skills, conditions = found.skills(), found.conditions()
     of_skills, of_primitives = clashes_of_modules(skills, primitives)
@@ -184,7 +184,7 @@ def load_catalogue() -> Catalogue:
     reasoners, unusable = load_reasoners(ontology)
     return Catalogue(
         skills=found.usable(skills, of_skills),
-        primitives=_lazy(found.alone(primitives, of_primitives)),
+        primitives=LazyPlugins(found.alone(primitives, of_primitives), _problem),
         conditions=found.usable(conditions, clashes_of_conditions(conditions)),
         sources=found.sources,
         early=(*installation().faults, *found.faults, *unusable, *load_device_kinds()[1], *misfits),
@@ -223,10 +223,10 @@ class _Found:
         """Loads the conditions."""
         return [Named(plugin, plugin.name, plugin.value) for plugin in self._plugins("conditions")]
 
-    def _plugins(self, kind: str) -> list[Plugin]:
-        loaded = [load(entry, _problem) for entry in self.entries(kind)]
-        self.faults += [one for one in loaded if isinstance(one, PluginFault)]
-        return [one for one in loaded if isinstance(one, Plugin)]
+    def _plugins(self, kind: str) -> tuple[Plugin, ...]:
+        plugins, faults = load_plugins(f"skiros.{kind}", _problem)
+        self.faults += faults
+        return plugins
 
     def usable(self, things: Iterable[Named], clashes: Mapping[str, str]) -> dict[str, Any]:
         """Returns the objects by key, without those with ambiguous names."""
@@ -244,10 +244,6 @@ class _Found:
         """Returns the entry points without those with ambiguous names."""
         self.faults += [fault_of(entry, clashes[entry.name]) for entry in entries if entry.name in clashes]
         return [entry for entry in entries if entry.name not in clashes]
-
-
-def _lazy(entries: Iterable[Entry]) -> LazyPlugins[Any]:
-    return LazyPlugins(entries, _problem)
 
 
 def _problem(plugin: Plugin) -> str | None:

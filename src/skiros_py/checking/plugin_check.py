@@ -109,26 +109,28 @@ def sources_of(parts: Sequence[Part], entries: Iterable[Entry]) -> tuple[Source,
     """Reads the Python files of the packages that entry points name, without those of the platform itself."""
     tops = {entry.module.partition(".")[0] for entry in entries} - {_OWN_PACKAGE, ""}
     files = sorted({file for top in tops for file in _files(top)})
-    modules = {Path(str(m.__file__)).resolve(): m for m in list(sys.modules.values()) if getattr(m, "__file__", None)}
+    modules = {file: module for module in list(sys.modules.values()) if (file := _file_of(module)) is not None}
     written = {file for part in parts if isinstance(part.subject, type) for file in _homes(part.subject)}
     return tuple(s for file in files if (s := _source(file, modules.get(file), file in written)) is not None)
+
+
+def _file_of(module: ModuleType | None) -> Path | None:
+    file = getattr(module, "__file__", None)
+    return Path(file).resolve() if file else None
 
 
 def _files(top: str) -> Iterator[Path]:
     module = sys.modules.get(top)
     for folder in getattr(module, "__path__", ()):
         yield from (file.resolve() for file in Path(folder).rglob("*.py"))
-    if module is not None and not hasattr(module, "__path__") and getattr(module, "__file__", None):
-        yield Path(str(module.__file__)).resolve()
+    if not hasattr(module, "__path__") and (file := _file_of(module)):
+        yield file
 
 
 def _homes(class_: type) -> Iterator[Path]:
     """Yields the files that define a primitive and its own base classes."""
-    for base in class_.__mro__:
-        if issubclass(base, Primitive) and base is not Primitive:
-            module = sys.modules.get(base.__module__)
-            if module is not None and getattr(module, "__file__", None):
-                yield Path(str(module.__file__)).resolve()
+    own = (base for base in class_.__mro__ if issubclass(base, Primitive) and base is not Primitive)
+    yield from filter(None, (_file_of(sys.modules.get(base.__module__)) for base in own))
 
 
 def _source(file: Path, module: ModuleType | None, has_primitives: bool) -> Source | None:

@@ -9,13 +9,16 @@ from typing import TYPE_CHECKING, Literal
 import click
 
 from skiros_py.cli.commands import Found, served
-from skiros_py.cli.options import given_params
+from skiros_py.cli.options import combined, given_params
 from skiros_py.errors import FileError, UnknownName
 
 if TYPE_CHECKING:
     from skiros_py.api.documents import DocumentInfo
     from skiros_py.api.modules import ModuleRunInfo
     from skiros_py.client import Client
+
+
+_DOCUMENT = combined(click.argument("kind"), click.argument("id_", metavar="ID"))
 
 
 @click.group("document")
@@ -32,8 +35,7 @@ def list_(client: Client, kind: str) -> Found:
 
 
 @served("document show tree tidy_up --data cell", command)
-@click.argument("kind")
-@click.argument("id_", metavar="ID")
+@_DOCUMENT
 @click.option("--revisions", is_flag=True, help="List the stored revisions, oldest first.")
 def show(client: Client, kind: str, id_: str, revisions: bool) -> Found:
     """Shows the latest revision of a document, or lists its revisions."""
@@ -45,8 +47,7 @@ def show(client: Client, kind: str, id_: str, revisions: bool) -> Found:
 
 
 @served("document import tree tidy_up tidy_up.json --data cell", command)
-@click.argument("kind")
-@click.argument("id_", metavar="ID")
+@_DOCUMENT
 @click.argument("file", type=click.Path(path_type=Path, dir_okay=False, exists=True))
 @click.option("--format", "format_", metavar="NAME", help="One of the formats of KIND.  [default: the first one]")
 def import_(client: Client, kind: str, id_: str, file: Path, format_: str | None) -> Found:
@@ -65,8 +66,7 @@ def import_(client: Client, kind: str, id_: str, file: Path, format_: str | None
 
 
 @served("document export tree tidy_up --data cell", command)
-@click.argument("kind")
-@click.argument("id_", metavar="ID")
+@_DOCUMENT
 @click.option("--format", "format_", metavar="NAME", help="One of the formats of KIND.  [default: the first one]")
 def export(client: Client, kind: str, id_: str, format_: str | None) -> Found:
     """Prints a document as text in a format of its KIND."""
@@ -75,8 +75,7 @@ def export(client: Client, kind: str, id_: str, format_: str | None) -> Found:
 
 
 @served("document remove tree tidy_up --data cell", command)
-@click.argument("kind")
-@click.argument("id_", metavar="ID")
+@_DOCUMENT
 def remove(client: Client, kind: str, id_: str) -> Found:
     """Deletes a document; active runs continue."""
     client.documents.remove(kind, id_, seen=client.documents.get(kind, id_).revision)
@@ -84,8 +83,7 @@ def remove(client: Client, kind: str, id_: str) -> Found:
 
 
 @served("document run tree tidy_up --agent arm_1 --break body/1 --data cell", command)
-@click.argument("kind")
-@click.argument("id_", metavar="ID")
+@_DOCUMENT
 @click.option("--agent", required=True, metavar="ID", help="Subsystem whose skill manager runs it.")
 @click.option("--param", "params", multiple=True, metavar="KEY=VALUE", help="A parameter; may be repeated.")
 @click.option("--break", "paths", multiple=True, metavar="PATH", help="Pause before this node; may be repeated.")

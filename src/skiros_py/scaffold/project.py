@@ -69,11 +69,6 @@ class Project:
         return project
 
     @property
-    def source(self) -> Path:
-        """The folder that its Python package is in."""
-        return self.root / "src"
-
-    @property
     def name(self) -> str:
         """Name of the distribution."""
         return str(self._table.get("name", self.package))
@@ -98,7 +93,7 @@ class Project:
     def as_installed(self) -> AbstractContextManager[None]:
         """Registers it in this process according to its ``pyproject.toml``, installed or not."""
         known = {"name": self.name, "dependencies": self.dependencies, "entry-points": self.entry_points}
-        return as_if_installed({**self._table, **known}, self.source)
+        return as_if_installed({**self._table, **known}, self.root / "src")
 
     def with_entries(self, group: str, entries: Mapping[str, str]) -> Project:
         """Returns the project with more entry points; everything else in the file stays as it is.

@@ -6,7 +6,7 @@ from contextlib import ExitStack, closing
 from functools import partial
 from typing import TYPE_CHECKING
 
-from skiros_py.catalogue import Catalogue, choose_planners
+from skiros_py.catalogue import Catalogue
 from skiros_py.planning.process import PlanningProcess, ThreadHost
 from skiros_py.planning.requests import PlanningHost
 from skiros_py.ports.adapters import InstalledPorts
@@ -61,7 +61,7 @@ def start_planning(stack: ExitStack, world: World, catalogue: Catalogue, options
 
     On the fake cell in lockstep it is a thread: nothing else needs the interpreter while simulated time stands still.
     """
-    choose = partial(choose_planners, catalogue.planners_only(), options.planner, options.planner_command)
+    choose = partial(catalogue.planners_only().choice_of_planners, options.planner, options.planner_command)
     planners = stack.enter_context(closing(choose()))  # an unknown name is refused here
     if options.fake and options.pace is None:
         return stack.enter_context(closing(ThreadHost(world, planners)))
