@@ -31,17 +31,16 @@ _subject: Any = None
 
 
 class Call(Generic[T]):
-    """A call under way in a worker; a :class:`skiros_py.ports.values.Pending`."""
+    """A call under way in a worker; a :class:`skiros_py.ports.values.Pending`.
+
+    Attributes:
+        latency: Declared time from request to answer [s].
+    """
 
     def __init__(self, future: Future[T], worker: str, latency: float) -> None:
         self._future = future
         self._worker = worker
-        self._latency = latency
-
-    @property
-    def latency(self) -> float:
-        """Declared time from request to answer [s]."""
-        return self._latency
+        self.latency = latency
 
     def done(self) -> bool:
         """Returns True when :meth:`result` will not block."""
@@ -75,7 +74,7 @@ class Worker:
             self._pool = ProcessPoolExecutor(
                 max_workers=1, timeout=None, initializer=_build, initargs=(factory, os.getpid()), env=_ONE_THREAD
             )
-            self._ready = self._pool.submit(_probe)
+            self._pool.submit(os.getpid)  # starts the process, which builds its object while the caller goes on
 
     def call(self, method: str, *args: object, latency: float = 0.0) -> Call[Any]:
         """Calls a method of the worker's object.
@@ -89,17 +88,6 @@ class Worker:
             return Call(self._pool.submit(_call, method, args), self.name, latency)
         except _DEAD as error:
             raise DeviceError(f"the {self.name} worker process died (killed, or out of memory?)") from error
-
-    def wait_ready(self) -> None:
-        """Waits until the object is built.
-
-        Raises:
-            DeviceError: It could not be built.
-        """
-        try:
-            self._ready.result()
-        except _DEAD as error:
-            raise DeviceError(f"the {self.name} worker process did not start: {error}") from error
 
     def close(self) -> None:
         """Ends the process and waits for it; work under way is thrown away."""
@@ -133,10 +121,6 @@ def _end_with(parent: int) -> None:
     while os.getppid() == parent:
         time.sleep(0.5)
     os._exit(1)
-
-
-def _probe() -> bool:
-    return _subject is not None
 
 
 def _call(method: str, args: tuple[object, ...]) -> object:

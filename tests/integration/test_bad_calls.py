@@ -12,7 +12,7 @@ from skiros_py.behaviours import Do, P
 from skiros_py.devices.mobile_base import Base, BaseState, BaseTwist
 from skiros_py.errors import DescriptionError, SkirosError, UnknownName
 from skiros_py.ports.cell import CellSpec
-from skiros_py.simulation.fake import FakeCell
+from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.conditions import Computed, ConditionType, Role
 from skiros_py.skills.context import QuestionKind
 from skiros_py.skills.outcome import Failure, Outcome, Success

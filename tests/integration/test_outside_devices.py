@@ -33,7 +33,7 @@ from skiros_py.ports.perception import LookRequest, LookResult, PartDetector, Re
 from skiros_py.ports.values import CameraIntrinsics, DepthImage, Done, Snapshot
 from skiros_py.recording import Recording, RecordingWriter
 from skiros_py.simulation.cell import SimulatedCell
-from skiros_py.simulation.fake import FakeCell
+from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.skills.conditions import Expression
 from skiros_py.skills.outcome import Success

@@ -17,7 +17,6 @@ from skiros_py.world.names import Names
 @pytest.fixture(scope="module")
 def names_worker() -> Iterator[Worker]:
     with closing(Worker("names", partial(Names, {"tiny": "https://tiny#"}))) as worker:
-        worker.wait_ready()
         yield worker
 
 
@@ -61,11 +60,11 @@ def test_an_interrupt_meant_for_the_parent_does_not_reach_a_worker() -> None:
 
 
 def test_a_worker_that_dies_is_a_device_error_with_its_name() -> None:
-    with closing(Worker("doomed", partial(__import__, "os"))) as worker:
-        worker.wait_ready()
-
-        with pytest.raises(DeviceError, match="the doomed worker process died"):
-            worker.call("_exit", 1).result()
+    with (
+        closing(Worker("doomed", partial(__import__, "os"))) as worker,
+        pytest.raises(DeviceError, match="the doomed worker process died"),
+    ):
+        worker.call("_exit", 1).result()
 
 
 def test_a_call_to_a_worker_that_died_is_a_device_error_too() -> None:
@@ -81,6 +80,6 @@ def test_an_object_that_cannot_be_built_is_a_device_error_with_the_workers_name(
     capfd: pytest.CaptureFixture[str],
 ) -> None:
     broken = Worker("broken", partial(__import__, "no_such_module"))
-    with closing(broken), pytest.raises(DeviceError, match="the broken worker process did not start"):
-        broken.wait_ready()
+    with closing(broken), pytest.raises(DeviceError, match="the broken worker process died"):
+        broken.call("anything").result()
     capfd.readouterr()

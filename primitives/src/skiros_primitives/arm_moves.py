@@ -200,7 +200,7 @@ class ArmPrimitive(Primitive[Any]):
     ) -> Execution[MotionPlan | NoMotion]:
         gripper = self.context.board.snapshot.of(GripperState).get(self.gripper_id)
         request = MotionRequest(
-            arm=self.params.arm,
+            device=self.params.arm,
             start=self.arm.state.positions,
             base=self.base_pose,
             routes=tuple(routes),

@@ -176,7 +176,7 @@ class DriveBase(DrivingPrimitive):
         planner = self.context.port(BasePlanner, self.params.base)
         carried = frozenset(o.id for o in obstacles(self.context, parts=False) if self.rides(o.id))
         around = obstacles(self.context, parts=False, without=carried)
-        request = BasePathRequest(self.pose, goal, self._spec().footprint, (*around, *robots), base=self.params.base)
+        request = BasePathRequest(self.pose, goal, self._spec().footprint, (*around, *robots), device=self.params.base)
         return (yield from self.wait(planner.plan(request)))
 
     def _outline(self) -> Outline:

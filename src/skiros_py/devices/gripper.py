@@ -137,7 +137,10 @@ class SimulatedGripper:
 
     Attributes:
         fingers: Links of the fingers.
+        braking_time: 0: a stop does not open or close it [s].
     """
+
+    braking_time = 0.0
 
     def __init__(self, spec: GripperSpec, robot: SimulatedRobot) -> None:
         self.spec = spec
@@ -149,11 +152,6 @@ class SimulatedGripper:
         self._joints.set_surface(_PADS)
         # The real drive couples the fingers; without that they slide sideways together with the part.
         self._joints.couple(ratio=1.0, effort=_COUPLING_FORCE)
-
-    @property
-    def braking_time(self) -> float:
-        """0: a stop does not open or close it."""
-        return 0.0
 
     def command(self, target: GripperTarget | None) -> None:
         """Moves to a new target; None keeps the last one, so that nothing is let go by omission."""

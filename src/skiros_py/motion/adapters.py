@@ -37,14 +37,6 @@ class WorkerPlanner:
         """Plans one request."""
         return self._worker.call("plan", request, latency=self._latency)
 
-    def wait_ready(self) -> None:
-        """Waits until the models are loaded.
-
-        Raises:
-            DeviceError: They could not be loaded.
-        """
-        self._worker.wait_ready()
-
     def close(self) -> None:
         """Ends the worker process."""
         self._worker.close()

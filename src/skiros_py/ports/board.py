@@ -59,6 +59,7 @@ class DeviceBoard:
     Attributes:
         guard: Contains the code of kinds of device; knows which devices were switched off.
         devices: The devices, by id.
+        period: Length of one control cycle [s].
         snapshot: What the devices said.
         owner: The task that is commanding now; None outside the control cycle's tasks.
         share: The devices of the run whose code is executing; None outside a primitive.
@@ -76,7 +77,7 @@ class DeviceBoard:
         contain_kinds(driver, self.guard)
         self._driver = driver
         self.snapshot: Snapshot = driver.read()
-        self.devices = driver.devices
+        self.devices, self.period = driver.devices, driver.period
         self._types = {id_: spec.state_type for id_, spec in self.devices.items() if spec.state_type is not None}
         self._trusted = isinstance(driver, RunsKinds)  # its states come through the guard already
         if wrong := self._wrong_states(self.snapshot):
@@ -93,11 +94,6 @@ class DeviceBoard:
     def now(self) -> float:
         """Time since the start of the run [s]."""
         return self.snapshot.time
-
-    @property
-    def period(self) -> float:
-        """Length of one control cycle [s]."""
-        return self._driver.period
 
     @property
     def braking_time(self) -> float:

@@ -112,6 +112,8 @@ class ModelCell:
         devices: The devices, by id.
     """
 
+    period: float = _PERIOD
+    """Length of one control cycle [s]."""
     coming_to_rest: ClassVar[float] = _PERIOD
     """Time from the last braking command until the snapshots say that all stands [s]."""
     _models: DeviceModels
@@ -120,11 +122,6 @@ class ModelCell:
         self.devices = devices
         self._halted = False
         self._snapshot = Snapshot(0, 0.0)
-
-    @property
-    def period(self) -> float:
-        """Length of one control cycle [s]."""
-        return _PERIOD
 
     @property
     def braking_time(self) -> float:
@@ -187,6 +184,8 @@ class CompositeDriver:
     Attributes:
         drivers: The drivers.
         devices: The devices of all, by id.
+        period: Length of one control cycle [s].
+        kind: Kind of the cell's own driver.
 
     Raises:
         UsageError: Their periods differ, or two of them drive one device.
@@ -194,6 +193,7 @@ class CompositeDriver:
 
     def __init__(self, drivers: Sequence[CellDriver]) -> None:
         self.drivers = tuple(drivers)
+        self.period, self.kind = drivers[0].period, drivers[0].kind
         self.devices: dict[str, DeviceSpec[Any, Any]] = {}
         for driver in self.drivers:
             twice = sorted(self.devices.keys() & driver.devices.keys())
@@ -207,16 +207,6 @@ class CompositeDriver:
             self.devices |= driver.devices
         self._last = [driver.read() for driver in self.drivers]
         self._snapshot = self._merged(0)
-
-    @property
-    def period(self) -> float:
-        """Length of one control cycle [s]."""
-        return self.drivers[0].period
-
-    @property
-    def kind(self) -> str:
-        """Kind of the cell's own driver."""
-        return self.drivers[0].kind
 
     @property
     def braking_time(self) -> float:

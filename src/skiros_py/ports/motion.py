@@ -65,7 +65,7 @@ class MotionRequest:
     """What the arm shall do next, all of it checked before anything moves.
 
     Attributes:
-        arm: Device id.
+        device: Id of the arm that shall move.
         start: Joint angles now [rad].
         base: Pose of the robot's base in the map, as localised.
         routes: Alternative routes (two grasp directions, ...); of the feasible ones the one with the least joint motion
@@ -77,7 +77,7 @@ class MotionRequest:
         seed: Seed of every random choice of the planner.
     """
 
-    arm: str
+    device: str
     start: tuple[float, ...]
     base: Pose
     routes: tuple[Route, ...]
@@ -86,11 +86,6 @@ class MotionRequest:
     gap: float = 0.08
     speed: float = 1.0
     seed: int = 0
-
-    @property
-    def device(self) -> str:
-        """Id of the device that shall move."""
-        return self.arm
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -147,7 +142,7 @@ class BasePathRequest:
         footprint: Corners of the base's outline in its frame [m].
         obstacles: What stands on the floor.
         clearance: Distance kept from obstacles on the way [m] (less where it docks).
-        base: Device id, for displays; empty if unknown.
+        device: Id of the base that shall drive, for displays; empty if unknown.
     """
 
     start: Pose
@@ -155,12 +150,7 @@ class BasePathRequest:
     footprint: tuple[tuple[float, float], ...]
     obstacles: tuple[Obstacle, ...]
     clearance: float = 0.08
-    base: str = ""
-
-    @property
-    def device(self) -> str:
-        """Id of the device that shall move; empty if unknown."""
-        return self.base
+    device: str = ""
 
 
 class BasePlanner(Protocol):

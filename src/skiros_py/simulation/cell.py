@@ -93,6 +93,7 @@ class SimulatedCell(ModelCell):
         gui: Open a window.
 
     Attributes:
+        kind: Name of the engine.
         devices: The devices, by id.
         scene: The simulated world itself; for the truth and for tests, never for what a robot decides.
 
@@ -108,6 +109,7 @@ class SimulatedCell(ModelCell):
     def __init__(self, spec: CellSpec, *, seed: int, engine: str | EngineFactory = ENGINE, gui: bool = False) -> None:
         super().__init__(spec.devices)
         self._engine = _start_engine(engine, period=self.period, gui=gui)
+        self.kind = self._engine.name
         self._seed = seed
         self._places = [group.start.position for group in spec.groups]
         self._cameras = {camera.id: (robot, camera) for robot in spec.groups for camera in robot.of(CameraSpec)}
@@ -126,11 +128,6 @@ class SimulatedCell(ModelCell):
         except BaseException:
             self.close()
             raise
-
-    @property
-    def kind(self) -> str:
-        """Name of the engine."""
-        return self._engine.name
 
     def capture(self, camera: str) -> Pending[DepthImage]:
         """Takes a picture now; the image arrives after the camera's latency.

@@ -75,11 +75,9 @@ def _carrier_pose(spec: CellSpec, body: BodySpec, platforms: Mapping[str, Pose])
         carrier = spec.body(body.place).carrier
     if carrier is None:
         return Pose()
-    for group in spec.groups:
-        for device in group.devices:
-            if device.id == carrier:
-                return platforms.get(carrier, group.start)
-    raise DescriptionError(f"'{body.id}' is carried by '{carrier}', which is no device of this cell")
+    if carrier not in spec.devices:
+        raise DescriptionError(f"'{body.id}' is carried by '{carrier}', which is no device of this cell")
+    return platforms.get(carrier, spec.group_of(carrier).start)
 
 
 def _place(spec: CellSpec, poses: Mapping[str, Pose], bodies: Sequence[BodySpec]) -> BodySpec:

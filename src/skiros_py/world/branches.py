@@ -14,7 +14,6 @@ from skiros_py.world.vocabulary import ELEMENT, PLACEMENT, POSE, POSE_FRAME, STR
 
 if TYPE_CHECKING:
     from skiros_py.world.transaction import Transaction
-    from skiros_py.world.view import WorldView
 
 
 BACKWARDS = "^"

@@ -53,7 +53,7 @@ class Locks:
         known: Callable[[str], bool] = lambda _: True,
         related: Callable[[Iterable[str]], Iterable[str]] = lambda _: (),
     ) -> None:
-        self._clock = clock
+        self.clock = clock
         self._known = known
         self._related = related
         self._guard = threading.RLock()
@@ -84,7 +84,7 @@ class Locks:
             fault = self._fault([*names, *sorted({*self._related(names)}.difference(names))], owner)
             if fault is not None:
                 raise fault
-            until = self._clock() + seconds
+            until = self.clock() + seconds
             taken = tuple(Lock(element, owner, until, name) for element in names)
             self._locks.update((lock.element, lock) for lock in taken)
         return taken
@@ -96,10 +96,6 @@ class Locks:
             for name in self._locks.keys() & wanted:
                 if self._locks[name].owner == owner:
                     del self._locks[name]
-
-    def now(self) -> float:
-        """Returns the time of the locks' clock [s]."""
-        return self._clock()
 
     def held(self) -> tuple[Lock, ...]:
         """Returns the locks in force, by element."""
@@ -120,7 +116,7 @@ class Locks:
 
     def _fault(self, elements: Sequence[str], owner: str) -> Locked | None:
         self._expire()
-        now = self._clock()
+        now = self.clock()
         others = [self._locks[name] for name in elements if name in self._locks and self._locks[name].owner != owner]
         if not others:
             return None
@@ -128,7 +124,7 @@ class Locks:
         return Locked("; ".join(f"{name} is locked by {who} for {left:.0f} s more" for name, who, left in locks), locks)
 
     def _expire(self) -> None:
-        now = self._clock()
+        now = self.clock()
         for name in [name for name, lock in self._locks.items() if lock.until <= now]:
             del self._locks[name]
 

@@ -58,7 +58,13 @@ class ChangeLog(Protocol):
 
 
 class MemoryLog:
-    """Stores changes in memory."""
+    """Stores changes in memory.
+
+    Attributes:
+        first: Number of the oldest change that is kept.
+    """
+
+    first = 1
 
     def __init__(self) -> None:
         self._changes: list[Change] = []
@@ -67,11 +73,6 @@ class MemoryLog:
     def version(self) -> int:
         """Number of the last change, 0 before the first."""
         return len(self._changes)
-
-    @property
-    def first(self) -> int:
-        """Number of the oldest change that is kept."""
-        return 1
 
     def append(self, change: Change) -> None:
         """Stores a change."""

@@ -18,7 +18,7 @@ from skiros_py.world.element import Stamp
 from skiros_py.world.index import Index
 from skiros_py.world.locks import Locks
 from skiros_py.world.ontology import Ontology
-from skiros_py.world.past import ChangeLog, Past
+from skiros_py.world.past import Past
 from skiros_py.world.reasoners.registry import NO_REASONERS, Proposal, Reasoners
 from skiros_py.world.terms import reached
 from skiros_py.world.transaction import Transaction
@@ -26,7 +26,7 @@ from skiros_py.world.view import NO_SENSORS, Sensors, WorldView
 from skiros_py.world.vocabulary import STRUCTURE
 
 if TYPE_CHECKING:
-    from skiros_py.world.store import TripleStore
+    from skiros_py.world.store.projection import TripleStore
 
 _log = logging.getLogger(__name__)
 
@@ -47,6 +47,7 @@ class World(WorldView):
 
     Attributes:
         clock: Gives the time [s, simulated] that changes are stamped with; may be replaced.
+        log: The change log; only the world itself appends to it.
         locks: The edit locks of users and jobs on elements.
         sensors: Device readings of this cycle; replaced when devices are brought up.
     """
@@ -76,7 +77,7 @@ class World(WorldView):
         self._base = past.index.copy()
         self._base.version = past.log.version
         self._ids = past.ids
-        self._log = past.log
+        self.log = past.log
         self._writing = threading.Lock()
         self._writer: tuple[int, str] | None = None
         self._subscribers: dict[int, Callable[[Change], None]] = {}
@@ -145,14 +146,9 @@ class World(WorldView):
         return self._base.version
 
     @property
-    def log(self) -> ChangeLog:
-        """The change log; only the world itself appends to it."""
-        return self._log
-
-    @property
     def changes(self) -> Sequence[Change]:
         """Every change that is kept, in order; see :meth:`changes_since`."""
-        return self._log.since(self._log.first - 1)
+        return self.log.since(self.log.first - 1)
 
     def changes_since(self, version: int) -> Sequence[Change]:
         """Returns the changes after a version, in order.
@@ -160,7 +156,7 @@ class World(WorldView):
         Raises:
             WorldError: They are no longer kept: the journal was compacted since.
         """
-        return self._log.since(version)
+        return self.log.since(version)
 
     def subscribe(self, callback: Callable[[Change], None]) -> Callable[[], None]:
         """Calls the callback with each later change, in order, once it is visible; returns how to unsubscribe.
@@ -188,7 +184,7 @@ class World(WorldView):
     @property
     def store(self) -> TripleStore:
         """The same content as RDF triples; created on first use, updated on every query."""
-        from skiros_py.world.store import TripleStore  # most runs never query
+        from skiros_py.world.store.projection import TripleStore  # most runs never query
 
         with self._making_store:
             if self._store is None:
@@ -233,11 +229,11 @@ class World(WorldView):
             raise
         if edits:
             change = Change(
-                self._log.version + 1, write.author, write.reason, self.clock(), edits, write.writer, write.undoes
+                self.log.version + 1, write.author, write.reason, self.clock(), edits, write.writer, write.undoes
             )
             index.mark(change.marks(), Stamp(change.number, change.time))
             index.version = change.number
-            self._log.append(change)  # a journal that cannot write raises here, and nothing has happened
+            self.log.append(change)  # a journal that cannot write raises here, and nothing has happened
             self._base = index
             tx.change = change
             for edit in edits:
@@ -252,10 +248,9 @@ class World(WorldView):
             locked = self.locks.fault(_wholes(before, after, concerned), write.holder)
             if locked is not None:
                 raise Locked(f"refused: {locked}", locked.locks)
-        if self.reasoners.may_veto:
-            vetoes = self.reasoners.vetoes(Proposal(before, after, edits, write.author, write.writer))
-            if vetoes:
-                raise WorldError(f"refused: {'; '.join(vetoes)}")
+        vetoes = self.reasoners.vetoes(Proposal(before, after, edits, write.author, write.writer))
+        if vetoes:
+            raise WorldError(f"refused: {'; '.join(vetoes)}")
 
     def _notify(self) -> None:
         with self._notify_lock:

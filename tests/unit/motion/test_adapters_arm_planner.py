@@ -41,4 +41,4 @@ def test_plans_come_from_the_worker_with_the_declared_latency(
 
 def test_faults_of_the_worker_reach_the_caller(planner: ArmPlanner, bench: SimpleNamespace) -> None:
     with pytest.raises(UnknownName, match="leg"):
-        planner.plan(replace(bench.pick("relay", Pose.of(0.7, 0.0, 0.5), 0.5), arm="leg")).result()
+        planner.plan(replace(bench.pick("relay", Pose.of(0.7, 0.0, 0.5), 0.5), device="leg")).result()

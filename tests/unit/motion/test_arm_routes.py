@@ -220,4 +220,4 @@ def test_a_motion_may_start_where_localisation_error_lets_it_touch(motion: ArmMo
 
 def test_unknown_arms_are_faults(motion: ArmMotion, bench: SimpleNamespace) -> None:
     with pytest.raises(UnknownName, match="arm"):
-        motion.plan(replace(bench.pick("relay", Pose.of(0.7, 0.0, 0.5), 0.5), arm="leg"))
+        motion.plan(replace(bench.pick("relay", Pose.of(0.7, 0.0, 0.5), 0.5), device="leg"))

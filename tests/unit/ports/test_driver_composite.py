@@ -11,7 +11,7 @@ from skiros_py.errors import DeviceError, UsageError
 from skiros_py.geometry import Pose, Solid
 from skiros_py.ports.cell import BodySpec, CellSpec
 from skiros_py.ports.driver import CellDriver, CompositeDriver
-from skiros_py.simulation.fake import FakeCell
+from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.testing.conformance import CellDriverContract, small_cell
 
 

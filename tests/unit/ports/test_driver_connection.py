@@ -8,7 +8,7 @@ from skiros_py.devices.mobile_base import BaseTwist
 from skiros_py.errors import DeviceError
 from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.driver import CellDriver, Connection
-from skiros_py.simulation.fake import FakeCell
+from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.testing.conformance import CellDriverContract, small_cell
 
 AHEAD = {"base": BaseTwist(0.5, 0.0)}

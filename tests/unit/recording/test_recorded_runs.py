@@ -16,7 +16,7 @@ from skiros_py.ports.values import Done
 from skiros_py.recording import Recorder, Recording, RecordingWriter
 from skiros_py.recording.pictures import RunPictures, record_pictures
 from skiros_py.recording.recorder import Devices
-from skiros_py.simulation.fake import FakeCell
+from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.testing import Bench, tiny_world, world_of
 from skiros_py.world.index import Index

@@ -13,7 +13,7 @@ from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
 from skiros_py.ports.cell import CellSpec, RobotSpec
 from skiros_py.ports.device import DeviceSpec, MobileSpec
-from skiros_py.simulation.fake import FakeCell
+from skiros_py.simulation.fake.cell import FakeCell
 
 
 def test_arms_and_grippers_reach_their_targets_within_the_cycle(kitting):

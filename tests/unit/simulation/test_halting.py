@@ -7,7 +7,7 @@ import pytest
 from skiros_py.devices.arm import ArmState, ArmTarget
 from skiros_py.devices.gripper import GripperState, GripperTarget
 from skiros_py.devices.mobile_base import BaseState, BaseTwist
-from skiros_py.simulation.fake import FakeCell
+from skiros_py.simulation.fake.cell import FakeCell
 
 FULL = BaseTwist(-0.8, 0.0)  # backwards: ahead stands the table
 

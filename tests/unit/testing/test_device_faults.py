@@ -15,7 +15,7 @@ from skiros_py.errors import DeviceError, UnknownName
 from skiros_py.geometry import Pose
 from skiros_py.ports.driver import CellDriver
 from skiros_py.ports.values import DepthImage, Done, Pending
-from skiros_py.simulation.fake import FakeCell
+from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.testing import Blind, CellFault, Deaf, Dies, FaultyCell, Frozen, Late, Noisy, Says
 from skiros_py.testing.conformance import small_cell
 

@@ -76,16 +76,16 @@ class ArmMotion:
         Raises:
             UnknownName: The robot has no such arm.
         """
-        if request.arm not in self._arms:
-            raise UnknownName("arm", request.arm, self._arms)
-        arm = self._arms[request.arm]
+        if request.device not in self._arms:
+            raise UnknownName("arm", request.device, self._arms)
+        arm = self._arms[request.device]
         start = np.array(request.start)
         if outside := _outside(arm, start):
             return NoMotion(outside)
         scene = CollisionScene(
-            arm, self._self_pairs[request.arm], request.base, request.obstacles, request.held, request.gap
+            arm, self._self_pairs[request.device], request.base, request.obstacles, request.held, request.gap
         )
-        search = RouteSearch(arm, self._solvers[request.arm], scene, request.base, request.seed)
+        search = RouteSearch(arm, self._solvers[request.device], scene, request.base, request.seed)
         found = search.find(np.clip(start, arm.lower, arm.upper), request.routes)
         if isinstance(found, Refusal):
             return NoMotion(found.text(len(request.routes)))

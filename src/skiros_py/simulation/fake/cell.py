@@ -23,11 +23,14 @@ class FakeCell(ModelCell):
         seed: Accepted for likeness with a simulated cell; nothing here is drawn.
 
     Attributes:
+        kind: Name of the adapter.
         devices: The devices, by id.
 
     Raises:
         DeviceError: The model of a device cannot be made.
     """
+
+    kind = "fake"
 
     def __init__(self, spec: CellSpec, *, seed: int = 0) -> None:
         self.seed = seed
@@ -39,11 +42,6 @@ class FakeCell(ModelCell):
         models = {id_: model for id_ in order if (model := fakes[id_]) is not None}
         self._models = DeviceModels(self.devices, models, self._move_robot)
         self._snapshot = Snapshot(0, 0.0, self._models.start(self._models.states))
-
-    @property
-    def kind(self) -> str:
-        """Name of the adapter."""
-        return "fake"
 
     def _move_robot(self, device: str, state: Any) -> None:
         if device in self._carried:

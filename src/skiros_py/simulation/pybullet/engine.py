@@ -37,6 +37,7 @@ class PyBulletEngine:
 
     Attributes:
         client: The physics client; for tests of this adapter.
+        period: Length of one step [s].
 
     Raises:
         UsageError: A window is wanted where there is no display.
@@ -47,7 +48,7 @@ class PyBulletEngine:
 
     def __init__(self, *, period: float, gui: bool = False) -> None:
         self.client = Client(gui=gui)
-        self._period = period
+        self.period = period
         self._robots: dict[str, PyBulletRobot] = {}
         self._bodies: dict[str, Body] = {}
         self._before_step: list[Callable[[], None]] = []
@@ -63,11 +64,6 @@ class PyBulletEngine:
             deterministicOverlappingPairs=1,
         )
         self._floor: int = client.createMultiBody(0, client.createCollisionShape(client.GEOM_PLANE))
-
-    @property
-    def period(self) -> float:
-        """Length of one step [s]."""
-        return self._period
 
     def step(self) -> None:
         """Simulates one period."""

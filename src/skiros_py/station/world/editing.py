@@ -140,7 +140,7 @@ def writing(
 
 def lock_view(world: World, lock: WorldLock) -> Lock:
     """Describes a lock, with its time of expiry and its remaining time [s]."""
-    left = max(0.0, lock.until - world.locks.now())
+    left = max(0.0, lock.until - world.locks.clock())
     until = datetime.now(UTC) + timedelta(seconds=left)
     return Lock(element=lock.element, owner=lock.shown, until=until, seconds=round(left, 1))
 

@@ -80,7 +80,7 @@ class ArmPlannerContract(_OfRobot, ABC):
 
     def test_an_arm_that_is_not_there_is_refused(self, planner: ArmPlanner) -> None:
         with pytest.raises(SkirosError, match="unknown_arm"):
-            planner.plan(replace(self._request((JointMove(self._near),)), arm="unknown_arm")).result()
+            planner.plan(replace(self._request((JointMove(self._near),)), device="unknown_arm")).result()
 
     # ------------------------------------------------------------------ motions
 

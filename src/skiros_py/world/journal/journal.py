@@ -44,6 +44,10 @@ class Journal:
     """A :class:`~skiros_py.world.past.ChangeLog` in a file that survives the process, however it ends.
 
     Any thread may read; changes are appended by the thread that writes to the world.
+
+    Attributes:
+        version: Number of the last change, 0 before the first.
+        first: Number of the oldest change that is kept.
     """
 
     def __init__(self, path: Path) -> None:
@@ -62,24 +66,13 @@ class Journal:
         except BaseException:
             self._database.close()
             raise
-        version = max(last or 0, self._snapshot_version)
-        self._first = first or version + 1
-        self._version = version
+        self.version: int = max(last or 0, self._snapshot_version)
+        self.first: int = first or self.version + 1
         self._recent: deque[Change] = deque()
         self._recent_edits = 0
         self._unsure = False
 
     # ------------------------------------------------------------ the change log
-
-    @property
-    def version(self) -> int:
-        """Number of the last change, 0 before the first."""
-        return self._version
-
-    @property
-    def first(self) -> int:
-        """Number of the oldest change that is kept."""
-        return self._first
 
     def append(self, change: Change) -> None:
         """Stores a change durably.
@@ -111,7 +104,7 @@ class Journal:
             self._unsure = False
 
     def _remember(self, change: Change) -> None:
-        self._version = change.number
+        self.version = change.number
         self._recent.append(change)
         self._recent_edits += len(change.edits)
         while len(self._recent) > 1 and (len(self._recent) > _MOST_CHANGES or self._recent_edits > _MOST_EDITS):
@@ -124,10 +117,10 @@ class Journal:
             WorldError: Some of them are no longer kept.
         """
         with self._database.reading():  # a compaction meanwhile would look like damage
-            if version < self._first - 1:
+            if version < self.first - 1:
                 raise WorldError(
                     f"the changes after version {version} are not remembered: the journal was compacted and begins"
-                    f" with change {self._first}"
+                    f" with change {self.first}"
                 )
             wanted = self.version - version
             if wanted <= len(self._recent):
@@ -267,7 +260,7 @@ class Journal:
                     delete(connection, "number <= ?", version - keep)
             self._snapshot_version = version
             if keep is not None:
-                self._first = max(self._first, version - keep + 1)
+                self.first = max(self.first, version - keep + 1)
                 try:
                     self._database.shrink()
                 except FileError as error:

@@ -25,7 +25,7 @@ from skiros_py.processes import is_stopped, limit, packed, receive, send
 from skiros_py.world.change import Change
 from skiros_py.world.index import Index
 from skiros_py.world.queries.answering import Binding, Question, Result, typed
-from skiros_py.world.store import Projection
+from skiros_py.world.store.projection import Projection
 from skiros_py.world.store.store import AnswerLimits
 
 OUT_OF_MEMORY = 77

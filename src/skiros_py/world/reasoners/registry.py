@@ -274,11 +274,6 @@ class Reasoners(Sequence[Reasoner]):
             raise DescriptionError(f"reasoner '{reasoner.name}' must answer with an Answer, not with {answer!r:.100}")
         return answer
 
-    @property
-    def may_veto(self) -> bool:
-        """True when any of them ever objects to a change."""
-        return bool(self._vetoing)
-
 
 def _guarded(reasoner: Reasoner, call: Callable[[], _T]) -> _T:
     """Calls a plug-in; its errors name it."""

@@ -80,10 +80,6 @@ class SizeReasoner(Reasoner):
         """
         return dimensions(view.value(element, SOLID)) if key == "dimensions" else super().data(view, element, key)
 
-    def similarity(self, view: WorldView, a: str, b: str) -> float | None:
-        """Returns how alike two elements are in size, from 0 to 1, or None if a size is not known."""
-        return similarity(view, a, b)
-
     def classify(self, view: WorldView, element: str, classes: Sequence[str]) -> tuple[tuple[str, float], ...]:
         """Returns how likely the size that was measured of an element makes each class, likeliest first.
 

@@ -150,10 +150,6 @@ def _highest(boxes: Boxes) -> Array:
 # ---------------------------------------------------------------- near, overlaps, inside
 
 
-def _is_near(a: Boxes, b: Boxes) -> Bools:
-    return is_closer(a, b, NEARBY)
-
-
 def _says_near(a: str, b: str, yes: bool, apart: float) -> str:
     far = "" if yes else f", more than {NEARBY} m"
     return f"{a} is {'' if yes else 'not '}near {b}: there are {apart:.3f} m between them{far}"
@@ -212,7 +208,7 @@ SPATIAL_RELATIONS: Mapping[str, SpatialRelation] = MappingProxyType(
         RESTS_ON: SpatialRelation(
             _rests, _height_on, _says_rests, (0.01, 0.01, 2.0 * RESTING), needs_map=True, needs_size=True
         ),
-        NEAR: SpatialRelation(_is_near, distance, _says_near, (NEARBY, NEARBY, NEARBY)),
+        NEAR: SpatialRelation(lambda a, b: is_closer(a, b, NEARBY), distance, _says_near, (NEARBY, NEARBY, NEARBY)),
         OVERLAPS: SpatialRelation(_overlaps, _shared, _says_overlaps, (0.0, 0.0, 0.0), needs_size=True),
         INSIDE: SpatialRelation(_is_inside, _clearance, _says_inside, (0.0, 0.0, 0.0), needs_size=True),
     }

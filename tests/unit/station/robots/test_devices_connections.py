@@ -13,7 +13,7 @@ from skiros_py.errors import DeviceError, Refused, UnknownName, WrongState
 from skiros_py.execution.claims import Claims
 from skiros_py.ports.board import DeviceBoard, DeviceHandle
 from skiros_py.ports.driver import Connection
-from skiros_py.simulation.fake import FakeCell
+from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.station.robots.devices import DeviceService
 from skiros_py.testing.conformance import small_cell
 

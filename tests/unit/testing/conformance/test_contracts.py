@@ -14,7 +14,7 @@ from skiros_py.devices.arm import *
 from skiros_py.devices.mobile_base import *
 from skiros_py.devices.gripper import *
 from skiros_py.ports.values import *
-from skiros_py.simulation.fake import FakeCell
+from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.testing.conformance import CellDriverContract, BasePlannerContract, PlannerContract, PendingContract
 
 class Contract(CellDriverContract):

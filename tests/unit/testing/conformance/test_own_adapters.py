@@ -18,7 +18,7 @@ from skiros_py.ports.kinematics import Kinematics
 from skiros_py.ports.motion import ArmPlanner, BasePlanner
 from skiros_py.ports.values import Done, Pending
 from skiros_py.simulation.cell import SimulatedCell
-from skiros_py.simulation.fake import FakeCell
+from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.testing import FaultyCell
 from skiros_py.testing.conformance import (
     ArmPlannerContract,

@@ -22,8 +22,9 @@ from skiros_py.world.ontology import Ontology
 from skiros_py.world.queries import Table, ask, construct, select
 from skiros_py.world.queries.answering import Question, mentioned_relations, typed
 from skiros_py.world.reasoners.registry import Answer, Reasoner, Reasoners
-from skiros_py.world.store import Projection, QuadStore, projection
-from skiros_py.world.store.store import COMPUTED_GRAPH, Rows
+from skiros_py.world.store import projection
+from skiros_py.world.store.projection import Projection
+from skiros_py.world.store.store import COMPUTED_GRAPH, QuadStore, Rows
 from skiros_py.world.view import WorldView
 from skiros_py.world.world import World
 

@@ -14,7 +14,7 @@ from skiros_py.world.change import Writer
 from skiros_py.world.element import Placement
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.reasoners.registry import Answer, Reasoners
-from skiros_py.world.reasoners.sizes import SizeReasoner
+from skiros_py.world.reasoners.sizes import SizeReasoner, similarity
 from skiros_py.world.world import World
 
 ONTOLOGY = Ontology.load([Path(__file__).parents[4] / "ontologies"])
@@ -110,19 +110,19 @@ def test_similarity_is_symmetric_between_0_and_1_and_1_for_equal_sizes_in_any_or
     one: tuple[float, float, float], other: tuple[float, float, float], turn: list[int]
 ) -> None:
     world = world_of(a=part(one), b=part(other), c=part(tuple(one[axis] for axis in turn)))
-    alike = SIZES.similarity(world, "a", "b")
+    alike = similarity(world, "a", "b")
 
     assert alike is not None
     assert 0.0 < alike <= 1.0
-    assert SIZES.similarity(world, "b", "a") == pytest.approx(alike)
-    assert SIZES.similarity(world, "a", "c") == pytest.approx(1.0)
+    assert similarity(world, "b", "a") == pytest.approx(alike)
+    assert similarity(world, "a", "c") == pytest.approx(1.0)
 
 
 def test_similarity_is_the_overlap_of_the_volumes_divided_by_their_union() -> None:
     world = world_of(a=part((0.1, 0.1, 0.1)), b=part((0.1, 0.1, 0.2)), unknown=crate(None))
 
-    assert SIZES.similarity(world, "a", "b") == pytest.approx(0.5)
-    assert SIZES.similarity(world, "a", "unknown") is None
+    assert similarity(world, "a", "b") == pytest.approx(0.5)
+    assert similarity(world, "a", "unknown") is None
     assert SIZES.functions["sk:similarity"](world, "a", "b") == pytest.approx(0.5)
 
 

@@ -11,8 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from skiros_py.errors import UsageError
-from skiros_py.world.store import QuadStore
-from skiros_py.world.store.store import Answer, AnswerLimits, Rows, Term
+from skiros_py.world.store.store import Answer, AnswerLimits, QuadStore, Rows, Term
 
 from ..rdflib_store import RdflibStore  # noqa: TID252  the tests are no installed package
 

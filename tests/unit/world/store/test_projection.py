@@ -21,9 +21,9 @@ from skiros_py.world.names import LEARNED_GRAPH, SCENE_GRAPH
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.past import MemoryLog, Past
 from skiros_py.world.scene import load_scene
-from skiros_py.world.store import Projection, QuadStore, TripleStore, projection
-from skiros_py.world.store.projection import entailed_store
-from skiros_py.world.store.store import INFERRED_GRAPH
+from skiros_py.world.store import projection
+from skiros_py.world.store.projection import Projection, TripleStore, entailed_store
+from skiros_py.world.store.store import INFERRED_GRAPH, QuadStore
 from skiros_py.world.world import World
 
 from ..rdflib_store import RdflibStore  # noqa: TID252  the tests are no installed package

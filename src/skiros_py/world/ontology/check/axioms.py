@@ -31,11 +31,6 @@ class Axiom:
     body: tuple[Statement, ...]
     is_assertion: bool
 
-    @property
-    def subject(self) -> str | None:
-        """Name of its subject, or None if that is anonymous."""
-        return self.head.subject
-
     def names(self) -> frozenset[str]:
         """Returns the names of all terms and individuals in it."""
         names = {name for s in (self.head, *self.body) for name in (s.subject, s.predicate, s.object)}

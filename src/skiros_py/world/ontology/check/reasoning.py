@@ -72,7 +72,7 @@ def _areas(said: Sequence[Axiom], near: frozenset[str]) -> Iterator[tuple[Axiom,
 
 
 def _is_about(axiom: Axiom, names: frozenset[str]) -> bool:
-    subject = axiom.subject
+    subject = axiom.head.subject
     return subject in names if subject is not None else _mentions(axiom, names)
 
 
@@ -117,7 +117,7 @@ class _Reasoning:
         said = list(self._axioms.said)
         verdict = self._judge(said)
         while not verdict.consistent:
-            near = verdict.near or [axiom.subject for axiom in said if axiom.is_assertion and axiom.subject]
+            near = verdict.near or [a.head.subject for a in said if a.is_assertion and a.head.subject]
             why = self._explain(said, near)
             found.append(self._contradiction(why, verdict))
             said = _without(said, why)
@@ -171,7 +171,7 @@ class _Reasoning:
     def _contradiction(self, why: Explanation, verdict: Verdict) -> Finding:
         said = why.axioms
         at = next((axiom for axiom in said if axiom.is_assertion), said[0] if said else None)
-        name = verdict.near[0] if verdict.near else (at.subject or "" if at is not None else "")
+        name = verdict.near[0] if verdict.near else (at.head.subject or "" if at is not None else "")
         text = f"{name or 'what the files say'} cannot be: these statements contradict each other"
         return self._finding(FindingKind.INCONSISTENT, name, text, at, why)
 
@@ -193,7 +193,7 @@ class _Reasoning:
 
     def _excluded(self, class_: str, said: Sequence[Axiom]) -> Finding:
         why = self._explain(said, [class_], [one_of(self._material.names.iri(class_))])
-        at = next((axiom for axiom in why.axioms if axiom.subject == class_), None)
+        at = next((axiom for axiom in why.axioms if axiom.head.subject == class_), None)
         text = f"nothing can be a {class_}: these statements exclude it"
         if at is None:
             fault = self._material.at_declaration(class_, text)
