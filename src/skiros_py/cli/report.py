@@ -30,7 +30,8 @@ def command(run: Path, output: Path | None, mcap: Path | None, as_json: bool) ->
 
     With --json the recording's content is printed as data instead; a page is written only where --output asks for one.
     """
-    from skiros_py.recording import Recording, find_recording, report_page
+    from skiros_py.recording import Recording, find_recording
+    from skiros_py.recording.report import report_page
     from skiros_py.recording.writer import export
     from skiros_py.world.scene.files import write_atomically
 

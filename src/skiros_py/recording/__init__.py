@@ -1,16 +1,12 @@
 """Recordings: one MCAP file for each run or job, with a channel for each topic, that other programs open, too."""
 
 from skiros_py.recording.foxglove import Schema
-from skiros_py.recording.reader import RUNS, SUFFIX, Frame, Recording, find_recording
+from skiros_py.recording.reader import Recording, find_recording
 from skiros_py.recording.recorder import Recorder
-from skiros_py.recording.report import report_page
 from skiros_py.recording.topics import Topic, own_schema
 from skiros_py.recording.writer import RecordingWriter
 
 __all__ = [
-    "RUNS",
-    "SUFFIX",
-    "Frame",
     "Recorder",
     "Recording",
     "RecordingWriter",
@@ -18,5 +14,4 @@ __all__ = [
     "Topic",
     "find_recording",
     "own_schema",
-    "report_page",
 ]

@@ -309,10 +309,7 @@ class _Reader(SeekingReader):
         except _BROKEN:
             summary = None
         self._own = summary if summary is not None else self._scanned()
-
-    @property
-    def chunks(self) -> list[records.ChunkIndex]:
-        return self._own.chunk_indexes
+        self.chunks = self._own.chunk_indexes
 
     @property
     def counts(self) -> dict[str, int]:

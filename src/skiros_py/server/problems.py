@@ -209,10 +209,6 @@ def _of_http(error: HTTPException) -> Problem:
     return Problem(error.status_code, code, str(error.detail), headers=error.headers)
 
 
-def _where(place: Sequence[str | int]) -> str:
-    return ".".join(str(part) for part in place)[:200]
-
-
 def _of_validation(error: RequestValidationError) -> Problem:
     fields = [_field(one) for one in error.errors()[:100]]
     detail = "; ".join(f"{one['field']}: {one['message']}" for one in fields[:10])
@@ -222,7 +218,8 @@ def _of_validation(error: RequestValidationError) -> Problem:
 def _field(fault: Mapping[str, Any]) -> dict[str, Any]:
     """Describes the fault of one field; kind and limit allow a page to translate the message."""
     limit = fault_limit(fault)
-    said = {"field": _where(fault["loc"]), "message": fault_words(fault)[:_LONGEST], "kind": str(fault["type"])}
+    field = ".".join(map(str, fault["loc"]))[:200]
+    said = {"field": field, "message": fault_words(fault)[:_LONGEST], "kind": str(fault["type"])}
     return said if limit is None else {**said, "limit": limit}
 
 

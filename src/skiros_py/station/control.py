@@ -6,12 +6,13 @@ import logging
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import Future, wait
-from contextlib import contextmanager, nullcontext, suppress
+from contextlib import nullcontext, suppress
 from typing import Any, TypeVar
 
 from skiros_py.errors import Busy, DeviceError, SkirosError, UsageError
+from skiros_py.station.requests import admitted
 from skiros_py.station.session import Session
 
 T = TypeVar("T")
@@ -115,6 +116,8 @@ _OPENING = 60.0
 _PLACES = 24
 """Maximum number of waiting callers, of the 40 threads that answer requests: the others answer requests that do not
 need the control thread, even if the control cycle hangs."""
+_FULL = "very many requests wait for the control cycle already"
+
 _REST = 0.005
 """In lockstep, the pause between two cycles while there is nothing to do [s]."""
 
@@ -204,27 +207,13 @@ class ControlThread:
         if session is not None:
             return session
         if not self._is_mine:  # the control thread would wait for itself
-            with self._place():
+            with admitted(self._places, _FULL):
                 self._await_session()
         return self._present()
 
     def _await_session(self) -> None:
         with self._ready:
             self._ready.wait_for(lambda: self._session is not None or self.fault is not None, timeout=_OPENING)
-
-    @contextmanager
-    def _place(self) -> Iterator[None]:
-        """Takes one of the limited slots for waiting callers.
-
-        Raises:
-            Busy: No slot is free.
-        """
-        if not self._places.acquire(blocking=False):
-            raise Busy("very many requests wait for the control cycle already", retry_after=1.0)
-        try:
-            yield
-        finally:
-            self._places.release()
 
     def _present(self) -> Session:
         session = self._session
@@ -255,7 +244,7 @@ class ControlThread:
         """
         if self._is_mine:
             return work(self._present())
-        with nullcontext() if urgent else self._place():
+        with nullcontext() if urgent else admitted(self._places, _FULL):
             self._await_session()  # while the session is being reopened, this may take longer than a turn
             self._present()
             return self._outcome(self._queue.ask(lambda: work(self._present())))

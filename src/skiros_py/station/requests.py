@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, TypeVar
 
-from skiros_py.errors import NotFound, Refused, StaleVersion, UnknownName
+from skiros_py.errors import Busy, NotFound, Refused, StaleVersion, UnknownName
 from skiros_py.station.session import Session
 from skiros_py.world.world import World
 
@@ -123,3 +124,22 @@ def addressed(code: str = "NotFound") -> Iterator[None]:
         yield
     except UnknownName as error:
         raise NotFound.of(error, code) from None
+
+
+@contextmanager
+def admitted(places: threading.Semaphore | threading.Lock, full: str) -> Iterator[None]:
+    """Takes a place in a ``with``.
+
+    Args:
+        places: The places.
+        full: Why none is left.
+
+    Raises:
+        Busy: None is left.
+    """
+    if not places.acquire(blocking=False):
+        raise Busy(full)
+    try:
+        yield
+    finally:
+        places.release()

@@ -13,8 +13,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from skiros_py.errors import FileError
-from skiros_py.recording import Recording, RecordingWriter, Schema, Topic, report_page
+from skiros_py.recording import Recording, RecordingWriter, Schema, Topic
 from skiros_py.recording.pictures import OVERVIEW
+from skiros_py.recording.report import report_page
 from skiros_py.recording.timeline import draw, lanes, span
 from skiros_py.world.change import Change, ElementEdit, PropertyEdit
 from skiros_py.world.element import Element

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, TypedDict
+from typing import Annotated, Any
 
 from fastapi import APIRouter, Body, Depends, Path, Query
 
@@ -10,7 +10,6 @@ from skiros_py.api.jobs import AcceptedJob, Job, JobAnswer, JobComment
 from skiros_py.server.access.audit import note
 from skiros_py.server.access.roles import Act, OperatorOrMes
 from skiros_py.server.problems import SeenDep, tagged
-from skiros_py.station.requests import Author
 
 JobId = Annotated[
     str, Path(alias="id", min_length=1, max_length=200, description="Id of the job.", examples=["line-1-kit-4711"])
@@ -29,24 +28,18 @@ router = APIRouter(responses=tagged())
 _NO_COMMENT = JobComment()
 
 
-class _Wish(TypedDict):
-    comment: str
-    expects: int | None
-    author: Author
-
-
 def _wish(
     act: OperatorOrMes,
     job: JobId,
     seen: SeenDep,
     body: Annotated[JobComment, Body(description="Reason; optional.")] = _NO_COMMENT,
-) -> _Wish:
+) -> dict[str, Any]:
     """Reads who commands a job and why, and notes it for the audit log: a removed job takes its record along."""
     note(act.request, job=job, comment=body.comment)
     return {"comment": body.comment, "expects": seen.version if seen else None, "author": act.author}
 
 
-WishDep = Annotated[_Wish, Depends(_wish)]
+WishDep = Annotated[dict[str, Any], Depends(_wish)]
 """For routes: who commands, why, and which version of the job they have seen."""
 
 

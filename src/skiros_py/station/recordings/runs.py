@@ -18,8 +18,9 @@ from uuid import uuid4
 
 from skiros_py.errors import FileError, Refused
 from skiros_py.ports.kinematics import write_robot_urdf
-from skiros_py.recording import RUNS, SUFFIX, Recorder, Recording, RecordingWriter
+from skiros_py.recording import Recorder, Recording, RecordingWriter
 from skiros_py.recording.pictures import record_pictures
+from skiros_py.recording.reader import RUNS, SUFFIX
 from skiros_py.station.recordings.replay import replay_text
 from skiros_py.station.recordings.sources import camera_of, record_looks, record_view
 from skiros_py.station.session import Session
@@ -27,6 +28,7 @@ from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.jobs.job import Job
 from skiros_py.tasks.jobs.manager import JobManager
 from skiros_py.tasks.trace import TraceEntry, TraceEventKind
+from skiros_py.world.journal.data_directory import make_folder
 from skiros_py.world.scene.writer import scene_turtle
 
 _PACKAGES = ("skiros-py", "pybullet", "numpy", "up-fast-downward", "kairos-planner")
@@ -44,10 +46,7 @@ def run_recorder(session: Session, data: Path) -> Recorder:
         FileError: The recording cannot be created there.
     """
     folder = data / RUNS
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise FileError(folder, f"cannot be made: {error.strerror or error}") from error
+    make_folder(folder)
     camera = camera_of(session)
     sources = [] if camera is None else [record_pictures(camera)]
     sources.append(lambda recorder: recorder.on_end(session.tasks.on_begin(recorder.follow)))

@@ -15,6 +15,7 @@ from skiros_py.errors import FileError, Refused, StaleVersion, UnknownName, Usag
 from skiros_py.station.requests import Seen, require_seen
 from skiros_py.world.change import Edit, ElementEdit, SourceEdit
 from skiros_py.world.index import Index
+from skiros_py.world.journal.data_directory import make_folder
 from skiros_py.world.scene import diff, scene_source
 from skiros_py.world.scene.files import write_atomically
 from skiros_py.world.scene.writer import scene_turtle
@@ -147,10 +148,7 @@ class SceneStore:
                     text = f"'{name}' is a scene that came with a package: choose another name"
                     raise Refused("SceneInstalled", text)
                 require_seen(seen, file.version)
-            try:
-                self._folder.mkdir(exist_ok=True)
-            except OSError as error:
-                raise FileError(self._folder, f"cannot be made: {error.strerror}") from error
+            make_folder(self._folder)
             path = self._path(name)
             write_atomically(path, text)
         return SceneFile(name, path, saved=True)

@@ -29,7 +29,7 @@ from skiros_py.ports.cell import BodySpec
 from skiros_py.skills.cell_reader import read_body
 from skiros_py.station.alarms.alarms import Alarms
 from skiros_py.station.control import ControlThread
-from skiros_py.station.requests import addressed
+from skiros_py.station.requests import addressed, admitted
 from skiros_py.station.scenes.loading import check_reopening, require_rest
 from skiros_py.station.session import Session
 from skiros_py.world import vocabulary as v
@@ -211,18 +211,16 @@ class Simulation:
         from PIL import Image  # imported only for pictures
 
         seen_from = _not_straight_down(eye, target)
-        if not self._drawing.acquire(blocking=False):
-            raise Busy("another picture is being made: one at a time, for robots' cameras need the same process")
-        try:
-            drawing = self._control.call(
-                lambda session: _cell(session).picture(seen_from, target, width=width, height=height)
-            )
-            file = io.BytesIO()
-            Image.fromarray(drawing.result()).save(file, "PNG")
-        except DeviceError as error:
-            raise Busy(f"no picture: {error}; perhaps the simulation is being brought up again") from None
-        finally:
-            self._drawing.release()
+        full = "another picture is being made: one at a time, for robots' cameras need the same process"
+        file = io.BytesIO()
+        with admitted(self._drawing, full):
+            try:
+                drawing = self._control.call(
+                    lambda session: _cell(session).picture(seen_from, target, width=width, height=height)
+                )
+                Image.fromarray(drawing.result()).save(file, "PNG")
+            except DeviceError as error:
+                raise Busy(f"no picture: {error}; perhaps the simulation is being brought up again") from None
         return file.getvalue()
 
     # ------------------------------------------------------------------ edits, in the control thread
@@ -293,12 +291,10 @@ class Simulation:
 
 def _fixed(view: Index, change: Change) -> Iterator[str]:
     """Yields the changed robots, pieces of robots, and stocks, ignoring the believed location of robots."""
-    for name in sorted(_touched(view, change.edits, PropertyEdit, RelationEdit, ElementEdit)):
-        if any(view.ontology.is_a(view.element(name).type, class_) for class_ in _FIXED):
-            yield name
-    gone = [edit.old for edit in change.edits if isinstance(edit, ElementEdit) and edit.old is not None]
-    for element in gone:
-        if not view.has(element.id) and any(view.ontology.is_a(element.type, class_) for class_ in _FIXED):
+    named = sorted(_touched(view, change.edits, PropertyEdit, RelationEdit, ElementEdit))
+    old = [edit.old for edit in change.edits if isinstance(edit, ElementEdit) and edit.old is not None]
+    for element in (*map(view.element, named), *(element for element in old if not view.has(element.id))):
+        if any(view.ontology.is_a(element.type, class_) for class_ in _FIXED):
             yield element.id
 
 

@@ -148,24 +148,20 @@ class PreviewService(Service):
         session.on_close(self._forget)
 
     def _forget(self) -> None:
-        self._cancel()
         with self._guard:
+            previews = tuple(self._previews.values())
             self._previews.clear()
+        for preview in previews:
+            preview.planning.cancel()
 
     def close(self) -> None:
         """Cancels planning; may be called twice."""
         self._closed = True
-        self._cancel()
+        self._forget()
 
     def _find(self, id_: str) -> _Preview:
         with self._guard:
             return find("preview", id_, self._previews)
-
-    def _cancel(self) -> None:
-        with self._guard:
-            previews = tuple(self._previews.values())
-        for preview in previews:
-            preview.planning.cancel()
 
 
 def _answered(preview: _Preview, asked: Asked[Planned]) -> None:

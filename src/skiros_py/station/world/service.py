@@ -13,13 +13,12 @@ from typing import Any
 from skiros_py.api.ontology import ClassDetails, ClassNode, PlacementOptions, PropertyPage, RelationInfoPage
 from skiros_py.api.queries import Bound, DecimalLiteral, Query, TextLiteral
 from skiros_py.errors import Busy, DeviceError, UsageError
-from skiros_py.station.requests import Service, addressed
+from skiros_py.station.requests import Service, addressed, admitted
 from skiros_py.station.session import Session
 from skiros_py.station.world.ontology import class_details, class_tree, property_info, relation_info
 from skiros_py.station.world.placements import placement_options
 from skiros_py.station.world.values import given, plain
 from skiros_py.world.element import Value
-from skiros_py.world.index import Index
 from skiros_py.world.literals import format_value
 from skiros_py.world.queries import Binding, Constructed, Result, Table, Text
 from skiros_py.world.queries.outside import OutsideQueries
@@ -98,19 +97,17 @@ class Queries:
             UsageError: It cannot be answered, or not within its limits; the text gives the reason.
             Busy: Too many queries are being answered already, or the station is being opened.
         """
-        if not self._turns.acquire(blocking=False):
-            raise Busy(f"{self._limits.at_once} questions are being answered already: ask again later")
-        outside = self._outside
-        try:
+        full = f"{self._limits.at_once} questions are being answered already: ask again later"
+        with admitted(self._turns, full):
+            outside = self._outside
             if outside is None:
                 raise Busy("the station is not running: ask again later")
-            return outside.query(sparql, bindings, entailed=entailed, time_limit=time_limit)
-        except DeviceError:
-            if self._outside is outside:
-                raise
-            raise Busy("the station was closed meanwhile: ask again later") from None
-        finally:
-            self._turns.release()
+            try:
+                return outside.query(sparql, bindings, entailed=entailed, time_limit=time_limit)
+            except DeviceError:
+                if self._outside is outside:
+                    raise
+                raise Busy("the station was closed meanwhile: ask again later") from None
 
     def open(self, session: Session) -> None:
         """Answers queries about a session's world from now on."""
@@ -124,10 +121,6 @@ class Queries:
 class OntologyService(Service):
     """Describes the ontology, and answers queries over all knowledge."""
 
-    @property
-    def _view(self) -> Index:
-        return self._station.session.world.snapshot()
-
     def classes(self, root: str = ELEMENT, depth: int = 50) -> ClassNode:
         """Returns the classes as a tree; a class with several parents is below its primary one.
 
@@ -135,7 +128,7 @@ class OntologyService(Service):
             NotFound: There is no such class.
         """
         with addressed():
-            return class_tree(self._view, root, depth)
+            return class_tree(self._world.snapshot(), root, depth)
 
     def class_(self, name: str) -> ClassDetails:
         """Describes a class: properties of its elements, their number, and the arguments that accept them.
@@ -149,13 +142,13 @@ class OntologyService(Service):
 
     def relations(self, limit: int = 1000, after: str = "") -> RelationInfoPage:
         """Lists relations by name, with the classes at their ends."""
-        view = self._view
+        view = self._world.snapshot()
         names, more = _page(view.ontology.relations, limit, after)
         return RelationInfoPage(items=[relation_info(view, view.ontology.relations[name]) for name in names], next=more)
 
     def properties(self, limit: int = 1000, after: str = "") -> PropertyPage:
         """Lists properties by name, with data type and unit."""
-        ontology = self._view.ontology
+        ontology = self._world.ontology
         names, more = _page(ontology.properties, limit, after)
         return PropertyPage(items=[property_info(ontology.properties[name]) for name in names], next=more)
 
@@ -183,7 +176,7 @@ class OntologyService(Service):
             raise UsageError("say what is to be put somewhere: either class=kitting:Starter or element=starter_1")
         if after is not None and relation is None:
             raise UsageError("a cursor goes on with the places of one relation: give relation=sk:in, too")
-        view = self._view
+        view = self._world.snapshot()
         what = view.element(element).type if element is not None else class_
         assert what is not None
         view.ontology.ancestors(what)

@@ -195,7 +195,7 @@ class DataDirectory:
 
 
 def make_folder(path: Path) -> None:
-    """Creates the folder of a data directory if it is missing.
+    """Creates a data directory, or a folder in one, if it is missing.
 
     Raises:
         FileError: It cannot be created, or is not a folder.
@@ -203,7 +203,7 @@ def make_folder(path: Path) -> None:
     try:
         path.mkdir(parents=True, exist_ok=True)
     except FileExistsError:
-        raise FileError(path, "is not a folder, and a data directory is one") from None
+        raise FileError(path, "is not a folder, and one is needed here") from None
     except OSError as error:
         raise FileError(path, f"cannot be made: {error.strerror}") from error
 
