@@ -21,7 +21,6 @@ from skiros_py.ports.motion import (
     MotionPlan,
     MotionRequest,
     NoMotion,
-    Obstacle,
     PoseMove,
     Route,
     Trajectory,
@@ -155,18 +154,12 @@ class ArmPrimitive(Primitive[Any]):
         found = held_by(self.context, self.gripper_id)
         return found[1] if found else None
 
-    def around(self, without: frozenset[str] = frozenset()) -> tuple[Obstacle, ...]:
-        """All obstacles."""
-        return (*obstacles(self.context, parts=True, without=without), *bodies(self.context, self.robot.id))
-
     def open_wide(self, gripper: Gripper) -> Execution[GripperState]:
         """Opens the fingers as far as they go."""
         spec = self.gripper_spec
         return (yield from move_fingers(self.context, gripper, spec.max_gap, firm_force(spec)))
 
-    def plan(
-        self, routes: Sequence[Route], *, around: tuple[Obstacle, ...] | None = None, speed: float = 1.0
-    ) -> Execution[MotionPlan | NoMotion]:
+    def plan(self, routes: Sequence[Route], *, speed: float = 1.0) -> Execution[MotionPlan | NoMotion]:
         """Plans the best of several routes from the arm's current position and reserves the floor below it.
 
         While other robots drive there, it waits; since they stand elsewhere afterwards, it plans again.
@@ -174,7 +167,7 @@ class ArmPrimitive(Primitive[Any]):
         deadline = self.context.now + _COURTESY
         while True:
             before = driving(self.context, self.robot.id)
-            planned = yield from self._planned(routes, around=around, speed=speed)
+            planned = yield from self._planned(routes, speed)
             if isinstance(planned, NoMotion):
                 return planned
             refusal = yield from self._reach_out(planned.covers, deadline)
@@ -195,16 +188,14 @@ class ArmPrimitive(Primitive[Any]):
             yield
         return None
 
-    def _planned(
-        self, routes: Sequence[Route], *, around: tuple[Obstacle, ...] | None, speed: float
-    ) -> Execution[MotionPlan | NoMotion]:
+    def _planned(self, routes: Sequence[Route], speed: float) -> Execution[MotionPlan | NoMotion]:
         gripper = self.context.board.snapshot.of(GripperState).get(self.gripper_id)
         request = MotionRequest(
             device=self.params.arm,
             start=self.arm.state.positions,
             base=self.base_pose,
             routes=tuple(routes),
-            obstacles=self.around() if around is None else around,
+            obstacles=(*obstacles(self.context, parts=True), *bodies(self.context, self.robot.id)),
             held=self.held(),
             gap=gripper.gap if gripper else self.gripper_spec.max_gap,
             speed=speed,
@@ -255,9 +246,9 @@ class ArmPrimitive(Primitive[Any]):
         rest = Trajectory(trajectory.positions[nearest:], trajectory.velocities[nearest:])
         return (yield from self.follow(rest))
 
-    def go(self, routes: Sequence[Route], **options: Any) -> Execution[NoMotion | None]:
+    def go(self, routes: Sequence[Route], *, speed: float = 1.0) -> Execution[NoMotion | None]:
         """Plans and follows all moves of the best route; returns the reason if there is none."""
-        planned = yield from self.plan(routes, **options)
+        planned = yield from self.plan(routes, speed=speed)
         return planned if isinstance(planned, NoMotion) else (yield from self.follow_plan(planned))
 
     def tool_pose(self) -> Pose:

@@ -30,15 +30,9 @@ def driving(context: RunContext, robot: str) -> list[str]:
     return [other.id for other in others(context, robot) if context.floor.is_driving(other.id)]
 
 
-def bodies(context: RunContext, robot: str, *, margin: float = 0.0) -> tuple[Obstacle, ...]:
-    """Returns the other robots as obstacles: a block around each at its current pose.
-
-    Args:
-        context: The run.
-        robot: Id of the robot that is not to touch them.
-        margin: By how much each block is wider than the robot, on each side [m].
-    """
-    return tuple(_block(context, other, other.outline, margin) for other in others(context, robot))
+def bodies(context: RunContext, robot: str) -> tuple[Obstacle, ...]:
+    """Returns the robots besides one as obstacles: a block around each at its current pose."""
+    return tuple(_block(context, other, other.outline, 0.0) for other in others(context, robot))
 
 
 def _block(context: RunContext, robot: RobotSpec, outline: Outline, margin: float) -> Obstacle:

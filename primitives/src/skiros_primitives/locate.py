@@ -11,14 +11,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
-from skiros_primitives.looking import LookingPrimitive, support_region
+from skiros_primitives.looking import LookingParams, LookingPrimitive, support_region
 from skiros_primitives.part_models import part_models
 from skiros_py.geometry import Pose
 from skiros_py.ports.motion import NoMotion
 from skiros_py.ports.perception import Detection, LookResult
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import Failure, Outcome, Success
-from skiros_py.skills.parameters import Kind, param
+from skiros_py.skills.parameters import param
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.surroundings import map_pose
 from skiros_py.world import vocabulary as v
@@ -111,11 +111,9 @@ class Locate(LookingPrimitive):
     name: ClassVar[str] = "locate"
 
     @dataclass(frozen=True, slots=True)
-    class Params:
+    class Params(LookingParams):
         """Parameters."""
 
-        arm: str = param(v.ARM, "The arm that carries the camera.", kind=Kind.HARDWARE)
-        camera: str = param(v.CAMERA, "The camera to look with.", kind=Kind.HARDWARE)
         place: str = param(v.CONTAINER, "Where to look.")
         part: str = param(v.MANIPULATABLE, "The part that is wanted.")
 

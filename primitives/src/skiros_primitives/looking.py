@@ -56,8 +56,16 @@ _LOOK_HEIGHTS = (0.46, 0.40, 0.34)
 """Heights of the camera above the viewed surface, best first [m]; low ones for when the arm cannot reach higher."""
 
 
+@dataclass(frozen=True, slots=True)
+class LookingParams:
+    """Parameters of every primitive that looks."""
+
+    arm: str = param(v.ARM, "The arm that carries the camera.", kind=Kind.HARDWARE)
+    camera: str = param(v.CAMERA, "The camera to look with.", kind=Kind.HARDWARE)
+
+
 class LookingPrimitive(ArmPrimitive):
-    """Base of the primitives that look; their parameters have fields ``arm`` and ``camera``."""
+    """Base of the primitives that look; their parameters are :class:`LookingParams` and more."""
 
     def look_for_parts(self, region: Region, x: float, y: float) -> Execution[LookResult | NoMotion]:
         """Searches a region for parts, in a picture from straight above a point of the map [m]."""
@@ -111,11 +119,9 @@ class RegisterKit(LookingPrimitive):
     name: ClassVar[str] = "register_kit"
 
     @dataclass(frozen=True, slots=True)
-    class Params:
+    class Params(LookingParams):
         """Parameters."""
 
-        arm: str = param(v.ARM, "The arm that carries the camera.", kind=Kind.HARDWARE)
-        camera: str = param(v.CAMERA, "The camera to look with.", kind=Kind.HARDWARE)
         kit: str = param(v.CONTAINER, "The kit.")
 
     def execute(self) -> Execution[Outcome]:
@@ -166,11 +172,9 @@ class RegisterPart(LookingPrimitive):
     name: ClassVar[str] = "register_part"
 
     @dataclass(frozen=True, slots=True)
-    class Params:
+    class Params(LookingParams):
         """Parameters."""
 
-        arm: str = param(v.ARM, "The arm that carries the camera.", kind=Kind.HARDWARE)
-        camera: str = param(v.CAMERA, "The camera to look with.", kind=Kind.HARDWARE)
         part: str = param(v.MANIPULATABLE, "The part; a first look has seen it.")
 
     def execute(self) -> Execution[Outcome]:
@@ -212,11 +216,9 @@ class VerifyPlace(LookingPrimitive):
     name: ClassVar[str] = "verify_place"
 
     @dataclass(frozen=True, slots=True)
-    class Params:
+    class Params(LookingParams):
         """Parameters."""
 
-        arm: str = param(v.ARM, "The arm that carries the camera.", kind=Kind.HARDWARE)
-        camera: str = param(v.CAMERA, "The camera to look with.", kind=Kind.HARDWARE)
         part: str = param(v.MANIPULATABLE, "The part that was put down.")
         compartment: str = param(v.CONTAINER, "Where it should be.")
 

@@ -22,7 +22,8 @@ from skiros_py.skills.conditions.effects import Assign, Relate, Unrelate, brough
 from skiros_py.skills.conditions.pattern import leaves
 from skiros_py.skills.inference import Inferred, Missing, infer
 from skiros_py.skills.outcome import Failure, Outcome
-from skiros_py.skills.parameters import SAMPLES, Kind, sample_of_range
+from skiros_py.skills.parameters import Kind
+from skiros_py.skills.parameters.values import SAMPLES, sample_of_range
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.tasks.task_manager import TaskManager

@@ -142,7 +142,8 @@ def _body(name: str) -> list[str]:
 
 
 def _panel_lines(panel: Panel) -> Iterator[str]:
-    from skiros_py.skills.parameters import Kind, as_text
+    from skiros_py.skills.parameters import Kind
+    from skiros_py.skills.parameters.values import as_text
 
     for param in panel.params:
         if param.kind is Kind.PLANNING:

@@ -12,7 +12,8 @@ from skiros_py.execution.module_faults import contained, words
 from skiros_py.interruptions import Activity, CycleOverrun, CycleStep
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import BROKEN, Failure
-from skiros_py.skills.parameters import Kind, params_of, read_value
+from skiros_py.skills.parameters import Kind, params_of
+from skiros_py.skills.parameters.values import read_value
 from skiros_py.skills.primitive import Primitive
 from skiros_py.world.view import WorldView
 

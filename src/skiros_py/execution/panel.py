@@ -11,7 +11,8 @@ from skiros_py.execution.module_faults import contained
 from skiros_py.skills.conditions import Condition, Verdict
 from skiros_py.skills.inference import Inferred, Missing, infer
 from skiros_py.skills.outcome import Failure
-from skiros_py.skills.parameters import Kind, Param, as_json, missing, read_arguments
+from skiros_py.skills.parameters import Kind, Param, missing, read_arguments
+from skiros_py.skills.parameters.values import as_json
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.view import WorldView
 

@@ -10,7 +10,8 @@ from skiros_py.scaffold.draft import Draft, literal, render
 from skiros_py.scaffold.orders import NewPrimitive
 from skiros_py.scaffold.project import Knowledge
 from skiros_py.scaffold.stage import Stage
-from skiros_py.skills.parameters import SAMPLES, Kind, Param
+from skiros_py.skills.parameters import Kind, Param
+from skiros_py.skills.parameters.values import SAMPLES
 
 _OF_TEST_KIT = frozenset(
     {

@@ -23,7 +23,8 @@ from skiros_py.scaffold.project import Knowledge
 from skiros_py.scaffold.stage import Stage, open_questions
 from skiros_py.skills.conditions import Condition, Not, Related
 from skiros_py.skills.conditions.effects import effects_of
-from skiros_py.skills.parameters import SAMPLES, Kind, Param
+from skiros_py.skills.parameters import Kind, Param
+from skiros_py.skills.parameters.values import SAMPLES
 from skiros_py.world.names import local_name
 
 _HAS_PART = "HasPart"

@@ -18,7 +18,7 @@ from skiros_py.scaffold.ontology import declaring, prefix_of, prefix_table
 from skiros_py.scaffold.project import Knowledge
 from skiros_py.scaffold.robot import robot_iris
 from skiros_py.skills.conditions import AllOf, AnyOf, Compare, Computed, Condition, Exists, Has, Pattern, Related
-from skiros_py.skills.parameters import sample_of_range
+from skiros_py.skills.parameters.values import sample_of_range
 from skiros_py.world.change import PropertyEdit, RelationEdit
 from skiros_py.world.element import Placement, Value
 from skiros_py.world.reasoners.registry import load_reasoners

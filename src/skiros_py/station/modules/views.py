@@ -11,7 +11,8 @@ from skiros_py.planning.problem.task import Capability
 from skiros_py.skills.behaviour import Behaviour, nodes_of
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.outcome import Failure
-from skiros_py.skills.parameters import Kind, Output, Param, as_json, as_shown, schema
+from skiros_py.skills.parameters import Kind, Output, Param
+from skiros_py.skills.parameters.values import as_json, as_shown, schema
 from skiros_py.skills.skill import Skill
 from skiros_py.skills.surroundings import owner
 from skiros_py.station.modules.runs import ModuleRun, Round

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from skiros_py.skills.parameters import SAMPLES, sample_of_range
-from skiros_py.skills.parameters.values import VALUE_TYPES
+from skiros_py.skills.parameters.values import SAMPLES, VALUE_TYPES, sample_of_range
 from skiros_py.world.literals import DATATYPES
 
 

@@ -15,7 +15,8 @@ from hypothesis import strategies as st
 
 from skiros_py.errors import DescriptionError, UnknownName, UsageError
 from skiros_py.geometry import Pose
-from skiros_py.skills.parameters import Kind, Param, as_json, as_text, read_arguments, read_value, schema
+from skiros_py.skills.parameters import Kind, Param, read_arguments
+from skiros_py.skills.parameters.values import as_json, as_text, read_value, schema
 from skiros_py.testing import tiny_world
 from skiros_py.world.world import World
 

@@ -22,7 +22,8 @@ from skiros_py.skills.conditions import (
 )
 from skiros_py.skills.conditions.pattern import Classes, leaves
 from skiros_py.skills.lint.rule import Known, Place, Subject, Use, rule, uses_of
-from skiros_py.skills.parameters import Param, read_constant
+from skiros_py.skills.parameters import Param
+from skiros_py.skills.parameters.values import read_constant
 from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.world.literals import CLASS_NAME, DATATYPES
 from skiros_py.world.ontology import Ontology
