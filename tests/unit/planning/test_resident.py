@@ -144,6 +144,22 @@ def test_a_resident_program_that_does_not_start_a_run_is_killed_and_the_next_run
     assert ran(resident, tmp_path, of("says", "two", "0")).code == 0
 
 
+def test_a_run_ends_at_once_if_the_resident_program_is_suspended_before_starting_it(
+    resident: Resident, tmp_path: Path
+) -> None:
+    other, process = waiting(resident, tmp_path)
+    parent = process.parent()
+    assert parent is not None
+    parent.send_signal(signal.SIGSTOP)
+    run = resident.start(of("says", "one", "0"), tmp_path, LIMITS, os.environ)
+    while not run.has_ended():  # the signal takes effect a little later
+        time.sleep(0.01)
+
+    assert run.kill() == -9
+    assert other.kill() == -9
+    assert ran(resident, tmp_path, of("says", "two", "0")).code == 0
+
+
 def test_a_run_ends_even_if_the_resident_program_is_killed_right_after_starting_it(
     modules: Path, tmp_path: Path
 ) -> None:

@@ -23,7 +23,7 @@ from threading import Lock
 from skiros_py.errors import PlanningError
 from skiros_py.planning.planners.planner import Answer, Unsolvable
 from skiros_py.planning.planners.program_planner import CLASSICAL, DOMAIN, PROBLEM, ProgramPlanner, read_plan_file
-from skiros_py.processes import end_connected, start_connected
+from skiros_py.processes import end_connected, is_stopped, start_connected
 from skiros_py.programs import Ended, Limits, Running, kill_group, resource_limits, wait_for_group
 
 _START = 0.3
@@ -141,8 +141,14 @@ class ResidentRun:
         self._said = b""
 
     def has_ended(self) -> bool:
-        """Returns whether it has ended, or was lost because the resident program was killed."""
+        """Returns whether it has ended, or was lost because the resident program was killed or suspended."""
+        if b"pid" not in self._said and is_stopped(self._resident):
+            self._kill_resident()
         return self._has_reported(b"code", 0.0)
+
+    def _kill_resident(self) -> None:
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(self._resident, signal.SIGKILL)
 
     def _has_reported(self, word: bytes, seconds: float) -> bool:
         """Returns whether a number was reported, at most some time [s] later; also True if none will be."""
@@ -161,8 +167,7 @@ class ResidentRun:
         A resident program that has not started it is stopped or hangs: it is killed, and the next run starts another.
         """
         if not self._has_reported(b"pid", _START):
-            with contextlib.suppress(ProcessLookupError):
-                os.kill(self._resident, signal.SIGKILL)
+            self._kill_resident()
         self.has_ended()  # reads what there is
         said = dict(line.split() for line in self._said.splitlines())
         os.close(self._status)  # for the resident program: to kill it, where it runs

@@ -131,6 +131,6 @@ def faults_of_document(root: Behaviour, params: Sequence[Param], known: Known) -
     endless = calls.endless_calls((root,), known, known.skills)
     for place in places_of(root, params):
         for module in {call.module for call in place.node.uses().calls} & set(endless):
-            yield place.path, f"every way to succeed calls {module}, which leads back to this skill"
+            yield place.path, f"every way to succeed calls {module}, which leads back to this document"
         for rule in _OF_DOCUMENTS:
             yield from ((place.path, str(found)) for found in rule.problems(place, known))
