@@ -156,7 +156,7 @@ def test_documents_that_call_each_other_without_end_are_faults_at_the_call() -> 
     ends = Fallback.of(Do.of("move", to=0.1), Do.of("second"))
 
     assert found(first, first=document(first), second=document(Do.of("first"))) == [
-        ("1", "every way to succeed calls second, which leads back to this skill")
+        ("1", "every way to succeed calls second, which leads back to this document")
     ]
     assert found(ends, first=document(ends), second=document(Do.of("first"))) == []
 
