@@ -196,7 +196,7 @@ def _halt(info: StopInfo) -> Found:
     if info.halted and not info.obeyed:
         return info, _not_obeyed(), status
     by = f", by {info.by}" if info.by else ""
-    halted = f"halted ({info.why}{by}): {'everything stands' if info.standing else 'it brakes'}"
+    halted = f"halted ({info.why}{by}): {'all devices stand still' if info.standing else 'braking'}"
     return info, [halted if info.halted else "nothing is halted"], status
 
 

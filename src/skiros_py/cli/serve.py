@@ -128,8 +128,8 @@ def command(scene: str, data: Path | None, log: Literal["console", "json"], as_j
 
     SCENE is the first content of a new data directory, and can be left out afterwards: world, jobs and keys live on
     there; without --data all of that is gone at the end. The API is below /api/v1, with a page that describes it at
-    /api/v1/docs; where the web pages are installed, they are at /. At the end the robots come to a standstill, and what
-    was under way waits for a person at the next start.
+    /api/v1/docs; where the web pages are installed, they are at /. At the end the robots come to a standstill, and
+    running jobs wait for a person at the next start.
     """
     require_extra("server", "skiros serve")
     from skiros_py.server.monitoring import log_to
@@ -196,18 +196,18 @@ def _serve(
         serving = Serving(services, listening, on_listening)
         stops.serving = serving
         serving.run()
-        click.echo("ending  the robots come to a standstill; what was under way waits for a person", err=True)
+        click.echo("ending  the robots come to a standstill; running jobs wait for a person", err=True)
 
 
 def _say_where(services: Services, url: str, data: Path, *, as_json: bool) -> None:
     if as_json:
         answer({"url": url, "data": str(data)})
-    click.echo(f"serving {url}, described at {url}/api/v1/docs", err=True)
+    click.echo(f"serving {url}, API reference at {url}/api/v1/docs", err=True)
     if services.authenticator.keys_needed:
-        click.echo("access  with a key; programs of yours on this machine find their own through --data", err=True)
+        click.echo("access  with a key; your own programs on this machine find theirs through --data", err=True)
     else:
         locking = f"skiros key create NAME --role admin --data {shlex.quote(str(data))}"
-        click.echo(f"access  for all on this machine; '{locking}' locks the door", err=True)
+        click.echo(f"access  for all users of this machine; to require keys, run '{locking}'", err=True)
 
 
 class _Stops:

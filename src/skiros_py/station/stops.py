@@ -54,12 +54,12 @@ class HaltMark:
         except FileNotFoundError:
             return None
         except OSError as error:
-            return Halt(f"whether somebody has stopped everything cannot be read: {error}", "", 0.0)
+            return Halt(f"the stored stop cannot be read, so everything is halted: {error}", "", 0.0)
         try:
             why, by, since = json.loads(text)
             self._wanted = Halt(str(why), str(by), float(since))
         except (TypeError, ValueError):
-            self._wanted = Halt("somebody has stopped everything before the server was restarted", "", 0.0)
+            self._wanted = Halt("everything was stopped before the server was restarted", "", 0.0)
         return self._wanted
 
     def keep(self, halt: Halt) -> None:
@@ -267,7 +267,7 @@ def _braking(session: Session) -> threading.Thread:
         try:
             session.cycle.board.halt()
         except Exception:  # noqa: BLE001 - a driver's fault must not end a stop
-            _log.exception("the brake broke; nothing more is commanded nevertheless")
+            _log.exception("braking failed; no further commands are sent")
 
     thread = threading.Thread(target=brake, name="skiros-brake", daemon=True)
     try:

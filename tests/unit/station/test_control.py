@@ -198,7 +198,7 @@ def test_an_exception_in_a_close_listener_does_not_prevent_closing(
 
     assert control.alive
     control.close()
-    assert caplog.text.count("a session did not end well: listener") == 2
+    assert caplog.text.count("closing a session failed: listener") == 2
 
 
 def test_close_listeners_run_in_reverse_order_even_if_one_raises(
@@ -214,7 +214,7 @@ def test_close_listeners_run_in_reverse_order_even_if_one_raises(
     control.reopen()
 
     assert ends == ["third", "first"]
-    assert "a session did not end well: second" in caplog.text
+    assert "closing a session failed: second" in caplog.text
 
 
 def test_a_halt_persists_into_the_next_session(start: Start) -> None:

@@ -34,7 +34,7 @@ def test_a_damaged_halt_mark_counts_as_a_stop(tmp_path: Path) -> None:
     (tmp_path / "halted.json").write_text("{")
     read = HaltMark(tmp_path / "halted.json").read()
     assert read is not None
-    assert "somebody has stopped everything" in read.why
+    assert "everything was stopped" in read.why
 
 
 def test_a_reset_deletes_a_halt_mark_read_from_the_disk(tmp_path: Path) -> None:

@@ -83,7 +83,7 @@ async def _whole(receive: Receive, longest: int) -> bytes:
     while True:
         message = await receive()
         if message["type"] == "http.disconnect":
-            raise Problem(400, "InvalidRequest", "the connection broke before the body was there")
+            raise Problem(400, "InvalidRequest", "the connection was lost before the body was complete")
         body += message.get("body", b"")
         if len(body) > longest:
             raise _too_long(longest)
@@ -455,7 +455,7 @@ def _check_url(scope: Scope) -> None:
 
 
 def _broken(request: str) -> Problem:
-    return Problem(500, "Fault", f"something broke inside the server; its log has it as request {request}")
+    return Problem(500, "Fault", f"internal server error; the log of the server has it as request {request}")
 
 
 def _entry(request: Request, status: int) -> dict[str, Any]:

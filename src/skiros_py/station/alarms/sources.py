@@ -71,7 +71,7 @@ class AlarmSources:
         try:
             self._look()
         except Exception:  # noqa: BLE001 - a fault of an observer must not stop the robots
-            _log.exception("the watch for alarms broke; the robots go on")
+            _log.exception("monitoring of alarms failed; the robots continue")
 
     def _look(self) -> None:
         """Looks for what no listener reports; usually a few comparisons."""

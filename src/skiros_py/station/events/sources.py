@@ -64,7 +64,7 @@ class EventSources:
         self._events.append(Kind.MODULE, event.status.value, event.module, job=job, elements=elements, data=data)
 
     def _turn(self, run: ModuleRun, turn: Turn) -> None:
-        text = {"paused": "stands where it is", "resumed": "goes on"}[turn]
+        text = {"paused": "paused at its current position", "resumed": "continues"}[turn]
         agent, module = run.wish.agent, run.wish.module
         event = ModuleEvent(0.0, run.kind, module, Status.RUNNING, 0, text, agent=agent, id=run.id, path=module)
         self._events.append(Kind.MODULE, turn, module, elements=[agent], data=event.as_json())

@@ -77,7 +77,7 @@ class DeviceService(Service):
             if users:
                 raise WrongState(f"{', '.join(users)} is in use: stop that first")
             if not board.stand({id_}):
-                raise WrongState(f"{id_} moves: wait until it stands")
+                raise WrongState(f"{id_} moves: wait until it stands still")
             board.closed.add(id_)
             return connection if connection is not None and connection.devices.keys() <= board.closed else None
 

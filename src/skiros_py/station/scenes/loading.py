@@ -100,8 +100,8 @@ def require_rest(session: Session) -> None:
     """
     if not session.resting:
         raise WrongState(
-            "something is under way, or would start by itself now: wait until it is over, or stop it, and take back the"
-            " leave to start of jobs that wait; nothing was changed"
+            "a job, task or module is running or about to start: wait for its end or stop it, and revoke the start of"
+            " waiting jobs; nothing was changed"
         )
     held = next((job.id for job in session.jobs.open.values() if job.state.has_begun), None)
     if held is not None:

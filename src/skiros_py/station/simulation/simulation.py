@@ -349,7 +349,9 @@ def _cell(session: Session) -> SimulatedCell:
 
 def _require_simulated_time(session: Session) -> None:
     if session.options.driver is not None:
-        raise Refused("NoSimulation", "these robots are real, or somebody else simulates them: their time is their own")
+        raise Refused(
+            "NoSimulation", "these robots are real or simulated by another program, which controls their time"
+        )
 
 
 def _require_free(cell: SimulatedCell, body: str) -> None:
