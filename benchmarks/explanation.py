@@ -22,11 +22,11 @@ from skiros_py.planning.plan import NoPlan
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.kairos import Kairos
 from skiros_py.planning.planners.planner import Planner, Planners
-from skiros_py.planning.problem.task import build_task
+from skiros_py.planning.problem.task import Capability, build_task
 from skiros_py.planning.service import plan
 from skiros_py.skills.conditions import Condition
 from skiros_py.testing import tiny_world
-from skiros_py.testing.tiny import IN_CONTAINER, tiny_task
+from skiros_py.testing.tiny import DRIVE, IN_CONTAINER, PICK, PLACE
 
 _RIGHT, _CAUSE, _ALL = 0.95, 0.5, 5.0
 
@@ -97,7 +97,9 @@ def _in_a_large_world() -> float:
     boxes = [f"scene:box_{n} a tiny:Box ; sk:on scene:floor ." for n in range(50)]
     parts = [f"scene:part_{n} a tiny:Ball ; sk:in scene:box_{n % 50} ." for n in range(500)]
     world = tiny_world(*boxes, *parts, "scene:ball_9 a tiny:Ball ; sk:in scene:slot_1 .", robots=2)
-    task = tiny_task(world, IN_CONTAINER("tiny:Ball", "slot_2"), IN_CONTAINER("part_7", "slot_1"))
+    able = [Capability(skill, tuple(world.instances(skill.agent_class))) for skill in (DRIVE, PICK, PLACE)]
+    goal = IN_CONTAINER("tiny:Ball", "slot_2"), IN_CONTAINER("part_7", "slot_1")
+    task = build_task(world, able, goal, whole=True)
     started = time.perf_counter()
     explain(task)
     return time.perf_counter() - started

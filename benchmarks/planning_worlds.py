@@ -7,7 +7,7 @@ from skiros_py.planning.problem.task import Capability
 from skiros_py.world.element import Placement
 from skiros_py.world.ontology import load_installed
 from skiros_py.world.reasoners.registry import load_reasoners
-from skiros_py.world.scene import load_scene
+from skiros_py.world.scene.files import load_scene
 from skiros_py.world.transaction import Transaction
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import ARM, AT, BASE, CAMERA, DRIVING_POSE, GRIPPER, HAS_A, IN, MAX_GAP, ON, ROBOT

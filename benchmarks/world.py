@@ -32,11 +32,11 @@ from world_workload import (
 )
 
 from skiros_py.world.element import Placement
-from skiros_py.world.journal import DataDirectory
+from skiros_py.world.journal.data_directory import DataDirectory
 from skiros_py.world.names import CORE, SCENE
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.queries import select
-from skiros_py.world.scene import load_scene, save_scene
+from skiros_py.world.scene.files import load_scene, save_scene
 from skiros_py.world.world import World
 
 _PARTS, _PLACES = 10_000, 20

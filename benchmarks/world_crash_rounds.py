@@ -24,7 +24,7 @@ from typing import Any
 from skiros_py.errors import SkirosError
 from skiros_py.world.element import Element, Placement, is_learned
 from skiros_py.world.index import Index
-from skiros_py.world.journal import DataDirectory
+from skiros_py.world.journal.data_directory import DataDirectory
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.scene.learned import learned_turtle, read_learned
 from skiros_py.world.transaction import Transaction

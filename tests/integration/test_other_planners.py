@@ -16,6 +16,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from support.planning import tiny_pddl
 from unified_planning.environment import Environment
 from unified_planning.io import PDDLReader
 
@@ -38,18 +39,8 @@ from skiros_py.skills.conditions import (
 from skiros_py.skills.parameters import Param
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.station.session import Options, Session
-from skiros_py.testing import tiny_pddl, tiny_world
-from skiros_py.testing.tiny import (
-    AT_LOCATION,
-    CARRIES,
-    DRIVE,
-    EMPTY_HANDED,
-    FREE,
-    HOLDING,
-    IN_CONTAINER,
-    PICK,
-    PLACE,
-)
+from skiros_py.testing import tiny_world
+from skiros_py.testing.tiny import AT_LOCATION, CARRIES, DRIVE, EMPTY_HANDED, FREE, HOLDING, IN_CONTAINER, PICK, PLACE
 
 _STRIPS = (":strips", ":typing")
 _LONGEST = 60.0

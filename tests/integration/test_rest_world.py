@@ -21,7 +21,7 @@ from skiros_py.client.client import Client
 from skiros_py.client.request import ProblemError
 from skiros_py.client.topics import Elements, Learned, Locks, Ontology, Queries, World
 from skiros_py.world.change import Writer
-from skiros_py.world.journal import Journal
+from skiros_py.world.journal.journal import Journal
 from skiros_py.world.vocabulary import APPLIES_TO, GRASP_WIDTH, TAUGHT_GRASP
 
 IN_PALLET = {"relation": "sk:in", "place": "pallet_a"}

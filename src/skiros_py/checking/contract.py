@@ -25,7 +25,7 @@ from skiros_py.station.worlds import open_world
 from skiros_py.world.change import Edit, ElementEdit, PlacementEdit, PropertyEdit, RelationEdit
 from skiros_py.world.element import Placement
 from skiros_py.world.index import Index
-from skiros_py.world.scene import describe, diff
+from skiros_py.world.scene.files import describe, diff
 from skiros_py.world.vocabulary import HAS_A, MISSED_LOOKS, MISSING, POSE, POSE_FRAME
 
 _OF_MOVED = frozenset({POSE, MISSING, MISSED_LOOKS})

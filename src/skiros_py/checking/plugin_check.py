@@ -30,7 +30,7 @@ from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill
 from skiros_py.world.ontology import Ontology, load_installed
 from skiros_py.world.reasoners.registry import Reasoners, load_reasoners
-from skiros_py.world.scene import load_scene
+from skiros_py.world.scene.files import load_scene
 
 
 @contextmanager

@@ -249,7 +249,7 @@ def _scenes() -> Iterator[Finding]:
     from skiros_py.config import named_scene, ontology_paths, scene_names
     from skiros_py.world.ontology import load_installed
     from skiros_py.world.reasoners.registry import load_reasoners
-    from skiros_py.world.scene import load_scene
+    from skiros_py.world.scene.files import load_scene
 
     ontology, _ = load_installed(ontology_paths())
     reasoners, _ = load_reasoners(ontology)

@@ -17,7 +17,7 @@ from skiros_py.cli.output import NOT_REACHED, REACHED, counted, progress
 from skiros_py.errors import UsageError
 
 if TYPE_CHECKING:
-    from skiros_py.world.ontology.check import CheckReport, ReasonerChoice
+    from skiros_py.world.ontology.check.checking import CheckReport, ReasonerChoice
 
 _PATHS = click.argument("paths", nargs=-1, type=click.Path(exists=True, path_type=Path))
 
@@ -47,7 +47,7 @@ def check(paths: tuple[Path, ...], reasoner: ReasonerChoice, time_limit: float) 
 
     Exit status: 0 no errors (there may be warnings), 1 errors, 2 wrong usage.
     """
-    from skiros_py.world.ontology.check import check_ontology
+    from skiros_py.world.ontology.check.checking import check_ontology
 
     with progress("starting") as shown:
         report = check_ontology(_or_installed(paths), reasoner, time_limit, shown)

@@ -13,7 +13,7 @@ import click
 from skiros_py.errors import UsageError
 
 if TYPE_CHECKING:
-    from skiros_py.world.journal import DataDirectory
+    from skiros_py.world.journal.data_directory import DataDirectory
 
 _SLOWEST, _FASTEST = 0.01, 1000.0
 _Command = TypeVar("_Command", bound=Callable[..., Any])

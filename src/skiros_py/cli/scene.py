@@ -19,9 +19,8 @@ from skiros_py.skills.cell_reader import read_cell
 from skiros_py.station.worlds import open_world
 from skiros_py.tasks.goals import parse_goal
 from skiros_py.world.branches import Branch, tree
-from skiros_py.world.scene import describe
-from skiros_py.world.scene import diff as compare
-from skiros_py.world.scene.files import write_atomically
+from skiros_py.world.scene.files import describe, write_atomically
+from skiros_py.world.scene.files import diff as compare
 from skiros_py.world.scene.writer import scene_turtle
 from skiros_py.world.vocabulary import DEVICE, ELEMENT, ROBOT
 

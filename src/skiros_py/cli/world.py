@@ -18,7 +18,7 @@ from skiros_py.errors import FileError
 from skiros_py.station.worlds import open_data, open_world
 from skiros_py.world.change import ElementEdit
 from skiros_py.world.element import Element
-from skiros_py.world.journal import Entry
+from skiros_py.world.journal.records import Entry
 from skiros_py.world.literals import format_value
 from skiros_py.world.scene.files import describe, write_atomically
 from skiros_py.world.vocabulary import APPLIES_TO, ELEMENT

@@ -9,7 +9,8 @@ from skiros_py.errors import UnknownName
 from skiros_py.station.scenes.scenes import scene_only
 from skiros_py.world.change import Change, Writer
 from skiros_py.world.element import Element, Stamp, is_learned
-from skiros_py.world.journal import Entry, Journal
+from skiros_py.world.journal.journal import Journal
+from skiros_py.world.journal.records import Entry
 from skiros_py.world.queries import Binding, Result
 from skiros_py.world.queries.outside import OutsideQueries
 from skiros_py.world.queries.replica import Limits

@@ -14,7 +14,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, UndefinedError
 from skiros_py.errors import FileError
 from skiros_py.recording.reader import Picture, Recording
 from skiros_py.recording.timeline import draw, lanes, span
-from skiros_py.world.scene import describe
+from skiros_py.world.scene.files import describe
 
 _MOST_PICTURES = 120
 _MOST_ROWS = 3000

@@ -22,7 +22,7 @@ from skiros_py.skills.parameters.values import sample_of_range
 from skiros_py.world.change import PropertyEdit, RelationEdit
 from skiros_py.world.element import Placement, Value
 from skiros_py.world.reasoners.registry import load_reasoners
-from skiros_py.world.scene import diff, load_scene
+from skiros_py.world.scene.files import diff, load_scene
 from skiros_py.world.scene.writer import TurtleWriter
 from skiros_py.world.terms import Family
 from skiros_py.world.transaction import Transaction

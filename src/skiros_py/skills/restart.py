@@ -13,7 +13,7 @@ from skiros_py.skills.surroundings import is_held
 from skiros_py.world import vocabulary as v
 from skiros_py.world.change import PlacementEdit, Writer
 from skiros_py.world.element import Placement
-from skiros_py.world.journal import Journal
+from skiros_py.world.journal.journal import Journal
 from skiros_py.world.poses import write_pose
 from skiros_py.world.view import WorldView
 from skiros_py.world.world import World

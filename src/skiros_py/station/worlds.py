@@ -11,11 +11,11 @@ from skiros_py.config import find_scene, ontology_paths
 from skiros_py.plugins.plugin import PluginFault, by_cause
 from skiros_py.world.ontology import Ontology, load_installed
 from skiros_py.world.reasoners.registry import Reasoners, load_reasoners
-from skiros_py.world.scene import load_scene, scene_source
+from skiros_py.world.scene.files import load_scene, scene_source
 from skiros_py.world.world import World
 
 if TYPE_CHECKING:
-    from skiros_py.world.journal import DataDirectory
+    from skiros_py.world.journal.data_directory import DataDirectory
 
 _log = logging.getLogger(__name__)
 
@@ -77,7 +77,7 @@ def open_data(
         UnknownName: No such scene.
         FileError: Another process uses the folder, it cannot be read or written, or a file is broken.
     """
-    from skiros_py.world.journal import DataDirectory  # most runs store nothing
+    from skiros_py.world.journal.data_directory import DataDirectory  # most runs store nothing
 
     file = find_scene(scene) if scene else None
     ontology, reasoners = _installed(report)

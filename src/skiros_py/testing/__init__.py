@@ -21,9 +21,7 @@ if TYPE_CHECKING:
         TINY_ONTOLOGY,
         robot_turtle,
         tiny_ontology,
-        tiny_pddl,
         tiny_scene,
-        tiny_task,
         tiny_world,
         world_of,
     )
@@ -68,9 +66,7 @@ __all__ = [
     "run_skill",
     "spoiled",
     "tiny_ontology",
-    "tiny_pddl",
     "tiny_scene",
-    "tiny_task",
     "tiny_world",
     "world_of",
 ]

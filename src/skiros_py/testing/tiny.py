@@ -1,4 +1,4 @@
-"""A world in two lines: one robot, two boxes with balls, two slots; with pretended skills and planning tasks."""
+"""A world in two lines: one robot, two boxes with balls, two slots; with pretended skills."""
 
 from __future__ import annotations
 
@@ -11,11 +11,8 @@ from types import MappingProxyType
 
 from skiros_py.behaviours import AssertEffects, Behaviour
 from skiros_py.config import find_scene, ontology_paths
-from skiros_py.planning.domain.pddl import PddlTexts, write_pddl
-from skiros_py.planning.problem.task import Capability, PlanningTask, build_task
 from skiros_py.skills.conditions import (
     Computed,
-    Condition,
     ConditionType,
     Has,
     Nothing,
@@ -30,7 +27,7 @@ from skiros_py.world.ontology import Ontology, load_installed
 from skiros_py.world.reasoners.registry import Reasoners, load_reasoners
 from skiros_py.world.reasoners.sizes import SizeReasoner
 from skiros_py.world.reasoners.spatial import SpatialReasoner
-from skiros_py.world.scene import load_scene
+from skiros_py.world.scene.files import load_scene
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import AT, DRIVING_POSE, HAS_A, HELD_BY, IN
 from skiros_py.world.world import World
@@ -246,31 +243,3 @@ def tiny_world(*facts: str, robots: int = 1) -> World:
     reasoners = Reasoners((SizeReasoner(), SpatialReasoner()))
     with tempfile.TemporaryDirectory(prefix="skiros-tiny-") as folder:
         return load_scene(tiny_ontology(), tiny_scene(Path(folder), *facts, robots=robots), reasoners=reasoners)
-
-
-def tiny_task(
-    view: WorldView,
-    *goal: Condition,
-    skills: Sequence[SkillDescription] = (DRIVE, PICK, PLACE),
-    agents: Sequence[str] | None = None,
-) -> PlanningTask:
-    """Returns the planning task for a goal, with everything in it, needed or not.
-
-    Args:
-        view: The world.
-        *goal: Conditions that must hold.
-        skills: The available skills.
-        agents: The subsystems that can execute them, if they fit the skill's class; None for all that fit it.
-    """
-    able = [
-        Capability(s, tuple(a for a in view.instances(s.agent_class) if agents is None or a in agents)) for s in skills
-    ]
-    return build_task(view, able, goal, whole=True)
-
-
-def tiny_pddl(
-    view: WorldView, *goal: Condition, skills: Sequence[SkillDescription] = (DRIVE, PICK, PLACE)
-) -> PddlTexts:
-    """Returns the task of :func:`tiny_task` as PDDL."""
-    task = tiny_task(view, *goal, skills=skills)
-    return write_pddl(task.domain, task.problem, name="tiny")

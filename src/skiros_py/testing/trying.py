@@ -24,7 +24,7 @@ from skiros_py.skills.skill import Skill
 from skiros_py.testing.bench import Bench
 from skiros_py.testing.faulty_cell import CellFault, FaultyCell
 from skiros_py.world.change import Change
-from skiros_py.world.scene import describe
+from skiros_py.world.scene.files import describe
 from skiros_py.world.world import World
 
 

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import pytest
+from support.planning import tiny_task
 from unified_planning.io import PDDLReader
 
 from skiros_py.planning.domain.model import Atom
@@ -19,7 +20,7 @@ from skiros_py.planning.robots.allocation import ASSIGNED, Dealing, deal
 from skiros_py.planning.robots.ordering import order, schedule
 from skiros_py.skills.conditions import AllOf, Condition, ConditionType, Exists, Related, Role
 from skiros_py.skills.parameters import Kind, Param
-from skiros_py.testing import tiny_task, tiny_world
+from skiros_py.testing import tiny_world
 from skiros_py.testing.tiny import AT_LOCATION, DRIVE, FITS, IN_CONTAINER, PICK, PLACE
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.view import WorldView

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import psutil
 import pytest
+from support.planning import tiny_pddl
 
 from skiros_py.errors import PlanningError, UsageError
 from skiros_py.planning.plan import NoPlan, Plan
@@ -21,7 +22,7 @@ from skiros_py.planning.process import ThreadHost
 from skiros_py.planning.requests import PlanRequest
 from skiros_py.planning.service import Planned
 from skiros_py.programs import Limits
-from skiros_py.testing import SKILLS, Bench, tiny_pddl, tiny_world
+from skiros_py.testing import SKILLS, Bench, tiny_world
 from skiros_py.testing.tiny import IN_CONTAINER
 
 GOAL = "In(ball_1, slot_1)"

@@ -1,8 +1,10 @@
 from __future__ import annotations
 
+from support.planning import tiny_task
+
 from skiros_py.planning.domain.literals import common_class, primary_line, with_class_predicates
 from skiros_py.planning.domain.model import Action, Atom, NoneSuch, Variable
-from skiros_py.testing import Bench, tiny_ontology, tiny_task, tiny_world
+from skiros_py.testing import Bench, tiny_ontology, tiny_world
 from skiros_py.testing.tiny import IN_CONTAINER
 
 BENCH = "scene:bench_1 a tiny:Bench ; sk:on scene:floor . scene:ball_5 a tiny:Ball ; sk:in scene:bench_1 ."

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import pytest
+from support.planning import tiny_pddl
 
 from skiros_py.errors import UsageError
 from skiros_py.planning.planners.planner import Answer, Solved, Unsolvable
 from skiros_py.planning.planners.program_planner import CommandPlanner
-from skiros_py.testing import tiny_pddl, tiny_world
+from skiros_py.testing import tiny_world
 from skiros_py.testing.tiny import IN_CONTAINER
 
 DOMAIN = "(define (domain doves) (:predicates (in)) (:action enter :effect (in)))"

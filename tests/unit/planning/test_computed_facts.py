@@ -2,10 +2,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from support.planning import tiny_task
+
 from skiros_py.planning.domain.model import Atom
 from skiros_py.planning.plan import NoPlan
 from skiros_py.skills.conditions import Computed, ConditionType, Role
-from skiros_py.testing import Bench, tiny_task, tiny_world
+from skiros_py.testing import Bench, tiny_world
 from skiros_py.testing.tiny import DRIVE, IN_CONTAINER, PICK, PLACE, pretend
 
 NEAR = ConditionType(

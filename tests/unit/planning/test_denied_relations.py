@@ -9,6 +9,7 @@ from itertools import product
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.planning import tiny_task
 
 from skiros_py.errors import PlanningError
 from skiros_py.planning.domain.actions import actions_of, possible_variants
@@ -24,7 +25,7 @@ from skiros_py.skills.conditions import AllOf, ConditionType, Exists, Not, Relat
 from skiros_py.skills.parameters import Param
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.goals import parse_goal
-from skiros_py.testing import tiny_ontology, tiny_task, tiny_world
+from skiros_py.testing import tiny_ontology, tiny_world
 from skiros_py.testing.tiny import AT_LOCATION, CONDITIONS, DRIVE, IN_CONTAINER, PICK, PLACE, SKILLS
 from skiros_py.world.world import World
 

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from dataclasses import asdict, replace
 
+from support.planning import tiny_pddl
+
 from skiros_py.planning.domain.model import SkillAccount, account_of
 from skiros_py.skills.conditions import Condition, ConditionType, Exists, Nothing, Related, Role, any_of
 from skiros_py.skills.skill import SkillDescription
-from skiros_py.testing import tiny_pddl, tiny_world
+from skiros_py.testing import tiny_world
 from skiros_py.testing.tiny import AT_LOCATION, DRIVE, HOLDING, IN_CONTAINER, PICK, PLACE
 from skiros_py.world.world import World
 

@@ -5,10 +5,11 @@ from dataclasses import replace
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from support.planning import tiny_task
 
 from skiros_py.errors import DescriptionError
 from skiros_py.planning.durations import KEPT, duration_of, observe, timed
-from skiros_py.testing import tiny_task, tiny_world
+from skiros_py.testing import tiny_world
 from skiros_py.testing.tiny import AT_LOCATION, DRIVE
 from skiros_py.world.vocabulary import LEARNED_DURATION
 from skiros_py.world.world import World

@@ -6,12 +6,13 @@ from pathlib import Path
 
 import psutil
 import pytest
+from support.planning import tiny_pddl
 
 from skiros_py.errors import PlanningError
 from skiros_py.planning.domain.pddl import PddlTexts
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.planner import Solved, Unsolvable
-from skiros_py.testing import tiny_pddl, tiny_world
+from skiros_py.testing import tiny_world
 from skiros_py.testing.tiny import IN_CONTAINER
 
 PARTS = "".join(f"scene:ball_{n} a tiny:Ball ; sk:in scene:box_a . " for n in range(2, 5))

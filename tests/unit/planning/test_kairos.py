@@ -3,11 +3,12 @@ from __future__ import annotations
 import subprocess
 
 import pytest
+from support.planning import tiny_pddl
 
 from skiros_py.errors import PlanningError
 from skiros_py.planning.planners.kairos import Kairos, program_path
 from skiros_py.planning.planners.planner import Answer, Solved, Unsolvable, lacking
-from skiros_py.testing import tiny_pddl, tiny_world
+from skiros_py.testing import tiny_world
 from skiros_py.testing.tiny import IN_CONTAINER
 
 DOMAIN = """

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from itertools import count
 
 import pytest
+from support.planning import tiny_task
 
 import skiros_py.skills.conditions as conditions
 from skiros_py.errors import PlanningError, UsageError
@@ -30,7 +31,7 @@ from skiros_py.skills.conditions import (
     Verdict,
 )
 from skiros_py.skills.parameters import Param
-from skiros_py.testing import tiny_ontology, tiny_task, tiny_world
+from skiros_py.testing import tiny_ontology, tiny_world
 from skiros_py.testing.tiny import PICK
 
 _IN = Related("sk:in", "ball", "box")

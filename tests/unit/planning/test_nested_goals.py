@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.planning import tiny_task
 
 from skiros_py.planning.domain.goals import REACHED
 from skiros_py.planning.domain.model import Atom
@@ -25,7 +26,7 @@ from skiros_py.skills.conditions import (
     Related,
     Role,
 )
-from skiros_py.testing import Bench, tiny_task, tiny_world
+from skiros_py.testing import Bench, tiny_world
 from skiros_py.testing.tiny import CONDITIONS
 
 FACTS = (

@@ -7,6 +7,7 @@ from itertools import permutations
 
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from support.planning import tiny_task
 
 from skiros_py.planning.domain.model import Action, Atom, NoneSuch, Variable
 from skiros_py.planning.domain.pddl import NameMap, PddlTexts, write_pddl
@@ -17,7 +18,7 @@ from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.planning.replay import replay
 from skiros_py.planning.robots.ordering import contrary, order, partial_order, schedule
 from skiros_py.skills.conditions import Condition
-from skiros_py.testing import tiny_task, tiny_world
+from skiros_py.testing import tiny_world
 from skiros_py.testing.tiny import AT_LOCATION, DRIVE, IN_CONTAINER, PICK, PLACE
 
 SKILLS = {skill.name: skill for skill in (DRIVE, PICK, PLACE)}

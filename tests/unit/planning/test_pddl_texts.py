@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from support.planning import tiny_pddl
 from unified_planning.environment import Environment
 from unified_planning.io import PDDLReader
 
@@ -14,7 +15,7 @@ from skiros_py.planning.planners.planner import Solved
 from skiros_py.skills.conditions import AllOf, Condition, ConditionType, Exists, Related, Role, any_of
 from skiros_py.skills.parameters import Param
 from skiros_py.skills.skill import SkillDescription
-from skiros_py.testing import tiny_pddl, tiny_world
+from skiros_py.testing import tiny_world
 from skiros_py.testing.tiny import (
     AT_LOCATION,
     CARRIES,

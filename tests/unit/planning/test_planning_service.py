@@ -6,6 +6,7 @@ from contextlib import closing
 from dataclasses import replace
 
 import pytest
+from support.planning import tiny_task
 
 from skiros_py.errors import PlanningError
 from skiros_py.planning.domain.pddl import write_pddl
@@ -19,7 +20,7 @@ from skiros_py.planning.service import PlanningOptions, plan
 from skiros_py.skills.conditions import AllOf, ConditionType, Exists, Nothing, Related, Role
 from skiros_py.skills.parameters import Param
 from skiros_py.skills.skill import Skill
-from skiros_py.testing import CONDITIONS, SKILLS, Bench, GivenPlanner, tiny_task, tiny_world
+from skiros_py.testing import CONDITIONS, SKILLS, Bench, GivenPlanner, tiny_world
 from skiros_py.testing.tiny import AT_LOCATION, DRIVE, EMPTY_HANDED, IN_CONTAINER, PICK, pretend
 from skiros_py.world.world import World
 

@@ -11,6 +11,7 @@ import pytest
 import unified_planning.shortcuts as up
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.planning import tiny_task
 from unified_planning.engines import SequentialPlanValidator, ValidationResultStatus
 from unified_planning.io import PDDLReader
 
@@ -39,7 +40,7 @@ from skiros_py.skills.conditions import (
 )
 from skiros_py.skills.parameters import Param
 from skiros_py.skills.skill import SkillDescription
-from skiros_py.testing import tiny_ontology, tiny_task, tiny_world
+from skiros_py.testing import tiny_ontology, tiny_world
 from skiros_py.testing.tiny import DRIVE, FITS, PICK
 from skiros_py.world.view import WorldView
 

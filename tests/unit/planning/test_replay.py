@@ -5,12 +5,13 @@ from dataclasses import replace
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from support.planning import tiny_task
 
 from skiros_py.planning.plan import Step
 from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.planning.replay import apply_effects, replay
 from skiros_py.skills.parameters import Param
-from skiros_py.testing import tiny_task, tiny_world
+from skiros_py.testing import tiny_world
 from skiros_py.testing.tiny import AT_LOCATION, CARRIES, DRIVE, EMPTY_HANDED, IN_CONTAINER, PICK, PLACE
 from skiros_py.world.overlay import Overlay
 

@@ -8,6 +8,7 @@ import kairos
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from support.planning import tiny_task
 from unified_planning.io import PDDLReader
 
 from skiros_py.errors import PlanningError
@@ -29,7 +30,7 @@ from skiros_py.planning.service import plan as plan_for
 from skiros_py.programs import Ended
 from skiros_py.skills.conditions import AllOf, Condition, ConditionType, Exists, Related, Role
 from skiros_py.tasks.goals import parse_goal
-from skiros_py.testing import CONDITIONS, GivenPlanner, tiny_task, tiny_world
+from skiros_py.testing import CONDITIONS, GivenPlanner, tiny_world
 from skiros_py.testing.tiny import AT_LOCATION, DRIVE, IN_CONTAINER, PICK, PLACE
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.view import WorldView

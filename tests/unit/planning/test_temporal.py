@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import kairos
 import pytest
+from support.planning import tiny_task
 from unified_planning.io import PDDLReader
 
 from skiros_py.planning.domain.pddl import PddlTexts
@@ -17,7 +18,7 @@ from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.planning.robots.allocation import deal
 from skiros_py.planning.robots.ordering import order
 from skiros_py.skills.conditions import Condition
-from skiros_py.testing import tiny_task, tiny_world
+from skiros_py.testing import tiny_world
 from skiros_py.testing.tiny import DRIVE, HOLDING, IN_CONTAINER, PICK, PLACE
 from skiros_py.world.world import World
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import pytest
+from support.planning import tiny_pddl
 
 from skiros_py.errors import PlanningError
 from skiros_py.planning.planners.planner import Solved
 from skiros_py.planning.planners.unified import UnifiedPlanning
-from skiros_py.testing import tiny_pddl, tiny_world
+from skiros_py.testing import tiny_world
 from skiros_py.testing.tiny import IN_CONTAINER
 
 

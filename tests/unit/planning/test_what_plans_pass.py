@@ -6,23 +6,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import pytest
+from support.planning import tiny_task
 
 from skiros_py.planning.plan import NoPlan, Plan
 from skiros_py.skills.conditions import Condition, Related
 from skiros_py.skills.parameters import IT, Kind, Param
 from skiros_py.skills.skill import SkillDescription
-from skiros_py.testing import Bench, tiny_task, tiny_world
-from skiros_py.testing.tiny import (
-    AT_LOCATION,
-    DRIVE,
-    FREE,
-    HOLDING,
-    IN_CONTAINER,
-    PICK,
-    REACHABLE,
-    SKILLS,
-    pretend,
-)
+from skiros_py.testing import Bench, tiny_world
+from skiros_py.testing.tiny import AT_LOCATION, DRIVE, FREE, HOLDING, IN_CONTAINER, PICK, REACHABLE, SKILLS, pretend
 from skiros_py.world.vocabulary import IN, ON
 from skiros_py.world.world import World
 

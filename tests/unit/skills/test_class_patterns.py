@@ -9,7 +9,7 @@ from skiros_py.errors import UnknownName
 from skiros_py.skills.conditions import ClassRelated, IsA, Not, Verdict
 from skiros_py.testing import TINY_ONTOLOGY, tiny_scene, tiny_world
 from skiros_py.world.ontology import Ontology
-from skiros_py.world.scene import load_scene
+from skiros_py.world.scene.files import load_scene
 from skiros_py.world.world import World
 
 MORE = """\

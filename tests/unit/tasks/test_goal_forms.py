@@ -18,7 +18,7 @@ from skiros_py.tasks.goals import goal_as_data, goal_as_text, goal_from_data, pa
 from skiros_py.testing import CONDITIONS, TINY_ONTOLOGY, tiny_scene, tiny_world
 from skiros_py.testing.tiny import AT_LOCATION, EMPTY_HANDED, FREE, HOLDING, IN_CONTAINER
 from skiros_py.world.ontology import Ontology
-from skiros_py.world.scene import load_scene
+from skiros_py.world.scene.files import load_scene
 from skiros_py.world.world import World
 
 WORLD = tiny_world()

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from skiros_py.world.ontology import Ontology
-from skiros_py.world.scene import load_scene
+from skiros_py.world.scene.files import load_scene
 from skiros_py.world.world import World
 
 ROOT = Path(__file__).parents[3]

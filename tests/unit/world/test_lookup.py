@@ -11,7 +11,7 @@ from skiros_py.world.element import Placement
 from skiros_py.world.lookup import resolve, the
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.reasoners.registry import load_reasoners
-from skiros_py.world.scene import load_scene
+from skiros_py.world.scene.files import load_scene
 from skiros_py.world.world import World
 
 PARTS = ("alternator_1", "compressor_1", "relay_box_1", "relay_box_2", "starter_1")

@@ -18,7 +18,7 @@ from skiros_py.world.names import SCENE_GRAPH
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.reasoners.registry import NO_REASONERS
-from skiros_py.world.scene import load_scene
+from skiros_py.world.scene.files import load_scene
 from skiros_py.world.scene.writer import scene_turtle
 from skiros_py.world.terms import Family
 from skiros_py.world.transaction import Transaction

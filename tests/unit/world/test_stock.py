@@ -12,7 +12,7 @@ from skiros_py.errors import WorldError
 from skiros_py.testing import tiny_ontology, tiny_scene, tiny_world
 from skiros_py.world.change import Writer
 from skiros_py.world.element import Element, Placement
-from skiros_py.world.journal import DataDirectory
+from skiros_py.world.journal.data_directory import DataDirectory
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.stock import Stocked, by_stock, is_token, stocks, take
 from skiros_py.world.undo import undo

@@ -10,7 +10,7 @@ from skiros_py.geometry import Pose
 from skiros_py.skills.conditions.watch import Watches
 from skiros_py.testing import tiny_world
 from skiros_py.testing.tiny import REACHABLE, tiny_ontology
-from skiros_py.world.journal import DataDirectory
+from skiros_py.world.journal.data_directory import DataDirectory
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.taught import lesson_about
 from skiros_py.world.vocabulary import APPLIES_TO, DRIVING_POSE, GRASP_WIDTH, TAUGHT_DRIVING_POSE, TAUGHT_GRASP

@@ -11,8 +11,8 @@ from skiros_py.errors import StaleVersion, WorldError
 from skiros_py.testing import tiny_ontology, tiny_scene
 from skiros_py.world.change import Change, GoalsEdit, Writer
 from skiros_py.world.element import Placement
-from skiros_py.world.journal import DataDirectory
-from skiros_py.world.scene import load_scene
+from skiros_py.world.journal.data_directory import DataDirectory
+from skiros_py.world.scene.files import load_scene
 from skiros_py.world.transaction import Transaction
 from skiros_py.world.undo import undo
 from skiros_py.world.world import World

@@ -12,7 +12,7 @@ from skiros_py.world.change import PropertyEdit, Writer
 from skiros_py.world.element import Placement, Stamp
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.reasoners.registry import Proposal, Reasoner, Reasoners
-from skiros_py.world.scene import load_scene
+from skiros_py.world.scene.files import load_scene
 from skiros_py.world.world import World
 
 

@@ -13,7 +13,7 @@ from skiros_py.station.session import Session
 from skiros_py.station.worlds import open_data
 from skiros_py.world.change import Change, Writer
 from skiros_py.world.index import Index
-from skiros_py.world.journal import Journal
+from skiros_py.world.journal.journal import Journal
 from skiros_py.world.view import WorldView
 
 

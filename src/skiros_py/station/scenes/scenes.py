@@ -16,8 +16,7 @@ from skiros_py.station.requests import Seen, require_seen
 from skiros_py.world.change import Edit, ElementEdit, SourceEdit
 from skiros_py.world.index import Index
 from skiros_py.world.journal.data_directory import make_folder
-from skiros_py.world.scene import diff, scene_source
-from skiros_py.world.scene.files import write_atomically
+from skiros_py.world.scene.files import diff, scene_source, write_atomically
 from skiros_py.world.scene.writer import scene_turtle
 from skiros_py.world.vocabulary import HAS_PRIMITIVE, HAS_SKILL, PRIMITIVE, SKILL
 from skiros_py.world.workspace import Workspace

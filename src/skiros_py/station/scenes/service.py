@@ -23,7 +23,7 @@ from skiros_py.world.element import is_learned
 from skiros_py.world.index import Index
 from skiros_py.world.names import SCENE, STANDARD_PREFIXES
 from skiros_py.world.ontology.documents import read_document
-from skiros_py.world.scene import describe, diff, load_scene, scene_source
+from skiros_py.world.scene.files import describe, diff, load_scene, scene_source
 from skiros_py.world.scene.writer import scene_turtle
 from skiros_py.world.vocabulary import ELEMENT, ROBOT
 

@@ -16,7 +16,8 @@ from skiros_py.world import change as world_change
 from skiros_py.world.branches import add_draft, draft_of, instantiate
 from skiros_py.world.change import Edit, Writer
 from skiros_py.world.element import is_abstract
-from skiros_py.world.journal import Entry, Journal
+from skiros_py.world.journal.journal import Journal
+from skiros_py.world.journal.records import Entry
 from skiros_py.world.locks import Lock as WorldLock
 from skiros_py.world.transaction import Transaction
 from skiros_py.world.vocabulary import LABEL, STRUCTURE

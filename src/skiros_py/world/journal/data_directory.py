@@ -19,7 +19,7 @@ from skiros_py.world.journal.journal import Journal
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.past import Past
 from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners
-from skiros_py.world.scene import load_scene
+from skiros_py.world.scene.files import load_scene
 from skiros_py.world.scene.learned import LearnedFile
 from skiros_py.world.world import World
 

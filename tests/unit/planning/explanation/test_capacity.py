@@ -8,6 +8,7 @@ from random import Random
 
 import pytest
 from mutations import IN_TRAY
+from support.planning import tiny_task
 
 from skiros_py.planning.explanation import Trial, find_causes
 from skiros_py.planning.plan import Cause, CauseKind
@@ -17,7 +18,7 @@ from skiros_py.planning.problem.task import Capability
 from skiros_py.skills.conditions import ConditionType, Nothing, Role
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.goals import parse_goal
-from skiros_py.testing import CONDITIONS, tiny_task, tiny_world
+from skiros_py.testing import CONDITIONS, tiny_world
 from skiros_py.testing.tiny import DRIVE, PICK, PLACE
 from skiros_py.world.vocabulary import AT
 from skiros_py.world.world import World

@@ -3,12 +3,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from support.planning import tiny_task
 
 from skiros_py.planning.explanation import explain, find_causes
 from skiros_py.planning.plan import CauseKind
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.parameters import Param
-from skiros_py.testing import tiny_task, tiny_world
+from skiros_py.testing import tiny_world
 from skiros_py.testing.tiny import AT_LOCATION, DRIVE, FREE, HOLDING, IN_CONTAINER, REACHABLE
 from skiros_py.world.world import World
 

@@ -1,13 +1,14 @@
 from __future__ import annotations
 
 import pytest
+from support.planning import tiny_task
 
 from skiros_py.errors import WorldError
 from skiros_py.planning.edits import Add, Assign, HypotheticalView, Move, Relate, Remove, SceneEdit
 from skiros_py.planning.explanation import explain
 from skiros_py.planning.plan import NoPlan, Repair
 from skiros_py.skills.conditions import Condition
-from skiros_py.testing import tiny_task, tiny_world
+from skiros_py.testing import tiny_world
 from skiros_py.testing.tiny import AT_LOCATION, IN_CONTAINER
 from skiros_py.world.element import Placement
 from skiros_py.world.view import WorldView

@@ -2,22 +2,15 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from support.planning import tiny_task
+
 from skiros_py.planning.explanation import explain
 from skiros_py.planning.plan import CauseKind
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.parameters import Kind, Param
 from skiros_py.skills.skill import SkillDescription
-from skiros_py.testing import tiny_task, tiny_world
-from skiros_py.testing.tiny import (
-    AT_LOCATION,
-    DRIVE,
-    EMPTY_HANDED,
-    HAS_PART,
-    HOLDING,
-    IN_CONTAINER,
-    PICK,
-    PLACE,
-)
+from skiros_py.testing import tiny_world
+from skiros_py.testing.tiny import AT_LOCATION, DRIVE, EMPTY_HANDED, HAS_PART, HOLDING, IN_CONTAINER, PICK, PLACE
 
 CAREFUL = replace(
     DRIVE,

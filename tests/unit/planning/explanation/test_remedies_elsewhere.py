@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import pytest
+from support.planning import tiny_task
 
 from skiros_py.planning.explanation import Trial, explain
 from skiros_py.planning.plan import CauseKind, NoPlan
@@ -12,7 +13,7 @@ from skiros_py.planning.planners.kairos import Kairos
 from skiros_py.planning.planners.planner import Planners
 from skiros_py.planning.problem.task import Capability
 from skiros_py.tasks.goals import parse_goal
-from skiros_py.testing import CONDITIONS, tiny_task, tiny_world
+from skiros_py.testing import CONDITIONS, tiny_world
 from skiros_py.testing.tiny import DRIVE, PICK, PLACE
 from skiros_py.world.world import World
 

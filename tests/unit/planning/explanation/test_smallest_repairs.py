@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import pytest
 from mutations import IN_TRAY
+from support.planning import tiny_task
 
 from skiros_py.planning.edits import Move
 from skiros_py.planning.explanation import Trial, explain, find_causes
@@ -15,7 +16,7 @@ from skiros_py.planning.planners.kairos import Kairos
 from skiros_py.planning.planners.planner import Planners
 from skiros_py.planning.problem.task import Capability
 from skiros_py.tasks.goals import parse_goal
-from skiros_py.testing import CONDITIONS, tiny_task, tiny_world
+from skiros_py.testing import CONDITIONS, tiny_world
 from skiros_py.testing.tiny import DRIVE, PICK, PLACE
 from skiros_py.world.view import WorldView
 from skiros_py.world.world import World

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from skiros_py.testing import tiny_ontology, tiny_scene
-from skiros_py.world.journal import DataDirectory
+from skiros_py.world.journal.data_directory import DataDirectory
 from skiros_py.world.world import World
 
 Open = Callable[[], DataDirectory]

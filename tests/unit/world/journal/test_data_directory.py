@@ -21,9 +21,11 @@ from skiros_py.testing import TINY_ONTOLOGY, tiny_ontology, tiny_scene
 from skiros_py.world.change import Writer
 from skiros_py.world.element import Placement
 from skiros_py.world.index import Index
-from skiros_py.world.journal import DataDirectory, Journal, data_directory
+from skiros_py.world.journal import data_directory
+from skiros_py.world.journal.data_directory import DataDirectory
+from skiros_py.world.journal.journal import Journal
 from skiros_py.world.ontology import Ontology
-from skiros_py.world.scene import load_scene
+from skiros_py.world.scene.files import load_scene
 from skiros_py.world.world import World
 
 Open = Callable[[], DataDirectory]
@@ -318,7 +320,7 @@ OTHER = """
 import sys, time
 from pathlib import Path
 from skiros_py.testing import tiny_ontology
-from skiros_py.world.journal import DataDirectory
+from skiros_py.world.journal.data_directory import DataDirectory
 data = DataDirectory.open(Path(sys.argv[1]), tiny_ontology())
 print("open", flush=True)
 time.sleep(600)

@@ -16,9 +16,11 @@ from skiros_py.errors import FileError, UsageError, WorldError
 from skiros_py.testing import tiny_ontology, tiny_world
 from skiros_py.world.change import Change, ElementEdit, GoalsEdit, PropertyEdit, Writer
 from skiros_py.world.index import Index
-from skiros_py.world.journal import DataDirectory, Entry, Journal, records
 from skiros_py.world.journal import journal as journal_module
-from skiros_py.world.journal.records import SCHEMA, encode_change
+from skiros_py.world.journal import records
+from skiros_py.world.journal.data_directory import DataDirectory
+from skiros_py.world.journal.journal import Journal
+from skiros_py.world.journal.records import SCHEMA, Entry, encode_change
 from skiros_py.world.past import GOALS, MemoryLog
 
 Open = Callable[[], DataDirectory]

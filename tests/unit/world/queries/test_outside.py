@@ -18,7 +18,7 @@ from skiros_py.world.ontology import Ontology
 from skiros_py.world.queries import Binding, Constructed, Table, Text
 from skiros_py.world.queries.outside import OutsideQueries
 from skiros_py.world.queries.replica import Limits
-from skiros_py.world.scene import load_scene
+from skiros_py.world.scene.files import load_scene
 from skiros_py.world.world import World
 
 ROOT = Path(__file__).parents[4]

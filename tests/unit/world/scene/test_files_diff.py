@@ -13,7 +13,8 @@ from skiros_py.errors import FileError, Locked
 from skiros_py.world.change import Change, ElementEdit, Writer
 from skiros_py.world.element import Placement
 from skiros_py.world.ontology import Ontology
-from skiros_py.world.scene import describe, diff, learned_turtle, load_scene, save_scene
+from skiros_py.world.scene.files import describe, diff, load_scene, save_scene
+from skiros_py.world.scene.learned import learned_turtle
 from skiros_py.world.undo import undo
 from skiros_py.world.world import World
 

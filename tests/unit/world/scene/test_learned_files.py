@@ -8,7 +8,7 @@ import pytest
 
 from skiros_py.errors import FileError, WorldError
 from skiros_py.world.ontology import Ontology
-from skiros_py.world.scene import learned_turtle, read_learned
+from skiros_py.world.scene.learned import learned_turtle, read_learned
 from skiros_py.world.world import World
 
 HEADER = """@prefix learned: <https://w3id.org/skiros-py/learned#> .

@@ -14,7 +14,7 @@ from skiros_py.skills.cell_reader import read_cell
 from skiros_py.testing.tiny import world_of
 from skiros_py.world.element import Placement
 from skiros_py.world.ontology import Ontology
-from skiros_py.world.scene import load_scene, save_scene
+from skiros_py.world.scene.files import load_scene, save_scene
 from skiros_py.world.world import World
 
 PANDA = "https://w3id.org/skiros-py/robots/mobile_panda"

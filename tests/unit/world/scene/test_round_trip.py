@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 
 from skiros_py.geometry import Pose
 from skiros_py.world.element import Placement
-from skiros_py.world.scene import learned_turtle, load_scene, read_learned, save_scene
+from skiros_py.world.scene.files import load_scene, save_scene
+from skiros_py.world.scene.learned import learned_turtle, read_learned
 from skiros_py.world.scene.writer import scene_turtle
 from skiros_py.world.world import World
 

@@ -10,7 +10,7 @@ from skiros_py.errors import FileError
 from skiros_py.geometry import Pose
 from skiros_py.world.element import Placement
 from skiros_py.world.ontology import Ontology
-from skiros_py.world.scene import load_scene, save_scene
+from skiros_py.world.scene.files import load_scene, save_scene
 from skiros_py.world.world import World
 
 HEADER = """@prefix scene: <https://w3id.org/skiros-py/scene#> .

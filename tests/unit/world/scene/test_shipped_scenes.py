@@ -10,7 +10,7 @@ from skiros_py.geometry import Pose, Solid
 from skiros_py.world.branches import Branch, tree
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.poses import map_pose
-from skiros_py.world.scene import load_scene
+from skiros_py.world.scene.files import load_scene
 from skiros_py.world.world import World
 
 

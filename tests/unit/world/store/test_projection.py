@@ -20,7 +20,7 @@ from skiros_py.world.index import Index
 from skiros_py.world.names import LEARNED_GRAPH, SCENE_GRAPH
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.past import MemoryLog, Past
-from skiros_py.world.scene import load_scene
+from skiros_py.world.scene.files import load_scene
 from skiros_py.world.store import projection
 from skiros_py.world.store.projection import Projection, TripleStore, entailed_store
 from skiros_py.world.store.store import INFERRED_GRAPH, QuadStore

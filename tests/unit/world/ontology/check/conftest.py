@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from skiros_py.world.ontology.check import CheckReport, ReasonerChoice, check_ontology
+from skiros_py.world.ontology.check.checking import CheckReport, ReasonerChoice, check_ontology
 
 CORE = Path(__file__).parents[5] / "ontologies" / "core.ttl"
 HEAD = """@prefix : <http://example.org/toys#> .

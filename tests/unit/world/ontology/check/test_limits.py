@@ -12,7 +12,8 @@ import pyoxigraph as ox
 import pytest
 
 from skiros_py.errors import MissingExtra
-from skiros_py.world.ontology.check import CheckReport, FindingKind
+from skiros_py.world.ontology.check.checking import CheckReport
+from skiros_py.world.ontology.check.material import FindingKind
 from skiros_py.world.ontology.check.owl_reasoner import HermiT, NoAnswer, NotStarted, OwlRlProcess
 
 Check = Callable[..., CheckReport]

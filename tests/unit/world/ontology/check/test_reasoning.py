@@ -13,7 +13,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from skiros_py.errors import UsageError
-from skiros_py.world.ontology.check import CheckReport, Finding, FindingKind, check_ontology, checking
+from skiros_py.world.ontology.check import checking
+from skiros_py.world.ontology.check.checking import CheckReport, check_ontology
+from skiros_py.world.ontology.check.material import Finding, FindingKind
 from skiros_py.world.ontology.check.owl_reasoner import OwlRlProcess
 
 Check = Callable[..., CheckReport]

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from skiros_py.world.ontology.check import CheckReport, FindingKind, Severity, check_ontology
+from skiros_py.world.ontology.check.checking import CheckReport, check_ontology
+from skiros_py.world.ontology.check.material import FindingKind, Severity
 
 Check = Callable[..., CheckReport]
 
