@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager
 from itertools import takewhile
-from typing import Any, Self
+from typing import Any
 
 from skiros_py.errors import DescriptionError, UsageError
 from skiros_py.ports.board import DeviceBoard
@@ -20,7 +21,7 @@ from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import DEVICE, HAS_A, LOCATION
 
 
-class Claim:
+class Claim(AbstractContextManager["Claim"]):
     """The devices that a run of a module asks for. Release it on every end, or use it in a ``with``.
 
     Attributes:
@@ -59,9 +60,6 @@ class Claim:
             return ()
         before = ((device, self._level.before(device, self)) for device in sorted(self.devices))
         return tuple(f"{device} ({other.owner})" for device, other in before if other is not None)
-
-    def __enter__(self) -> Self:
-        return self
 
     def __exit__(self, *_: object) -> None:
         self.release()

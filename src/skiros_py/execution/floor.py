@@ -13,9 +13,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Self
 
 import shapely
 from shapely.geometry.base import BaseGeometry
@@ -110,7 +110,7 @@ class FloorAreas:
         return placed(outline, self._robots[robot].pose(self._board.snapshot, self._board.guard))
 
 
-class FloorWay:
+class FloorWay(AbstractContextManager["FloorWay"]):
     """A way that a robot asked for; a :class:`skiros_py.skills.context.Way`.
 
     Attributes:
@@ -154,9 +154,6 @@ class FloorWay:
         if not self.released:
             self.released = True
             self._floor.remove(self)
-
-    def __enter__(self) -> Self:
-        return self
 
     def __exit__(self, *_: object) -> None:
         self.release()

@@ -10,11 +10,11 @@ import struct
 from bisect import bisect_right
 from collections import Counter
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
-from typing import IO, Any, Self, cast
+from typing import IO, Any, cast
 
 from mcap import records
 from mcap.exceptions import McapError
@@ -72,7 +72,7 @@ class Picture:
     data: bytes
 
 
-class Recording:
+class Recording(AbstractContextManager["Recording"]):
     """A recording, which is never changed. Close it, or use it in a ``with``.
 
     Args:
@@ -290,9 +290,6 @@ class Recording:
     def close(self) -> None:
         """Closes the file; may be called twice."""
         self._stream.close()
-
-    def __enter__(self) -> Self:
-        return self
 
     def __exit__(self, *_: object) -> None:
         self.close()

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import ExitStack, closing
+from contextlib import AbstractContextManager, ExitStack, closing
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any
 
 from skiros_py.catalogue import Catalogue, fitting, load_catalogue
 from skiros_py.config import find_scene
@@ -100,7 +100,7 @@ class Options:
             raise UsageError("planner: give its name or its command line, not both")
 
 
-class Session:
+class Session(AbstractContextManager["Session"]):
     """An open cell: world, robots, skill managers, planning, task manager. Close it, or use it in a ``with``.
 
     Its caller steps it: nothing moves unless a method such as :meth:`run` steps the control cycle, so a run in lockstep
@@ -483,9 +483,6 @@ class Session:
         """Ends all processes and the simulation; may be called twice."""
         self._closed = True
         self._stack.close()
-
-    def __enter__(self) -> Self:
-        return self
 
     def __exit__(self, *_: object) -> None:
         self.close()

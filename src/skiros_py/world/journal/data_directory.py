@@ -9,7 +9,7 @@ import os
 import sys
 import time
 from collections.abc import Sequence
-from contextlib import ExitStack
+from contextlib import AbstractContextManager, ExitStack
 from pathlib import Path
 from typing import Self
 
@@ -92,7 +92,7 @@ _LONG = 20_000
 """Number of changes since the last snapshot after which opening makes a new one."""
 
 
-class DataDirectory:
+class DataDirectory(AbstractContextManager["DataDirectory"]):
     """An open data directory. Close it, or use it in a ``with``.
 
     Attributes:
@@ -186,9 +186,6 @@ class DataDirectory:
     def close(self) -> None:
         """Releases the folder; the world can still be read, but not written. May be called twice."""
         self._stack.close()
-
-    def __enter__(self) -> Self:
-        return self
 
     def __exit__(self, *_: object) -> None:
         self.close()

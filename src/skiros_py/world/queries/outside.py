@@ -15,9 +15,9 @@ import subprocess
 import threading
 import time
 from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import Self
 
 from skiros_py.errors import DeviceError, SkirosError, UsageError, WorldError
 from skiros_py.processes import end_connected, is_stopped, packed, receive, send, start_python
@@ -249,7 +249,7 @@ LONGEST_TIME = 3600.0
 _NO_BINDINGS: Mapping[str, Binding] = MappingProxyType({})
 
 
-class OutsideQueries:
+class OutsideQueries(AbstractContextManager["OutsideQueries"]):
     """Answers external queries. Close it, or use it in a ``with``; any thread may ask.
 
     Args:
@@ -269,9 +269,6 @@ class OutsideQueries:
     def close(self) -> None:
         """Ends the replica and all running queries; no more answers are given."""
         self._replica.close()
-
-    def __enter__(self) -> Self:
-        return self
 
     def __exit__(self, *_: object) -> None:
         self.close()

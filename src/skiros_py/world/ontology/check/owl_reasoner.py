@@ -15,12 +15,13 @@ import subprocess
 import tempfile
 import time
 from collections.abc import Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import partial
 from importlib.util import find_spec
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Protocol, Self
+from typing import Protocol
 
 import pyoxigraph as ox
 
@@ -93,7 +94,7 @@ _GRACE = 1.0
 """How much later than our time limit the kernel ends it [s]."""
 
 
-class OwlRlProcess:
+class OwlRlProcess(AbstractContextManager["OwlRlProcess"]):
     """Asks the OWL 2 RL reasoner. Close it, or use it in a ``with``.
 
     Args:
@@ -140,9 +141,6 @@ class OwlRlProcess:
         if self._process is not None:
             self._process.kill()
             self._process.wait()
-
-    def __enter__(self) -> Self:
-        return self
 
     def __exit__(self, *_: object) -> None:
         self.close()
