@@ -17,7 +17,8 @@ from dataclasses import dataclass, field
 from mutations import Mutation, mutations
 from table import Figure, finish
 
-from skiros_py.planning.explanation import Trial, explain
+from skiros_py.planning.explanation.explaining import explain
+from skiros_py.planning.explanation.trial import Trial
 from skiros_py.planning.plan import NoPlan
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.kairos import Kairos

@@ -35,7 +35,7 @@ from skiros_py.world.element import Placement
 from skiros_py.world.journal.data_directory import DataDirectory
 from skiros_py.world.names import CORE, SCENE
 from skiros_py.world.ontology import Ontology
-from skiros_py.world.queries import select
+from skiros_py.world.queries.answering import select
 from skiros_py.world.scene.files import load_scene, save_scene
 from skiros_py.world.world import World
 

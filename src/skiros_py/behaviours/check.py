@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from skiros_py.behaviours.children import ConditionNode
 from skiros_py.skills.behaviour import Scope
-from skiros_py.skills.inference import applying
+from skiros_py.skills.inference.inferring import applying
 from skiros_py.skills.outcome import Execution, Failure, Outcome, Success
 
 

@@ -20,7 +20,7 @@ from skiros_py.skills.cell_reader import read_cell
 from skiros_py.skills.conditions import AllOf, Condition, Has, Not, Nothing, Pattern, Related
 from skiros_py.skills.conditions.effects import Assign, Relate, Unrelate, brought_about, write_effects
 from skiros_py.skills.conditions.pattern import leaves
-from skiros_py.skills.inference import Inferred, Missing, infer
+from skiros_py.skills.inference.inferring import Inferred, Missing, infer
 from skiros_py.skills.outcome import Failure, Outcome
 from skiros_py.skills.parameters import Kind
 from skiros_py.skills.parameters.values import SAMPLES, sample_of_range

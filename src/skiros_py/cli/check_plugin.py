@@ -14,7 +14,7 @@ from skiros_py.cli.output import NOT_REACHED, REACHED, counted, progress
 from skiros_py.errors import UsageError
 
 if TYPE_CHECKING:
-    from skiros_py.checking import PluginReport
+    from skiros_py.checking.plugin_check import PluginReport
 
 _NEEDS_ROBOT = "it needs a real or simulated robot (--simulate SCENE)"
 
@@ -52,7 +52,7 @@ def command(
     if listed:
         found = [{"name": r.name, "severity": r.severity.value, "summary": r.summary} for r in RULES.values()]
         return {"rules": found}, [f"{r['name']:24} {r['severity']:8} {r['summary']}" for r in found]
-    from skiros_py.checking import as_installed, check_plugins
+    from skiros_py.checking.plugin_check import as_installed, check_plugins
 
     if no_run and simulate is not None:
         raise UsageError("--no-run and --simulate contradict each other: leave out one of them")

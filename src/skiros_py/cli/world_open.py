@@ -11,7 +11,7 @@ from skiros_py.world.change import Change, Writer
 from skiros_py.world.element import Element, Stamp, is_learned
 from skiros_py.world.journal.journal import Journal
 from skiros_py.world.journal.records import Entry
-from skiros_py.world.queries import Binding, Result
+from skiros_py.world.queries.answering import Binding, Result
 from skiros_py.world.queries.outside import OutsideQueries
 from skiros_py.world.queries.replica import Limits
 from skiros_py.world.scene.learned import learned_turtle

@@ -19,7 +19,7 @@ from skiros_py.errors import FileError
 if TYPE_CHECKING:
     from skiros_py.cli.world_open import OpenWorld
     from skiros_py.cli.world_server import ServedWorld
-    from skiros_py.world.queries import Binding, Result
+    from skiros_py.world.queries.answering import Binding, Result
 
 _ON_THE_WAY = 30.0
 """Maximum time of a response beside the query itself [s]."""
@@ -123,7 +123,7 @@ def _read(source: str, longest: int) -> str:
 
 
 def _value(text: str) -> Binding:
-    from skiros_py.world.queries import Text
+    from skiros_py.world.queries.answering import Text
 
     if len(text) >= 2 and text[0] == text[-1] == '"':
         return Text(text[1:-1])
@@ -140,7 +140,7 @@ def _value(text: str) -> Binding:
 
 def _show(result: Result, *, as_csv: bool) -> None:
     from skiros_py.station.world.service import Answer, shown_value
-    from skiros_py.world.queries import Table
+    from skiros_py.world.queries.answering import Table
 
     if as_csv and not isinstance(result, Table):
         raise click.UsageError("--csv shows rows, and only SELECT has rows: leave it out, or give --json")

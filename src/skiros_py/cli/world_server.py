@@ -22,7 +22,7 @@ from skiros_py.geometry import Pose
 from skiros_py.world.change import Change
 from skiros_py.world.element import Element, Stamp, Value
 from skiros_py.world.journal.records import Entry, decode_change
-from skiros_py.world.queries import Binding, Constructed, Result, Table, Text
+from skiros_py.world.queries.answering import Binding, Constructed, Result, Table, Text
 
 _PAGE = 1000
 _CHANGES = 200

@@ -9,7 +9,7 @@ from typing import Any
 from skiros_py.execution.claims import complete
 from skiros_py.execution.module_faults import contained
 from skiros_py.skills.conditions import Condition, Verdict
-from skiros_py.skills.inference import Inferred, Missing, infer
+from skiros_py.skills.inference.inferring import Inferred, Missing, infer
 from skiros_py.skills.outcome import Failure
 from skiros_py.skills.parameters import Kind, Param, missing, read_arguments
 from skiros_py.skills.parameters.values import as_json

@@ -22,7 +22,7 @@ from skiros_py.skills.behaviour import Behaviour, Call, P
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.conditions.watch import Watch, Watches
 from skiros_py.skills.context import RunContext
-from skiros_py.skills.inference import applying
+from skiros_py.skills.inference.inferring import applying
 from skiros_py.skills.outcome import BROKEN, Execution, Failure, Outcome, Success
 
 _log = logging.getLogger(__name__)

@@ -19,7 +19,7 @@ from skiros_py.execution.scope import ModuleRun, Scope, Unfinished
 from skiros_py.skills.behaviour import Behaviour
 from skiros_py.skills.conditions import Condition, Verdict
 from skiros_py.skills.context import Effects
-from skiros_py.skills.inference import Inferred, Missing, applying, infer
+from skiros_py.skills.inference.inferring import Inferred, Missing, applying, infer
 from skiros_py.skills.outcome import CANCELLED, Execution, Failure, Outcome, Success, tick
 from skiros_py.skills.parameters import read_arguments
 from skiros_py.skills.parameters.values import as_shown

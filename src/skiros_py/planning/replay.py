@@ -14,7 +14,7 @@ from skiros_py.planning.sequence import Round
 from skiros_py.skills.conditions import Condition, Pattern, Verdict, judge
 from skiros_py.skills.conditions.compound import Junction
 from skiros_py.skills.conditions.effects import Effect, effects_of, suppose_effects
-from skiros_py.skills.inference import applying
+from skiros_py.skills.inference.inferring import applying
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.view import WorldView

@@ -13,7 +13,7 @@ from copy import copy
 
 from skiros_py.skills.conditions import Condition, Verdict, judge
 from skiros_py.skills.conditions.effects import Relate, effects_of
-from skiros_py.skills.inference import applying
+from skiros_py.skills.inference.inferring import applying
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.view import WorldView

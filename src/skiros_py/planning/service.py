@@ -12,7 +12,9 @@ from skiros_py.planning.domain.pddl import PddlTexts
 from skiros_py.planning.domain.sequencing import in_sequence, write_with_costs
 from skiros_py.planning.domain.temporal import write_temporal
 from skiros_py.planning.durations import timed
-from skiros_py.planning.explanation import Trial, explain, find_causes
+from skiros_py.planning.explanation.causes import find_causes
+from skiros_py.planning.explanation.explaining import explain
+from skiros_py.planning.explanation.trial import Trial
 from skiros_py.planning.plan import Cause, CauseKind, NoPlan, Plan
 from skiros_py.planning.plan_validation import Wrong, validate
 from skiros_py.planning.planners.planner import Planner, Planners, Unsolvable, wait_for

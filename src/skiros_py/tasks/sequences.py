@@ -14,7 +14,7 @@ from skiros_py.planning.planners.planner import Planners
 from skiros_py.planning.problem.stock import tokens_of, with_stock
 from skiros_py.planning.replay import apply_effects
 from skiros_py.skills.conditions import judge
-from skiros_py.skills.inference import Inferred, Missing, applying, infer
+from skiros_py.skills.inference.inferring import Inferred, Missing, applying, infer
 from skiros_py.skills.outcome import Failure
 from skiros_py.skills.parameters import read_arguments
 from skiros_py.skills.skill import SkillDescription

@@ -13,8 +13,10 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from skiros_py.checking import Contract, Ground, own_contracts
-from skiros_py.checking import check_contract as run_contract
+from skiros_py.checking.cases import Ground
+from skiros_py.checking.contract import Contract
+from skiros_py.checking.contract import check_contract as run_contract
+from skiros_py.checking.plugin_check import own_contracts
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill
 from skiros_py.world.world import World

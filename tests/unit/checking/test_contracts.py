@@ -9,7 +9,8 @@ from typing import Any, ClassVar
 import pytest
 
 from skiros_py.behaviours import AssertEffects, Do, P, Sequence
-from skiros_py.checking import Ground, check_contract
+from skiros_py.checking.cases import Ground
+from skiros_py.checking.contract import check_contract
 from skiros_py.skills.conditions import Compare, Computed, ConditionType, Related, Role, Verdict
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, Param, param

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from skiros_py.checking import as_installed, check_plugins
+from skiros_py.checking.plugin_check import as_installed, check_plugins
 from skiros_py.skills.lint.checking import RULES
 from skiros_py.skills.lint.rule import Rule
 

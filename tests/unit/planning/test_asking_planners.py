@@ -10,7 +10,7 @@ from itertools import count
 import pytest
 
 from skiros_py.errors import PlanningError
-from skiros_py.planning.explanation import Trial
+from skiros_py.planning.explanation.trial import Trial
 from skiros_py.planning.plan import NoPlan, Plan
 from skiros_py.planning.planners.planner import Answer, Planner, Planners, Unsolvable, wait_for
 from skiros_py.planning.problem.task import Capability

@@ -4,7 +4,7 @@ import pytest
 
 from skiros_py.errors import UsageError
 from skiros_py.geometry import Pose
-from skiros_py.world.queries import Text, ask, select
+from skiros_py.world.queries.answering import Text, ask, select
 from skiros_py.world.world import World
 
 PARTS_IN = "SELECT ?part ?mass { ?part sk:in $place ; a ?class . ?class rdfs:subClassOf* kitting:Part ; sk:mass ?mass }"

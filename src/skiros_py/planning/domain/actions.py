@@ -27,7 +27,7 @@ from skiros_py.planning.domain.model import Action, Atom, NoneSuch, Variable
 from skiros_py.skills.conditions import Condition, Not
 from skiros_py.skills.conditions.effects import Assign, Relate, Unrelate, effects_of
 from skiros_py.skills.conditions.expression import is_sensed
-from skiros_py.skills.inference import applying
+from skiros_py.skills.inference.inferring import applying
 from skiros_py.skills.parameters import Param
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.ontology import Ontology

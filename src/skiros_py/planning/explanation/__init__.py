@@ -3,9 +3,3 @@
 Three stages, each run only if the previous one found nothing: facts that never become true even if nothing were ever
 undone; goal conditions that exclude each other; a minimal part of the goal for which a planner finds no plan.
 """
-
-from skiros_py.planning.explanation.causes import find_causes
-from skiros_py.planning.explanation.explaining import Solve, explain
-from skiros_py.planning.explanation.trial import Trial
-
-__all__ = ["Solve", "Trial", "explain", "find_causes"]

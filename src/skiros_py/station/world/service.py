@@ -20,7 +20,7 @@ from skiros_py.station.world.placements import placement_options
 from skiros_py.station.world.values import given, plain
 from skiros_py.world.element import Value
 from skiros_py.world.literals import format_value
-from skiros_py.world.queries import Binding, Constructed, Result, Table, Text
+from skiros_py.world.queries.answering import Binding, Constructed, Result, Table, Text
 from skiros_py.world.queries.outside import OutsideQueries
 from skiros_py.world.queries.replica import Limits
 from skiros_py.world.vocabulary import ELEMENT

@@ -10,7 +10,7 @@ from skiros_py.errors import UnknownName, WrongState
 from skiros_py.execution.runtime import Runtime
 from skiros_py.planning.domain.actions import with_defaults
 from skiros_py.planning.plan import Step
-from skiros_py.skills.inference import applying
+from skiros_py.skills.inference.inferring import applying
 from skiros_py.skills.outcome import Failure
 from skiros_py.skills.outcome import Outcome as StepOutcome
 from skiros_py.skills.skill import SkillDescription

@@ -10,7 +10,8 @@ import pytest
 from mutations import IN_TRAY
 from support.planning import tiny_task
 
-from skiros_py.planning.explanation import Trial, find_causes
+from skiros_py.planning.explanation.causes import find_causes
+from skiros_py.planning.explanation.trial import Trial
 from skiros_py.planning.plan import Cause, CauseKind
 from skiros_py.planning.planners.kairos import Kairos
 from skiros_py.planning.planners.planner import Planners

@@ -5,7 +5,8 @@ from dataclasses import replace
 import pytest
 from support.planning import tiny_task
 
-from skiros_py.planning.explanation import explain, find_causes
+from skiros_py.planning.explanation.causes import find_causes
+from skiros_py.planning.explanation.explaining import explain
 from skiros_py.planning.plan import CauseKind
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.parameters import Param

@@ -5,7 +5,7 @@ from support.planning import tiny_task
 
 from skiros_py.errors import WorldError
 from skiros_py.planning.edits import Add, Assign, HypotheticalView, Move, Relate, Remove, SceneEdit
-from skiros_py.planning.explanation import explain
+from skiros_py.planning.explanation.explaining import explain
 from skiros_py.planning.plan import NoPlan, Repair
 from skiros_py.skills.conditions import Condition
 from skiros_py.testing import tiny_world

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from support.planning import tiny_task
 
-from skiros_py.planning.explanation import explain
+from skiros_py.planning.explanation.explaining import explain
 from skiros_py.planning.plan import CauseKind
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.parameters import Kind, Param

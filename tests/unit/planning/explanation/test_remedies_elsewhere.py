@@ -7,7 +7,8 @@ from collections.abc import Iterator
 import pytest
 from support.planning import tiny_task
 
-from skiros_py.planning.explanation import Trial, explain
+from skiros_py.planning.explanation.explaining import explain
+from skiros_py.planning.explanation.trial import Trial
 from skiros_py.planning.plan import CauseKind, NoPlan
 from skiros_py.planning.planners.kairos import Kairos
 from skiros_py.planning.planners.planner import Planners

@@ -9,8 +9,9 @@ from mutations import IN_TRAY
 from support.planning import tiny_task
 
 from skiros_py.planning.edits import Move
-from skiros_py.planning.explanation import Trial, explain, find_causes
-from skiros_py.planning.explanation.explaining import find_repairs
+from skiros_py.planning.explanation.causes import find_causes
+from skiros_py.planning.explanation.explaining import explain, find_repairs
+from skiros_py.planning.explanation.trial import Trial
 from skiros_py.planning.plan import NoPlan
 from skiros_py.planning.planners.kairos import Kairos
 from skiros_py.planning.planners.planner import Planners

@@ -8,7 +8,7 @@ import pytest
 
 from skiros_py.errors import DescriptionError, UnknownName
 from skiros_py.skills.conditions import Computed, Exists, Has, Not, Nothing, Pattern, Related, Verdict, any_of
-from skiros_py.skills.inference import Inferred, Missing, applying, infer
+from skiros_py.skills.inference.inferring import Inferred, Missing, applying, infer
 from skiros_py.skills.parameters import Kind, Param
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.testing import tiny_world

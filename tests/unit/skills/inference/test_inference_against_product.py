@@ -24,7 +24,7 @@ from skiros_py.skills.conditions import (
     Role,
     Verdict,
 )
-from skiros_py.skills.inference import Inferred, Missing, infer
+from skiros_py.skills.inference.inferring import Inferred, Missing, infer
 from skiros_py.skills.parameters import Param
 from skiros_py.skills.references import variables
 from skiros_py.skills.skill import SkillDescription

@@ -10,7 +10,7 @@ import pytest
 from skiros_py.errors import WorldError
 from skiros_py.world.literals import LONGEST_TEXT
 from skiros_py.world.ontology import Ontology
-from skiros_py.world.queries import ask, select
+from skiros_py.world.queries.answering import ask, select
 from skiros_py.world.terms import Cardinality
 from skiros_py.world.world import World
 

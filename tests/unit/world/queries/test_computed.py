@@ -19,8 +19,7 @@ from hypothesis import strategies as st
 from skiros_py.errors import UnknownName, UsageError
 from skiros_py.world.element import Placement, Value
 from skiros_py.world.ontology import Ontology
-from skiros_py.world.queries import Table, ask, construct, select
-from skiros_py.world.queries.answering import Question, mentioned_relations, typed
+from skiros_py.world.queries.answering import Question, Table, ask, construct, mentioned_relations, select, typed
 from skiros_py.world.reasoners.registry import Answer, Reasoner, Reasoners
 from skiros_py.world.store import projection
 from skiros_py.world.store.projection import Projection

@@ -15,7 +15,7 @@ import pytest
 from skiros_py.errors import DeviceError, SkirosError, UnknownName, UsageError
 from skiros_py.world.element import Value
 from skiros_py.world.ontology import Ontology
-from skiros_py.world.queries import Binding, Constructed, Table, Text
+from skiros_py.world.queries.answering import Binding, Constructed, Table, Text
 from skiros_py.world.queries.outside import OutsideQueries
 from skiros_py.world.queries.replica import Limits
 from skiros_py.world.scene.files import load_scene

@@ -13,7 +13,7 @@ from skiros_py.errors import UnknownName, UsageError
 from skiros_py.geometry import Pose
 from skiros_py.world.element import Value
 from skiros_py.world.ontology import Ontology
-from skiros_py.world.queries import Constructed, Table, Text, ask, construct, query, select
+from skiros_py.world.queries.answering import Constructed, Table, Text, ask, construct, query, select
 from skiros_py.world.world import World
 
 ROOT = Path(__file__).parents[4]
