@@ -6,15 +6,13 @@ It is read from the world model once, before anything moves; adapters see this a
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 from skiros_py.errors import UnknownName
 from skiros_py.geometry import Pose, Solid
 from skiros_py.ports.device import DeviceSpec, LocalisingSpec, MobileSpec
+from skiros_py.ports.device_faults import KindGuard
 from skiros_py.ports.values import Snapshot
-
-if TYPE_CHECKING:
-    from skiros_py.ports.device_faults import KindGuard
 
 SpecT = TypeVar("SpecT", bound=DeviceSpec[Any, Any])
 

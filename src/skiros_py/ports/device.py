@@ -13,7 +13,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, Protocol, Self, TypeVar
+from typing import Any, ClassVar, Generic, Protocol, Self, TypeVar
 
 import numpy as np
 
@@ -21,9 +21,7 @@ from skiros_py.errors import DescriptionError, DeviceError
 from skiros_py.geometry import Pose, wrap_angle
 from skiros_py.ports.kinematics import BASE_LINK, Kinematics
 from skiros_py.ports.paths import BaseLeg, BasePath, Path
-
-if TYPE_CHECKING:
-    from skiros_py.ports.simulation import SimulatedRobot
+from skiros_py.ports.simulation import SimulatedRobot
 
 _SHORT = 0.002
 """A shorter way counts as none [m]."""

@@ -4,17 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 from skiros_py.errors import UsageError
 from skiros_py.world.element import Element, Placement, Value, is_abstract
 from skiros_py.world.terms import Family, reached
+from skiros_py.world.transaction import Transaction
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import ELEMENT, PLACEMENT, POSE, POSE_FRAME, STRUCTURE
-
-if TYPE_CHECKING:
-    from skiros_py.world.transaction import Transaction
-
 
 BACKWARDS = "^"
 """Before a relation's name: read from its object to its subject, as in a property path of SPARQL."""

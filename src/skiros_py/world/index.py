@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from itertools import chain
 from types import MappingProxyType
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 from immutables import Map
 
@@ -25,14 +25,12 @@ from skiros_py.world.change import (
 )
 from skiros_py.world.element import Element, Placement, Stamp, Value, is_abstract
 from skiros_py.world.ids import EMPTY, IdSet
+from skiros_py.world.ontology import Ontology
 from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners, computed_others
 from skiros_py.world.taught import class_value
 from skiros_py.world.terms import Family, PlaceEnd
 from skiros_py.world.view import NO_SENSORS, Sensors, WorldView
 from skiros_py.world.vocabulary import LABEL, PLACEMENT, STRUCTURE
-
-if TYPE_CHECKING:
-    from skiros_py.world.ontology import Ontology
 
 
 @contextmanager

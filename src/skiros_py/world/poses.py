@@ -9,16 +9,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from functools import reduce
 from operator import matmul
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from skiros_py.errors import WorldError
 from skiros_py.geometry import Pose
+from skiros_py.world.transaction import Transaction
+from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import POSE, POSE_FRAME
-
-if TYPE_CHECKING:
-    from skiros_py.world.transaction import Transaction
-    from skiros_py.world.view import WorldView
-
 
 _AT: Final = Pose()
 

@@ -6,9 +6,8 @@ A taught pose is an element of the learned concepts (or of an ontology) that has
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from skiros_py.world.element import Element, Value
+from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import (
     APPLIES_TO,
     DRIVING_POSE,
@@ -17,9 +16,6 @@ from skiros_py.world.vocabulary import (
     PLACING_POSE,
     TAUGHT_POSE,
 )
-
-if TYPE_CHECKING:
-    from skiros_py.world.view import WorldView
 
 TEACHABLE = frozenset({DRIVING_POSE, GRASP_POSE, GRASP_WIDTH, PLACING_POSE})
 """Properties whose values can be taught."""

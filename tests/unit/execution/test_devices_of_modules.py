@@ -85,7 +85,7 @@ class Use(Primitive["Use.Params"]):
                 yield
         finally:
             # A run of an earlier test, which the garbage collector ends now, leaves the holders alone.
-            self.holders.update({d: None for d in devices if self.holders[d] is self})
+            self.holders.update({d: None for d in devices if self.holders.get(d) is self})
         return Success() if self.params.ends == "well" else Failure(self.params.ends)
 
 

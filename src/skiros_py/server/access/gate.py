@@ -9,7 +9,7 @@ import re
 import secrets
 import time
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import Request
@@ -23,10 +23,8 @@ from skiros_py.server.access.roles import Caller, Role
 from skiros_py.server.monitoring import request_id
 from skiros_py.server.pages import is_page
 from skiros_py.server.problems import Problem, problem_response
+from skiros_py.server.services import Services
 from skiros_py.server.settings import ServerSettings
-
-if TYPE_CHECKING:
-    from skiros_py.server.services import Services
 
 _DEEPEST = 64
 """Maximum nesting depth of lists and objects."""

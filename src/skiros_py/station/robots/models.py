@@ -16,14 +16,11 @@ from copy import deepcopy
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING
 
 from skiros_py.errors import Busy, DeviceError
+from skiros_py.perception.light_meshes import MeshPiece
 from skiros_py.ports.kinematics import write_robot_urdf
 from skiros_py.workers import Worker
-
-if TYPE_CHECKING:
-    from skiros_py.perception.light_meshes import MeshPiece
 
 MESHES = "model/meshes/"
 """Location of the meshes, relative to the URL of the model."""

@@ -10,7 +10,6 @@ import threading
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
 
 from skiros_py.api.alarms import AlarmKind, Severity
 from skiros_py.api.scenes import Bodies, BodyPose, SimulatedBody, SimulationState
@@ -26,9 +25,11 @@ from skiros_py.errors import (
 )
 from skiros_py.geometry import Pose
 from skiros_py.ports.cell import BodySpec
+from skiros_py.simulation.cell import SimulatedCell
 from skiros_py.skills.cell_reader import read_body
 from skiros_py.station.alarms.alarms import Alarms
 from skiros_py.station.control import ControlThread
+from skiros_py.station.judgement import Whereabouts
 from skiros_py.station.requests import addressed, admitted
 from skiros_py.station.scenes.loading import check_reopening, require_rest
 from skiros_py.station.session import Session
@@ -37,11 +38,6 @@ from skiros_py.world.change import Change, Edit, ElementEdit, PlacementEdit, Pro
 from skiros_py.world.element import is_abstract
 from skiros_py.world.index import Index
 from skiros_py.world.view import WorldView
-
-if TYPE_CHECKING:
-    from skiros_py.simulation.cell import SimulatedCell
-    from skiros_py.station.judgement import Whereabouts
-
 
 _FIXED = (v.ROBOT, v.DEVICE, v.STOCK)
 """Classes whose elements are read only once, when the session is opened."""

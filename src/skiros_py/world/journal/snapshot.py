@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Iterator
-from typing import TYPE_CHECKING
 
 from skiros_py.errors import UnknownName
 from skiros_py.world.change import Edit, ElementEdit, GoalsEdit, PlacementEdit, RelationEdit, SceneSource, SourceEdit
@@ -12,11 +11,9 @@ from skiros_py.world.element import Element, Stamp, Value, is_abstract, is_learn
 from skiros_py.world.index import Index
 from skiros_py.world.journal.records import decode_edits, encode_edits
 from skiros_py.world.literals import DATATYPES, shown
+from skiros_py.world.ontology import Ontology
 from skiros_py.world.terms import Family
 from skiros_py.world.vocabulary import ELEMENT
-
-if TYPE_CHECKING:
-    from skiros_py.world.ontology import Ontology
 
 
 def unfit(index: Index) -> Iterator[str]:

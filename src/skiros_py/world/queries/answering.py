@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
-from typing import TYPE_CHECKING
 
 import pyoxigraph as ox
 
@@ -21,10 +20,8 @@ from skiros_py.world.ontology import Ontology
 from skiros_py.world.queries.text import QueryText, parsed
 from skiros_py.world.store.store import UNLIMITED, Answer, AnswerLimits, Functions, QuadStore, Rows, Term
 from skiros_py.world.terms import Family
+from skiros_py.world.view import WorldView
 from skiros_py.world.world import World
-
-if TYPE_CHECKING:
-    from skiros_py.world.view import WorldView
 
 
 class Text(str):

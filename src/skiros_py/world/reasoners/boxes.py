@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from functools import cache, lru_cache
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,10 +13,8 @@ from numpy.typing import NDArray
 from skiros_py.geometry import Array, Pose, Solid
 from skiros_py.world.element import Value
 from skiros_py.world.terms import reached
+from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import HOLLOW, POSE, POSE_FRAME, SIZE, SOLID
-
-if TYPE_CHECKING:
-    from skiros_py.world.view import WorldView
 
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]

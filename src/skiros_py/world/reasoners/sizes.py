@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from types import MappingProxyType
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,10 +13,8 @@ from skiros_py.world.change import PlacementEdit, Writer
 from skiros_py.world.element import Value
 from skiros_py.world.reasoners.boxes import extents
 from skiros_py.world.reasoners.registry import Answer, Proposal, Reasoner
+from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import CONTAINER, FITS_IN, GRASP_WIDTH, GRASPABLE_BY, IN, MAX_GAP, SOLID
-
-if TYPE_CHECKING:
-    from skiros_py.world.view import WorldView
 
 CLEARANCE = 0.008
 """A thing fits when it leaves this much room both ways: fingers and poses are not more exact [m]."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -28,6 +28,8 @@ from skiros_py.world.reasoners.box_geometry import (
 )
 from skiros_py.world.reasoners.boxes import MAP, Bools, Boxes, read_boxes
 from skiros_py.world.reasoners.registry import Answer, Reasoner
+from skiros_py.world.transaction import Transaction
+from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import (
     ABOVE,
     BEHIND,
@@ -41,11 +43,6 @@ from skiros_py.world.vocabulary import (
     RESTS_ON,
     RIGHT_OF,
 )
-
-if TYPE_CHECKING:
-    from skiros_py.world.transaction import Transaction
-    from skiros_py.world.view import WorldView
-
 
 ACCURACY = 0.003
 """Poses are not sensed more exactly: what differs less is taken for the same [m]."""

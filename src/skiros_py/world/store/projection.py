@@ -9,7 +9,6 @@ from __future__ import annotations
 import threading
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
 
 import pyoxigraph as ox
 
@@ -25,9 +24,7 @@ from skiros_py.world.ontology.documents import Document
 from skiros_py.world.store.store import INFERRED_GRAPH, QuadStore
 from skiros_py.world.vocabulary import GOAL, LABEL
 from skiros_py.world.vocabulary import SCENE as SCENE_CLASS
-
-if TYPE_CHECKING:
-    from skiros_py.world.world import World
+from skiros_py.world.world import World
 
 _SCENE_GRAPH = ox.NamedNode(SCENE_GRAPH)
 _LEARNED_GRAPH = ox.NamedNode(LEARNED_GRAPH)
