@@ -182,7 +182,7 @@ def test_a_plug_in_object_that_raises_system_exit_does_not_end_the_command(start
 def test_a_keyboard_interrupt_raised_by_a_plug_in_is_a_fault_and_not_a_request_of_the_user(start: Start) -> None:
     status, out, err = ended(start("pass", "plugins", more="raise KeyboardInterrupt\n"))
 
-    assert status == 0, err
+    assert status == 1, err
     assert "KeyboardInterrupt" in out
 
 
