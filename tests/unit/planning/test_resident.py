@@ -129,33 +129,20 @@ def test_killing_the_resident_program_ends_its_run_and_the_next_run_starts_a_new
     assert ran(resident, tmp_path, of("says", "two", "0")).code == 0
 
 
-def test_a_resident_program_that_does_not_start_a_run_is_killed_and_the_next_run_starts_another(
-    resident: Resident, tmp_path: Path
+@pytest.mark.parametrize("awaited", [False, True], ids=["cancelled at once", "awaited"])
+def test_a_suspended_resident_program_is_killed_and_the_next_run_starts_another(
+    resident: Resident, tmp_path: Path, awaited: bool
 ) -> None:
     other, process = waiting(resident, tmp_path)
     parent = process.parent()
     assert parent is not None
     parent.send_signal(signal.SIGSTOP)
     run = resident.start(of("says", "one", "0"), tmp_path, LIMITS, os.environ)
-
-    assert run.kill() == -9
-    parent.wait(5.0)
-    assert other.kill() == -9
-    assert ran(resident, tmp_path, of("says", "two", "0")).code == 0
-
-
-def test_a_run_ends_at_once_if_the_resident_program_is_suspended_before_starting_it(
-    resident: Resident, tmp_path: Path
-) -> None:
-    other, process = waiting(resident, tmp_path)
-    parent = process.parent()
-    assert parent is not None
-    parent.send_signal(signal.SIGSTOP)
-    run = resident.start(of("says", "one", "0"), tmp_path, LIMITS, os.environ)
-    while not run.has_ended():  # the signal takes effect a little later
+    while awaited and not run.has_ended():  # the signal takes effect a little later
         time.sleep(0.01)
 
     assert run.kill() == -9
+    parent.wait(5.0)
     assert other.kill() == -9
     assert ran(resident, tmp_path, of("says", "two", "0")).code == 0
 

@@ -96,7 +96,7 @@ class Replica(ABC):
 
         Args:
             order: The order, pickled.
-            answer: The pipe for the answer; it has an error once nobody reads it.
+            answer: The pipe for the answer; it reports an error once its reader is gone.
 
         Raises:
             SkirosError: There is no answer; the error is sent instead.
