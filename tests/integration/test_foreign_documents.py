@@ -227,7 +227,7 @@ odd = net_of_a_test:Odd
 [skiros.documents]
 net = net_of_a_test:NetDocument
 moody = net_of_a_test:Moody
-tree = skiros_py.behaviours.document:Tree
+tree = skiros_py.behaviours.tree_document:Tree
 """
 
 
@@ -293,7 +293,7 @@ def wheel(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     info = site / "net_of_a_test-1.0.dist-info"
     info.mkdir(parents=True)
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: net-of-a-test\nVersion: 1.0\n")
-    (info / "entry_points.txt").write_text(POINTS.replace("tree = skiros_py.behaviours.document:Tree\n", ""))
+    (info / "entry_points.txt").write_text(POINTS.replace("tree = skiros_py.behaviours.tree_document:Tree\n", ""))
     (site / "net_of_a_test.py").write_text(WHEEL)
     monkeypatch.syspath_prepend(str(site))
 

@@ -3,7 +3,7 @@
 from skiros_py.behaviours.assert_effects import AssertEffects
 from skiros_py.behaviours.check import Check
 from skiros_py.behaviours.do import Do
-from skiros_py.behaviours.document import DocumentKind, Interface, PaletteEntry, Review
+from skiros_py.behaviours.document_kind import DocumentKind, Interface, PaletteEntry, Review
 from skiros_py.behaviours.every import Every
 from skiros_py.behaviours.fallback import Fallback
 from skiros_py.behaviours.for_each import ForEach

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, fields
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from skiros_py.behaviours.document import DocumentKind
+from skiros_py.behaviours.document_kind import DocumentKind
 from skiros_py.errors import DescriptionError, DeviceError, PlanningError, SkirosError, UnknownName, UsageError
 from skiros_py.interruptions import limited
 from skiros_py.planning.planners.planner import Planners

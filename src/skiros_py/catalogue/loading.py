@@ -11,7 +11,7 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any
 
-from skiros_py.behaviours.document import DocumentKind
+from skiros_py.behaviours.document_kind import DocumentKind
 from skiros_py.catalogue.catalogue import (
     Catalogue,
     Named,

@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from skiros_py.devices.limits import FakeModel, Standstill
+from skiros_py.devices.common import FakeModel, Standstill
 from skiros_py.errors import DescriptionError, DeviceError
 from skiros_py.geometry import Array, Pose
 from skiros_py.ports.board import DeviceHandle

@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from skiros_py.devices.limits import FakeModel, Standstill
+from skiros_py.devices.common import FakeModel, Standstill
 from skiros_py.errors import DescriptionError, DeviceError
 from skiros_py.ports.board import DeviceHandle
 from skiros_py.ports.device import DeviceSignal, DeviceSpec, FakeRobot, Individual, require_numbers

@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from skiros_py.devices.limits import BASE_STILL, Standstill
+from skiros_py.devices.common import BASE_STILL, Standstill
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Array, Pose
 from skiros_py.ports.device import DeviceSignal, FakeRobot, Individual, LocalisingSpec

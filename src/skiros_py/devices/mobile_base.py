@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from skiros_py.devices.limits import BASE_STILL, FakeModel, Standstill, approach
+from skiros_py.devices.common import BASE_STILL, FakeModel, Standstill, approach
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose, wrap_angle
 from skiros_py.ports.board import DeviceHandle

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import pytest
 
-from skiros_py.behaviours.document import Tree
+from skiros_py.behaviours.tree_document import Tree
 from skiros_py.catalogue import load_catalogue
 from skiros_py.errors import DocumentFault
 from skiros_py.execution.running import RunnableDocument

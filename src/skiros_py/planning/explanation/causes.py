@@ -12,8 +12,8 @@ from skiros_py.planning.domain.literals import CAN
 from skiros_py.planning.domain.matching import is_variable
 from skiros_py.planning.domain.model import Atom
 from skiros_py.planning.explanation.contradictions import Contradictions
-from skiros_py.planning.explanation.obstacles import Obstacles
-from skiros_py.planning.explanation.wording import Found, Obstacle
+from skiros_py.planning.explanation.unreachable import UnreachableFacts
+from skiros_py.planning.explanation.wording import Found, Reason
 from skiros_py.planning.plan import Cause, CauseKind
 from skiros_py.planning.problem.reachability import Relaxation
 from skiros_py.planning.problem.task import Capability, PlanningTask, build_task
@@ -29,19 +29,19 @@ def find_causes(task: PlanningTask) -> tuple[Found, ...]:
     hold and no simple conflict prevents them from holding together.
     """
     relaxed = Relaxation(with_everyone(task), together=True)
-    obstacles = Obstacles(relaxed)
+    facts = UnreachableFacts(relaxed)
     found: list[Found] = []
     for condition, atoms in relaxed.task.goal:
         missing = next((atom for atom in atoms if atom not in relaxed.facts), None)
         if missing is not None:
-            found.append(_unreachable(condition, obstacles.of(missing), task.view))
+            found.append(_unreachable(condition, facts.of(missing), task.view))
     return _main_first(found, Contradictions(_cleared(found, relaxed)).found())
 
 
 def _cleared(found: Sequence[Found], relaxed: Relaxation) -> Relaxation:
     """Returns the facts reachable if the occupied places were empty: conditions exclusive even then are exclusive."""
-    obstacles = [one.obstacle for one in found if one.obstacle is not None and one.obstacle.kind is CauseKind.FULL]
-    empty = [atom for o in obstacles if (atom := o.missing) is not None and not any(map(is_variable, atom.arguments))]
+    full = [one.reason for one in found if one.reason is not None and one.reason.kind is CauseKind.FULL]
+    empty = [atom for one in full if (atom := one.missing) is not None and not any(map(is_variable, atom.arguments))]
     if not empty:
         return relaxed
     problem = relaxed.task.problem
@@ -55,42 +55,42 @@ def _main_first(hopeless: Sequence[Found], together: Sequence[Found]) -> tuple[F
     For conditions that are hopeless in any place or in that one, only that reason is given; for a place wanted by
     several conditions, it is not also reported that one of their things occupies it.
     """
-    obstacles = {one.cause.conditions[0]: one.obstacle for one in hopeless}
-    rivals = [one for one in together if one.shortage is not None and _is_rivalry(one.cause, obstacles)]
+    reasons = {one.cause.conditions[0]: one.reason for one in hopeless}
+    rivals = [one for one in together if one.shortage is not None and _is_rivalry(one.cause, reasons)]
     taken = [one for one in hopeless if not any(_covers(rivalry.cause, one) for rivalry in rivals)]
-    rest = [one for one in together if one not in rivals and not obstacles.keys() & set(one.cause.conditions)]
+    rest = [one for one in together if one not in rivals and not reasons.keys() & set(one.cause.conditions)]
     return (*rivals, *taken, *rest)
 
 
-def _is_rivalry(cause: Cause, obstacles: Mapping[Condition, Obstacle | None]) -> bool:
+def _is_rivalry(cause: Cause, reasons: Mapping[Condition, Reason | None]) -> bool:
     """Returns whether several conditions compete for one place where each alone could eventually be fulfilled."""
-    known = [obstacle for condition in cause.conditions if (obstacle := obstacles.get(condition)) is not None]
-    one_day = all(obstacle.kind in (CauseKind.FULL, CauseKind.MISSING_FACT) for obstacle in known)
+    known = [reason for condition in cause.conditions if (reason := reasons.get(condition)) is not None]
+    one_day = all(reason.kind in (CauseKind.FULL, CauseKind.MISSING_FACT) for reason in known)
     return cause.kind is CauseKind.CONTRADICTION and len(cause.conditions) > 1 and one_day
 
 
 def _covers(rivalry: Cause, one: Found) -> bool:
     """Returns whether a place is occupied by the thing that another of the competing conditions wants there."""
-    obstacle = one.obstacle
-    if obstacle is None or obstacle.kind is not CauseKind.FULL:
+    reason = one.reason
+    if reason is None or reason.kind is not CauseKind.FULL:
         return False
-    return one.cause.conditions[0] in rivalry.conditions and set(obstacle.elements) <= set(rivalry.elements)
+    return one.cause.conditions[0] in rivalry.conditions and set(reason.elements) <= set(rivalry.elements)
 
 
-def _unreachable(condition: Condition, obstacle: Obstacle, view: WorldView) -> Found:
-    full = _full(condition, obstacle, view)
+def _unreachable(condition: Condition, reason: Reason, view: WorldView) -> Found:
+    full = _full(condition, reason, view)
     said = "".join(f"{whole} is full: " for whole in full)
-    parts = obstacle.skill, obstacle.precondition, (*full, *obstacle.elements), said + (obstacle.core or obstacle.text)
-    text = f"{condition} cannot be reached: {said}{obstacle.text}"
-    return Found(Cause(obstacle.kind, text, (condition,), *parts), obstacle)
+    parts = reason.skill, reason.precondition, (*full, *reason.elements), said + (reason.core or reason.text)
+    text = f"{condition} cannot be reached: {said}{reason.text}"
+    return Found(Cause(reason.kind, text, (condition,), *parts), reason)
 
 
-def _full(condition: Condition, obstacle: Obstacle, view: WorldView) -> tuple[str, ...]:
+def _full(condition: Condition, reason: Reason, view: WorldView) -> tuple[str, ...]:
     """Returns the elements named by the condition that consist of the occupied places, such as the full kit."""
-    if obstacle.kind is not CauseKind.FULL:
+    if reason.kind is not CauseKind.FULL:
         return ()
     named = (argument for argument in condition.arguments if view.has(argument))
-    return tuple(whole for whole in named if set(view.objects(whole, HAS_A)).intersection(obstacle.elements))
+    return tuple(whole for whole in named if set(view.objects(whole, HAS_A)).intersection(reason.elements))
 
 
 def with_everyone(task: PlanningTask) -> PlanningTask:

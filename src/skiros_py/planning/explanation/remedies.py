@@ -11,7 +11,7 @@ from skiros_py.planning.domain.goals import asked_emptiness
 from skiros_py.planning.domain.literals import CAN, HAS, NOT, NOTHING, VALUE, compared
 from skiros_py.planning.domain.matching import is_variable
 from skiros_py.planning.edits import Add, Assign, Move, Relate, Remove, SceneEdit
-from skiros_py.planning.explanation.wording import Found, Obstacle, Shortage, listed, some
+from skiros_py.planning.explanation.wording import Found, Reason, Shortage, listed, some
 from skiros_py.planning.plan import Cause, CauseKind, Exchange, Repair
 from skiros_py.planning.problem.task import Capability
 from skiros_py.skills.conditions import Condition
@@ -106,16 +106,16 @@ def _instead_of(place: str, found: Found, view: WorldView, room: Room) -> list[s
     """Returns free places that could replace one that is the problem; none if it is not."""
     if not view.has(place):
         return []
-    obstacle = found.obstacle
-    if obstacle is None:
+    reason = found.reason
+    if reason is None:
         is_short = found.shortage is not None and place in found.shortage.there
         return _like(place, view.element(place).type, view, room) if is_short else []
-    if obstacle.skill is None or place not in obstacle.elements:
+    if reason.skill is None or place not in reason.elements:
         return []
-    if obstacle.kind is CauseKind.NO_SKILL:
-        classes = [name for name in obstacle.elements if name in view.ontology.classes]
+    if reason.kind is CauseKind.NO_SKILL:
+        classes = [name for name in reason.elements if name in view.ontology.classes]
         return _like(place, classes[0], view, room) if classes else []
-    if obstacle.kind in (CauseKind.FULL, CauseKind.DOES_NOT_FIT):
+    if reason.kind in (CauseKind.FULL, CauseKind.DOES_NOT_FIT):
         return _like(place, view.element(place).type, view, room)
     return []
 
@@ -233,20 +233,20 @@ def _edits(found: Found, view: WorldView, room: Room) -> Iterator[Change]:
     if found.shortage is not None:
         yield from _more(found.cause, found.shortage, view, room)
         yield from _fewer(found.cause, found.shortage, view)
-    obstacle = found.obstacle
-    if obstacle is None:
+    reason = found.reason
+    if reason is None:
         return
-    if obstacle.missing is not None and obstacle.missing.predicate.startswith(NOT):
-        yield from _taken_out(obstacle, view, room)
+    if reason.missing is not None and reason.missing.predicate.startswith(NOT):
+        yield from _taken_out(reason, view, room)
         return
-    match obstacle.kind:
+    match reason.kind:
         case CauseKind.MISSING_ELEMENT:
-            homes = room.homes(obstacle.elements[0], view)[:_CHOICES]
-            yield from (Change(2, (Add(obstacle.elements[0], home),)) for home in homes)
+            homes = room.homes(reason.elements[0], view)[:_CHOICES]
+            yield from (Change(2, (Add(reason.elements[0], home),)) for home in homes)
         case CauseKind.MISSING_FACT:
-            yield from _stated(obstacle, view, room)
+            yield from _stated(reason, view, room)
         case CauseKind.FULL:
-            yield from _cleared(obstacle, view, room)
+            yield from _cleared(reason, view, room)
 
 
 def _more(cause: Cause, shortage: Shortage, view: WorldView, room: Room) -> Iterator[Change]:
@@ -267,25 +267,25 @@ def _fewer(cause: Cause, shortage: Shortage, view: WorldView) -> Iterator[Change
         yield Change(3 * shortage.excess, tuple(map(Remove, chosen)))
 
 
-def _taken_out(obstacle: Obstacle, view: WorldView, room: Room) -> Iterator[Change]:
+def _taken_out(reason: Reason, view: WorldView, room: Room) -> Iterator[Change]:
     """Removes a thing from a place where it should not be."""
-    atom = obstacle.missing
+    atom = reason.missing
     relation = atom.predicate.removeprefix(NOT) if atom is not None else ""
     if atom is None or relation not in view.ontology.relations or not view.ontology.is_placement(relation):
         return
-    subjects, objects = (_things(argument, obstacle, view) for argument in atom.arguments)
+    subjects, objects = (_things(argument, reason, view) for argument in atom.arguments)
     for subject, object_ in product(subjects, objects):
         if view.related(subject, relation, object_):
             thing, placement = view.ontology.placed(subject, relation, object_)
             yield from _away(thing, (placement.place,), view, room)
 
 
-def _cleared(obstacle: Obstacle, view: WorldView, room: Room) -> Iterator[Change]:
+def _cleared(reason: Reason, view: WorldView, room: Room) -> Iterator[Change]:
     """Removes what blocks a place."""
-    for thing in obstacle.elements:
+    for thing in reason.elements:
         at = view.placement(thing) if view.has(thing) else None
-        if at is not None and at.place in obstacle.elements:
-            yield from _away(thing, obstacle.elements, view, room)
+        if at is not None and at.place in reason.elements:
+            yield from _away(thing, reason.elements, view, room)
 
 
 def _away(thing: str, places: Sequence[str], view: WorldView, room: Room) -> Iterator[Change]:
@@ -297,12 +297,12 @@ def _away(thing: str, places: Sequence[str], view: WorldView, room: Room) -> Ite
     yield Change(3, (Remove(thing),))
 
 
-def _stated(obstacle: Obstacle, view: WorldView, room: Room) -> Iterator[Change]:
+def _stated(reason: Reason, view: WorldView, room: Room) -> Iterator[Change]:
     """Makes the missing fact true."""
-    atom = obstacle.missing
+    atom = reason.missing
     if atom is None or atom.predicate.startswith((CAN, NOTHING)):
         return
-    choices = [_things(argument, obstacle, view) for argument in atom.arguments]
+    choices = [_things(argument, reason, view) for argument in atom.arguments]
     if atom.predicate.startswith(HAS):
         yield from _valued(atom.predicate.removeprefix(HAS), choices[0], view)
     elif atom.predicate.startswith(VALUE):
@@ -314,10 +314,10 @@ def _stated(obstacle: Obstacle, view: WorldView, room: Room) -> Iterator[Change]
         yield from _related(atom.predicate, choices[0], choices[1], view, room)
 
 
-def _things(argument: str, obstacle: Obstacle, view: WorldView) -> tuple[str, ...]:
+def _things(argument: str, reason: Reason, view: WorldView) -> tuple[str, ...]:
     if not is_variable(argument):
         return (argument,)
-    class_ = obstacle.types.get(argument, "")
+    class_ = reason.types.get(argument, "")
     return view.instances(class_)[:_CHOICES] if class_ in view.ontology.classes else ()
 
 

@@ -105,17 +105,17 @@ class Found:
 
     Attributes:
         cause: The cause.
-        obstacle: What never holds; None for conditions that exclude each other.
+        reason: What never holds; None for conditions that exclude each other.
         shortage: What is short; None if the cause is not a shortage.
     """
 
     cause: Cause
-    obstacle: Obstacle | None = None
+    reason: Reason | None = None
     shortage: Shortage | None = None
 
 
 @dataclass(frozen=True, slots=True)
-class Obstacle:
+class Reason:
     """The reason why a fact never becomes true.
 
     Attributes:

@@ -1,4 +1,4 @@
-"""Small pieces that the models of devices share."""
+"""Common to several device kinds: a rate limit, standstill detection and a fake without physics."""
 
 from __future__ import annotations
 

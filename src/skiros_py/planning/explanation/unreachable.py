@@ -9,7 +9,7 @@ from skiros_py.planning.domain.actions import is_placement, moved_and_place
 from skiros_py.planning.domain.literals import CAN, HAS, NOT, NOTHING
 from skiros_py.planning.domain.matching import is_variable
 from skiros_py.planning.domain.model import Action, Atom
-from skiros_py.planning.explanation.wording import Obstacle, Wording, listed, some
+from skiros_py.planning.explanation.wording import Reason, Wording, listed, some
 from skiros_py.planning.plan import CauseKind
 from skiros_py.planning.problem.reachability import Relaxation
 from skiros_py.planning.problem.task import PlanningTask
@@ -21,7 +21,7 @@ from skiros_py.world.vocabulary import ROBOT
 _SHOWN = 4
 """How many misplaced things are named."""
 _COUNTED = 32
-"""How many elements of a class one obstacle names as data."""
+"""How many elements of a class one reason names as data."""
 
 Types = Mapping[str, str]
 
@@ -34,8 +34,8 @@ class Leaves:
         self._view = task.view
         self._wording = wording
 
-    def of(self, atom: Atom, types: Types) -> Obstacle:
-        """Returns the obstacle for a fact that no skill provides."""
+    def of(self, atom: Atom, types: Types) -> Reason:
+        """Returns why a fact that no skill provides never holds."""
         if atom.predicate.startswith(CAN):
             return self._no_skill(atom, types)
         if atom.predicate.startswith(NOTHING):
@@ -46,18 +46,18 @@ class Leaves:
             return self._still_there(atom, types)
         return self._plainly(atom, types)
 
-    def none_of(self, class_: str) -> Obstacle:
-        """Returns the obstacle that a class has no elements."""
-        return Obstacle(CauseKind.MISSING_ELEMENT, f"there is no {local_name(class_)}", elements=(class_,))
+    def none_of(self, class_: str) -> Reason:
+        """Returns the reason that a class has no elements."""
+        return Reason(CauseKind.MISSING_ELEMENT, f"there is no {local_name(class_)}", elements=(class_,))
 
-    def _no_skill(self, atom: Atom, types: Types) -> Obstacle:
+    def _no_skill(self, atom: Atom, types: Types) -> Reason:
         agents = self._things(atom.arguments[0], types)
         verb = "does" if len(agents) == 1 else "do"
         skill = atom.predicate.removeprefix(CAN)
         text = f"{listed(agents)} {verb} not have it"
-        return Obstacle(CauseKind.NO_SKILL, text, skill, "", agents, atom, types)
+        return Reason(CauseKind.NO_SKILL, text, skill, "", agents, atom, types)
 
-    def _full(self, atom: Atom, types: Types) -> Obstacle:
+    def _full(self, atom: Atom, types: Types) -> Reason:
         relation = atom.predicate.removeprefix(NOTHING)
         verb = self._wording.term(relation)
         places = self._things(atom.arguments[0], types)
@@ -69,9 +69,9 @@ class Leaves:
                 f"every {local_name(types.get(atom.arguments[0], 'place'))} is taken, and no skill takes anything away"
             )
         elements = (*places, *dict.fromkeys(thing for things in there.values() for thing in things))
-        return Obstacle(CauseKind.FULL, text, elements=elements, missing=atom, types=types)
+        return Reason(CauseKind.FULL, text, elements=elements, missing=atom, types=types)
 
-    def _elsewhere(self, atom: Atom, types: Types) -> Obstacle:
+    def _elsewhere(self, atom: Atom, types: Types) -> Reason:
         """Describes where the things are that should be in a place."""
         moved, place = moved_and_place(atom, self._view.ontology)
         things = self._things(moved, types)
@@ -85,9 +85,9 @@ class Leaves:
         said = listed(f"{thing} {self._wording.term(p.relation)} {p.place}" for thing, p in placed.items())
         elements = tuple(dict.fromkeys((*placed, *(p.place for p in placed.values()))))
         text = f"{said}, and no skill takes it from there"
-        return Obstacle(CauseKind.MISSING_FACT, text, elements=elements, missing=atom, types=types)
+        return Reason(CauseKind.MISSING_FACT, text, elements=elements, missing=atom, types=types)
 
-    def _still_there(self, atom: Atom, types: Types) -> Obstacle:
+    def _still_there(self, atom: Atom, types: Types) -> Reason:
         """Describes what is in a place where it should not be."""
         relation = atom.predicate.removeprefix(NOT)
         subjects, objects = (self._things(argument, types) for argument in atom.arguments)
@@ -97,9 +97,9 @@ class Leaves:
         said = listed(f"{subject} {self._wording.term(relation)} {object_}" for subject, object_ in there)
         elements = tuple(dict.fromkeys(name for pair in there for name in pair))
         text = f"{said}, and no skill takes {'it' if len(there) == 1 else 'them'} from there"
-        return Obstacle(CauseKind.MISSING_FACT, text, elements=elements, missing=atom, types=types)
+        return Reason(CauseKind.MISSING_FACT, text, elements=elements, missing=atom, types=types)
 
-    def _plainly(self, atom: Atom, types: Types) -> Obstacle:
+    def _plainly(self, atom: Atom, types: Types) -> Reason:
         """States that a fact is false, with the reason if known."""
         asked = self._task.asked.get(atom.predicate)
         kind = CauseKind.DOES_NOT_FIT if isinstance(asked, Computed) else CauseKind.MISSING_FACT
@@ -109,7 +109,7 @@ class Leaves:
                 return self.none_of(types.get(argument, argument))
         only = {a: things[0] for a in atom.arguments if len(things := self._things(a, types)) == 1}
         text = f"{self._instead(atom.bind(only), types)}, and no skill changes it"
-        return Obstacle(kind, text, elements=named, missing=atom, types=types)
+        return Reason(kind, text, elements=named, missing=atom, types=types)
 
     def _instead(self, atom: Atom, types: Types) -> str:
         if atom.predicate.startswith(HAS):
@@ -154,7 +154,7 @@ _SPECIFIC = (
     CauseKind.MISSING_ELEMENT,
     CauseKind.NO_SKILL,
 )
-"""Which obstacle is named if things have different ones: the one closest to working."""
+"""Which reason is given if things have different ones: the one closest to working."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,7 +165,7 @@ class _Try:
         action: The action.
         start: The binding given by the fact.
         types: Classes of its variables, narrowed by the fact.
-        direct: The obstacle before any precondition; None if there is none.
+        direct: The reason before any precondition; None if there is none.
         ways: Ways to make the preconditions before :attr:`stuck` true.
         stuck: The first precondition that never holds together with those.
         progress: Share of the preconditions that can hold together.
@@ -174,14 +174,14 @@ class _Try:
     action: Action
     start: Mapping[str, str]
     types: Types
-    direct: Obstacle | None = None
+    direct: Reason | None = None
     ways: tuple[Mapping[str, str], ...] = ()
     stuck: Atom | None = None
     progress: float = 0.0
 
 
-class Obstacles:
-    """Finds the obstacle of each fact that the relaxation never reaches."""
+class UnreachableFacts:
+    """Explains the facts that the relaxation never reaches."""
 
     def __init__(self, relaxation: Relaxation) -> None:
         self._relaxed = relaxation
@@ -193,7 +193,7 @@ class Obstacles:
         self._given = {e.predicate for action in self._task.domain.actions for e in action.add}
         self._left = _MOST
 
-    def of(self, atom: Atom, types: Types | None = None, chain: Chain = ()) -> Obstacle:
+    def of(self, atom: Atom, types: Types | None = None, chain: Chain = ()) -> Reason:
         """Returns why a fact (perhaps with variables left) never holds.
 
         Args:
@@ -220,7 +220,7 @@ class Obstacles:
         family = self._ontology.family(relation) if relation in self._ontology.relations else None
         return family not in (Family.STRUCTURE, Family.COMPUTED)
 
-    def _without_giver(self, atom: Atom, types: Types, chain: Chain) -> Obstacle:
+    def _without_giver(self, atom: Atom, types: Types, chain: Chain) -> Reason:
         leaf = self._leaves.of(atom, types)
         if chain or leaf.kind is not CauseKind.MISSING_FACT:
             return leaf
@@ -228,7 +228,7 @@ class Obstacles:
         return replace(leaf, kind=CauseKind.NO_SKILL, text=text)
 
     def _could_give(self, action: Action, effect: Atom, atom: Atom, types: Types) -> bool:
-        """Returns whether an effect is of the required kind; a wrong element is left for the obstacle to report."""
+        """Returns whether an effect is of the required kind; a wrong element is left for the reason to report."""
         if effect.predicate != atom.predicate:
             return False
         own = action.types
@@ -256,13 +256,13 @@ class Obstacles:
     def _narrows(self, class_: str, other: str) -> bool:
         return bool(class_) and (not other or self._ontology.is_a(class_, other))
 
-    def _of_wrong_class(self, action: Action, start: Mapping[str, str], types: Types) -> Obstacle | None:
+    def _of_wrong_class(self, action: Action, start: Mapping[str, str], types: Types) -> Reason | None:
         for variable, value in start.items():
             if not self._relaxed.fits(value, types[variable]):
                 class_ = types[variable]
                 text = f"{value} is not a {local_name(class_)}, which skill '{action.skill}' needs"
                 core = f"{value} is not {some(self._label(class_))}: skill '{action.skill}' can do it with those only"
-                return Obstacle(CauseKind.NO_SKILL, text, action.skill, text, (value, class_), core=core)
+                return Reason(CauseKind.NO_SKILL, text, action.skill, text, (value, class_), core=core)
         missing = (types[v.name] for v in action.parameters if v.name not in start)
         lacking = [class_ for class_ in missing if not self._relaxed.is_some(class_)]
         if not lacking:
@@ -270,7 +270,7 @@ class Obstacles:
         nowhere = [class_ for class_ in lacking if not self._view.instances(class_)]
         if not nowhere and self._view.instances(ROBOT):  # the task mentions only elements that some skill involves
             text = f"no skill of the robots that are there has to do with {some(self._label(lacking[0]))}"
-            return Obstacle(CauseKind.NO_SKILL, text, action.skill, elements=(lacking[0],))
+            return Reason(CauseKind.NO_SKILL, text, action.skill, elements=(lacking[0],))
         class_ = nowhere[0] if nowhere and ROBOT not in nowhere else ROBOT
         return replace(
             self._leaves.none_of(class_), skill=action.skill, precondition=f"there is {some(local_name(class_))}"
@@ -293,7 +293,7 @@ class Obstacles:
     def _givens_first(self, action: Action, start: Mapping[str, str], types: Types) -> list[Atom]:
         """Orders facts that hold already or never change before those to be achieved; in both groups the rarest first.
 
-        So the reported obstacle is a fact that could not be achieved for the things at hand. Which agent has the skill
+        So the reported reason is a fact that could not be achieved for the things at hand. Which agent has the skill
         comes last among the facts that never change: by then the agent is bound.
         """
         init = self._task.problem.init
@@ -308,10 +308,10 @@ class Obstacles:
 
     # ------------------------------------------------------------ describing it
 
-    def _described(self, one: _Try, chain: Chain) -> Obstacle:
+    def _described(self, one: _Try, chain: Chain) -> Reason:
         if one.stuck is None:
             text = f"skill '{one.action.skill}' could do it for other elements only"
-            return Obstacle(CauseKind.MISSING_FACT, text, one.action.skill)
+            return Reason(CauseKind.MISSING_FACT, text, one.action.skill)
         need, found = self._below(one, one.stuck, chain)
         if one.action.skill is None:
             return found
@@ -324,7 +324,7 @@ class Obstacles:
         found = replace(found, text=text, core=found.core or found.text)
         return found if found.skill is not None else replace(found, skill=one.action.skill, precondition=words)
 
-    def _below(self, one: _Try, stuck: Atom, chain: Chain) -> tuple[Atom, Obstacle]:
+    def _below(self, one: _Try, stuck: Atom, chain: Chain) -> tuple[Atom, Reason]:
         """Returns the precondition, bound as precisely as the ways so far allow, and why it never holds."""
         same = {k: v for k, v in one.ways[0].items() if all(way.get(k) == v for way in one.ways)}
         free = stuck.bind({**one.start, **same})
@@ -340,13 +340,13 @@ class Obstacles:
     def _reached(self, one: _Try, atom: Atom) -> bool:
         return bool(self._relaxed.ways(one.action, [atom], one.start, one.types, 1))
 
-    def _why(self, atom: Atom, types: Types, chain: Chain) -> Obstacle:
+    def _why(self, atom: Atom, types: Types, chain: Chain) -> Reason:
         own = {a: types[a] for a in atom.arguments if a in types}
         return self.of(atom, own, chain) if atom.predicate in self._given else self._leaves.of(atom, own)
 
 
-def _merged(each: Sequence[Obstacle]) -> Obstacle:
-    """Merges the obstacles of several things, none of which is suitable."""
+def _merged(each: Sequence[Reason]) -> Reason:
+    """Merges the reasons of several things, none of which is suitable."""
     kind = next(kind for kind in _SPECIFIC if any(one.kind is kind for one in each))
     own = [one for one in each if one.kind is kind]
     elements = tuple(dict.fromkeys(e for one in own for e in one.elements))

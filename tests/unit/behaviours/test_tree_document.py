@@ -3,7 +3,7 @@
 from dataclasses import make_dataclass
 
 from skiros_py.behaviours import Behaviour
-from skiros_py.behaviours.document import Tree
+from skiros_py.behaviours.tree_document import Tree
 from skiros_py.skills.plain import Reader
 
 

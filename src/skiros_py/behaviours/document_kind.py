@@ -1,4 +1,4 @@
-"""Kinds of document: plain data that people edit, and that robots run or orders name."""
+"""The base class of document kinds: a document is plain data that people edit, and that robots run or orders name."""
 
 from __future__ import annotations
 
@@ -198,21 +198,3 @@ def _param(index: int, data: Any) -> Param:
     if unknown := [key for key in data if key not in _OPTIONS]:
         raise DescriptionError(f"unknown: {', '.join(unknown)}; there is {', '.join(_OPTIONS)}", place)
     return Param(**data, kind=Kind.OFFLINE if "default" in data else Kind.ONLINE)
-
-
-class Tree(DocumentKind):
-    """A tree of behaviours of all kinds, written down as they are: ``{"type": "sequence", "children": […]}``.
-
-    A tree with parameters or outputs stands in ``body``: ``{"parameters": […], "outputs": […], "body": {…}}``.
-    """
-
-    kind: ClassVar[str] = "tree"
-
-    def behaviour(self, document: Any, reader: Reader) -> Behaviour:
-        """Reads the tree."""
-        if isinstance(document, Mapping) and "body" in document:
-            unknown = sorted(document.keys() - {"parameters", "outputs", "body"})
-            if unknown:
-                raise DescriptionError("a tree has parameters, outputs and a body, and nothing else", unknown[0])
-            document = document["body"]
-        return reader.behaviour(document)
