@@ -135,6 +135,7 @@ class Database:
                 _make(path, schema)
             elif path.stat().st_size < _LEAST_SIZE:  # SQLite would treat it as a new one
                 raise FileError(path, schema.damaged)
+            _make_private(path)
             self._connection = _connect(path)
             try:
                 if not (shared or lookups):
@@ -316,6 +317,18 @@ _PAGE = 4096
 _ROUNDS = 5
 
 
+def open_private(path: str, flags: int) -> int:
+    """Opens a file, for ``open(..., opener=open_private)``: a new one can be used by its owner only."""
+    return os.open(path, flags, 0o600)
+
+
+def _make_private(path: Path) -> None:
+    """Takes the permissions of others from a database and its log; SQLite gives new ones those of the file."""
+    for file in (path, *(path.with_name(f"{path.name}-{end}") for end in ("wal", "shm"))):
+        with suppress(OSError):  # some file systems have no permissions, and the file may be another user's
+            file.chmod(0o600)
+
+
 def _make(path: Path, schema: Schema) -> None:
     """Creates the file under a temporary name, so that it is never incomplete."""
     log = path.with_name(f"{path.name}-wal")
@@ -324,6 +337,7 @@ def _make(path: Path, schema: Schema) -> None:
     new = path.with_name(f"{path.name}.new")
     for left in (new, new.with_name(f"{new.name}-journal")):
         left.unlink(missing_ok=True)
+    os.close(open_private(os.fspath(new), os.O_CREAT | os.O_EXCL))
     with closing(_connect(new)) as connection:
         schema.upgrade(connection)
     new.replace(path)

@@ -16,6 +16,7 @@ from typing import Any
 from mcap.well_known import MessageEncoding, SchemaEncoding
 from mcap.writer import CompressionType, Writer
 
+from skiros_py.database import open_private
 from skiros_py.errors import FileError, SkirosError, UsageError
 from skiros_py.interruptions import limited
 from skiros_py.ports.values import Pending
@@ -285,7 +286,7 @@ def export(recording: Recording, path: Path) -> None:
     Raises:
         FileError: The file exists already, or cannot be made.
     """
-    file = _McapFile(path)
+    file = _McapFile(path, private=False)
     try:
         file.copy(recording, lambda _topic, _time: True)
         file.finish()
@@ -296,9 +297,10 @@ def export(recording: Recording, path: Path) -> None:
 class _McapFile:
     """An MCAP file that is being written; see :class:`RecordingWriter` for what is raised."""
 
-    def __init__(self, path: Path, *, replace: bool = False) -> None:
+    def __init__(self, path: Path, *, replace: bool = False, private: bool = True) -> None:
+        mode, opener = "wb" if replace else "xb", open_private if private else None
         try:
-            self._stream = path.open("wb" if replace else "xb")
+            self._stream = open(path, mode, opener=opener)  # noqa: SIM115 - Path.open takes no opener
         except FileExistsError:
             raise FileError(path, "there is a recording already: choose another name") from None
         except OSError as error:

@@ -84,7 +84,7 @@ class HaltMark:
                 if wanted is None:
                     self._path.unlink(missing_ok=True)
                 else:
-                    write_atomically(self._path, json.dumps(wanted))
+                    write_atomically(self._path, json.dumps(wanted), private=True)
             except (OSError, FileError) as error:
                 _log.error("a stop would not outlive the server: %s", error)
 

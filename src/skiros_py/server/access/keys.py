@@ -9,7 +9,6 @@ import secrets
 import threading
 import time
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -35,18 +34,14 @@ _SCHEMA = Schema("list of keys", "the keys of a server", 0x736B6163, (_TABLES,))
 
 
 def open_access(data: Path) -> Database:
-    """Opens the file in a data directory; created if missing, readable by its owner only.
+    """Opens the file in a data directory; created if missing.
 
     Other processes may use it at the same time: keys are created and revoked from the shell while the server runs.
 
     Raises:
         FileError: It cannot be opened or created, or is damaged.
     """
-    path = data / FILE
-    database = Database(path, _SCHEMA, durable=True, shared=True)
-    with suppress(OSError):  # some file systems have no permissions; keys are stored hashed in any case
-        path.chmod(0o600)
-    return database
+    return Database(data / FILE, _SCHEMA, durable=True, shared=True)
 
 
 _LONGEST_NAME = 100

@@ -130,7 +130,6 @@ class WebhookStore:
 
     def __init__(self, path: Path, source: str) -> None:
         self._database = Database(path, _SCHEMA, durable=True)
-        path.chmod(0o600)  # it contains secrets
         self._source = source
 
     def close(self) -> None:

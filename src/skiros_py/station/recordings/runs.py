@@ -238,7 +238,7 @@ class JobRecordings:
 
     def _make_room(self) -> None:
         """Deletes the oldest recordings until number and size are within limits; those being written are kept."""
-        self._folder.mkdir(parents=True, exist_ok=True)
+        make_folder(self._folder)
         files = sorted(file for file in self._folder.glob(f"*{SUFFIX}") if file.stem.isdecimal())  # others are not ours
         sizes = {file: file.stat().st_size for file in files}
         writing = {writer.path for writer in tuple(self._writers.values()) if writer.alive}

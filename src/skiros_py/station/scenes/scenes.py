@@ -149,7 +149,7 @@ class SceneStore:
                 require_seen(seen, file.version)
             make_folder(self._folder)
             path = self._path(name)
-            write_atomically(path, text)
+            write_atomically(path, text, private=True)
         return SceneFile(name, path, saved=True)
 
     def remove(self, name: str, seen: Seen | None = None) -> None:

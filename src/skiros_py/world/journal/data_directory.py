@@ -38,7 +38,7 @@ class DirectoryLock:
         """
         path = folder / "lock"
         try:
-            self._file: int | None = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
+            self._file: int | None = os.open(path, os.O_RDWR | os.O_CREAT, 0o600)
         except OSError as error:
             raise FileError(path, f"cannot be opened: {error.strerror}") from error
         try:
@@ -192,17 +192,39 @@ class DataDirectory(AbstractContextManager["DataDirectory"]):
 
 
 def make_folder(path: Path) -> None:
-    """Creates a data directory, or a folder in one, if it is missing.
+    """Creates a data directory, or a folder in one, for its owner only; an existing one becomes private.
 
     Raises:
         FileError: It cannot be created, or is not a folder.
     """
     try:
-        path.mkdir(parents=True, exist_ok=True)
+        path.mkdir(0o700, parents=True, exist_ok=True)
+        if path.stat().st_mode & 0o077:
+            _make_private(path)
     except FileExistsError:
         raise FileError(path, "is not a folder, and one is needed here") from None
     except OSError as error:
         raise FileError(path, f"cannot be made: {error.strerror}") from error
+
+
+DATABASES = ("journal.db", "jobs.db", "server.db", "access.db", "webhooks.db")
+"""The databases of a data directory."""
+FILES = ("learned.ttl", "halted.json", "scenes", "recordings", "runs")
+"""Its other files and folders that outlive the process."""
+
+
+def _make_private(folder: Path) -> None:
+    """Makes a folder and its content private, unless it holds something else than a data directory."""
+    own = (*DATABASES, *FILES, "server.json", "lock", "models", ".learned.ttl.", ".halted.json.")
+    if folder.name not in FILES and not all(file.name.startswith(own) for file in folder.iterdir()):
+        _log.warning("%s holds other files, too: its permissions are left as they are, and others may look in", folder)
+        return
+    try:
+        for file in (folder, *folder.rglob("*")):
+            if not file.is_symlink():
+                file.chmod(0o700 if file.is_dir() else 0o600)
+    except OSError as error:
+        _log.warning("%s: other users may look into this data directory: %s", folder, error.strerror)
 
 
 def _shorten(journal: Journal, world: World) -> None:

@@ -9,6 +9,7 @@ import zlib
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from pathlib import Path
 
+from skiros_py.database import open_private
 from skiros_py.errors import FileError, WorldError
 from skiros_py.geometry import Pose
 from skiros_py.plugins.installation import installation
@@ -37,16 +38,21 @@ from skiros_py.world.workspace import Workspace
 from skiros_py.world.world import World
 
 
-def write_atomically(path: Path, text: str) -> None:
+def write_atomically(path: Path, text: str, *, private: bool = False) -> None:
     """Writes a text file such that after a crash or power loss either the new or the old one is complete.
 
     The permissions of the old file are kept; a symbolic link still points to the written file.
+
+    Args:
+        path: The file.
+        text: Its content.
+        private: True for a file that only its owner may read, from the first byte.
 
     Raises:
         FileError: It cannot be written; the old file is unchanged.
     """
     try:
-        _replace(Path(os.path.realpath(path)), text.encode())
+        _replace(Path(os.path.realpath(path)), text.encode(), private=private)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise FileError(path, f"cannot be written ({reason}); nothing was changed") from error
@@ -56,14 +62,14 @@ def write_atomically(path: Path, text: str) -> None:
         raise FileError(path, f"is written, but may not survive a power cut ({error.strerror})") from error
 
 
-def _replace(path: Path, content: bytes) -> None:
+def _replace(path: Path, content: bytes, *, private: bool) -> None:
     new = path.with_name(f".{path.name[:40]}.{secrets.token_hex(4)}.tmp")
     try:
-        with new.open("xb") as file:
+        with open(new, "xb", opener=open_private if private else None) as file:
             file.write(content)
             file.flush()
             os.fsync(file.fileno())
-        if path.exists():
+        if path.exists() and not private:
             new.chmod(stat.S_IMODE(path.stat().st_mode))
         new.replace(path)
     except BaseException:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import itertools
 import logging
 from pathlib import Path
 
+from skiros_py.database import open_private
 from skiros_py.errors import FileError, WorldError
 from skiros_py.world.change import Change, Edit, Writer
 from skiros_py.world.element import is_learned
@@ -112,7 +112,7 @@ class LearnedFile:
         text = learned_turtle(view)
         try:
             if not there or self.path.read_text(encoding="utf-8") != text:
-                write_atomically(self.path, text)
+                write_atomically(self.path, text, private=True)
             self._stale = False
         except (FileError, OSError, UnicodeError) as error:
             self._stale = True
@@ -124,10 +124,22 @@ class LearnedFile:
             left.unlink(missing_ok=True)
 
 
+_MOST_KEPT = 10
+"""Number of copies kept of files that were edited; the oldest are removed."""
+
+
 def _kept(path: Path, content: bytes) -> Path:
     """Copies a file under the next free name, unless such a copy exists."""
-    copies = (path.with_name(f"{path.name}.kept-{number}") for number in itertools.count(1))
-    copy = next(copy for copy in copies if not copy.exists() or copy.read_bytes() == content)
-    if not copy.exists():
-        copy.write_bytes(content)
-    return copy
+    copies = {
+        int(end): copy for copy in path.parent.glob(f"{path.name}.kept-*") if (end := copy.suffix[6:]).isdecimal()
+    }
+    for copy in copies.values():
+        if copy.read_bytes() == content:
+            return copy
+    number = max(copies, default=0) + 1
+    kept = path.with_name(f"{path.name}.kept-{number}")
+    with open(kept, "xb", opener=open_private) as file:
+        file.write(content)
+    for old in sorted(copies)[: 1 - _MOST_KEPT]:
+        copies[old].unlink(missing_ok=True)
+    return kept
