@@ -28,6 +28,10 @@ class Interruption(BaseException):
     """The platform cancels what runs, such as code that holds the control cycle."""
 
 
+class EndlessCalls(Interruption):
+    """Modules call each other without end: the whole run fails, whatever nodes lie between the calls."""
+
+
 class UserStop(KeyboardInterrupt):
     """The user asks the command to end; raised by the signal handlers of the command."""
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import TypeVar
 
 from skiros_py.errors import SkirosError
-from skiros_py.interruptions import CycleOverrun
+from skiros_py.interruptions import CycleOverrun, Interruption
 from skiros_py.skills.outcome import BROKEN, Failure
 
 T = TypeVar("T")
@@ -27,11 +27,11 @@ def contained(what: str, action: Callable[[], T]) -> T | Failure:
 
     Raises:
         KeyboardInterrupt: It is the user's.
-        CycleOverrun: It is the watchdog's.
+        Interruption: It is the platform's.
     """
     try:
         return action()
-    except (KeyboardInterrupt, CycleOverrun):
+    except (KeyboardInterrupt, Interruption):
         raise
     except SkirosError as error:
         return Failure(f"{what}: {error}{_where(error)}")

@@ -13,7 +13,7 @@ from skiros_py.execution.loader import Loaded, Loader
 from skiros_py.execution.module_faults import broken, contained
 from skiros_py.execution.monitor import Status
 from skiros_py.execution.scope import ModuleRun, Scope, Unfinished, failed, run_recovery
-from skiros_py.interruptions import CycleOverrun
+from skiros_py.interruptions import CycleOverrun, EndlessCalls
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Access, missing, params_of, read_arguments
@@ -138,7 +138,9 @@ class PrimitiveRun(ModuleRun):
             return self._broke(TypeError(f"it returned {ended!r}: a run returns Success or Failure"))
         except (KeyboardInterrupt, CycleOverrun):
             raise
-        except BaseException as error:  # noqa: BLE001 - an author's mistake ends this primitive, not the platform
+        except BaseException as error:
+            if isinstance(error, EndlessCalls) and self._outer.callers:
+                raise
             return self._broke(error)
         finally:
             board.share = outer

@@ -14,7 +14,7 @@ from skiros_py.execution.monitor import Status
 from skiros_py.execution.scope import ModuleRun, Scope
 from skiros_py.execution.task import Task
 from skiros_py.skills.behaviour import Behaviour
-from skiros_py.skills.outcome import BROKEN, Execution, Failure, Outcome, Success, tick
+from skiros_py.skills.outcome import BROKEN, Execution, Failure, Outcome, Success
 from skiros_py.skills.parameters import Param, missing, read_arguments
 
 
@@ -72,11 +72,7 @@ class BehaviourRun(ModuleRun):
         specified = contained(self.name, self._specify)
         if isinstance(specified, Failure):
             return specified
-
-        def end(run: Execution[Outcome]) -> Outcome | None:
-            return contained(self.name, lambda: tick(run))
-
-        outcome = yield from run_until(self._document.behaviour, "body", self._scope, end)
+        outcome = yield from run_until(self._document.behaviour, "body", self._scope, self.tick)
         if isinstance(outcome, Failure) or not self._document.outputs:
             return outcome
         written = self._scope.values

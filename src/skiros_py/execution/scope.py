@@ -17,13 +17,13 @@ from skiros_py.execution.claims import Claim, standstill
 from skiros_py.execution.module_faults import contained
 from skiros_py.execution.monitor import ModuleEvent, Monitor, Status, end_of
 from skiros_py.execution.task import Task
-from skiros_py.interruptions import CycleOverrun
+from skiros_py.interruptions import EndlessCalls, Interruption
 from skiros_py.skills.behaviour import Behaviour, Call, P
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.conditions.watch import Watch, Watches
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.inference.inferring import applying
-from skiros_py.skills.outcome import BROKEN, Execution, Failure, Outcome, Success
+from skiros_py.skills.outcome import BROKEN, Execution, Failure, Outcome, Success, tick
 
 _log = logging.getLogger(__name__)
 
@@ -171,10 +171,10 @@ class Scope:
         """Looks whether modules seem to call each other without end, where one more is about to run.
 
         Raises:
-            UsageError: They do.
+            EndlessCalls: They do.
         """
         if len(self.callers) >= _DEEPEST:
-            raise UsageError(f"modules call each other without end: {' > '.join((*self.callers, module)[-4:])}")
+            raise EndlessCalls(f"modules call each other without end: {' > '.join((*self.callers, module)[-4:])}")
 
     @contextmanager
     def apart(self) -> Iterator[Scope]:
@@ -195,7 +195,7 @@ def _run_node(node: Behaviour, scope: Scope) -> Execution[Outcome]:
         scope.publish_node(Status.STARTED, 0, node.title)
     try:
         outcome = yield from node.run(scope)
-    except GeneratorExit:
+    except (GeneratorExit, Interruption):
         if reports:
             scope.publish_node(Status.PREEMPTED, 0, "cancelled")
         raise
@@ -311,15 +311,28 @@ class ModuleRun(ABC):
             if self.started:
                 self.tell(*((Status.PREEMPTED, 0, "cancelled") if nested else (Status.RUNNING, 0, "stopping")))
             raise
-        except CycleOverrun:
+        except Interruption as interruption:
             if nested:
-                self.tell(Status.ERROR, BROKEN, "held the control cycle too long")
+                self.tell(Status.ERROR, BROKEN, str(interruption))
             raise
         finally:
             if not kept:
                 self.release()
         self.tell(*end_of(outcome))
         return outcome
+
+    def tick(self, part: Execution[Outcome]) -> Outcome | None:
+        """Ticks a part of it; returns its outcome, None while it goes on.
+
+        Raises:
+            EndlessCalls: Modules call each other without end; of the outermost module, that is its failure.
+        """
+        try:
+            return contained(self.name, lambda: tick(part))
+        except EndlessCalls as error:
+            if self._outer.callers:
+                raise
+            return Failure(str(error), BROKEN)
 
     def tell(self, status: Status, code: int, text: str) -> None:
         """Reports its state, progress code, and words for a person."""

@@ -20,7 +20,7 @@ from skiros_py.skills.behaviour import Behaviour
 from skiros_py.skills.conditions import Condition, Verdict
 from skiros_py.skills.context import Effects
 from skiros_py.skills.inference.inferring import Inferred, Missing, applying, infer
-from skiros_py.skills.outcome import CANCELLED, Execution, Failure, Outcome, Success, tick
+from skiros_py.skills.outcome import CANCELLED, Execution, Failure, Outcome, Success
 from skiros_py.skills.parameters import read_arguments
 from skiros_py.skills.parameters.values import as_shown
 from skiros_py.skills.skill import Skill, SkillDescription
@@ -181,7 +181,7 @@ class SkillRun(ModuleRun):
 
         def end(run: Execution[Outcome]) -> Outcome | None:
             interruption = None if at_any_rate else self._interruption()
-            return interruption or contained(self.name, lambda: lost(watch, "hold condition") or tick(run))
+            return interruption or contained(self.name, lambda: lost(watch, "hold condition")) or self.tick(run)
 
         with closing(watch):
             outcome = yield from run_until(node, key, self._scope, end)

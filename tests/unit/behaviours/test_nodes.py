@@ -318,6 +318,15 @@ def test_skills_that_call_each_other_for_ever_are_ended() -> None:
     assert "without end" in outcome.reason
 
 
+@pytest.mark.parametrize("between", [lambda again: Fallback.of(again, Wait(0.1)), lambda again: Retry(again, 3)])
+def test_a_run_that_calls_itself_for_ever_fails_for_that_reason_whatever_lies_between(between: Any) -> None:
+    outcome, bench = run_tour(between(Do.of("tour", Location=P("Location"), Base=P("Base"), Robot=P("Robot"))))
+
+    assert isinstance(outcome, Failure)
+    assert outcome.reason.startswith("modules call each other without end: tour > tour")
+    assert {e.status for e in bench.events if e.module == "tour"} >= {Status.STARTED, Status.ERROR}
+
+
 def test_a_single_effect_can_be_asserted_by_name() -> None:
     post = (AT_LOCATION("Robot", "Location").named("there"),)
     body = Sequence.of(Wait(0.02), AssertEffects(0.0, only=("there",)))

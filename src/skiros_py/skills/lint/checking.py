@@ -128,9 +128,9 @@ def faults_of_document(root: Behaviour, params: Sequence[Param], known: Known) -
         params: Its parameters.
         known: The modules, and the documents that it may call as modules.
     """
-    endless = calls.endless_calls((root,), known, known.skills)
+    endless = calls.endless_modules(known, known.skills)
     for place in places_of(root, params):
-        for module in {call.module for call in place.node.uses().calls} & set(endless):
-            yield place.path, f"every way to succeed calls {module}, which leads back to this document"
+        for module in sorted({call.module for call in place.node.uses().calls} & endless):
+            yield place.path, f"{module} leads to calls in a circle, which never end: write loops with repeat or retry"
         for rule in _OF_DOCUMENTS:
             yield from ((place.path, str(found)) for found in rule.problems(place, known))

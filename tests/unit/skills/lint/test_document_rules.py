@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import pytest
 
-from skiros_py.behaviours import Behaviour, Do, Fallback, Guard, Out, P, Repeat, Sequence, Timeout, WaitUntil
+from skiros_py.behaviours import Behaviour, Do, Fallback, Guard, Out, P, Repeat, Retry, Sequence, Timeout, WaitUntil
 from skiros_py.execution.running import RunnableDocument
 from skiros_py.skills.lint.checking import faults_of_document
 from skiros_py.skills.lint.rule import Known
@@ -153,12 +153,25 @@ def test_in_a_loop_a_node_may_read_what_a_later_one_wrote_the_time_before() -> N
 
 def test_documents_that_call_each_other_without_end_are_faults_at_the_call() -> None:
     first = Sequence.of(Do.of("move", to=0.1), Do.of("second"))
-    ends = Fallback.of(Do.of("move", to=0.1), Do.of("second"))
+    told = "second leads to calls in a circle, which never end: write loops with repeat or retry"
 
-    assert found(first, first=document(first), second=document(Do.of("first"))) == [
-        ("1", "every way to succeed calls second, which leads back to this document")
-    ]
-    assert found(ends, first=document(ends), second=document(Do.of("first"))) == []
+    assert found(first, first=document(first), second=document(Do.of("first"))) == [("1", told)]
+
+
+@pytest.mark.parametrize(
+    ("between", "place"),
+    [
+        (Fallback.of(Do.of("second"), Do.of("move", to=0.1)), "0"),
+        (Fallback.of(Do.of("move", to=0.1), Do.of("second")), "1"),
+        (Retry(Do.of("second"), times=2), "0"),
+        (Timeout(Do.of("second"), 1.0), "0"),
+    ],
+)
+def test_calls_in_a_circle_are_faults_whatever_lies_between(between: Any, place: str) -> None:
+    told = "second leads to calls in a circle, which never end: write loops with repeat or retry"
+
+    assert found(between, first=document(between), second=document(Do.of("first"))) == [(place, told)]
+    assert found(between, first=document(between), second=document(Do.of("move", to=0.1))) == []
 
 
 def test_a_signal_that_devices_of_another_kind_offer_is_a_fault() -> None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterator
+from functools import partial
 
 from skiros_py.skills.behaviour import Behaviour, Call, calls_of, walk
 from skiros_py.skills.conditions import ConditionType
@@ -98,35 +99,36 @@ def missing_parameter(subject: Subject, known: Known) -> Iterator[str]:  # noqa:
 @rule("recursive-skill", "A skill that calls itself endlessly.", Skill)
 def recursive_skill(skill: Skill, known: Known) -> Iterator[str]:
     """Yields a problem for an implementation none of whose ways to succeed ever ends."""
-    if calls := endless_calls(skill.nodes, known, [s for s in known.skills if s.driver == skill.driver]):
+    endless = endless_modules(known, [s for s in known.skills if s.driver == skill.driver])
+    if not _all_can_end(skill.nodes, endless):
+        calls = sorted({call.module for call in calls_of(*skill.nodes)} & endless)
         yield f"every way to succeed calls {' and '.join(calls)}, which leads back to this skill"
 
 
-def endless_calls(nodes: Collection[Behaviour], known: Known, skills: Collection[Skill]) -> list[str]:
-    """Returns which modules some nodes call without end, whichever way they succeed; none where they can end.
+def endless_modules(known: Known, skills: Collection[Skill]) -> set[str]:
+    """Returns the modules whose calls lead back to themselves, and what calls these.
+
+    A skill counts if each of its ways to succeed does; a document if one of its calls does, whatever lies between:
+    it repeats by ``repeat`` and ``retry``.
 
     Args:
-        nodes: The nodes.
-        known: The documents that they may call.
-        skills: The skills that they may call.
+        known: The documents.
+        skills: The skills.
     """
-    bodies = [(skill.description.name, skill.nodes) for skill in skills]
-    bodies += [(name, (document.behaviour,)) for name, document in known.documents.items() if document]
-    endless = {name for name, _ in bodies} - _ending(bodies)
-    if all(_can_end(node, endless) for node in nodes):
-        return []
-    return sorted({call.module for call in calls_of(*nodes) if call.module in endless})
+    ends: list[tuple[str, Callable[[Collection[str]], bool]]] = [
+        (skill.description.name, partial(_all_can_end, skill.nodes)) for skill in skills
+    ]
+    for name, document in known.documents.items():
+        if document:
+            ends.append((name, {call.module for call in calls_of(document.behaviour)}.isdisjoint))
+    endless = {name for name, _ in ends}
+    while ending := endless & {name for name, can_end in ends if can_end(endless)}:
+        endless -= ending
+    return endless
 
 
-def _ending(bodies: Collection[tuple[str, Collection[Behaviour]]]) -> set[str]:
-    """Returns the modules that can succeed without calling themselves, however indirectly."""
-    names = {name for name, _ in bodies}
-    ending: set[str] = set()
-    while True:
-        more = {name for name, nodes in bodies if all(_can_end(node, names - ending) for node in nodes)}
-        if more <= ending:
-            return ending
-        ending |= more
+def _all_can_end(nodes: Collection[Behaviour], open_: Collection[str]) -> bool:
+    return all(_can_end(node, open_) for node in nodes)
 
 
 def _can_end(node: Behaviour, open_: Collection[str]) -> bool:
