@@ -39,7 +39,7 @@ class WebBuildHook(BuildHookInterface[Any]):
             return
         if not _is_made_of(pages, _digest(root)):
             _build(root, pages)
-        if version != "editable":  # the pages are ignored by git, so the wheel must name them
+        if version != "editable":  # pyproject.toml excludes them, so that each file is packed once, however git sees it
             build_data["force_include"][str(pages)] = "skiros_web/pages"
 
 

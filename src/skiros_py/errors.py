@@ -319,9 +319,12 @@ class MissingExtra(UsageError):
         extra: Its name.
     """
 
-    def __init__(self, extra: str, needed_for: str) -> None:
+    def __init__(self, extra: str, needed_for: str, without_wheels: Sequence[str] = ()) -> None:
         self.extra = extra
-        super().__init__(f"{needed_for} needs the extra '{extra}': python3 -m pip install 'skiros-py[{extra}]'")
+        todo = f"python3 -m pip install 'skiros-py[{extra}]'"
+        if without_wheels:
+            todo = f"use Python 3.11 on x86-64 Linux, since {', '.join(without_wheels)} cannot be installed here"
+        super().__init__(f"{needed_for} needs the extra '{extra}': {todo}")
 
 
 class MissingSystemLibrary(SkirosError):

@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import ctypes
 import os
+import platform
 import sys
 from collections.abc import Iterator
+from importlib.metadata import requires
 from importlib.util import find_spec
 from pathlib import Path
 
 from skiros_py.errors import MissingExtra, MissingSystemLibrary, UsageError
 
 EXTRAS = {
+    "kitting": ("skiros_primitives", "skiros_robots", "skiros_skills"),
     "physics": ("pybullet", "pinocchio", "open3d"),
+    "perception": ("open3d",),
+    "planners": ("kairos", "unified_planning"),
     "ontology": ("owlready2", "reasonable"),
     "server": ("fastapi", "uvicorn", "structlog"),
 }
@@ -48,7 +53,27 @@ def require_extra(name: str, needed_for: str) -> None:
         MissingExtra: It is not; the message says how to install it.
     """
     if not has_extra(name):
-        raise MissingExtra(name, needed_for)
+        raise MissingExtra(name, needed_for, without_wheels(name))
+
+
+def without_wheels(extra: str) -> tuple[str, ...]:
+    """Returns the packages of an extra that do not exist for this Python and machine."""
+    from packaging.requirements import Requirement
+
+    found: list[str] = []
+    for wanted in (Requirement(text) for text in requires("skiros-py") or ()):
+        if wanted.marker is None or f'extra == "{extra}"' not in str(wanted.marker):
+            continue
+        if not wanted.marker.evaluate({"extra": extra}):
+            found.append(wanted.name)
+        elif wanted.name == "skiros-py":
+            found.extend(name for part in sorted(wanted.extras) for name in without_wheels(part))
+    return tuple(found)
+
+
+def this_platform() -> str:
+    """Returns Python and machine, as wheels are made for them: "Python 3.13 on Linux aarch64"."""
+    return f"Python {sys.version_info[0]}.{sys.version_info[1]} on {platform.system()} {platform.machine()}"
 
 
 def check_system_libraries() -> None:

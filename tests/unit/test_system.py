@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from collections.abc import Callable
+from importlib.machinery import ModuleSpec
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
 
 from skiros_py.errors import MissingExtra
-from skiros_py.system import EXTRAS, has_extra, require_extra
+from skiros_py.planning.planners.kairos import Kairos
+from skiros_py.planning.planners.unified import UnifiedPlanning
+from skiros_py.system import EXTRAS, has_extra, require_extra, without_wheels
 
 HIDING = """
 import importlib.abc, sys
@@ -19,11 +24,32 @@ class Hidden(importlib.abc.MetaPathFinder):
         if name.partition(".")[0] in {modules}:
             raise ModuleNotFoundError(f"No module named {{name!r}}", name=name)
 
-sys.meta_path.insert(0, Hidden())
+hidden = Hidden()
+sys.meta_path.insert(0, hidden)
+import importlib.util
+found = importlib.util.find_spec
+importlib.util.find_spec = lambda name, *of: None if name.partition(".")[0] in {modules} else found(name, *of)
 sys.argv = {arguments}
 from skiros_py.cli.main import main
 main()
 """
+
+
+SERVED = """
+import pathlib
+from skiros_py.station.robots.models import RobotModels
+from skiros_py.server.app import create_app  # everything that a server imports
+from skiros_py.errors import MissingExtra
+try:
+    RobotModels(pathlib.Path(".")).get("mobile_panda")
+except MissingExtra as error:
+    print(error)
+"""
+
+
+def without(*modules: str) -> Callable[[str], ModuleSpec | None]:
+    """Returns ``find_spec`` as it answers where some modules are not installed."""
+    return lambda name: None if name in modules else find_spec(name)
 
 
 def skiros_without(extra: str, *arguments: str) -> subprocess.CompletedProcess[str]:
@@ -39,6 +65,7 @@ def test_an_extra_that_is_missing_is_named_with_the_command_that_installs_it(
     monkeypatch.setitem(EXTRAS, extra, ("no_such_module_of_anybody",))
 
     assert not has_extra(extra)
+    monkeypatch.setattr("skiros_py.system.without_wheels", lambda extra: ())
     with pytest.raises(MissingExtra, match=rf"pip install 'skiros-py\[{extra}\]'") as raised:
         require_extra(extra, "this")
     assert raised.value.extra == extra
@@ -60,3 +87,42 @@ def test_worlds_and_plans_need_no_extra(tmp_path: Path) -> None:
 
     assert ended.returncode == 0
     assert "kitting" in ended.stdout
+
+
+def test_packages_without_a_wheel_for_this_python_are_named_with_the_platform_that_has_them(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    wanted = ['pin>=4; extra == "physics"', 'pybullet; python_version < "3" and extra == "physics"',
+              'skiros-py[perception]; extra == "physics"', 'open3d-cpu; python_version < "3" and extra == "perception"',
+              'numpy>=2']  # fmt: skip
+    monkeypatch.setattr("skiros_py.system.requires", lambda name: wanted)
+    monkeypatch.setitem(EXTRAS, "physics", ("no_such_module_of_anybody",))
+
+    assert without_wheels("physics") == ("pybullet", "open3d-cpu")
+    assert without_wheels("server") == ()
+    with pytest.raises(MissingExtra, match=r"use Python 3.11 on x86-64 Linux, since pybullet, open3d-cpu cannot be"):
+        require_extra("physics", "this")
+
+
+def test_planners_that_are_not_installed_name_their_extra(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr("skiros_py.planning.planners.unified.find_spec", without("unified_planning"))
+    monkeypatch.setattr("skiros_py.planning.planners.kairos.sysconfig.get_path", lambda name: str(tmp_path))
+    monkeypatch.setattr("skiros_py.planning.planners.kairos.files", lambda name: None)
+    monkeypatch.setenv("PATH", str(tmp_path))
+
+    for planner in (Kairos, UnifiedPlanning):
+        with pytest.raises(MissingExtra, match=r"skiros-py\[planners\]"):
+            planner()
+
+
+def test_a_fake_station_is_served_without_physics_and_perception(tmp_path: Path) -> None:
+    modules = {*EXTRAS["physics"], "pybullet_data", "coal"}
+    program = HIDING.format(modules=modules, arguments=[]).replace(
+        "from skiros_py.cli.main import main\nmain()\n", SERVED
+    )
+    ended = subprocess.run(
+        [sys.executable, "-c", program, str(tmp_path)], capture_output=True, text=True, timeout=120, check=False
+    )
+
+    assert ended.returncode == 0, ended.stderr
+    assert "the model 'mobile_panda' needs the extra 'physics'" in ended.stdout

@@ -9,8 +9,9 @@ import importlib.util
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
-from skiros_py.errors import DeviceError, FileError
+from skiros_py.errors import FileError, MissingExtra
 from skiros_py.ports.kinematics import RobotModel
+from skiros_py.system import without_wheels
 
 _HERE = Path(__file__).parent
 _FINGER_EFFORT = "70"  # continuous force of the Franka hand; the file's 20 is less than the hand is used with here
@@ -34,7 +35,7 @@ def _compose() -> str:
 def _panda_urdf() -> Path:
     package = importlib.util.find_spec("pybullet_data")
     if package is None or package.origin is None:
-        raise DeviceError("the model 'mobile_panda' needs the package pybullet_data: pip install pybullet")
+        raise MissingExtra("physics", "the model 'mobile_panda'", without_wheels("physics"))
     path = Path(package.origin).parent / "franka_panda" / "panda.urdf"
     if not path.is_file():
         raise FileError(path, "the installed pybullet_data does not hold the Panda's description; reinstall pybullet")

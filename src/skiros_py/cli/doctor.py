@@ -18,7 +18,16 @@ import click
 from skiros_py.cli.options import JSON, data_option
 from skiros_py.cli.output import NOT_REACHED, REACHED, answer, escaped
 from skiros_py.errors import FileError, SkirosError, UnknownName
-from skiros_py.system import EXTRAS, check_display, has_extra, memory, missing_system_libraries, processors
+from skiros_py.system import (
+    EXTRAS,
+    check_display,
+    has_extra,
+    memory,
+    missing_system_libraries,
+    processors,
+    this_platform,
+    without_wheels,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,12 +100,16 @@ def _libraries() -> Iterator[Finding]:
 
 @_check("extras")
 def _extras() -> Iterator[Finding]:
-    for extra in EXTRAS:
-        if has_extra(extra):
-            yield Finding(f"extra {extra}: installed")
-        else:
-            todo = f"python3 -m pip install 'skiros-py[{extra}]'"
-            yield Finding(f"extra {extra}: not installed", todo, optional=True)
+    """Reports the extras, and one command for all that are missing and can be installed here."""
+    missing = [extra for extra in EXTRAS if not has_extra(extra)]
+    yield Finding(f"installed: {', '.join(extra for extra in EXTRAS if extra not in missing) or 'none'}")
+    possible = [extra for extra in missing if not without_wheels(extra)]
+    if possible:
+        todo = f"python3 -m pip install 'skiros-py[{','.join(possible)}]'"
+        yield Finding(f"not installed: {', '.join(possible)}", todo, optional=True)
+    for extra in (extra for extra in missing if extra not in possible):
+        text = f"{extra}: not for {this_platform()} ({', '.join(without_wheels(extra))})"
+        yield Finding(text, "use Python 3.11 on x86-64 Linux", optional=True)
 
 
 @_check("system")

@@ -62,8 +62,7 @@ def write_robot_urdf(model: str, directory: Path) -> Path:
 
     Raises:
         UnknownName: No distribution brings that model.
-        UsageError: It cannot be loaded, or has no URDF.
-        DeviceError: A package that it is composed from is not installed.
+        UsageError: It cannot be loaded, has no URDF, or is composed from a package that is not installed.
         FileError: A file that it is composed from is missing.
     """
     robot = find_plugin(GROUP, model, kind="robot model")

@@ -14,7 +14,7 @@ from importlib.metadata import PackageNotFoundError, files
 from pathlib import Path
 from typing import Any
 
-from skiros_py.errors import PlanningError
+from skiros_py.errors import MissingExtra, PlanningError
 from skiros_py.planning.planners.planner import Answer, Solved, Unsolvable
 from skiros_py.planning.planners.program_planner import EVERYTHING, CommandLinePlanner
 from skiros_py.programs import Ended, Limits
@@ -30,7 +30,7 @@ def program_path() -> Path:
     """Returns the path of the program.
 
     Raises:
-        PlanningError: The package that brings it is not installed.
+        MissingExtra: It is not installed.
     """
     beside = Path(sysconfig.get_path("scripts")) / "kairos"
     if beside.is_file():
@@ -43,7 +43,7 @@ def program_path() -> Path:
     for path in (*installed, *([Path(found)] if found else [])):
         if path.is_file():
             return path
-    raise PlanningError("Kairos is not installed: pip install kairos-planner")
+    raise MissingExtra("planners", "Kairos")
 
 
 class Kairos(CommandLinePlanner):
@@ -53,6 +53,9 @@ class Kairos(CommandLinePlanner):
         options: Arguments after the files.
         time_limit: Wall time after which a call is given up [s]; a guard, not a means of control.
         memory: Memory limit [bytes].
+
+    Raises:
+        MissingExtra: It is not installed.
     """
 
     name = "kairos"
@@ -67,12 +70,13 @@ class Kairos(CommandLinePlanner):
         memory: int = 4 << 30,
     ) -> None:
         super().__init__(Limits(time_limit, memory))
+        self._program = str(program_path())
         self._options = options
 
     def command(self, domain: str, problem: str) -> Sequence[str]:
         """Returns the command line for two files."""
         limits = ["--timeout", f"{self.limits.time:g}", "--memory", str((self.limits.memory or 0) >> 20)]
-        return [str(program_path()), domain, problem, "--format", "json", "--output", _PLAN, *limits, *self._options]
+        return [self._program, domain, problem, "--format", "json", "--output", _PLAN, *limits, *self._options]
 
     def read(self, ended: Ended, folder: Path) -> Answer:
         """Reads the answer."""

@@ -12,10 +12,11 @@ import pickle
 import sys
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from skiros_py.errors import PlanningError
+from skiros_py.errors import MissingExtra, PlanningError
 from skiros_py.planning.planners import solving
 from skiros_py.planning.planners.planner import Answer, Unsolvable
 from skiros_py.planning.planners.program_planner import CLASSICAL, CommandLinePlanner, read_plan_text
@@ -89,6 +90,9 @@ class UnifiedPlanning(FilesPlanner):
         engine: Name of the engine ("fast-downward", "aries", "lpg", …); None for the first that fits the task.
         parameters: Its parameters.
         limits: Resource limits of each call. Engines in Java reserve more memory than they use: there is no limit.
+
+    Raises:
+        MissingExtra: It is not installed.
     """
 
     name = "unified-planning"
@@ -102,18 +106,18 @@ class UnifiedPlanning(FilesPlanner):
         parameters: Mapping[str, Any] | None = None,
         limits: Limits = _LIMITS,
     ) -> None:
+        if find_spec("unified_planning") is None:
+            raise MissingExtra("planners", "unified-planning")
         super().__init__(limits)
         self.engine = engine
         self.parameters = dict(parameters or {})
 
     def solve_files(self, domain: Path, problem: Path, folder: Path) -> str | Unsolvable:  # noqa: ARG002 - the port's
         """Solves a task; called in a process of its own."""
-        try:
-            from unified_planning import exceptions
-            from unified_planning.io import PDDLReader
-            from unified_planning.shortcuts import OneshotPlanner, get_environment
-        except ImportError as error:
-            raise PlanningError(f"{error}: pip install unified-planning") from error
+        from unified_planning import exceptions
+        from unified_planning.io import PDDLReader
+        from unified_planning.shortcuts import OneshotPlanner, get_environment
+
         get_environment().credits_stream = None
         task = PDDLReader().parse_problem(str(domain), str(problem))
         by = {"name": self.engine} if self.engine else {"problem_kind": task.kind}

@@ -16,11 +16,15 @@ from copy import deepcopy
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
 
 from skiros_py.errors import Busy, DeviceError
-from skiros_py.perception.light_meshes import MeshPiece
 from skiros_py.ports.kinematics import write_robot_urdf
+from skiros_py.system import require_extra
 from skiros_py.workers import Worker
+
+if TYPE_CHECKING:
+    from skiros_py.perception.light_meshes import MeshPiece
 
 MESHES = "model/meshes/"
 """Location of the meshes, relative to the URL of the model."""
@@ -126,10 +130,12 @@ class RobotModels:
         """Returns the simplified pieces of meshes; a process of its own makes them, which ends with the server at last.
 
         Raises:
+            MissingExtra: The library that reads meshes is not installed.
             DeviceError: The process died, or the server is shutting down.
         """
         if not sources:
             return {}
+        require_extra("perception", "drawing a robot with meshes")
         with self._changing:
             if self._closed:
                 raise DeviceError("the server ends")
