@@ -49,7 +49,9 @@ def sides(boxes: Boxes, number: int) -> Array:
 def true_distance(a: Boxes, b: Boxes, number: int, dimensions: int = 3) -> float:
     """The two nearest points, found by bounded least squares over where in the boxes they are."""
     matrix = np.hstack([sides(a, number), -sides(b, number)])[:dimensions]
-    found = lsq_linear(matrix, (b.centres - a.centres)[number][:dimensions], bounds=(-1.0, 1.0), method="bvls", tol=1e-14)
+    found = lsq_linear(
+        matrix, (b.centres - a.centres)[number][:dimensions], bounds=(-1.0, 1.0), method="bvls", tol=1e-14
+    )
     return float(np.linalg.norm(found.fun))
 
 
