@@ -131,3 +131,64 @@ def test_a_faulty_file_of_the_installation_is_not_reported_as_a_plug_in_fault(
 
     with pytest.raises(Exception, match=r"mine\.ttl:1: not Turtle"):
         load_installed(ontology_paths())
+
+
+OWN = GARDEN + "garden:Rake a owl:Class . garden:under a owl:ObjectProperty . garden:note a owl:AnnotationProperty .\n"
+
+
+@pytest.mark.parametrize(
+    ("axiom", "says"),
+    [
+        ("sk:in rdfs:range sk:Robot .", "'rdfs:range sk:Robot' about sk:in, which belongs to core.ttl"),
+        ("sk:in rdfs:domain garden:Spade .", "'rdfs:domain garden:Spade' about sk:in"),
+        ("sk:Robot rdfs:subClassOf garden:Spade .", "'rdfs:subClassOf garden:Spade' about sk:Robot"),
+        ("sk:Robot rdfs:subClassOf [ owl:unionOf (garden:Rake) ] .", "'rdfs:subClassOf …' about sk:Robot"),
+        ("sk:in a owl:TransitiveProperty .", "'rdf:type owl:TransitiveProperty' about sk:in"),
+        ("sk:Robot a owl:ObjectProperty .", "'rdf:type owl:ObjectProperty' about sk:Robot"),
+        ("sk:in rdfs:subPropertyOf garden:under .", "'rdfs:subPropertyOf garden:under' about sk:in"),
+        ('sk:in sk:placeEnd "subject" .', "'sk:placeEnd subject' about sk:in"),
+        ('sk:Robot rdfs:label "Automaton" .', "'rdfs:label Automaton' about sk:Robot"),
+        ("sk:Robot owl:deprecated true .", "'owl:deprecated true' about sk:Robot"),
+        ("garden:Rake owl:equivalentClass sk:Robot .", "'owl:equivalentClass sk:Robot' about sk:Robot"),
+        ("garden:Rake owl:disjointWith sk:Robot .", "'owl:disjointWith sk:Robot' about sk:Robot"),
+        ("[] a owl:AllDisjointClasses ; owl:members (garden:Rake sk:Robot sk:Gripper) .", "about sk:Robot"),
+    ],
+)
+def test_a_plug_in_that_states_something_about_a_term_of_others_is_left_out_with_the_axiom_named(
+    install: Install, axiom: str, says: str
+) -> None:
+    install("sk_bad", {"sk_bad/bad.ttl": OWN.replace("example.org/garden>", "example.org/bad>") + axiom})
+
+    world = open_world("kitting", report=lambda _: None)
+
+    reason = reasons("sk_bad")["sk_bad"]
+    assert says in reason
+    assert f"bad.ttl:{len(OWN.splitlines()) + 1}: " in reason
+    assert "garden:Spade" not in world.ontology.classes
+
+
+@pytest.mark.parametrize(
+    "addition",
+    [
+        "garden:Rake rdfs:subClassOf sk:Robot . garden:under rdfs:subPropertyOf sk:computed ; rdfs:range sk:Location .",
+        "sk:Robot a owl:Class .",
+        'sk:Robot rdfs:label "Roboter"@de ; rdfs:seeAlso <http://example.org> ; garden:note "fast" .',
+        "[] a owl:AllDisjointClasses ; owl:members (garden:Rake garden:Spade) .",
+    ],
+)
+def test_a_plug_in_may_build_on_terms_of_others_repeat_their_declarations_and_translate_them(
+    install: Install, addition: str
+) -> None:
+    install("sk_adds", {"sk_adds/adds.ttl": OWN + addition})
+
+    assert "sk_adds" not in reasons("sk_adds")
+
+
+def test_a_plug_in_may_not_change_the_terms_of_another_plug_in_whatever_their_order(install: Install) -> None:
+    install("sk_aaa", {"sk_aaa/a.ttl": ON_GARDEN + "garden:Spade a owl:Class ; rdfs:subClassOf shed:Rusty ."})
+    install("sk_garden", {"sk_garden/garden.ttl": GARDEN})
+
+    found = reasons("sk_aaa", "sk_garden")
+
+    assert "about garden:Spade, which belongs to garden.ttl" in found["sk_aaa"]
+    assert "sk_garden" not in found

@@ -14,6 +14,7 @@ from skiros_py.world.element import Placement, Value
 from skiros_py.world.names import Names, local_name
 from skiros_py.world.ontology.declarations import Declarations, read_declarations
 from skiros_py.world.ontology.documents import Document, common_names, rdf_files, read_document
+from skiros_py.world.ontology.ownership import Owners
 from skiros_py.world.terms import Cardinality, Class, End, Family, Filler, Property, Relation, closure, inverse
 
 
@@ -250,8 +251,9 @@ def load_installed(paths: Sequence[Path]) -> tuple[Ontology, tuple[PluginFault, 
     """Loads the files of some paths and those that plug-ins of the group ``skiros.ontologies`` bring.
 
     An entry point names a package, a module in a package, or a ``pathlib.Path``: all ontology files below its folder
-    (below the folder ``ontologies`` in it, where there is one) are taken. A plug-in whose files cannot be read, or do
-    not go with the others, is left out and reported; the rest is as if it were not installed.
+    (below the folder ``ontologies`` in it, where there is one) are taken. A plug-in whose files cannot be read, do
+    not go with the others, or state something about terms of others, is left out and reported; the rest is as if it
+    were not installed.
 
     Args:
         paths: Files or folders that must be right.
@@ -262,30 +264,54 @@ def load_installed(paths: Sequence[Path]) -> tuple[Ontology, tuple[PluginFault, 
     Raises:
         FileError: A file of the paths is wrong.
     """
-    files, broken = plugin_files()
+    base = rdf_files(paths)
+    files, broken = plugin_files(base)
     faults = list(broken)
+    documents = {path: read_document(path) for path in base}
+    own: dict[Entry, list[Document]] = {}
+    for entry, found in files.items():
+        try:
+            own[entry] = [read_document(path) for path in found]
+        except FileError as error:
+            faults.append(fault_of(entry, str(error)))
+    owners = Owners([*documents.values(), *(file for group in own.values() for file in group)])
+    for entry, group in list(own.items()):
+        if (foreign := owners.fault(group)) is not None:
+            faults.append(fault_of(entry, str(foreign)))
+            del own[entry]
     while True:
         try:
-            return Ontology.load([*paths, *(file for own in files.values() for file in own)]), tuple(faults)
+            return Ontology.of([*documents.values(), *(file for group in own.values() for file in group)]), tuple(
+                faults
+            )
         except FileError as error:
-            culprit = next((entry for entry, own in files.items() if error.path in own), None)
+            culprit = next((entry for entry, group in own.items() if any(f.path == error.path for f in group)), None)
             if culprit is None:
                 raise
-            del files[culprit]
+            del own[culprit]
             faults.append(fault_of(culprit, str(error)))
 
 
-def plugin_files() -> tuple[dict[Entry, list[Path]], list[PluginFault]]:
-    """Returns the ontology files of every plug-in, in the order of their names; and what is wrong with the others."""
+def plugin_files(base: Sequence[Path] = ()) -> tuple[dict[Entry, list[Path]], list[PluginFault]]:
+    """Finds the ontology files of every plug-in.
+
+    Args:
+        base: Files that belong to the installation, and to no plug-in.
+
+    Returns:
+        The files in the order of the plug-ins' names; and the faults of the others.
+    """
     entries, twins = unambiguous(installation().of(_GROUP))
     files: dict[Entry, list[Path]] = {}
     broken = list(twins)
+    taken = {path.resolve() for path in base}
     for entry in entries:
         paths = files_of(entry)
         if isinstance(paths, PluginFault):
             broken.append(paths)
         elif own := rdf_files(paths):
-            files[entry] = own
+            files[entry] = [path for path in own if path.resolve() not in taken]
+            taken.update(path.resolve() for path in own)
         else:
             broken.append(fault_of(entry, f"there is no ontology file below {paths[0]}"))
     return files, broken
