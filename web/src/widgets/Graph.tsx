@@ -122,13 +122,16 @@ function useFitted(shape: string) {
 
 type Shape = [ids: string[], edges: GraphEdge[], direction: "down" | "right"];
 
-function layOut([ids, edges, direction]: Shape): Map<string, { x: number; y: number }> {
+/** Returns where each node is drawn; children are in their order, left to right (downwards in a graph to the right). */
+export function layOut([ids, edges, direction]: Shape): Map<string, { x: number; y: number }> {
   const graph = new dagre.graphlib.Graph();
   graph.setGraph({ rankdir: direction === "down" ? "TB" : "LR", nodesep: 16, ranksep: 34 });
   graph.setDefaultEdgeLabel(() => ({}));
   for (const id of ids) graph.setNode(id, { width: WIDTH, height: HEIGHT });
   for (const { from, to } of edges) graph.setEdge(from, to);
-  dagre.layout(graph);
+  // The search for few crossings reorders children, even in trees, which have no crossings.
+  const isTree = new Set(edges.map(({ to }) => to)).size === edges.length;
+  dagre.layout(graph, { disableOptimalOrderHeuristic: isTree });
   return new Map(
     ids.map((id) => {
       const { x, y } = graph.node(id);
