@@ -121,9 +121,11 @@ class Overrun:
 
     def __str__(self) -> str:
         where = self.module if self.module == self.task.name else f"{self.module} (of {self.task.name})"
+        own_code = self.device is None and not isinstance(self.task, CycleStep)
+        hint = "yield more often" if own_code else "return at once"
         return (
             f"{where} held the control cycle for {self.seconds:.2f} s, {self.limit:.2f} s are allowed: "
-            "yield more often, or give long work to a worker process"
+            f"{hint}, or give long work to a worker process"
         )
 
 

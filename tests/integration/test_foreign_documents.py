@@ -483,6 +483,18 @@ def test_a_run_keeps_its_revision_while_its_document_is_edited_and_the_recording
     assert [one["behaviour"]["wanted"] for one in kept] == [2, 1]
 
 
+@pytest.mark.parametrize(("location", "said"), [("nowhere", "unknown element 'nowhere'"), ("base_1", "base_1 is a ")])
+def test_constants_of_a_tree_that_name_no_fitting_element_are_problems_at_the_node(
+    cell: Cell, location: str, said: str
+) -> None:
+    drive = {"type": "do", "module": "drive", "arguments": {"Location": location}}
+
+    written = cell.write("tree", "trip", {"type": "sequence", "children": [note("off"), drive]})
+
+    assert [problem.place for problem in written.problems] == ["1"]
+    assert said in written.problems[0].text
+
+
 def test_a_new_document_may_call_one_that_is_written_later(cell: Cell) -> None:
     calls = {"type": "sequence", "children": [note("there"), {"type": "do", "module": "tree:back"}]}
 
@@ -623,7 +635,7 @@ def test_events_of_nodes_and_called_documents_carry_the_enclosing_run(cell: Cell
 EXAMPLES: dict[str, dict[str, Any]] = {
     "tree": PAUSE,
     "sequence": {"title": "round", "steps": [{"skill": "drive", "arguments": {"Location": "box_a"}}]},
-    "template": {"goal": [{"condition": "LocationEmpty", "arguments": ["box_a"]}]},
+    "template": {"goal": [{"condition": "LocationEmpty", "arguments": ["kit_1_a"]}]},
     "net": net(),
     "moody": PAUSE,
 }

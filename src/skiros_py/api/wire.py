@@ -176,6 +176,11 @@ _NONE = "must not be empty"
 _LIMITS = ("ge", "gt", "le", "lt", "min_length", "max_length")
 
 
+def fault_field(fault: Mapping[str, Any]) -> str:
+    """Returns the path of the field that an error is about ("materials.0.class"), without kinds of a union."""
+    return ".".join(part for part in map(str, fault["loc"]) if "[" not in part and not part.startswith("constrained-"))
+
+
 def fault_words(fault: Mapping[str, Any]) -> str:
     """Returns the message for an error of a field, to follow the name of the field.
 

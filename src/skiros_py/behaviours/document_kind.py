@@ -5,13 +5,14 @@ from __future__ import annotations
 import inspect
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, ClassVar
 
 from skiros_py.errors import DescriptionError, DocumentError, DocumentFault, SkirosError, UnknownName
 from skiros_py.skills.behaviour import Behaviour, check_behaviour, check_nodes, walk
+from skiros_py.skills.conditions import ConditionType
 from skiros_py.skills.parameters import Kind, Param, check_params
 from skiros_py.skills.plain import Reader
 from skiros_py.skills.references import check_references
@@ -101,7 +102,7 @@ class DocumentKind:
         """
         if not isinstance(document, Mapping):
             return Interface()
-        given, outputs = document.get("parameters", ()), document.get("outputs", ())
+        given, outputs = _listed(document, "parameters"), _listed(document, "outputs")
         params = tuple(_param(index, one) for index, one in enumerate(given))
         check_params(params, "of the document")
         if not all(isinstance(name, str) and name for name in outputs):
@@ -133,13 +134,20 @@ class DocumentKind:
             return (DocumentFault("", f"{self.kind} cannot be read: {type(error).__name__}: {error}"),)
         return ()
 
-    def review(self, document: Any, world: WorldView, skills: Mapping[str, SkillDescription]) -> Review:  # noqa: ARG002
+    def review(
+        self,
+        document: Any,  # noqa: ARG002
+        world: WorldView,  # noqa: ARG002
+        skills: Mapping[str, SkillDescription],  # noqa: ARG002
+        conditions: Mapping[str, ConditionType],  # noqa: ARG002
+    ) -> Review:
         """Compares a document that passed :meth:`check` with the current world; by default nothing is found.
 
         Args:
             document: The document.
             world: The world.
             skills: The skills offered now, by name.
+            conditions: The conditions, by word.
         """
         return Review()
 
@@ -164,9 +172,15 @@ class DocumentKind:
             DocumentError: It is not well-formed.
         """
         try:
-            return json.loads(text)
+            data = json.loads(text)
         except json.JSONDecodeError as error:
             raise DocumentError((DocumentFault("", error.msg, error.lineno, error.colno),)) from error
+        seen: set[str] = set()
+        for place, line, column in places_of_json(text):
+            if place in seen:
+                raise DocumentError((DocumentFault(place, "the key is there twice", line, column),))
+            seen.add(place)
+        return data
 
     def export(self, document: Any, format_: str) -> str:  # noqa: ARG002
         """Exports a document as text in one of ``formats``."""
@@ -183,9 +197,49 @@ class DocumentKind:
             raise UnknownName("format", format_, cls.formats, where=f"of {cls.kind} documents")
 
 
+_TOKEN = re.compile(r'"(?:[^"\\]|\\.)*"|[][{},]|[^]\s[{},:"]+')
+
+
+def places_of_json(text: str) -> Iterator[tuple[str, int, int]]:
+    """Yields all places of a JSON text, in order; one of an object is where its key begins.
+
+    Args:
+        text: The text, which is well-formed.
+
+    Yields:
+        The place, as in faults ("children[1].seconds"), with its 1-based line and column.
+    """
+    steps: list[str | int | None] = []  # into each open object and list; None before a key
+    line, start = 1, 0
+    for token in _TOKEN.finditer(text):
+        said = token[0]
+        if said in "}]":
+            steps.pop()
+            continue
+        if said == ",":
+            steps[-1] = steps[-1] + 1 if isinstance(steps[-1], int) else None
+            continue
+        is_key = bool(steps) and steps[-1] is None
+        if is_key:
+            steps[-1] = json.loads(said)
+        if is_key or not steps or isinstance(steps[-1], int):
+            line, start = line + text.count("\n", start, token.start()), token.start()
+            place = "".join(f"[{step}]" if isinstance(step, int) else f".{step}" for step in steps)
+            yield place.lstrip("."), line, start - text.rfind("\n", 0, start)
+        if said in "{[":
+            steps.append(None if said == "{" else 0)
+
+
 def _written(type_: Any) -> str:
     """Returns the type of a field as its author writes it."""
     return type_ if isinstance(type_, str) else re.sub(r"(\w+\.)+(?=\w)", "", inspect.formatannotation(type_))
+
+
+def _listed(document: Mapping[str, Any], key: str) -> Sequence[Any]:
+    value = document.get(key, ())
+    if not isinstance(value, list | tuple):
+        raise DescriptionError(f"it must be a list, not {value!r:.100}", key)
+    return value
 
 
 _OPTIONS = ("key", "type", "help", "default", "unit", "length")

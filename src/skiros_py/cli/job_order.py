@@ -11,6 +11,7 @@ from pydantic import ValidationError
 
 from skiros_py.api.jobs import JobOrder, order_from
 from skiros_py.api.previews import Preview, PreviewState
+from skiros_py.api.wire import fault_field, fault_words
 from skiros_py.cli.commands import Found, served
 from skiros_py.cli.job_text import follow_job, state_line
 from skiros_py.cli.options import key_values
@@ -108,5 +109,4 @@ def _order(
         return order_from(goals, template=template, parameters=parameters, materials=materials, **fields)
     except ValidationError as error:
         first = error.errors()[0]
-        where = ".".join(str(part) for part in first["loc"])
-        raise UsageError(f"that is no order: {where + ': ' if where else ''}{first['msg']}") from None
+        raise UsageError(f"that is no order: {fault_field(first)}: {fault_words(first)}") from None

@@ -11,7 +11,7 @@ from typing import Any, Concatenate, Generic, ParamSpec, Protocol, TypeVar, over
 from pydantic import BaseModel, ValidationError
 from pydantic_core import to_jsonable_python
 
-from skiros_py.api.wire import fault_words
+from skiros_py.api.wire import fault_field, fault_words
 from skiros_py.client.request import Call, adapter_of, path_of
 from skiros_py.errors import UsageError
 
@@ -172,7 +172,7 @@ def validated(kind: Any, value: Any) -> Any:
     try:
         return adapter_of(kind).validate_python(value)
     except ValidationError as error:
-        faults = [(".".join(map(str, one["loc"])), fault_words(one)) for one in error.errors(include_url=False)[:5]]
+        faults = [(fault_field(one), fault_words(one)) for one in error.errors(include_url=False)[:5]]
         raise UsageError("; ".join(f"{where}: {words}" if where else words for where, words in faults)) from None
 
 

@@ -17,10 +17,12 @@ from skiros_py.interruptions import limited
 from skiros_py.skills.behaviour import nodes_of
 from skiros_py.skills.lint.checking import faults_of_document
 from skiros_py.skills.lint.rule import Known
+from skiros_py.skills.parameters.values import read_value
 from skiros_py.skills.plain import Reader
 from skiros_py.station.document_store import Document, DocumentStore
 from skiros_py.station.requests import ANY_VERSION, Seen, Service, addressed, find, require_seen
 from skiros_py.station.session import Session
+from skiros_py.world.view import WorldView
 
 _PATIENCE = 10.0
 """Wall time that the code of a kind of document may take [s]."""
@@ -271,16 +273,17 @@ class DocumentService(Service):
     def _review(self, maker: DocumentKind, data: Any, made: RunnableDocument | None, module: str) -> Review:
         """Compares a document with the current world and the modules of this station."""
         session = self._station.session
-        skills = session.tasks.skills
+        skills, catalogue = session.tasks.skills, session.catalogue
         try:
             world = session.world.snapshot()
-            found = limited(lambda: "its review", _PATIENCE, lambda: maker.review(data, world, skills))
+            found = limited(
+                lambda: "its review", _PATIENCE, lambda: maker.review(data, world, skills, catalogue.conditions)
+            )
         except Exception as error:  # noqa: BLE001 - a plug-in's check
             return Review(faults=(DocumentFault("", f"{maker.kind} cannot check it: {type(error).__name__}: {error}"),))
         if made is None or found.faults:
             return found
         missing = tuple(self._missing_documents(made.behaviour, module))
-        catalogue = session.catalogue
         known = Known(
             session.world.ontology,
             catalogue.primitives,
@@ -290,7 +293,9 @@ class DocumentService(Service):
             {**dict.fromkeys(name for _, name in missing), **session.managers.documents, module: made},
         )
         faults = faults_of_document(made.behaviour, made.params, known)
-        problems = (DocumentFault(place, f"there is no document '{name}' that can run") for place, name in missing)
+        problems = [DocumentFault(place, f"there is no document '{name}' that can run") for place, name in missing]
+        if not found.agents:  # it has checked the elements itself, in the world that its steps leave
+            problems += _wrong_elements(made.behaviour, known, world)
         return replace(
             found,
             faults=tuple(DocumentFault(*fault) for fault in faults),
@@ -330,6 +335,19 @@ def _require_plain(data: Any, module: str) -> None:
     if len(text) > _LONGEST:
         fault = DocumentFault("", f"at most {_LONGEST} characters of JSON, not {len(text)}")
         raise DocumentError((fault,), module)
+
+
+def _wrong_elements(root: Behaviour, known: Known, world: WorldView) -> Iterator[DocumentFault]:
+    """Yields the calls with constants that name no element of the world, or one of a wrong class."""
+    for node in nodes_of(root, ""):
+        for call in node.behaviour.uses().calls:
+            for param in known.params(call.module) or ():
+                value = call.inputs.get(param.key)
+                if param.is_element and isinstance(value, str):
+                    try:
+                        read_value(param, value, world)
+                    except UsageError as error:
+                        yield DocumentFault(node.path.lstrip("/"), f"'{call.module}': {error}")
 
 
 def _as_problems(review: Review) -> Review:

@@ -11,7 +11,9 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
+from skiros_py.cli.job_order import _order
 from skiros_py.cli.main import cli, main
+from skiros_py.errors import UsageError
 from skiros_py.testing import TINY_ONTOLOGY, tiny_scene
 
 HEAD = """\
@@ -318,3 +320,8 @@ def test_a_query_is_read_from_a_file(tmp_path: Path) -> None:
     (tmp_path / "in.rq").write_text("ASK { scene:ball_1 sk:in scene:box_a }", encoding="utf-8")
 
     assert invoke("world", "query", str(tiny_scene(tmp_path)), "--file", str(tmp_path / "in.rq")).output == "yes\n"
+
+
+def test_an_empty_goal_is_refused_in_words_of_the_product() -> None:
+    with pytest.raises(UsageError, match=r"^that is no order: goal: must not be empty$"):
+        _order(("",))

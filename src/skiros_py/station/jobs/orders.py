@@ -8,7 +8,7 @@ from pydantic import ValidationError
 
 from skiros_py.api.goals import GoalOrder
 from skiros_py.api.jobs import JobOrder as Ordered
-from skiros_py.api.wire import fault_words
+from skiros_py.api.wire import fault_field, fault_words
 from skiros_py.errors import UsageError
 from skiros_py.station.document_store import TEMPLATE, DocumentStore
 from skiros_py.station.jobs.templates import content_of, filled, goal_texts
@@ -64,7 +64,7 @@ def job_order(ordered: Ordered, id_: str, goal: tuple[str, ...]) -> JobOrder:
     try:
         return JobOrder.model_validate(ordered.model_dump(by_alias=True) | {"id": id_, "goal": goal})
     except ValidationError as error:
-        faults = ((".".join(map(str, one["loc"])), fault_words(one)) for one in error.errors())
+        faults = ((fault_field(one), fault_words(one)) for one in error.errors())
         raise UsageError("; ".join(f"{field}: {_said(field, words)}" for field, words in faults)) from None
 
 

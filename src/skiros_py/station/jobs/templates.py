@@ -18,6 +18,7 @@ from skiros_py.skills.skill import SkillDescription
 from skiros_py.station.document_store import TEMPLATE
 from skiros_py.tasks.goals import forms
 from skiros_py.tasks.goals.forms import Form
+from skiros_py.tasks.goals.parsing import Meaning
 from skiros_py.world.names import local_name
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.view import WorldView
@@ -280,9 +281,22 @@ class TemplateDocument(DocumentKind):
             return error.faults
         return tuple(faults_of(content) or _word_faults(content, reader.words))
 
-    def review(self, document: Any, world: WorldView, skills: Mapping[str, SkillDescription]) -> Review:  # noqa: ARG002
-        """Checks the classes of its parameters."""
-        return Review(tuple(_class_faults(content_of(document), world.ontology)))
+    def review(
+        self,
+        document: Any,
+        world: WorldView,
+        skills: Mapping[str, SkillDescription],  # noqa: ARG002
+        conditions: Mapping[str, ConditionType],
+    ) -> Review:
+        """Checks the classes of its parameters, and its conditions as those of goals; missing elements are problems."""
+        content = content_of(document)
+        if faults := tuple(_class_faults(content, world.ontology)):
+            return Review(faults)
+        found = tuple(_argument_faults(content, world, conditions))
+        return Review(
+            tuple(fault for fault, error in found if not isinstance(error, UnknownName)),
+            tuple(fault for fault, error in found if isinstance(error, UnknownName)),
+        )
 
     def palette(self, reader: Reader) -> Sequence[PaletteEntry]:  # noqa: ARG002
         """Returns nothing: a template has no nodes."""
@@ -296,17 +310,50 @@ def _class_faults(content: GoalTemplateContent, ontology: Ontology) -> Iterator[
             yield DocumentFault(f"parameters[{index}].class", str(UnknownName("class", parameter.class_, classes)))
 
 
+def _argument_faults(
+    content: GoalTemplateContent, world: WorldView, conditions: Mapping[str, ConditionType]
+) -> Iterator[tuple[DocumentFault, UsageError]]:
+    """Yields what is wrong with the arguments of conditions, where each placeholder is any element of its class."""
+    meaning = Meaning(world, conditions)
+    scope = {_stand_in("parameter", one.name): one.class_ for one in content.parameters}
+    scope = {name: class_ and world.ontology.resolve_class(class_) for name, class_ in scope.items()}
+    scope |= {_stand_in("material", field): "" for field in _FIELDS}
+    for path, goal in _stood_in(content):
+        if any(isinstance(one, dict) and one.get("class") in scope for _, one, _ in _walk(goal)):
+            continue  # the order gives the class of a quantifier
+        (form,) = _forms([goal], path, alone=True)
+        try:
+            meaning.of(form, scope)
+        except UsageError as error:
+            yield DocumentFault(path, str(error)), error
+
+
+def _stand_in(kind: str, name: str) -> str:
+    """Returns what stands for a placeholder, for checks and messages."""
+    return f"{kind} {name}"
+
+
+def _stood_in(content: GoalTemplateContent) -> Iterator[tuple[str, Any]]:
+    """Yields the conditions of a template filled in with names for its placeholders, with their places.
+
+    Raises:
+        UsageError: It cannot be filled in.
+    """
+    values = {parameter.name: _stand_in("parameter", parameter.name) for parameter in content.parameters}
+    material = Material.model_validate({field: _stand_in("material", field) for field in _FIELDS})
+    goals = filled("it", content, values, (material,) if content.per_material is not None else ())
+    paths = [*(f"goal[{index}]" for index in range(len(content.goal))), "per_material"]
+    yield from zip(paths, goals, strict=False)
+
+
 def _word_faults(content: GoalTemplateContent, conditions: Mapping[str, ConditionType]) -> Iterator[DocumentFault]:
-    """Fills in the template with placeholder names, and yields the faults of the result."""
-    stand_in = {parameter.name: "x" for parameter in content.parameters}
-    material = Material.model_validate({"class": "x", "id": "x", "location": "x", "use": "x"})
+    """Yields the faults of its structure and words."""
     try:
-        goals = filled("it", content, stand_in, (material,) if content.per_material is not None else ())
+        goals = tuple(_stood_in(content))
     except UsageError as error:
         yield DocumentFault("", str(error))
         return
-    paths = [*(f"goal[{index}]" for index in range(len(content.goal))), "per_material"]
-    for path, goal in zip(paths, goals, strict=False):
+    for path, goal in goals:
         try:
             check_structure(goal, path)
         except DocumentError as error:

@@ -10,6 +10,7 @@ from skiros_py.behaviours import Behaviour, Do, DocumentKind, PaletteEntry, Revi
 from skiros_py.behaviours import Sequence as Body
 from skiros_py.errors import DescriptionError, DocumentFault, Refused
 from skiros_py.planning.plan import Step
+from skiros_py.skills.conditions import ConditionType
 from skiros_py.skills.plain import Reader
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.sequences import StepCheck, check_steps
@@ -31,7 +32,13 @@ class SequenceDocument(DocumentKind):
         calls = tuple(Do(step.skill, step.arguments) for step in steps_of(document))
         return Body(calls) if calls else None
 
-    def review(self, document: Any, world: WorldView, skills: Skills) -> Review:
+    def review(
+        self,
+        document: Any,
+        world: WorldView,
+        skills: Skills,
+        conditions: Mapping[str, ConditionType],  # noqa: ARG002
+    ) -> Review:
         """Checks each step in the world that the steps before it leave; unknown names are faults."""
         checks = list(enumerate(check_steps(world, steps_of(document), skills)))
         found = [(check, DocumentFault(_place(number), text)) for number, check in checks for text in check.problems]

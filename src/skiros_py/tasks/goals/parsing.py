@@ -30,7 +30,7 @@ _OF_A_CLASS = 10
 """How many elements of a class argument ("any of them") are evaluated per unit of work."""
 
 _Scope = Mapping[str, str]
-"""Class by variable."""
+"""Class by variable; empty where it may be anything."""
 
 
 def goal_of(parsed: Iterable[Form], view: WorldView, conditions: Mapping[str, ConditionType]) -> tuple[Condition, ...]:
@@ -160,7 +160,7 @@ class Meaning:
         return element
 
     def _variable(self, variable: str, class_: str, wanted: str, where: str) -> str:
-        if self._view.ontology.is_a(class_, wanted):
+        if not class_ or self._view.ontology.is_a(class_, wanted):
             return variable
         advice = f"say '{variable}: {local_name(wanted)}' where it is bound"
         raise UsageError(f"{where}: {variable} is any {local_name(class_)}, not only a {local_name(wanted)}; {advice}")

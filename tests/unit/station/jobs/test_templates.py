@@ -16,7 +16,7 @@ def world():
 
 def faults_of(world, **document):
     kind = TemplateDocument()
-    return kind.check(document, Reader({}, CONDITIONS)) or kind.review(document, world, {}).faults
+    return kind.check(document, Reader({}, CONDITIONS)) or kind.review(document, world, {}, CONDITIONS).faults
 
 
 def test_a_template_that_can_make_goals_is_fine(world):
@@ -27,6 +27,23 @@ def test_a_template_that_can_make_goals_is_fine(world):
         per_material={"condition": "In", "arguments": [{"material": "class"}, {"parameter": "slot"}]},
     )
     assert faults == ()
+
+
+def test_arguments_of_wrong_classes_are_faults_and_missing_elements_problems(world):
+    def review_of(*arguments, class_="Ball"):
+        goal = [{"condition": "In", "arguments": list(arguments)}]
+        document = {"parameters": [{"name": "what", "class": class_}], "goal": goal}
+        kind = TemplateDocument()
+        assert kind.check(document, Reader({}, CONDITIONS)) == ()
+        return kind.review(document, world, {}, CONDITIONS)
+
+    wanted = {"parameter": "what"}
+    assert review_of(wanted, "slot_1").faults == review_of(wanted, "slot_1").problems == ()
+    (constant,) = review_of(wanted, "base_1").faults
+    assert str(constant).startswith("goal[0]: In, argument 2 (place): base_1 is a ")
+    (parameter,) = review_of(wanted, "slot_1", class_="Robot").faults
+    assert "parameter what is any Robot, not only a " in parameter.text
+    assert "unknown element 'nowhere'" in review_of(wanted, "nowhere").problems[0].text
 
 
 @pytest.mark.parametrize(
