@@ -92,7 +92,7 @@ _TABLE = {
         /robots/{id}/model GET
         /robots/{id}/model/meshes/{name} GET
         /devices/{id}/motion GET
-        /devices/{id}/look GET
+        /devices/{id}/observation GET
         /robots/state/stream GET
     """,
     "operator": """

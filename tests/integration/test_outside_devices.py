@@ -29,7 +29,7 @@ from skiros_py.ports.board import DeviceBoard, DeviceHandle
 from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.device import MobileSpec
 from skiros_py.ports.device_kinds import load_device_kinds
-from skiros_py.ports.perception import LookRequest, LookResult, PartDetector, Region
+from skiros_py.ports.perception import DetectionRequest, DetectionResult, PartDetector, Region
 from skiros_py.ports.values import CameraIntrinsics, DepthImage, Done, Snapshot
 from skiros_py.recording import Recording, RecordingWriter
 from skiros_py.simulation.cell import SimulatedCell
@@ -41,8 +41,8 @@ from skiros_py.skills.surroundings import map_pose
 from skiros_py.station.recordings.replay import replay_text
 from skiros_py.station.recordings.runs import recorder_of
 from skiros_py.station.recordings.sources import camera_of
-from skiros_py.station.robots.looks import Looks
 from skiros_py.station.robots.motions import Motions
+from skiros_py.station.robots.observations import Observations
 from skiros_py.station.session import Options, Session
 from skiros_py.station.world.view import view_of
 from skiros_py.testing import TINY_ONTOLOGY, Bench, Deaf, FaultyCell, Frozen, Noisy, robot_turtle, world_of
@@ -922,7 +922,7 @@ def test_devices_of_outside_kinds_are_jogged_and_taught_with_over_http(site: Any
     assert taught.changes[0]["edits"][0]["new"]["type"] == "sk:TaughtDrivingPose"
 
 
-# ------------------------------------------------------------------ planned motions and looks, for displays
+# ------------------------------------------------------------------ planned motions and observations, for displays
 
 STEREO = '''
 from dataclasses import dataclass
@@ -951,7 +951,7 @@ lab:Stereo a owl:Class ; rdfs:subClassOf sk:Device ; rdfs:label "stereo camera" 
 
 
 @pytest.mark.usefixtures("lab")
-def test_looks_of_robotless_and_plug_in_cameras_are_shown(site: Any, tmp_path: Path) -> None:
+def test_observations_of_robotless_and_plug_in_cameras_are_shown(site: Any, tmp_path: Path) -> None:
     install_cell(site, ontology=ONTOLOGY + CUBE + STEREO_CLASS)
     site.install("lab-stereo", {"devices": {"stereo": "lab_stereo:Stereo"}}, {"lab_stereo.py": STEREO})
     scene = tmp_path / "lab_scene.ttl"
@@ -959,21 +959,21 @@ def test_looks_of_robotless_and_plug_in_cameras_are_shown(site: Any, tmp_path: P
     scene.write_text(LAB + stereo, encoding="utf-8")
     intrinsics = CameraIntrinsics(2, 2, 100.0, 100.0, 0.5, 0.5, 0.1, 3.0)
     image = DepthImage(Snapshot(0, 0.0), np.ones((2, 2), np.float32), np.zeros((2, 2, 3), np.uint8), intrinsics)
-    looks = Looks()
+    observations = Observations()
     with Session(str(scene), Options(fake=True)) as session:
-        detector = SimpleNamespace(detect=lambda _: Done(LookResult(0.0, (), 1.0)))
+        detector = SimpleNamespace(detect=lambda _: Done(DetectionResult(0.0, (), 1.0)))
         session.runtime.asked = LibraryMonitor(GivenPorts({PartDetector: detector}))
-        looks.open(session)
-        before = looks.numbers()
+        observations.open(session)
+        before = observations.numbers()
         for camera in ("eye_1", "stereo_1", "stereo_1"):
-            request = LookRequest(
+            request = DetectionRequest(
                 image, Pose.of(0.0, 3.0, 2.0, roll=math.pi), Region(Pose(), (0.1, 0.1)), (), camera=camera
             )
             session.runtime.asked.port(PartDetector).detect(request)
-        shown = [looks.look(session, camera) for camera in ("eye_1", "stereo_1")]
+        shown = [observations.observation(session, camera) for camera in ("eye_1", "stereo_1")]
 
         assert before == {"eye_1": 0, "stereo_1": 0}
-        assert looks.numbers() == {"eye_1": 1, "stereo_1": 2}
+        assert observations.numbers() == {"eye_1": 1, "stereo_1": 2}
         assert [(look.number, look.camera, look.pose.position) for look in shown] == [
             (1, "eye_1", (0.0, 3.0, 2.0)),
             (2, "stereo_1", (0.0, 3.0, 2.0)),

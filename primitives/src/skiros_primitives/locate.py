@@ -15,7 +15,7 @@ from skiros_primitives.looking import LookingParams, LookingPrimitive, support_r
 from skiros_primitives.part_models import part_models
 from skiros_py.geometry import Pose
 from skiros_py.ports.motion import NoMotion
-from skiros_py.ports.perception import Detection, LookResult
+from skiros_py.ports.perception import Detection, DetectionResult
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import param
@@ -138,7 +138,7 @@ class Locate(LookingPrimitive):
                 break
         return Failure(why)
 
-    def _write(self, look: LookResult) -> set[str]:
+    def _write(self, look: DetectionResult) -> set[str]:
         """Writes what was seen, and counts the clear looks that did not show what was expected."""
         types = [model.type for model in part_models(self.world)]
         found = associate(self.context, self.params.place, types, look.detections)
@@ -172,7 +172,7 @@ class Locate(LookingPrimitive):
                     if (stock.class_, stock.placement.place) == (self.world.element(part).type, self.params.place):
                         tx.set(stock.id, v.STOCK_COUNT, 0)
 
-    def _not_seen(self, look: LookResult) -> str:
+    def _not_seen(self, look: DetectionResult) -> str:
         part, place = self.params.part, self.params.place
         if look.surface is None:
             return f"{part} not found: no surface seen where {place} should be"

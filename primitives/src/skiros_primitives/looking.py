@@ -15,8 +15,8 @@ from skiros_py.ports.kinematics import Kinematics
 from skiros_py.ports.motion import NoMotion, PoseMove
 from skiros_py.ports.perception import (
     Detection,
-    LookRequest,
-    LookResult,
+    DetectionRequest,
+    DetectionResult,
     PartDetector,
     Region,
     Registrar,
@@ -67,13 +67,13 @@ class LookingParams:
 class LookingPrimitive(ArmPrimitive):
     """Base of the primitives that look; their parameters are :class:`LookingParams` and more."""
 
-    def look_for_parts(self, region: Region, x: float, y: float) -> Execution[LookResult | NoMotion]:
+    def look_for_parts(self, region: Region, x: float, y: float) -> Execution[DetectionResult | NoMotion]:
         """Searches a region for parts, in a picture from straight above a point of the map [m]."""
         detector = self.context.port(PartDetector, self.params.camera)
         picture = yield from self.look_down(x, y, region.pose.position[2])
         if isinstance(picture, NoMotion):
             return picture
-        request = LookRequest(*picture, region, part_models(self.world), self.seed(), self.params.camera)
+        request = DetectionRequest(*picture, region, part_models(self.world), self.seed(), self.params.camera)
         return (yield from self.wait(detector.detect(request)))
 
     def look_down(

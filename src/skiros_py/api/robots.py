@@ -215,17 +215,17 @@ class Seen(Answer):
     """Difference of the cost to the second-best shape [m]."""
 
 
-class Look(Answer):
+class Observation(Answer):
     """The last requested image of a camera, as a point cloud."""
 
     number: int = Field(examples=[3])
-    """Number of the look of this camera, from 1; 0 if there was none yet."""
+    """Number of the observation by this camera, from 1; 0 if there was none yet."""
     camera: str = Field(examples=["camera_1"])
     """Id of the camera."""
     time: float = Field(examples=[21.4])
     """When it was taken [s, run time]."""
     pose: PoseInfo | None
-    """Pose of the camera in the map, z forward; null if there was no look yet."""
+    """Pose of the camera in the map, z forward; null if there was none yet."""
     points: str
     """Its points: x, y, z in the map [m] as little-endian 32-bit floats, in base64."""
     colours: str
@@ -233,7 +233,7 @@ class Look(Answer):
     seen: tuple[Seen, ...]
     """The objects segmented in it."""
     purpose: str = Field(examples=["parts"])
-    """Purpose of the look: parts, or the exact pose of a kit."""
+    """Purpose of the observation: parts, or the exact pose of a kit."""
 
 
 class DeviceMotion(Answer):

@@ -61,7 +61,7 @@ class Scene(Answer):
     """Goals stored with it."""
 
 
-class PresentScene(Answer):
+class CurrentScene(Answer):
     """The current scene, as believed."""
 
     name: str = Field(examples=["kitting"])

@@ -76,8 +76,8 @@ class StationState(Answer):
     """The active modules."""
     tasks: tuple[TaskAtWork, ...]
     """The active tasks."""
-    looks: dict[str, int] = Field(examples=[{"camera_1": 3}])
-    """Number of the last look by camera; if it changes, there is a new image."""
+    observations: dict[str, int] = Field(examples=[{"camera_1": 3}])
+    """Number of the last observation by camera; if it changes, there is a new image."""
     motions: dict[str, int] = Field(examples=[{"base_1": 7}])
     """Number of the planned motion by device; if it changes, another motion is planned, or none any more."""
 

@@ -143,7 +143,7 @@ class LibraryCall:
     """One request that a module made to an adapter.
 
     Attributes:
-        request: The request (a ``MotionRequest``, a ``LookRequest``, …).
+        request: The request (a ``MotionRequest``, a ``DetectionRequest``, …).
         answer: On its way, or there: what the port says of such a request.
     """
 

@@ -22,7 +22,7 @@ from skiros_py.perception.elevation import (
 )
 from skiros_py.perception.heightmaps import Floats, HeightMap, height_map
 from skiros_py.perception.open3d import pybind as o3d
-from skiros_py.ports.perception import Detection, LookRequest, LookResult
+from skiros_py.ports.perception import Detection, DetectionRequest, DetectionResult
 
 _LOWEST = 0.008
 _EPS = 0.014
@@ -108,7 +108,7 @@ _CONTRADICTED = 0.003
 class _Scene:
     """One look, prepared: points are x, y and height above the support; all in the region's frame [m]."""
 
-    request: LookRequest
+    request: DetectionRequest
     plane: Plane
     elevation: ElevationMap
     points: Array
@@ -125,7 +125,7 @@ class _Thing:
     margin: float
 
 
-def detect(request: LookRequest) -> LookResult:
+def detect(request: DetectionRequest) -> DetectionResult:
     """Searches one image for parts on one surface.
 
     Args:
@@ -140,12 +140,12 @@ def detect(request: LookRequest) -> LookResult:
     inside = np.all(np.abs(view.points) <= (*half, _SURFACE_WINDOW), axis=1)
     plane = find_support(view.points[inside], seed=request.seed)
     if plane is None:
-        return LookResult(None, (), visible_share(view, Plane(0.0, 0.0, 0.0), half))
+        return DetectionResult(None, (), visible_share(view, Plane(0.0, 0.0, 0.0), half))
     elevation = elevation_map(view, plane, (half[0] + _AROUND, half[1] + _AROUND))
     heights = plane.heights(view.points)
     scene = _Scene(request, plane, elevation, np.column_stack([view.points[:, :2], heights])[heights <= HIGHEST])
     found = [_reported(thing, scene) for thing in _things(scene)]
-    return LookResult(
+    return DetectionResult(
         surface=(request.region.pose @ Pose.of(0.0, 0.0, plane.offset)).position[2],
         detections=tuple(sorted(found, key=lambda thing: request.region.pose.distance(thing.pose))),
         visible=visible_share(view, plane, half),

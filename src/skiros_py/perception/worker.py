@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from skiros_py.ports.adapters import Adapter
 from skiros_py.ports.perception import (
-    LookRequest,
-    LookResult,
+    DetectionRequest,
+    DetectionResult,
     PartDetector,
     Registrar,
     RegistrationRequest,
@@ -39,7 +39,7 @@ class Open3dPerception:
     def __init__(self) -> None:
         self._worker = Worker("perception", _Perception)
 
-    def detect(self, request: LookRequest) -> Pending[LookResult]:
+    def detect(self, request: DetectionRequest) -> Pending[DetectionResult]:
         """Searches one image."""
         return self._worker.call("detect", request, latency=LATENCY)
 

@@ -26,7 +26,7 @@ class Region:
 
 
 @dataclass(frozen=True, slots=True)
-class LookRequest:
+class DetectionRequest:
     """One image, to be searched for parts that stand on one surface.
 
     Attributes:
@@ -66,7 +66,7 @@ class Detection:
 
 
 @dataclass(frozen=True, slots=True)
-class LookResult:
+class DetectionResult:
     """What one image shows.
 
     Attributes:
@@ -84,7 +84,7 @@ class LookResult:
 class PartDetector(Protocol):
     """Finds and tells apart parts on a flat support."""
 
-    def detect(self, request: LookRequest) -> Pending[LookResult]:
+    def detect(self, request: DetectionRequest) -> Pending[DetectionResult]:
         """Searches one image."""
 
 

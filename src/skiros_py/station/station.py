@@ -25,9 +25,9 @@ from skiros_py.station.modules.modules import ModuleService, PluginService
 from skiros_py.station.modules.runs import ModuleRuns
 from skiros_py.station.recordings.runs import JobRecordings
 from skiros_py.station.robots.devices import DeviceService, SignalService
-from skiros_py.station.robots.looks import Looks
 from skiros_py.station.robots.models import RobotModels
 from skiros_py.station.robots.motions import Motions
+from skiros_py.station.robots.observations import Observations
 from skiros_py.station.robots.robots import RobotService
 from skiros_py.station.scenes.scenes import SceneStore
 from skiros_py.station.scenes.service import SceneService
@@ -62,7 +62,7 @@ class Station:
             scenes, signals, simulation, stops, tasks, world: The use cases, by topic.
         events: The log of events.
         live: The current state of the robots.
-        looks: The last looks of the cameras.
+        observations: The last observations of the cameras.
         motions: The planned motions of devices.
         document_store: The stored documents, while it runs.
         module_runs: Active and recent runs of modules.
@@ -78,9 +78,9 @@ class Station:
         self.events = EventLog(events)
         self.alarms = Alarms(self.events, lambda: self.session)
         self.stops = Stops(self.control, self.events, HaltMark(data / "halted.json"))
-        self.looks = Looks()
+        self.observations = Observations()
         self.motions = Motions()
-        self.live = LiveState(self.looks, self.motions)
+        self.live = LiveState(self.observations, self.motions)
         self.module_runs = ModuleRuns(self.events.epoch)
         self.tasks = TaskService(self)
         self.document_store: DocumentStore
@@ -106,7 +106,7 @@ class Station:
         for attach in (
             self.stops.open,  # first: a stop requested meanwhile takes effect before anything else
             self.query_worker.open,
-            self.looks.open,
+            self.observations.open,
             self.motions.open,
             self.live.open,
             self.module_runs.open,

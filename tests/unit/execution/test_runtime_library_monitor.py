@@ -13,8 +13,8 @@ from skiros_py.ports.kinematics import Kinematics
 from skiros_py.ports.motion import ArmPlanner, BasePathRequest, BasePlanner, MotionPlan, MotionRequest
 from skiros_py.ports.paths import BasePath
 from skiros_py.ports.perception import (
-    LookRequest,
-    LookResult,
+    DetectionRequest,
+    DetectionResult,
     PartDetector,
     Region,
     Registrar,
@@ -29,7 +29,7 @@ IMAGE = DepthImage(
     np.zeros((2, 2, 3), np.uint8),
     CameraIntrinsics(2, 2, 1.0, 1.0, 1.0, 1.0, 0.1, 2.0),
 )
-LOOK = LookRequest(IMAGE, Pose(), Region(Pose(), (0.1, 0.1)), ())
+LOOK = DetectionRequest(IMAGE, Pose(), Region(Pose(), (0.1, 0.1)), ())
 REGISTRATION = RegistrationRequest(IMAGE, Pose(), Solid.box(0.1, 0.1, 0.1), Pose())
 MOTION = MotionRequest("arm_1", (0.0,), Pose(), ())
 PATH = BasePathRequest(Pose(), Pose(), (), ())
@@ -40,7 +40,7 @@ class Everything:
 
     def __init__(self, motion: MotionPlan | BasePath) -> None:
         self.motion = Done(motion, latency=0.5)
-        self.look = Done(LookResult(None, (), 1.0))
+        self.look = Done(DetectionResult(None, (), 1.0))
         self.registration = Done(RegistrationResult(None, 0.0, "not there"))
 
     def plan(self, _request: object) -> Done[MotionPlan | BasePath]:
@@ -49,7 +49,7 @@ class Everything:
     def pose(self, _link: str, _positions: object) -> Pose:
         return Pose.of(1.0, 2.0, 3.0)
 
-    def detect(self, _request: object) -> Done[LookResult]:
+    def detect(self, _request: object) -> Done[DetectionResult]:
         return self.look
 
     def register(self, _request: object) -> Done[RegistrationResult]:

@@ -15,7 +15,7 @@ import pytest
 
 from skiros_py.geometry import Pose, Primitive, Solid
 from skiros_py.perception.open3d import pybind as o3d
-from skiros_py.ports.perception import LookRequest, PartModel, Region
+from skiros_py.ports.perception import DetectionRequest, PartModel, Region
 from skiros_py.ports.values import CameraIntrinsics, DepthImage, Snapshot
 
 Placed = tuple[Solid, Pose]
@@ -79,9 +79,9 @@ class Studio:
 
     def look(
         self, bodies: Sequence[Placed], camera: Pose, region: Region, rng: np.random.Generator, *, seed: int = 0
-    ) -> LookRequest:
+    ) -> DetectionRequest:
         """Takes a picture and asks for the parts in it."""
-        return LookRequest(self.shoot(bodies, camera, rng), camera, region, MODELS, seed)
+        return DetectionRequest(self.shoot(bodies, camera, rng), camera, region, MODELS, seed)
 
     def part(self, name: str, x: float, y: float, z: float, yaw: float) -> Placed:
         """A part that stands in the map."""

@@ -10,7 +10,7 @@ import pytest
 
 from skiros_py.geometry import Pose, Solid
 from skiros_py.perception.detector import detect
-from skiros_py.ports.perception import Detection, LookResult, Region
+from skiros_py.ports.perception import Detection, DetectionResult, Region
 
 if TYPE_CHECKING:
     from conftest import Studio
@@ -23,7 +23,7 @@ def region(height: float) -> Region:
     return Region(Pose.of(0.0, 0.0, height), HALF)
 
 
-def nearest(result: LookResult, x: float, y: float, within: float = 0.05) -> Detection | None:
+def nearest(result: DetectionResult, x: float, y: float, within: float = 0.05) -> Detection | None:
     near = [d for d in result.detections if math.hypot(d.pose.position[0] - x, d.pose.position[1] - y) < within]
     return near[0] if near else None
 

@@ -7,7 +7,7 @@ function state(change: Partial<StationState>): StationState {
   const still = { still: true, state: {}, holds: null };
   return {
     ...{ time: 0, cycle: 0, pace: 1, halted: "", standing: true, modules: [], tasks: [] },
-    ...{ looks: {}, motions: {}, devices: { arm_1: still, arm_2: still, base_1: still, base_2: still } },
+    ...{ observations: {}, motions: {}, devices: { arm_1: still, arm_2: still, base_1: still, base_2: still } },
     ...change,
   } as StationState;
 }

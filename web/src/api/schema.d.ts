@@ -811,7 +811,7 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        get: operations["get_scene_file"];
+        get: operations["describe_scene"];
         put?: never;
         post?: never;
         delete: operations["delete_scene"];
@@ -1508,14 +1508,14 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/devices/{id}/look": {
+    "/api/v1/devices/{id}/observation": {
         parameters: {
             query?: never;
             header?: never;
             path?: never;
             cookie?: never;
         };
-        get: operations["get_device_look"];
+        get: operations["get_device_observation"];
         put?: never;
         post?: never;
         delete?: never;
@@ -2300,6 +2300,15 @@ export interface components {
             ][];
             turtle: string;
         };
+        CurrentScene: {
+            name: string;
+            version: number;
+            changed: boolean | null;
+            elements: number;
+            learned: number;
+            robots: components["schemas"]["SceneRobot"][];
+            goals: string[];
+        };
         DecimalLiteral: {
             decimal: string;
         };
@@ -2735,16 +2744,6 @@ export interface components {
         Login: {
             key: string;
         };
-        Look: {
-            number: number;
-            camera: string;
-            time: number;
-            pose: components["schemas"]["PoseInfo"] | null;
-            points: string;
-            colours: string;
-            seen: components["schemas"]["Seen"][];
-            purpose: string;
-        };
         ManagerInfo: {
             agent: string;
             label: string;
@@ -2952,6 +2951,16 @@ export interface components {
              */
             policy: components["schemas"]["JobPolicy"];
         };
+        Observation: {
+            number: number;
+            camera: string;
+            time: number;
+            pose: components["schemas"]["PoseInfo"] | null;
+            points: string;
+            colours: string;
+            seen: components["schemas"]["Seen"][];
+            purpose: string;
+        };
         OrderedGoal: {
             goal: string[];
             work_master: string;
@@ -3133,15 +3142,6 @@ export interface components {
                 number,
                 number
             ];
-        };
-        PresentScene: {
-            name: string;
-            version: number;
-            changed: boolean | null;
-            elements: number;
-            learned: number;
-            robots: components["schemas"]["SceneRobot"][];
-            goals: string[];
         };
         Preview: {
             id: string;
@@ -3514,7 +3514,7 @@ export interface components {
             };
             modules: components["schemas"]["ModuleAtWork"][];
             tasks: components["schemas"]["TaskAtWork"][];
-            looks: {
+            observations: {
                 [key: string]: number;
             };
             motions: {
@@ -5743,7 +5743,7 @@ export interface operations {
             };
         };
     };
-    get_scene_file: {
+    describe_scene: {
         parameters: {
             query?: never;
             header?: never;
@@ -5817,7 +5817,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["PresentScene"];
+                    "application/json": components["schemas"]["CurrentScene"];
                 };
             };
             default: {
@@ -5854,7 +5854,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["PresentScene"];
+                    "application/json": components["schemas"]["CurrentScene"];
                 };
             };
             default: {
@@ -7287,7 +7287,7 @@ export interface operations {
             };
         };
     };
-    get_device_look: {
+    get_device_observation: {
         parameters: {
             query?: never;
             header?: never;
@@ -7303,7 +7303,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Look"];
+                    "application/json": components["schemas"]["Observation"];
                 };
             };
             default: {

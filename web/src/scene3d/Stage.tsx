@@ -8,7 +8,7 @@ import { Axes } from "./extras/Axes";
 import { Contacts } from "./extras/Contacts";
 import { Doubts } from "./extras/Doubts";
 import { Ghosts } from "./extras/Ghosts";
-import { Looks } from "./extras/Looks";
+import { Observations } from "./extras/Observations";
 import { Motions } from "./extras/Motions";
 import { ReplayClock } from "./extras/ReplayClock";
 import { Gizmo } from "./gizmo/Gizmo";
@@ -37,7 +37,7 @@ export function Stage({ palette }: { palette: Palette }) {
       <Highlight palette={palette} />
       <Contacts palette={palette} />
       <Doubts palette={palette} />
-      <Looks palette={palette} />
+      <Observations palette={palette} />
       <Motions palette={palette} />
       <Ghosts palette={palette} />
       <Axes />

@@ -39,7 +39,7 @@ class Topics(Generic[C]):
         modules: Skills and primitives, run individually, and their managers.
         plugins: Installed plug-ins and their faults.
         robots: Robots: models and state.
-        devices: Devices of any kind: readings, planned motions, looks, opening and closing, jogging and teaching.
+        devices: Devices of any kind: readings, planned motions, observations, opening, closing, jogging, teaching.
         signals: Signals of the cell.
         tasks: Goals that are being pursued now.
     """

@@ -92,7 +92,7 @@ class Robots(Topic[C]):
 
 
 class Devices(Topic[C]):
-    """Devices of any kind: readings, planned motions, looks, opening and closing, jogging and teaching."""
+    """Devices of any kind: readings, planned motions, observations, opening and closing, jogging and teaching."""
 
     @operation("GET /devices")
     def list(self) -> Sequence[robots.DeviceInfo]:
@@ -110,9 +110,9 @@ class Devices(Topic[C]):
     def motion(self, device: str) -> robots.DeviceMotion:
         """Returns the planned motion of a device."""
 
-    @operation("GET /devices/{device}/look")
-    def look(self, device: str) -> robots.Look:
-        """Returns the last image of a camera."""
+    @operation("GET /devices/{device}/observation")
+    def observation(self, device: str) -> robots.Observation:
+        """Returns the last observation by a camera, as points."""
 
     @operation("POST /devices/{device}/open")
     def open(self, device: str) -> robots.DeviceInfo:

@@ -298,7 +298,7 @@ class Scenes(Topic[C]):
         """Lists the scenes that can be loaded, by name."""
 
     @operation("GET /scene")
-    def get(self) -> scenes.PresentScene:
+    def get(self) -> scenes.CurrentScene:
         """Returns the current scene."""
 
     @operation("GET /scenes/{name}")
@@ -314,7 +314,7 @@ class Scenes(Topic[C]):
         """Returns the difference from another scene to the current one."""
 
     @operation("PUT /scene", once=True)
-    def load(self, name: str, *, version: int | None = None) -> scenes.PresentScene:
+    def load(self, name: str, *, version: int | None = None) -> scenes.CurrentScene:
         """Loads a scene; returns once the station is up in it.
 
         Args:
@@ -323,10 +323,10 @@ class Scenes(Topic[C]):
         """
 
     @call
-    def upload(self, turtle: str, *, version: int | None = None) -> Call[scenes.PresentScene]:
+    def upload(self, turtle: str, *, version: int | None = None) -> Call[scenes.CurrentScene]:
         """Loads a scene from Turtle text; see :meth:`load`."""
         headers = {"If-Match": tag(version) or "*", "Content-Type": "text/turtle"}
-        return Call("PUT", "/scene", scenes.PresentScene, content=turtle.encode(), headers=headers, repeatable=False)
+        return Call("PUT", "/scene", scenes.CurrentScene, content=turtle.encode(), headers=headers, repeatable=False)
 
     @operation("POST /scenes", once=True)
     def save(self, name: str, *, seen: int | None = None) -> scenes.SceneEntry:

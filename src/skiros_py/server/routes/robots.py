@@ -119,15 +119,15 @@ def get_device_motion(act: Viewer, device: DeviceId) -> api.DeviceMotion:
     return act.station.devices.motion(device)
 
 
-@router.get("/devices/{id}/look")
-def get_device_look(act: Viewer, device: DeviceId) -> api.Look:
-    """See what a camera saw last.
+@router.get("/devices/{id}/observation")
+def get_device_observation(act: Viewer, device: DeviceId) -> api.Observation:
+    """Get the last observation by a camera.
 
-    The last picture in which a module looked for something: as points in the map, with what was recognised.
+    The last image that a module used for perception, as points in the map, and the detections in it.
 
-    The `looks` of the station's state change with it.
+    It is new when its number in `observations` of the station's state has changed.
     """
-    return act.station.devices.look(device)
+    return act.station.devices.observation(device)
 
 
 @router.post("/devices/{id}/open")

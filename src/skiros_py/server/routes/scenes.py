@@ -48,10 +48,10 @@ def save_scene(act: Operator, wanted: api.SaveScene, seen: SeenDep) -> api.Scene
 
 
 @router.get("/scenes/{name}", responses=tagged())
-def get_scene_file(act: Viewer, name: SceneName) -> api.Scene:
-    """Get a scene.
+def describe_scene(act: Viewer, name: SceneName) -> api.Scene:
+    """Describe a scene.
 
-    Describes a scene without loading it.
+    Describes a scene that can be loaded: its source, contents and goals.
     """
     return act.tagged(act.station.scenes.get(name))
 
@@ -69,12 +69,12 @@ def delete_scene(act: Operator, name: SceneName, seen: SeenDep) -> None:
 
 
 @router.get("/scene", responses=tagged())
-def get_scene(act: Viewer) -> api.PresentScene:
+def get_scene(act: Viewer) -> api.CurrentScene:
     """Get the current scene.
 
     Returns which scene was loaded last, what it contains now, and whether it was changed since.
     """
-    return act.tagged(act.station.scenes.present())
+    return act.tagged(act.station.scenes.current())
 
 
 async def _wanted(request: Request) -> tuple[str, bytes]:
@@ -113,7 +113,7 @@ _LOAD_BODY = {
 @router.put("/scene", openapi_extra=_LOAD_BODY, responses=NEEDS_VERSION | tagged())
 def load_scene(
     act: Operator, wanted: Annotated[tuple[str, bytes], Depends(_wanted)], seen: SeenDep
-) -> api.PresentScene:
+) -> api.CurrentScene:
     """Load a scene.
 
     Replaces the current scene by another one, named or sent as Turtle. Learned concepts are kept.

@@ -16,7 +16,7 @@ from skiros_py.geometry import Array, Pose, Solid
 from skiros_py.ports.simulation import FLOOR, Colour, Contact, RayHit, Rendering, Surface, Twist, Vector, View, Wrench
 from skiros_py.ports.values import CameraIntrinsics
 from skiros_py.simulation.pybullet.client import Body, Client, Poses, build_solid, centre_of_mass
-from skiros_py.simulation.pybullet.renderer import BodyLook, Renderer, RobotLook, intrinsics_of
+from skiros_py.simulation.pybullet.renderer import BodyAppearance, Renderer, RobotAppearance, intrinsics_of
 from skiros_py.simulation.pybullet.robot import PyBulletRobot, surface_options
 from skiros_py.workers import Call, Worker
 
@@ -221,8 +221,8 @@ class PyBulletEngine:
     def render(self, view: View, finish: Callable[[Rendering], T], *, latency: float = 0.0) -> Call[T]:
         """Renders the current moment in the renderer's process, which also calls ``finish``."""
         poses = self.poses()
-        bodies = {name: BodyLook(body.solid, body.colour, poses[name]) for name, body in self._bodies.items()}
-        robots = {name: RobotLook(one.urdf, one.root, one.positions()) for name, one in self._robots.items()}
+        bodies = {name: BodyAppearance(body.solid, body.colour, poses[name]) for name, body in self._bodies.items()}
+        robots = {name: RobotAppearance(one.urdf, one.root, one.positions()) for name, one in self._robots.items()}
         return self._worker().call("render", bodies, robots, view, finish, latency=latency)
 
     def look_at(self, target: Vector, distance: float) -> None:

@@ -28,7 +28,7 @@ _LIGHT = (1.5, -2.0, 4.0)
 
 
 @dataclass(frozen=True, slots=True)
-class BodyLook:
+class BodyAppearance:
     """Shape, colour and pose in the map of a body."""
 
     solid: Solid
@@ -37,7 +37,7 @@ class BodyLook:
 
 
 @dataclass(frozen=True, slots=True)
-class RobotLook:
+class RobotAppearance:
     """Model, pose of the root link and positions of all movable joints of a robot."""
 
     urdf: Path
@@ -65,13 +65,13 @@ class Renderer:
     def __init__(self, urdfs: Mapping[str, tuple[Path, Pose]]) -> None:
         self._client = Client()
         self._robots = {name: RobotModel(self._client, *model) for name, model in urdfs.items()}
-        self._bodies: dict[str, tuple[BodyLook, int]] = {}
+        self._bodies: dict[str, tuple[BodyAppearance, int]] = {}
         build_solid(self._client, _FLOOR, Pose((0.0, 0.0, -0.1)), colour=_FLOOR_COLOUR, collides=False)
 
     def render(
         self,
-        bodies: Mapping[str, BodyLook],
-        robots: Mapping[str, RobotLook],
+        bodies: Mapping[str, BodyAppearance],
+        robots: Mapping[str, RobotAppearance],
         view: View,
         finish: Callable[[Rendering], T],
     ) -> T:
@@ -106,7 +106,7 @@ class Renderer:
         matrix: Sequence[float] = self._client.computeViewMatrix(eye, eye + forward, -down)
         return matrix
 
-    def _show(self, bodies: Mapping[str, BodyLook], robots: Mapping[str, RobotLook]) -> None:
+    def _show(self, bodies: Mapping[str, BodyAppearance], robots: Mapping[str, RobotAppearance]) -> None:
         for name, robot in robots.items():
             if name not in self._robots:
                 self._robots[name] = RobotModel(self._client, robot.urdf, robot.root)

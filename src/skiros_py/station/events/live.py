@@ -7,8 +7,8 @@ from typing import Any
 from skiros_py.geometry import Pose
 from skiros_py.station.events.log import as_text
 from skiros_py.station.robots.devices import device_state
-from skiros_py.station.robots.looks import Looks
 from skiros_py.station.robots.motions import Motions
+from skiros_py.station.robots.observations import Observations
 from skiros_py.station.session import Session
 
 _RATE = 20.0
@@ -19,12 +19,12 @@ class LiveState:
     """The current state of the robots, for many streams.
 
     Args:
-        looks: The last looks of the cameras.
+        observations: The last observations of the cameras.
         motions: The planned motions of devices.
     """
 
-    def __init__(self, looks: Looks, motions: Motions) -> None:
-        self._looks = looks
+    def __init__(self, observations: Observations, motions: Motions) -> None:
+        self._observations = observations
         self._motions = motions
         self._session: Session | None = None
         self._tick = -1
@@ -43,7 +43,7 @@ class LiveState:
 
     def state(self, session: Session) -> dict[str, Any]:
         """Returns the current state of the robots as plain data; does not block; callable from any thread."""
-        return _live_state(session) | {"looks": self._looks.numbers(), "motions": self._motions.numbers()}
+        return _live_state(session) | {"observations": self._observations.numbers(), "motions": self._motions.numbers()}
 
     def text(self, now: float) -> str:
         """Returns the state as JSON in one line; empty while there is no session.

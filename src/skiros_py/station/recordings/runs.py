@@ -22,7 +22,7 @@ from skiros_py.recording import Recorder, Recording, RecordingWriter
 from skiros_py.recording.pictures import record_pictures
 from skiros_py.recording.reader import RUNS, SUFFIX
 from skiros_py.station.recordings.replay import replay_text
-from skiros_py.station.recordings.sources import camera_of, record_looks, record_view
+from skiros_py.station.recordings.sources import camera_of, record_observations, record_view
 from skiros_py.station.session import Session
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.jobs.job import Job
@@ -56,8 +56,8 @@ def run_recorder(session: Session, data: Path) -> Recorder:
 def recorder_of(
     session: Session, writer: RecordingWriter, sources: Sequence[Callable[[Recorder], object]] = (), **about: object
 ) -> Recorder:
-    """Returns a recorder of a session, with scene and looks in addition to the common topics."""
-    own = (_attach_models(session), record_view, record_looks)
+    """Returns a recorder of a session, with scene and observations in addition to the common topics."""
+    own = (_attach_models(session), record_view, record_observations)
     return Recorder(writer, session.runtime, _about(session) | about, (*own, *sources))
 
 

@@ -12,7 +12,7 @@ from skiros_py.api.view import ViewElement, WorldView
 from skiros_py.execution.runtime import LibraryCall
 from skiros_py.geometry import Pose
 from skiros_py.ports.frames import MAP
-from skiros_py.ports.perception import LookRequest, RegistrationRequest
+from skiros_py.ports.perception import DetectionRequest, RegistrationRequest
 from skiros_py.ports.values import Pending, Snapshot
 from skiros_py.recording import foxglove
 from skiros_py.recording.foxglove import Json
@@ -20,16 +20,16 @@ from skiros_py.recording.pictures import HEIGHT, WIDTH, Camera, from_above, over
 from skiros_py.recording.recorder import Recorder
 from skiros_py.recording.topics import Topic
 from skiros_py.recording.writer import Write
-from skiros_py.station.robots.looks import points_of
+from skiros_py.station.robots.observations import points_of
 from skiros_py.station.session import Session
 from skiros_py.station.world.view import view_of
 from skiros_py.world.change import Change
 from skiros_py.world.index import Index
 
 _MOST_POINTS = 5000
-"""Maximum number of points of one look, before thinning."""
+"""Maximum number of points of one observation, before thinning."""
 _CUBE = 0.02
-"""Voxel size for thinning the points of a look [m], which is also the size at which they are drawn."""
+"""Voxel size for thinning the points of an observation [m], which is also the size at which they are drawn."""
 _MOST_ENTITIES = 1000
 """Number of entities up to which each message contains the whole scene, so that a viewer can jump to any time."""
 _COLOURS: Mapping[str, tuple[float, float, float, float]] = {
@@ -147,23 +147,23 @@ def camera_of(session: Session) -> Camera | None:
     return picture
 
 
-def record_looks(recorder: Recorder) -> None:
+def record_observations(recorder: Recorder) -> None:
     """Records each perception request: the picture of the camera, and its points in the map."""
 
     def on_call(call: LibraryCall) -> None:
         request = call.request
-        if isinstance(request, LookRequest | RegistrationRequest) and request.camera:
+        if isinstance(request, DetectionRequest | RegistrationRequest) and request.camera:
             recorder.put(Topic(f"/camera/{request.camera}", foxglove.COMPRESSED_IMAGE, _image, every=1.0), request)
             recorder.put(Topic(f"/points/{request.camera}", foxglove.POINT_CLOUD, _points, every=1.0), request)
 
     recorder.on_end(recorder.runtime.asked.subscribe(on_call))
 
 
-def _image(time: float, request: LookRequest | RegistrationRequest) -> Json:
+def _image(time: float, request: DetectionRequest | RegistrationRequest) -> Json:
     return foxglove.compressed_image(time, request.camera, webp(np.ascontiguousarray(request.image.colour)), "webp")
 
 
-def _points(time: float, request: LookRequest | RegistrationRequest) -> Json:
+def _points(time: float, request: DetectionRequest | RegistrationRequest) -> Json:
     points, colours = points_of(request.image, request.camera_pose, _MOST_POINTS)
     _, kept = np.unique(np.floor(points / _CUBE).astype(np.int32), axis=0, return_index=True)
     return foxglove.point_cloud(time, MAP, points[kept], colours[kept])

@@ -1,1 +1,1 @@
-"""Robots: their models, looks and motions."""
+"""Robots: their models, camera observations and motions."""

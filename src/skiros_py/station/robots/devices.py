@@ -103,13 +103,13 @@ class DeviceService(Service):
             **device_state(session, snapshot, id_),
         )
 
-    def look(self, id_: str) -> api.Look:
+    def observation(self, id_: str) -> api.Observation:
         """Returns the last picture of a camera used for perception, as points in the map.
 
         Raises:
             NotFound: There is no such device.
         """
-        return self._station.looks.look(self._session, id_)
+        return self._station.observations.observation(self._session, id_)
 
     def motion(self, id_: str) -> api.DeviceMotion:
         """Returns the planned motion of a device.

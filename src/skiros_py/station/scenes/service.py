@@ -10,7 +10,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from skiros_py.api.scenes import PresentScene, Scene, SceneDifference, SceneEntry, SceneRobot, Scenes
+from skiros_py.api.scenes import CurrentScene, Scene, SceneDifference, SceneEntry, SceneRobot, Scenes
 from skiros_py.config import ontology_paths
 from skiros_py.errors import DescriptionError, FileError, Refused, UsageError
 from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, Service, addressed, require_seen
@@ -119,11 +119,11 @@ class SceneService(Service):
 
     # ------------------------------------------------------------------ the current scene
 
-    def present(self) -> PresentScene:
+    def current(self) -> CurrentScene:
         """Describes the current scene: which scene was loaded last, and whether it was changed since."""
         now = self._station.session.world.snapshot()
         name = now.source.name
-        return PresentScene(
+        return CurrentScene(
             name=name,
             version=now.version,
             changed=self._is_changed(name),
@@ -135,7 +135,7 @@ class SceneService(Service):
 
     def load(
         self, name: str = "", turtle: bytes = b"", seen: Seen | None = ANY_VERSION, author: Author = LIBRARY
-    ) -> PresentScene:
+    ) -> CurrentScene:
         """Loads a scene, by its name or as Turtle, keeping the concepts taught to robots.
 
         It is read and checked beside the current scene, which is kept if there is any fault.
@@ -164,7 +164,7 @@ class SceneService(Service):
             raise UsageError(f"the station cannot be brought up in that scene: {error}") from error
         version = None if seen is None else seen.version
         load(station.control, station.data, scene, author=author.name, holder=author.holder, seen=version)
-        return self.present()
+        return self.current()
 
     def turtle(self) -> tuple[str, int]:
         """Returns the current scene as Turtle, and the version of the world."""

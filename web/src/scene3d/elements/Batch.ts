@@ -13,12 +13,12 @@ import { quality } from "../quality";
 import type { Shape } from "../shapes";
 
 /** How an element is drawn: solid, solid and part of a robot, compartment, or with an unknown pose. */
-export type Look = "solid" | "borne" | "room" | "unsure";
+export type Appearance = "solid" | "borne" | "room" | "unsure";
 
 /** Drawn before everything else at the same depth: the robot's model contains its deck, too, and both would flicker. */
 const IN_FRONT = { polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -4 };
 
-const MATERIALS: Record<Look, Material> = {
+const MATERIALS: Record<Appearance, Material> = {
   solid: new MeshLambertMaterial({ vertexColors: true }),
   borne: new MeshLambertMaterial({ vertexColors: true, ...IN_FRONT }),
   room: new MeshLambertMaterial({ transparent: true, opacity: 0.16, depthWrite: false }),
@@ -31,12 +31,12 @@ export class Batch {
   readonly mesh: InstancedMesh;
   readonly ids: string[] = [];
 
-  constructor(shape: Shape, look: Look, count: number) {
-    this.mesh = new InstancedMesh(geometryFor(shape, count), MATERIALS[look], Math.ceil(count * ROOM_TO_GROW));
+  constructor(shape: Shape, appearance: Appearance, count: number) {
+    this.mesh = new InstancedMesh(geometryFor(shape, count), MATERIALS[appearance], Math.ceil(count * ROOM_TO_GROW));
     this.mesh.frustumCulled = false; // its instances are everywhere
     this.mesh.instanceMatrix.setUsage(DynamicDrawUsage);
     this.mesh.userData["ids"] = this.ids;
-    this.mesh.renderOrder = MATERIALS[look].transparent ? 1 : 0;
+    this.mesh.renderOrder = MATERIALS[appearance].transparent ? 1 : 0;
     this.clear();
   }
 

@@ -6,7 +6,7 @@ import { frameInMap } from "../frames";
 import { type Item, layout } from "../layout";
 import { type Shape, shapeIn } from "../shapes";
 import type { View, ViewElement } from "../view";
-import { Batch, type Look } from "./Batch";
+import { Batch, type Appearance } from "./Batch";
 
 interface Drawn {
   item: Item;
@@ -92,20 +92,20 @@ class Crowd {
   }
 
   private makeRoom(visible: readonly Item[]): void {
-    const needed = new Map<string, { shape: Shape; look: Look; count: number }>();
+    const needed = new Map<string, { shape: Shape; appearance: Appearance; count: number }>();
     for (const item of visible) {
       const need = needed.get(keyOf(item));
       const shape = this.shape(item.element);
       if (need !== undefined) need.count += 1;
-      else if (shape !== null) needed.set(keyOf(item), { shape, look: lookOf(item), count: 1 });
+      else if (shape !== null) needed.set(keyOf(item), { shape, appearance: appearanceOf(item), count: 1 });
     }
     for (const [key, batch] of this.batches) {
       const need = needed.get(key);
       if (need !== undefined && batch.fits(need.shape, need.count)) batch.clear();
       else this.drop(key, batch);
     }
-    for (const [key, { shape, look, count }] of needed) {
-      if (!this.batches.has(key)) this.found(key, new Batch(shape, look, count));
+    for (const [key, { shape, appearance, count }] of needed) {
+      if (!this.batches.has(key)) this.found(key, new Batch(shape, appearance, count));
     }
   }
 
@@ -131,14 +131,14 @@ class Crowd {
   }
 }
 
-function lookOf({ element, sure, frame }: Item): Look {
+function appearanceOf({ element, sure, frame }: Item): Appearance {
   if (!sure) return "unsure";
   if (element.hollow) return "room";
   return frame.on === "carrier" ? "borne" : "solid";
 }
 
 function keyOf(item: Item): string {
-  return `${lookOf(item)} ${item.element.shape ?? ""}`;
+  return `${appearanceOf(item)} ${item.element.shape ?? ""}`;
 }
 
 /** Counts the views shown: cached positions are invalid after each. */

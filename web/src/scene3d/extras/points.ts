@@ -13,9 +13,9 @@ export interface Cloud {
 /** Linear brightness of a byte of an image. */
 const LINEAR = Float32Array.from({ length: 256 }, (_, i) => new Color().setRGB(i / 255, 0, 0, SRGBColorSpace).r);
 
-export function cloudOf(look: Schema<"Look">): Cloud {
-  const places = new Float32Array(bytesOf(look.points).buffer);
-  const bytes = bytesOf(look.colours);
+export function cloudOf(observation: Schema<"Observation">): Cloud {
+  const places = new Float32Array(bytesOf(observation.points).buffer);
+  const bytes = bytesOf(observation.colours);
   if (bytes.length !== places.length) return { places, colours: null };
   return { places, colours: Float32Array.from(bytes, (byte) => LINEAR[byte] ?? 0) };
 }

@@ -22,7 +22,7 @@ export function Present() {
   );
 }
 
-function Facts({ scene }: { scene: Schema<"PresentScene"> }) {
+function Facts({ scene }: { scene: Schema<"CurrentScene"> }) {
   const { t } = useTranslation(["world", "common"]);
   const [compared, setCompared] = useState(false);
   return (
@@ -76,7 +76,7 @@ function Saved({ changed }: { changed: boolean | null }) {
 
 const NAME = /^[a-z0-9][a-z0-9_-]{0,63}$/;
 
-function SaveAs({ scene }: { scene: Schema<"PresentScene"> }) {
+function SaveAs({ scene }: { scene: Schema<"CurrentScene"> }) {
   const { t } = useTranslation(["world", "common"]);
   const [name, setName] = useState(scene.name);
   const saving = useSave();

@@ -1,4 +1,4 @@
-"""The last looks of the cameras, for display: requests are recorded when made, and converted to points on demand."""
+"""The last observations of the cameras, for display: requests are noted, and converted to points on demand."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from typing import Any
 
 import numpy as np
 
-from skiros_py.api.robots import Look, Seen
+from skiros_py.api.robots import Observation, Seen
 from skiros_py.errors import SkirosError
 from skiros_py.execution.runtime import LibraryCall
 from skiros_py.geometry import Array, Pose
-from skiros_py.ports.perception import LookRequest, LookResult, RegistrationRequest, RegistrationResult
+from skiros_py.ports.perception import DetectionRequest, DetectionResult, RegistrationRequest, RegistrationResult
 from skiros_py.ports.values import DepthImage
 from skiros_py.station.requests import find
 from skiros_py.station.session import Session
 
 MOST_POINTS = 20_000
-"""Maximum number of points of one look."""
+"""Maximum number of points of one observation."""
 _KEPT = 2
 """Shots kept of a camera: the last answered one, and a pending one."""
 
@@ -44,8 +44,8 @@ class _Shot:
     what: str | None
 
 
-class Looks:
-    """The last look of each camera, of whatever kind; thread-safe.
+class Observations:
+    """The last observation of each camera, of whatever kind; thread-safe.
 
     Nothing is copied or computed in the control thread.
     """
@@ -53,10 +53,10 @@ class Looks:
     def __init__(self) -> None:
         self._shots: dict[str, deque[_Shot]] = {}
         self._counts: Counter[str] = Counter()
-        self._shown: dict[str, Look] = {}
+        self._shown: dict[str, Observation] = {}
 
     def open(self, session: Session) -> None:
-        """Records the looks of a session."""
+        """Records the observations of a session."""
         only_asked = (id_ for id_, spec in session.spec.devices.items() if spec.state_type is None)
         self._shots = {id_: deque(maxlen=_KEPT) for id_ in only_asked}
         self._shown = {}
@@ -66,11 +66,11 @@ class Looks:
         self._shots = {}
 
     def numbers(self) -> dict[str, int]:
-        """Returns the number of the last look of each camera; 0 for none."""
+        """Returns the number of the last observation of each camera; 0 for none."""
         return {id_: shot.number if (shot := _last(shots)) else 0 for id_, shots in tuple(self._shots.items())}
 
-    def look(self, session: Session, device: str) -> Look:
-        """Returns the last look of a device.
+    def observation(self, session: Session, device: str) -> Observation:
+        """Returns the last observation of a device.
 
         Raises:
             NotFound: There is no such device.
@@ -78,16 +78,16 @@ class Looks:
         find("device", device, session.spec.devices)
         shot = _last(self._shots.get(device, ()))
         if shot is None:
-            return Look(number=0, camera=device, time=0.0, pose=None, points="", colours="", seen=(), purpose="")
+            return Observation(number=0, camera=device, time=0.0, pose=None, points="", colours="", seen=(), purpose="")
         shown = self._shown.get(device)
         if shown is None or shown.number != shot.number:
-            self._shown[device] = shown = _look(device, shot)
+            self._shown[device] = shown = _observation(device, shot)
         return shown
 
     def _note(self, session: Session, call: LibraryCall) -> None:
         """Records a request; called in the control thread."""
         request = call.request
-        if not isinstance(request, LookRequest | RegistrationRequest):
+        if not isinstance(request, DetectionRequest | RegistrationRequest):
             return
         if request.camera not in session.spec.devices:  # the request does not name its camera
             return
@@ -105,17 +105,17 @@ def _last(shots: Iterable[_Shot]) -> _Shot | None:
     return next((shot for shot in reversed(tuple(shots)) if shot.call.answer.done()), None)
 
 
-def _look(camera: str, shot: _Shot) -> Look:
+def _observation(camera: str, shot: _Shot) -> Observation:
     request = shot.call.request
     points, colours = points_of(request.image, request.camera_pose)
-    return Look.view_of(
+    return Observation.view_of(
         shot,
         camera=camera,
         pose=request.camera_pose,
         points=base64.b64encode(points.tobytes()).decode("ascii"),
         colours=base64.b64encode(colours.tobytes()).decode("ascii"),
         seen=_seen(shot),
-        purpose="parts" if isinstance(request, LookRequest) else "kit",
+        purpose="parts" if isinstance(request, DetectionRequest) else "kit",
     )
 
 
@@ -150,7 +150,7 @@ def _seen(shot: _Shot) -> Sequence[Any]:
         result = shot.call.answer.result()
     except SkirosError:  # reported by the caller of the request
         return ()
-    if isinstance(result, LookResult):
+    if isinstance(result, DetectionResult):
         return result.detections
     if not isinstance(result, RegistrationResult) or result.pose is None:
         return ()

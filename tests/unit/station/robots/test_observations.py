@@ -16,8 +16,8 @@ from skiros_py.geometry import Pose, Solid
 from skiros_py.ports.adapters import GivenPorts
 from skiros_py.ports.perception import (
     Detection,
-    LookRequest,
-    LookResult,
+    DetectionRequest,
+    DetectionResult,
     PartDetector,
     Region,
     Registrar,
@@ -25,7 +25,7 @@ from skiros_py.ports.perception import (
 )
 from skiros_py.ports.perception import RegistrationResult as Registered
 from skiros_py.ports.values import CameraIntrinsics, DepthImage, Done, Snapshot
-from skiros_py.station.robots.looks import MOST_POINTS, Looks
+from skiros_py.station.robots.observations import MOST_POINTS, Observations
 from skiros_py.station.session import Options, Session
 
 DOWN = Pose.of(1.0, 2.0, 1.5, roll=np.pi)
@@ -40,8 +40,8 @@ def shot(height: int = 480, width: int = 640, depth: float = 1.0) -> DepthImage:
     return DepthImage(Snapshot(0, 0.0), np.full((height, width), depth, np.float32), colour, intrinsics)
 
 
-def request(image: DepthImage, camera: str = "camera_1") -> LookRequest:
-    return LookRequest(image, DOWN, Region(Pose(), (0.1, 0.1)), (), camera=camera)
+def request(image: DepthImage, camera: str = "camera_1") -> DetectionRequest:
+    return DetectionRequest(image, DOWN, Region(Pose(), (0.1, 0.1)), (), camera=camera)
 
 
 class Slow(Done[Any]):
@@ -61,9 +61,9 @@ class Dead(Done[Any]):
 class Perception:
     """Answers what it is told to."""
 
-    answer: Done[Any] = Done(LookResult(0.5, (SEEN,), 1.0))
+    answer: Done[Any] = Done(DetectionResult(0.5, (SEEN,), 1.0))
 
-    def detect(self, _request: LookRequest) -> Done[Any]:
+    def detect(self, _request: DetectionRequest) -> Done[Any]:
         return self.answer
 
     def register(self, _request: RegistrationRequest) -> Done[Any]:
@@ -84,15 +84,15 @@ class Station:
         self.session = session
         given = GivenPorts({PartDetector: self.perception, Registrar: self.perception})
         self.ports = session.runtime.asked = LibraryMonitor(given)
-        self.looks = Looks()
-        self.looks.open(session)
+        self.observations = Observations()
+        self.observations.open(session)
 
     def see(self, image: DepthImage, answer: Done[Any] = Perception.answer, camera: str = "camera_1") -> None:
         self.perception.answer = answer
         self.ports.port(PartDetector).detect(request(image, camera))
 
-    def look(self) -> Any:
-        return self.looks.look(self.session, "camera_1")
+    def observation(self) -> Any:
+        return self.observations.observation(self.session, "camera_1")
 
 
 @pytest.fixture
@@ -100,12 +100,12 @@ def station(session: Session) -> Station:
     return Station(session)
 
 
-def points_of(look: Any) -> np.ndarray[Any, Any]:
-    return np.frombuffer(base64.b64decode(look.points), "<f4").reshape(-1, 3)
+def points_of(observation: Any) -> np.ndarray[Any, Any]:
+    return np.frombuffer(base64.b64decode(observation.points), "<f4").reshape(-1, 3)
 
 
-def colours_of(look: Any) -> np.ndarray[Any, Any]:
-    return np.frombuffer(base64.b64decode(look.colours), np.uint8).reshape(-1, 3)
+def colours_of(observation: Any) -> np.ndarray[Any, Any]:
+    return np.frombuffer(base64.b64decode(observation.colours), np.uint8).reshape(-1, 3)
 
 
 @pytest.mark.parametrize("size", [(480, 640), (1000, 1000), (10, 20), (1, 50_000)])
@@ -113,7 +113,7 @@ def test_a_look_contains_a_sample_of_the_points_at_their_measured_positions(
     station: Station, size: tuple[int, int]
 ) -> None:
     station.see(shot(*size))
-    points, colours = points_of(station.look()), colours_of(station.look())
+    points, colours = points_of(station.observation()), colours_of(station.observation())
     assert min(size[0] * size[1], MOST_POINTS) / 3 < len(points) <= MOST_POINTS
     assert points[:, 2] == pytest.approx(0.5, abs=1e-5)
     reach = size[1] / 2 / 500.0
@@ -125,28 +125,28 @@ def test_a_look_contains_a_sample_of_the_points_at_their_measured_positions(
 
 def test_a_look_without_measured_depth_has_no_points(station: Station) -> None:
     station.see(shot(depth=0.0))
-    assert (station.look().points, station.look().colours, station.look().number) == ("", "", 1)
+    assert (station.observation().points, station.observation().colours, station.observation().number) == ("", "", 1)
 
 
 def test_a_look_is_counted_after_its_detections_are_known(station: Station) -> None:
     station.see(shot(10, 20))
     station.see(shot(10, 20), Slow(None))
-    assert station.looks.numbers() == {"camera_1": 1}
+    assert station.observations.numbers() == {"camera_1": 1}
     station.see(shot(10, 20))
-    assert station.looks.numbers() == {"camera_1": 3}
-    assert station.look().seen[0].type == "kitting:Starter"
+    assert station.observations.numbers() == {"camera_1": 3}
+    assert station.observation().seen[0].type == "kitting:Starter"
 
 
 def test_a_look_of_an_unknown_camera_is_ignored(station: Station) -> None:
     station.see(shot(10, 20), camera="")
     station.see(shot(10, 20), camera="somebody's")
-    assert station.looks.numbers() == {"camera_1": 0}
+    assert station.observations.numbers() == {"camera_1": 0}
 
 
 def test_a_look_whose_worker_died_has_points_but_no_detections(station: Station) -> None:
     station.see(shot(10, 20), Dead(None))
-    assert station.look().seen == ()
-    assert len(points_of(station.look())) == 200
+    assert station.observation().seen == ()
+    assert len(points_of(station.observation())) == 200
 
 
 def test_a_registered_body_is_shown_with_its_class_and_size(station: Station) -> None:
@@ -154,20 +154,20 @@ def test_a_registered_body_is_shown_with_its_class_and_size(station: Station) ->
     asked = RegistrationRequest(shot(10, 20), DOWN, Solid.box(0.3, 0.2, 0.1), Pose(), camera="camera_1", body="kit_1")
     station.ports.port(Registrar).register(asked)
     station.ports.port(Registrar).register(replace(asked, body="nobody"))
-    (seen,) = station.look().seen
-    assert (seen.type, seen.size, station.look().purpose) == (None, (0.3, 0.2, 0.1), "kit")
+    (seen,) = station.observation().seen
+    assert (seen.type, seen.size, station.observation().purpose) == (None, (0.3, 0.2, 0.1), "kit")
     station.ports.port(Registrar).register(asked)
-    (seen,) = station.look().seen
+    (seen,) = station.observation().seen
     assert (seen.type, seen.cost) == ("kitting:Kit", 0.0007)
 
 
-def test_looks_are_deleted_with_their_session_and_look_numbers_continue(session: Session) -> None:
+def test_observations_are_deleted_with_their_session_and_their_numbers_continue(session: Session) -> None:
     with Session("kitting", Options(fake=True)) as first:
         station = Station(first)
         station.see(shot(10, 20))
-    assert station.looks.numbers() == {}
+    assert station.observations.numbers() == {}
     session.runtime.asked = station.ports
-    station.looks.open(session)
-    assert station.looks.numbers() == {"camera_1": 0}
+    station.observations.open(session)
+    assert station.observations.numbers() == {"camera_1": 0}
     station.see(shot(10, 20))
-    assert station.looks.numbers() == {"camera_1": 2}
+    assert station.observations.numbers() == {"camera_1": 2}

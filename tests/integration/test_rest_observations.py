@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from support.serving import Served, serving
 
-from skiros_py.api.robots import DeviceMotion, Look
+from skiros_py.api.robots import DeviceMotion, Observation
 from skiros_py.client.client import Client
 from skiros_py.client.topics import Events
 from skiros_py.station.session import Options
@@ -53,20 +53,20 @@ def follow_a_pick(url: str) -> list[dict[str, Any]]:
     return motions
 
 
-def points_of(look: Look) -> np.ndarray[Any, Any]:
-    return np.frombuffer(base64.b64decode(look.points), "<f4").reshape(-1, 3)
+def points_of(observation: Observation) -> np.ndarray[Any, Any]:
+    return np.frombuffer(base64.b64decode(observation.points), "<f4").reshape(-1, 3)
 
 
 def test_before_the_first_look_the_look_is_empty_and_has_number_zero(pretending: Served) -> None:
     with Client(pretending.url) as client:
-        look, motion = client.devices.look("camera_1"), client.devices.motion("base_1")
+        observation, motion = client.devices.observation("camera_1"), client.devices.motion("base_1")
         state = client.send(Events.state())
-    assert (look.number, look.pose, look.points, look.seen) == (0, None, "", ())
+    assert (observation.number, observation.pose, observation.points, observation.seen) == (0, None, "", ())
     assert motion == DeviceMotion(number=0, poses=())
-    assert (state.looks, state.motions) == ({"camera_1": 0}, {"arm_1": 0, "base_1": 0})
+    assert (state.observations, state.motions) == ({"camera_1": 0}, {"arm_1": 0, "base_1": 0})
 
 
-@pytest.mark.parametrize("what", ["look", "motion"])
+@pytest.mark.parametrize("what", ["observation", "motion"])
 def test_unknown_devices_are_not_found(pretending: Served, what: str) -> None:
     answer = httpx2.get(f"{pretending.url}/api/v1/devices/camera_2/{what}")
     assert answer.status_code == 404
@@ -77,11 +77,11 @@ def test_unknown_devices_are_not_found(pretending: Served, what: str) -> None:
 def test_the_points_of_a_look_lie_on_the_true_parts_of_the_pallet(worked) -> None:
     server, _ = worked
     with Client(server.url) as client:
-        look = client.devices.look("camera_1")
+        observation = client.devices.observation("camera_1")
     with httpx2.Client(base_url=f"{server.url}/api/v1") as http:
         truth = {one["id"]: one["position"] for one in http.get("/simulation/bodies").json()["items"]}
-    points = points_of(look)
-    colours = np.frombuffer(base64.b64decode(look.colours), np.uint8).reshape(-1, 3)
+    points = points_of(observation)
+    colours = np.frombuffer(base64.b64decode(observation.colours), np.uint8).reshape(-1, 3)
     assert 5_000 < len(points) <= 20_000
     assert len(colours) == len(points)
     x, y, z = truth["relay_box_1"]
@@ -95,15 +95,15 @@ def test_the_points_of_a_look_lie_on_the_true_parts_of_the_pallet(worked) -> Non
 def test_a_look_contains_its_detections_with_their_poses(worked) -> None:
     server, _ = worked
     with Client(server.url) as client:
-        look, state = client.devices.look("camera_1"), client.send(Events.state())
-    assert look.purpose == "parts"
-    assert state.looks == {"camera_1": look.number}
-    assert look.number >= 1
-    assert look.pose is not None
-    assert 0.0 < look.time < state.time
-    height = points_of(look)[:, 2].max()
-    assert height < look.pose.position[2]
-    assert all(0.0 <= one.cost < 0.02 for one in look.seen)
+        observation, state = client.devices.observation("camera_1"), client.send(Events.state())
+    assert observation.purpose == "parts"
+    assert state.observations == {"camera_1": observation.number}
+    assert observation.number >= 1
+    assert observation.pose is not None
+    assert 0.0 < observation.time < state.time
+    height = points_of(observation)[:, 2].max()
+    assert height < observation.pose.position[2]
+    assert all(0.0 <= one.cost < 0.02 for one in observation.seen)
 
 
 @pytest.mark.physics

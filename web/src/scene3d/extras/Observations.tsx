@@ -27,51 +27,53 @@ const FEW = 5000; // points, with software rendering: a full cloud would double 
 const LASTS = 20; // s of run time, after which detections may be outdated
 const REACH = 0.35; // m, length of the pyramid that shows a camera's view
 
-/** The last look of each camera, for a while: viewpoint, point cloud and detections. */
-export function Looks({ palette }: { palette: Palette }) {
+/** The last observation of each camera, for a while: viewpoint, point cloud and detections. */
+export function Observations({ palette }: { palette: Palette }) {
   const { data: devices } = useDevices();
   const past = useReplay((state) => state.replay !== null);
-  if (past) return null; // looks belong to the present
-  return devices?.flatMap(cameraOf).map((camera) => <CameraLook key={camera.id} camera={camera} palette={palette} />);
+  if (past) return null; // observations belong to the present
+  return devices
+    ?.flatMap(cameraOf)
+    .map((camera) => <CameraObservation key={camera.id} camera={camera} palette={palette} />);
 }
 
-/** A device that can look. */
+/** A camera, from the description of a device. */
 function cameraOf({ id, description }: Schema<"DeviceInfo">): Camera[] {
   const [width, height, vertical_fov] = ["width", "height", "vertical_fov"].map((name) => Number(description[name]));
   return width && height && vertical_fov ? [{ id, width, height, vertical_fov }] : [];
 }
 
-function CameraLook({ camera, palette }: { camera: Camera; palette: Palette }) {
-  const number = useStation(({ state }) => state?.looks[camera.id] ?? 0);
+function CameraObservation({ camera, palette }: { camera: Camera; palette: Palette }) {
+  const number = useStation(({ state }) => state?.observations[camera.id] ?? 0);
   const { clouds, seen } = useLayers(({ shown }) => shown);
-  const { data: look } = useQuery({
-    queryKey: keys.station("look", camera.id, number),
-    queryFn: async () => (await answer(api.GET(LOOK, { params: { path: { id: camera.id } } }))) as Look,
+  const { data: observation } = useQuery({
+    queryKey: keys.station("observation", camera.id, number),
+    queryFn: async () => (await answer(api.GET(OBSERVATION, { params: { path: { id: camera.id } } }))) as Observation,
     enabled: number > 0 && (clouds || seen),
     placeholderData: keepPreviousData,
     gcTime: 0,
   });
-  const old = useStation(({ state }) => (state?.time ?? 0) - (look?.time ?? 0) > LASTS);
-  useEffect(() => wake(), [look, old]);
-  if (look === undefined || look.number === 0 || number === 0 || old) return null;
+  const old = useStation(({ state }) => (state?.time ?? 0) - (observation?.time ?? 0) > LASTS);
+  useEffect(() => wake(), [observation, old]);
+  if (observation === undefined || observation.number === 0 || number === 0 || old) return null;
   return (
     <>
-      {clouds && <CloudPoints look={look} />}
-      {clouds && look.pose !== null && <Frustum pose={look.pose} camera={camera} palette={palette} />}
-      {seen && <Detections seen={look.seen} palette={palette} />}
+      {clouds && <CloudPoints observation={observation} />}
+      {clouds && observation.pose !== null && <Frustum pose={observation.pose} camera={camera} palette={palette} />}
+      {seen && <Detections seen={observation.seen} palette={palette} />}
     </>
   );
 }
 
-type Look = Schema<"Look">;
-const LOOK = "/api/v1/devices/{id}/look";
+type Observation = Schema<"Observation">;
+const OBSERVATION = "/api/v1/devices/{id}/observation";
 
-function CloudPoints({ look }: { look: Look }) {
+function CloudPoints({ observation }: { observation: Observation }) {
   const geometry = useMemo(() => {
-    const { places, colours } = thinned(cloudOf(look), quality().software ? FEW : Number.POSITIVE_INFINITY);
+    const { places, colours } = thinned(cloudOf(observation), quality().software ? FEW : Number.POSITIVE_INFINITY);
     const made = new BufferGeometry().setAttribute("position", new BufferAttribute(places, 3));
     return colours === null ? made : made.setAttribute("color", new BufferAttribute(colours, 3));
-  }, [look]);
+  }, [observation]);
   useEffect(() => () => geometry.dispose(), [geometry]);
   const coloured = geometry.hasAttribute("color");
   return (
