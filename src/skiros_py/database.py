@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from skiros_py.errors import FileError, WorldError
+from skiros_py.errors import DiskFault, FileError, WorldError
 
 _PAGES_BETWEEN_CHECKPOINTS = 4000
 """Size of the write-ahead log at which it is checkpointed [pages] (16 MB)."""
@@ -35,6 +35,8 @@ _WORDS = (
     ("SQLITE_CANTOPEN", "the file cannot be opened: check the permissions of the file and its folder"),
     ("SQLITE_PERM", "the file cannot be opened: check the permissions of the file and its folder"),
 )
+_DISK = ("SQLITE_FULL", "SQLITE_IOERR", "SQLITE_READONLY")
+"""Errors of the disk, which may end."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,6 +105,7 @@ class Database:
 
     Attributes:
         path: The file.
+        fault: Why the last write failed; None if it did not.
     """
 
     def __init__(
@@ -126,6 +129,8 @@ class Database:
         self._durable = durable
         self._guard = threading.RLock()
         self._commits = self._synced = 0
+        self._unsafe = False
+        self.fault: DiskFault | None = None
         self._connection: sqlite3.Connection | None = None
         self._looking = threading.Lock()
         self._looker: sqlite3.Connection | None = None
@@ -175,6 +180,8 @@ class Database:
                 with _committing(connection):
                     yield connection
                 self._commits += 1
+                if not self._unsafe:
+                    self.fault = None
             finally:
                 if hurries:
                     _run(connection, "synchronous = FULL")
@@ -219,12 +226,16 @@ class Database:
         """Waits until all committed writes survive a power failure, without blocking readers and writers.
 
         Raises:
-            FileError: The disk cannot be written.
+            DiskFault: The disk cannot be written.
         """
         commits = self._commits
         if self._synced >= commits:
             return
         try:
+            if self._unsafe:  # a failed sync may have dropped pages of the log: they are written to the file instead
+                with self._guard, self._faults():
+                    _run(self._open(), "wal_checkpoint(TRUNCATE)")
+                self._unsafe, self.fault = False, None
             log = os.open(self.path.with_name(f"{self.path.name}-wal"), os.O_RDONLY)
             try:
                 os.fsync(log)
@@ -233,7 +244,9 @@ class Database:
         except FileNotFoundError:  # there is no log: everything is in the file
             return
         except OSError as error:
-            raise FileError(self.path, f"the disk cannot be written: {error.strerror or error}") from error
+            self._unsafe = True
+            self.fault = DiskFault(self.path, f"the disk cannot be written: {error.strerror or error}")
+            raise self.fault from error
         self._synced = max(self._synced, commits)
 
     def shrink(self) -> None:
@@ -274,6 +287,9 @@ class Database:
         try:
             yield
         except sqlite3.Error as error:
+            if getattr(error, "sqlite_errorname", "").startswith(_DISK):
+                self.fault = DiskFault(self.path, _words(error, self._schema))
+                raise self.fault from error
             raise FileError(self.path, _words(error, self._schema)) from error
         except OSError as error:
             raise FileError(self.path, f"cannot be opened: {error.strerror or error}") from error

@@ -14,6 +14,7 @@
     │       └── Removed       ... since its result was removed
     ├── Refused               a use case cannot be done now, with a code for programs: no plan, no simulation, ...
     ├── FileError             a file cannot be read or understood: path, line, reason
+    │   └── DiskFault         ... or cannot be written now: the disk is full, read-only or failing
     ├── WorldError            a write to the world model was refused
     │   ├── StaleVersion      ... because the author had not seen the latest change
     │   └── Locked            ... because another user has locked an element
@@ -239,6 +240,10 @@ class FileError(SkirosError):
         self.reason = reason
         where = f"{path}:{line}" if line else f"{path}"
         super().__init__(f"{where}: {reason}")
+
+
+class DiskFault(FileError):
+    """A file cannot be written now; the same write may succeed later."""
 
 
 class WorldError(SkirosError):

@@ -46,6 +46,8 @@ class AlarmKind(enum.StrEnum):
     """A plug-in does not load, or its signal provider was switched off or left out."""
     STALE = "stale"
     """A change takes effect only after a reset of the simulation, or a restart."""
+    DISK = "disk"
+    """The disk cannot be written: everything is paused, and goes on by itself as soon as it can."""
     WEBHOOK = "webhook"
     """A message could not be delivered to another system."""
 

@@ -8,6 +8,7 @@ import threading
 import time
 from collections import Counter, deque
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from math import inf
 from pathlib import Path
 from queue import Empty, SimpleQueue
@@ -353,7 +354,8 @@ class _McapFile:
         self._stream.flush()
 
     def close(self) -> None:
-        self._stream.close()
+        with suppress(OSError):  # what is not written yet: the disk is full
+            self._stream.close()
 
     def _add_channel(self, topic: str, schema: str, data: bytes) -> None:
         if schema not in self._schemas:

@@ -92,7 +92,8 @@ def _answer_fault(request: Request, error: Exception) -> Response:
     assert isinstance(error, errors.SkirosError)
     problem = _of(error, _JOB_KINDS if _is_about_jobs(request) else _KINDS)
     if problem.status == 500 or isinstance(error, errors.FileError):
-        _log.error("request %s: %s", getattr(request.state, "id", ""), error, exc_info=error)
+        trace = None if isinstance(error, errors.DiskFault) else error
+        _log.error("request %s: %s", getattr(request.state, "id", ""), error, exc_info=trace)
     return problem_response(request, problem)
 
 

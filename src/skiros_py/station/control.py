@@ -393,7 +393,7 @@ class ControlThread:
         try:
             session.close()
         except BaseException as error:  # noqa: BLE001 - the thread outlives any fault here
-            _log.error("closing a session failed: %s", error, exc_info=error)
+            _log.error("closing a session failed: %s", error, exc_info=trace_of(error))
 
     def _tell_fault(self, error: BaseException) -> None:
         with self._ready:

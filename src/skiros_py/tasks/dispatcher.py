@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass, replace
 
-from skiros_py.errors import UsageError, WorldError
+from skiros_py.errors import DiskFault, UsageError, WorldError
 from skiros_py.execution.running import Running
 from skiros_py.planning.plan import Plan, Step
 from skiros_py.planning.problem.stock import tokens_of
@@ -334,7 +334,10 @@ class Dispatcher:
             return
         self._started += 1
         run = StepRun(self._started, step, self._agent(step), self._context.now)
-        self._coming[index] = run, self._task.starts(run)
+        try:
+            self._coming[index] = run, self._task.starts(run)
+        except DiskFault:  # the next cycle tries again
+            return
         self._start(index)
 
     def _start(self, index: int) -> None:
@@ -342,8 +345,12 @@ class Dispatcher:
         if not (self._context.lockstep or all(one.done() for one in waits)):
             return
         del self._coming[index]
-        for one in waits:
-            one.result()
+        try:
+            for one in waits:
+                one.result()
+        except DiskFault as fault:  # the next cycle prepares it again
+            self._task.ended(run, Failure(f"it was not started: {fault}", CANCELLED))
+            return
         run = replace(run, start=self._context.now)
         self._round_began = True
         self._used = None

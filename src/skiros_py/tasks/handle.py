@@ -103,7 +103,8 @@ class TaskHandle:
         """Calls the listener in the control thread before a step's first command; returns an unsubscribe function.
 
         If the listener returns a future, the step waits for it. If the listener or the future raises, the step is not
-        started and the task ends: no step runs whose intent could not be stored.
+        started: no step runs whose intent could not be stored. After a DiskFault it is tried again; any
+        other exception ends the task.
         """
         self._before.append(listener)
         return lambda: self._before.remove(listener)

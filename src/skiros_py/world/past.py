@@ -32,10 +32,19 @@ class ChangeLog(Protocol):
         """Number of the oldest change that is kept."""
 
     def append(self, change: Change) -> None:
-        """Stores a change; it is stored when this returns.
+        """Stores a change.
+
+        What a robot has sensed or done cannot be refused: while the disk cannot be written, it waits in memory.
 
         Raises:
             SkirosError: It cannot be stored.
+        """
+
+    def flush(self) -> None:
+        """Stores the changes that could not be stored when they were made.
+
+        Raises:
+            DiskFault: They still cannot be.
         """
 
     def since(self, version: int) -> Sequence[Change]:
@@ -77,6 +86,9 @@ class MemoryLog:
     def append(self, change: Change) -> None:
         """Stores a change."""
         self._changes.append(change)
+
+    def flush(self) -> None:
+        """Has no effect: nothing waits."""
 
     def since(self, version: int) -> Sequence[Change]:
         """Returns the changes after a version, in order."""

@@ -2098,7 +2098,7 @@ export interface components {
             question?: number | null;
         };
         /** @enum {string} */
-        AlarmKind: "halted" | "station" | "cycle" | "manager" | "module" | "task" | "question" | "job" | "plug-in" | "stale" | "webhook";
+        AlarmKind: "halted" | "station" | "cycle" | "manager" | "module" | "task" | "question" | "job" | "plug-in" | "stale" | "disk" | "webhook";
         ApiKey: {
             id: string;
             name: string;

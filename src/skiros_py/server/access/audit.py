@@ -13,7 +13,7 @@ from fastapi import Request
 
 from skiros_py.api.server import AuditRecord
 from skiros_py.database import Database
-from skiros_py.errors import SkirosError
+from skiros_py.errors import DiskFault, SkirosError
 
 _log = logging.getLogger(__name__)
 
@@ -115,6 +115,10 @@ class AuditLog:
         with self._writing:
             while batch := [self._entries.popleft() for _ in range(min(_BATCH, len(self._entries)))]:
                 rows = [(json.dumps(entry),) for entry in batch]
-                with self._database.transaction() as connection:
-                    connection.executemany("INSERT INTO audit (data) VALUES (?)", rows)
-                    connection.execute(_FORGET, (_KEPT,))
+                try:
+                    with self._database.transaction() as connection:
+                        connection.executemany("INSERT INTO audit (data) VALUES (?)", rows)
+                        connection.execute(_FORGET, (_KEPT,))
+                except DiskFault:
+                    self._entries.extendleft(reversed(batch))  # they are written later
+                    raise

@@ -12,13 +12,14 @@ import time
 from collections.abc import Callable, Collection
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 from urllib.parse import urlsplit
 
 import httpx2
 
 from skiros_py.api.webhooks import DeliveryState
-from skiros_py.errors import SkirosError, UsageError
+from skiros_py.errors import DiskFault, SkirosError, UsageError
 from skiros_py.server.webhooks.store import Post, Subscription, WebhookStore, signed
 from skiros_py.station.jobs.views import Announcement
 from skiros_py.station.session import Session
@@ -248,16 +249,19 @@ class WebhookSender:
         else:
             failures, _ = self._unreachable.get(post.webhook, (0, 0.0))
             self._unreachable[post.webhook] = (failures + 1, now + self._patience.wait(failures))
-        if not error:
-            await asyncio.to_thread(self._store.settle, post, DeliveryState.DONE, status=status)
-        elif now - post.since > self._patience.given_up and post.attempts > 0:
-            await asyncio.to_thread(self._store.settle, post, DeliveryState.DEAD, status=status, error=error)
+        dead = bool(error) and now - post.since > self._patience.given_up and post.attempts > 0
+        state = DeliveryState.DEAD if dead else DeliveryState.PENDING if error else DeliveryState.DONE
+        due = now + self._patience.wait(post.attempts) if state is DeliveryState.PENDING else 0.0
+        settle = partial(self._store.settle, post, state, next_try=due, status=status, error=error)
+        while True:
+            try:
+                await asyncio.to_thread(settle)
+                break
+            except DiskFault as fault:  # it would be sent again if that were not stored
+                _log.error("webhooks: %s", fault)
+                await asyncio.sleep(self._patience.look)
+        if dead:
             self._on_dead(post, error)
-        else:
-            due = now + self._patience.wait(post.attempts)
-            await asyncio.to_thread(
-                lambda: self._store.settle(post, DeliveryState.PENDING, next_try=due, status=status, error=error)
-            )
 
     async def _try(
         self, client: httpx2.AsyncClient, subscription: Subscription, post: Post

@@ -18,7 +18,7 @@ from skiros_py.tasks.trace import TraceEntry, TraceEventKind
 
 _log = logging.getLogger(__name__)
 
-_OF_SESSION = (AlarmKind.HALTED, AlarmKind.CYCLE, AlarmKind.MANAGER, AlarmKind.QUESTION, AlarmKind.JOB)
+_OF_SESSION = (AlarmKind.HALTED, AlarmKind.CYCLE, AlarmKind.MANAGER, AlarmKind.QUESTION, AlarmKind.JOB, AlarmKind.DISK)
 """These end with the session; what is still so in the next one is raised again."""
 _SELDOM = 200
 """Cycles between two looks at what seldom changes."""
@@ -37,7 +37,7 @@ class AlarmSources:
         self._alarms = alarms
         self._control = control
         self._session = session
-        self._halted = ""
+        self._halted = self._disk = ""
         self._lost: set[str] = set()
         self._asked: dict[int, str] = {}
         self._waiting: dict[str, Job] = {}
@@ -78,6 +78,8 @@ class AlarmSources:
         session = self._session
         if session.cycle.halted != self._halted:
             self._look_at_halt()
+        if session.jobs.fault != self._disk:
+            self._look_at_disk()
         if session.questions.open or self._asked:
             self._look_at_questions()
         cycle = session.cycle.board.snapshot.cycle
@@ -97,6 +99,14 @@ class AlarmSources:
             self._alarms.raise_(AlarmKind.HALTED, text, severity=Severity.HIGH)
         else:
             self._alarms.clear_all(AlarmKind.HALTED, AlarmKind.CYCLE)
+
+    def _look_at_disk(self) -> None:
+        self._disk = self._session.jobs.fault
+        if self._disk:
+            text = f"everything is paused, and goes on by itself once this has ended: {self._disk}"
+            self._alarms.raise_(AlarmKind.DISK, text, severity=Severity.HIGH)
+        else:
+            self._alarms.clear(AlarmKind.DISK)
 
     def _look_at_questions(self) -> None:
         """Questions of jobs are alarms of those jobs; the others are alarms of their own."""

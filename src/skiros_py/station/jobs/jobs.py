@@ -242,13 +242,14 @@ class JobService(Service):
 
     def _page(self, **wanted: Unpack[JobFilter]) -> Page:
         states, since = wanted.get("states"), wanted.get("since")
-        return self._jobs.store.page(
+        page = self._jobs.store.page(
             states=[views.STATES[name] for name in states] if states else None,
             since=None if since is None else since.timestamp(),
             after=wanted.get("after"),
             limit=wanted.get("limit", 100),
             newest_first=wanted.get("newest_first", False),
         )
+        return Page(tuple(map(self._jobs.shown, page.jobs)), page.next)
 
     def get(self, id_: str) -> api.Job:
         """Returns a job as it is now.
@@ -256,7 +257,7 @@ class JobService(Service):
         Raises:
             UnknownName: There is none of that id.
         """
-        return _view(self._jobs.job(id_))
+        return _view(self._jobs.shown(self._jobs.job(id_)))
 
     def response(self, id_: str) -> api.JobResponse:
         """Returns what was done to each part, by which skills, and the reason if it was not done."""

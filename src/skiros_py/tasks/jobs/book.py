@@ -225,8 +225,12 @@ class JobBook:
             self.unseen.add(job.id)
         else:
             self.unseen.discard(job.id)
-        self.store.after_sync(partial(self._listeners.notify, job))
+        self.announce(job)
         return job
+
+    def announce(self, job: Job) -> None:
+        """Notifies the listeners of a job, once everything written so far is on disk or that has failed."""
+        self.store.after_sync(partial(self._listeners.notify, job))
 
 
 def _is_unseen(job: Job) -> bool:

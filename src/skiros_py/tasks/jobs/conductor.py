@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+import logging
+import time
 from collections import deque
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, ParamSpec
 
-from skiros_py.errors import SkirosError
+from skiros_py.errors import DiskFault, SkirosError
+from skiros_py.execution.running import RunningModule
 from skiros_py.execution.runtime import Runtime
 from skiros_py.skills.conditions import Condition
+from skiros_py.tasks.context import Mode
+from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.jobs.book import Guard, JobBook, rank
 from skiros_py.tasks.jobs.job import Intent, Job, JobState, Outcome, Trigger
 from skiros_py.tasks.jobs.run import BY_HAND, CUT_OFF, WAITS, JobRun, done_by_hand, hold_what_was_halted, moved
 from skiros_py.tasks.task_manager import TaskManager
+
+_log = logging.getLogger(__name__)
 
 P = ParamSpec("P")
 
@@ -22,6 +29,9 @@ ReadGoal = Callable[[Sequence[str]], tuple[Condition, ...]]
 
 _MOST_ASIDE = 20
 """How many jobs waiting for a user may be set aside for others; further ones keep their slots until one is answered."""
+
+_BETWEEN_TRIES = 1.0
+"""Wall time between two attempts to write to a disk that could not be written [s]."""
 
 
 class Conductor:
@@ -39,6 +49,9 @@ class Conductor:
         guard: Held while a job changes. A command holds it while it waits for the disk, so the control cycle acquires
             it only when there is something to write.
         at_once: How many jobs may run at the same time.
+
+    Attributes:
+        fault: Why the disk cannot be written; empty if it can. Everything is paused meanwhile, and resumes by itself.
     """
 
     def __init__(
@@ -53,6 +66,10 @@ class Conductor:
         self._runs: dict[str, JobRun] = {}
         self._back: dict[str, None] = {}  # started jobs that wait like any other: others may use their robots by now
         self._requests: deque[Callable[[], None]] = deque()
+        self.fault = ""
+        self._next_try = 0.0
+        self._held: set[str] = set()
+        self._paused: list[TaskHandle | RunningModule] = []
 
     # ------------------------------------------------------------------ asked in any thread, with the guard
 
@@ -72,9 +89,83 @@ class Conductor:
     # ------------------------------------------------------------------ in the control thread
 
     def attend(self) -> None:
-        """Executes scheduled requests, tracks running jobs and starts the next ones."""
+        """Executes scheduled requests, tracks running jobs and starts the next ones.
+
+        While the disk cannot be written, everything stands still: no step starts whose intent is not stored, and what
+        could not be stored is stored as soon as there is room.
+        """
+        try:
+            if not self.fault:
+                self._attend()
+                if (fault := self._book.store.fault) is not None:
+                    raise fault
+            elif time.monotonic() >= self._next_try:
+                self._runtime.world.log.flush()
+                self._book.store.probe()
+                self._attend()
+                self._resume_held()
+        except DiskFault as fault:
+            self._hold_for(fault)
+        if self.fault:
+            self._pause_all()
+
+    def _hold_for(self, fault: DiskFault) -> None:
+        self._next_try = time.monotonic() + _BETWEEN_TRIES
+        if not self.fault:
+            _log.error("everything is paused until the disk can be written: %s", fault)
+            self.fault = f"{fault.path.name}: {fault.reason}"
+            self._held |= {job for job in self._runs if self._book.open[job].state is JobState.RUNNING}
+            self._announce_held()
+
+    def _pause_all(self) -> None:
+        """Pauses running tasks and modules, also those that were started since."""
+        modules = (run for manager in self._runtime.managers.values() for run in manager.running.values())
+        for module in modules:
+            if module.status == "running":
+                self._paused.append(module)
+                module.pause()
+        for task in self._tasks.active:
+            if task.control.mode is Mode.RUN:
+                self._paused.append(task)
+                task.pause()
+
+    def _resume_held(self) -> None:
+        """Records that jobs were held, and resumes everything that was paused.
+
+        Raises:
+            DiskFault: The disk is full again.
+        """
+        for id_ in tuple(self._held):
+            job = self._book.open.get(id_)
+            if job is not None and job.state is JobState.RUNNING:
+                job = self._book.move(job, Trigger.HOLD, self.fault, detail=self.held(job).detail)
+            if job is not None and job.state is JobState.INTERRUPTED and not job.choices:
+                self._book.move(job, Trigger.RESUME, "the disk can be written again", detail="goes on")
+            self._held.remove(id_)
+        _log.warning("the disk can be written again: everything goes on")
+        self.fault = ""
+        while self._paused:
+            self._paused.pop().resume()
+
+    def held(self, job: Job) -> Job:
+        """Returns a job as it is shown: a running one is held while the disk cannot be written."""
+        if job.id not in self._held or job.state is not JobState.RUNNING:
+            return job
+        detail = f"held: {self.fault}; it goes on by itself"
+        return job.model_copy(update={"state": JobState.INTERRUPTED, "detail": detail})
+
+    def _announce_held(self) -> None:
+        for id_ in self._held:
+            self._book.announce(self.held(self._book.open[id_]))
+
+    def _attend(self) -> None:
         while self._requests:
-            self._requests.popleft()()
+            request = self._requests.popleft()
+            try:
+                request()
+            except DiskFault:
+                self._requests.appendleft(request)
+                raise
         for job, run in tuple(self._runs.items()):
             self._follow(job, run)
         if self._runtime.cycle.halted:
@@ -190,19 +281,23 @@ class Conductor:
                     self._begin(job)
 
     def _begin(self, job: Job) -> None:
-        self._back.pop(job.id, None)
+        self._back[job.id] = None  # until it is stored what becomes of it
         if self._runtime.cycle.halted:
             hold_what_was_halted(self._book, job, self._runtime.cycle.halted)
-            return
-        for intent in self._cut_off(job.id):
-            self._book.store.settle(job.id, intent.number, CUT_OFF)
+        else:
+            for intent in self._cut_off(job.id):
+                self._book.store.settle(job.id, intent.number, CUT_OFF)
+            self._start(job)
+        del self._back[job.id]
+
+    def _start(self, job: Job) -> None:
         try:
             goal = self._parse(job.order.goal)
             task = self._tasks.begin(goal, name=job.id, policy=job.order.policy)
         except SkirosError as error:
             self._book.move(job, Trigger.FAIL, outcome=Outcome.FAILED, reasons=(str(error),), detail="")
-            return
-        self._runs[job.id] = JobRun(task, self._runtime, self._book)
+        else:
+            self._runs[job.id] = JobRun(task, self._runtime, self._book)
 
     def _cut_off(self, job: str) -> tuple[Intent, ...]:
         """Returns the steps whose outcome is unknown."""

@@ -71,6 +71,15 @@ class JobManager:
         runtime.cycle.observe(self._conductor.attend)
 
     @property
+    def fault(self) -> str:
+        """Why the disk cannot be written, so that everything is paused; empty if it can."""
+        return self._conductor.fault
+
+    def shown(self, job: Job) -> Job:
+        """Returns a job as readers see it: while the disk cannot be written, a running one is held."""
+        return self._conductor.held(self.open.get(job.id, job))
+
+    @property
     def idle(self) -> bool:
         """True if no job is running and none would start now."""
         return self._conductor.idle

@@ -5,8 +5,9 @@ from __future__ import annotations
 import time
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Future
+from contextlib import suppress
 
-from skiros_py.errors import UnknownName, WrongState
+from skiros_py.errors import DiskFault, UnknownName, WrongState
 from skiros_py.execution.runtime import Runtime
 from skiros_py.planning.domain.actions import with_defaults
 from skiros_py.planning.plan import Step
@@ -159,6 +160,7 @@ class JobRun:
         self._store = book.store
         self._trigger, self._comment = Trigger.STOP, ""
         self._numbers: dict[int, int] = {}
+        self._ends: dict[int, str] = {}
         self._entries: list[TraceEntry] = []
         self._written = time.monotonic()
         self._seen: tuple[object, ...] = ()
@@ -234,7 +236,14 @@ class JobRun:
         self._settle_as(run.number, ended)
 
     def _settle_as(self, number: int, ended: str) -> None:
-        self._store.settle(self._task.name, self._numbers.pop(number), ended)
+        self._ends[self._numbers.pop(number)] = ended
+        with suppress(DiskFault):  # it is stored as soon as the disk can be written
+            self._write_ends()
+
+    def _write_ends(self) -> None:
+        for number, ended in tuple(self._ends.items()):
+            self._store.settle(self._task.name, number, ended)
+            del self._ends[number]
 
     @property
     def has_news(self) -> bool:
@@ -258,8 +267,8 @@ class JobRun:
             self._finish(self._with_moves(job))
             return True
         if seen != self._seen:
-            self._seen = seen
             self._note(self._with_moves(job), tuple(map(str, self._steps)))
+            self._seen = seen
         return False
 
     def _look(self) -> tuple[object, ...]:
@@ -296,10 +305,12 @@ class JobRun:
             self._book.change(job.but(detail=detail, choices=(), question=None, plan=plan))
 
     def write_trace(self) -> None:
-        """Stores the trace periodically, and when the job is over."""
+        """Stores the trace periodically, and when the job is over; and ends of steps that could not be stored."""
+        self._write_ends()
         if self._entries and (self._task.done or time.monotonic() - self._written > _BETWEEN_WRITES):
-            entries, self._entries[:] = tuple(self._entries), ()
+            entries = tuple(self._entries)
             self._store.add_trace(self._task.name, [entry.as_json() for entry in entries])
+            del self._entries[: len(entries)]
             self._written = time.monotonic()
 
     # ------------------------------------------------------------------ the end

@@ -15,7 +15,7 @@ from typing import Any, TypeVar
 from pydantic import TypeAdapter, ValidationError
 
 from skiros_py.database import Database
-from skiros_py.errors import FileError, KeyReused, UnknownName
+from skiros_py.errors import DiskFault, FileError, KeyReused, UnknownName
 from skiros_py.tasks.jobs.job import Intent, Job, JobState, Transition, Trigger
 from skiros_py.tasks.jobs.schema import SCHEMA
 
@@ -120,6 +120,21 @@ class JobStore:
         self._caller: threading.Thread | None = None
 
     # ------------------------------------------------------------------ the disk
+
+    @property
+    def fault(self) -> DiskFault | None:
+        """Why the disk cannot be written; None if it can."""
+        return self._database.fault
+
+    def probe(self) -> None:
+        """Tries to write.
+
+        Raises:
+            DiskFault: The disk still cannot be written.
+        """
+        with self._database.transaction() as connection:
+            connection.execute("UPDATE numbers SET last = last")
+        self.sync()
 
     def sync(self) -> Future[None]:
         """Starts syncing to disk everything written so far.

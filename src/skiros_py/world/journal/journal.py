@@ -11,8 +11,8 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from skiros_py.database import Database
-from skiros_py.errors import FileError, UsageError, WorldError
-from skiros_py.world.change import Change, Edit
+from skiros_py.errors import DiskFault, FileError, UsageError, WorldError
+from skiros_py.world.change import Change, Edit, Writer
 from skiros_py.world.ids import Ids
 from skiros_py.world.index import Index, collection_paused
 from skiros_py.world.journal.records import (
@@ -25,7 +25,7 @@ from skiros_py.world.journal.records import (
     select_edits,
 )
 from skiros_py.world.journal.snapshot import read_piece, snapshot_pieces, unfit
-from skiros_py.world.past import Past
+from skiros_py.world.past import Past, subjects_of
 
 _log = logging.getLogger(__name__)
 
@@ -70,6 +70,7 @@ class Journal:
         self.first: int = first or self.version + 1
         self._recent: deque[Change] = deque()
         self._recent_edits = 0
+        self._waiting: list[Change] = []
         self._unsure = False
 
     # ------------------------------------------------------------ the change log
@@ -77,10 +78,28 @@ class Journal:
     def append(self, change: Change) -> None:
         """Stores a change durably.
 
+        What a robot has sensed or done cannot be refused: while the disk cannot be written, it waits in memory.
+
         Raises:
             FileError: It cannot be stored: the disk is full or missing.
         """
-        self.append_all([change])
+        try:
+            self.append_all([change])
+        except DiskFault as fault:
+            if change.writer not in (Writer.SKILL, Writer.SYSTEM):
+                raise
+            _log.warning("change %d waits in memory: %s", change.number, fault)
+            self._waiting.append(change)
+            self._remember(change)
+
+    def flush(self) -> None:
+        """Stores the changes that wait in memory.
+
+        Raises:
+            DiskFault: They still cannot be stored.
+        """
+        if self._waiting:
+            self.append_all(())
 
     def append_all(self, changes: Sequence[Change]) -> None:
         """Stores several changes, or none.
@@ -96,9 +115,10 @@ class Journal:
             unsure, self._unsure = self._unsure, True
             with self._database.transaction() as connection:
                 if unsure:  # the last write was cut off, perhaps once it was in the file, and never acknowledged
-                    delete(connection, "number > ?", self.version)
-                for change in changes:
+                    delete(connection, "number > ?", self.version - len(self._waiting))
+                for change in (*self._waiting, *changes):
                     insert(connection, change, time.time())
+            self._waiting.clear()
             for change in changes:
                 self._remember(change)
             self._unsure = False
@@ -125,7 +145,7 @@ class Journal:
             wanted = self.version - version
             if wanted <= len(self._recent):
                 return tuple(self._recent[at] for at in range(-wanted, 0))
-            return tuple(entry.change for entry in select_after(self._database, version))
+            return (*(entry.change for entry in select_after(self._database, version)), *self._waiting)
 
     def undoable(self) -> Change | None:
         """Returns the last stored change by a user that has not been undone yet, or None."""
@@ -138,8 +158,9 @@ class Journal:
             "number IN (SELECT number FROM marks WHERE number > ?"
             " AND element IN (SELECT value FROM json_each(?))) ORDER BY number"
         )
-        entries = self._select(condition, (after, json.dumps(sorted(subjects))))
-        return tuple(entry.change for entry in entries)
+        wanted = frozenset(subjects)
+        entries = self._select(condition, (after, json.dumps(sorted(wanted))))
+        return (*(entry.change for entry in entries), *(one for one in self._waiting if wanted & subjects_of(one)))
 
     # ------------------------------------------------------------ history
 
@@ -249,6 +270,7 @@ class Journal:
         if keep is not None and keep < 0:
             raise UsageError(f"keep: how many changes are remembered, a number from 0, not {keep}")
         with self._database.reading():  # readers must not see the file and the in-memory state out of step
+            self.flush()
             version = state.version
             if version < self._snapshot_version:
                 return
@@ -267,8 +289,19 @@ class Journal:
                     _log.warning("compacted, but the file is as long as before: %s", error)
 
     def close(self) -> None:
-        """Closes the file; may be called twice."""
-        self._database.close()
+        """Closes the file; may be called twice.
+
+        Raises:
+            DiskFault: Changes that wait in memory cannot be stored: they are lost.
+        """
+        try:
+            self.flush()
+        except DiskFault as fault:
+            lost, self._waiting = self._waiting, []
+            numbers = f"{lost[0].number} to {lost[-1].number}"
+            raise DiskFault(self._path, f"the last changes ({numbers}) are lost: {fault.reason}") from fault
+        finally:
+            self._database.close()
 
     def _select(self, condition: str, values: Sequence[object] = ()) -> list[Entry]:
         with self._database.reading():  # a change may lie in several tables

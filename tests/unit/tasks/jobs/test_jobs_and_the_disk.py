@@ -4,23 +4,26 @@ from __future__ import annotations
 
 import errno
 import os
+import resource
 import time
-from collections.abc import Iterator
-from contextlib import closing
+from collections.abc import Callable, Iterator
+from contextlib import closing, contextmanager
 from itertools import count
 from pathlib import Path
 
 import pytest
 
+from skiros_py.errors import DiskFault
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.process import ThreadHost
-from skiros_py.tasks.jobs.job import JobOrder, Outcome
+from skiros_py.tasks.jobs.job import JobOrder, JobState, Outcome
 from skiros_py.tasks.jobs.manager import JobManager
 from skiros_py.tasks.jobs.store import JobStore
 from skiros_py.tasks.task_manager import TaskManager
 from skiros_py.testing import Bench, tiny_world
 
 ORDER = JobOrder(id="a", goal=("In(ball_1, slot_1)",))
+HELD = ("hold", "resume")
 SLOW = 0.3
 """How long the disk takes [s]."""
 
@@ -42,6 +45,13 @@ class Paced:
         for one in (self.store, self.planning, self.planner, self.bench):
             one.close()
 
+    def step_until(self, done: Callable[[], bool]) -> None:
+        """Runs cycles until something is so."""
+        deadline = time.monotonic() + 60.0
+        while not done():
+            assert time.monotonic() < deadline
+            self.bench.cycle.step()
+
     def longest_cycle(self) -> float:
         """Runs cycles until nothing is to be done; returns the wall time of the longest [s]."""
         longest, deadline = 0.0, time.monotonic() + 60.0
@@ -51,6 +61,17 @@ class Paced:
             self.bench.cycle.step()
             longest = max(longest, time.perf_counter() - started)
         return longest
+
+
+@contextmanager
+def no_room(file: Path) -> Iterator[None]:
+    """Files of this process cannot grow: the kernel refuses it, as on a full disk."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (file.with_name(f"{file.name}-wal").stat().st_size, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
 @pytest.fixture
@@ -108,16 +129,40 @@ def test_an_order_is_stored_before_it_is_acknowledged_and_announced(paced: Paced
     assert [what for what, _ in paced.log] == ["sync begins", "sync ends", "told NOT_ALLOWED_TO_START"]
 
 
-def test_a_step_whose_intent_cannot_be_stored_is_not_started(paced: Paced, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("error", [errno.ENOSPC, errno.EIO, errno.EROFS])
+def test_no_step_starts_while_its_intent_cannot_be_synced_and_the_job_goes_on_by_itself_afterwards(
+    paced: Paced, monkeypatch: pytest.MonkeyPatch, error: int
+) -> None:
     paced.jobs.submit(ORDER)
 
-    def full(_descriptor: int) -> None:
-        raise OSError(errno.ENOSPC, "the disk is full")
+    def failing(_descriptor: int) -> None:
+        raise OSError(error, os.strerror(error))
 
-    monkeypatch.setattr(os, "fsync", full)
-    paced.longest_cycle()
-    job = paced.jobs.job("a")
+    with monkeypatch.context() as broken:
+        broken.setattr(os, "fsync", failing)
+        paced.step_until(lambda: bool(paced.jobs.fault))
+        for _ in range(200):
+            paced.bench.cycle.step()
+        job = paced.jobs.shown(paced.jobs.job("a"))
+        assert job.state is JobState.INTERRUPTED
+        assert os.strerror(error) in job.detail
+        assert not [event for event in paced.bench.events if event.kind == "skill"]
+    paced.step_until(lambda: paced.jobs.idle)
 
-    assert job.outcome is Outcome.FAILED
-    assert "the disk is full" in "; ".join(job.reasons)
-    assert not [event for event in paced.bench.events if event.kind == "skill"]
+    assert paced.jobs.job("a").outcome is Outcome.SUCCEEDED
+    assert [one.trigger for one in paced.jobs.transitions("a") if one.trigger in HELD] == ["hold", "resume"]
+
+
+def test_a_write_that_fails_once_between_steps_holds_the_job_for_a_moment_only(paced: Paced, tmp_path: Path) -> None:
+    paced.jobs.submit(ORDER)
+    paced.step_until(lambda: any(event.kind == "skill" for event in paced.bench.events))
+    with no_room(tmp_path / "jobs.db"):
+        paced.step_until(lambda: bool(paced.jobs.fault))
+        with pytest.raises(DiskFault):
+            paced.jobs.submit(ORDER.model_copy(update={"id": "b"}))
+        assert [job.id for job in paced.store.page().jobs] == ["a"]
+    paced.step_until(lambda: paced.jobs.idle)
+
+    assert paced.jobs.job("a").outcome is Outcome.SUCCEEDED
+    assert all(intent.ended == "done" for intent in paced.jobs.intents("a"))
+    assert paced.jobs.submit(ORDER.model_copy(update={"id": "b"})).state is JobState.ALLOWED_TO_START

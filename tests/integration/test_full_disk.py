@@ -1,0 +1,115 @@
+"""A disk that fills while a job runs: everything stands, reads go on, and so does the job once there is room."""
+
+from __future__ import annotations
+
+import resource
+import subprocess
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager, suppress
+from pathlib import Path
+
+import httpx2
+import pytest
+from support.server_process import ServerProcess
+
+from .hard import LATER, STARTER, job_of, moves, over, until
+
+
+@pytest.fixture
+def small_disk(tmp_path: Path) -> Iterator[Path]:
+    """A real file system of 8 MB."""
+    folder = tmp_path / "disk"
+    folder.mkdir()
+    command = ["mount", "-t", "tmpfs", "-o", "size=8m", "tmpfs", str(folder)]
+    if subprocess.run(command, capture_output=True, check=False).returncode:
+        pytest.skip("only root may mount a file system")
+    try:
+        yield folder
+    finally:
+        subprocess.run(["umount", "-l", str(folder)], check=True)
+
+
+@contextmanager
+def filled(folder: Path) -> Iterator[None]:
+    """Fills a file system to the last byte."""
+    ballast = folder / "ballast"
+    with ballast.open("wb", buffering=0) as file, suppress(OSError):
+        while True:
+            file.write(b"x" * 4096)
+    try:
+        yield
+    finally:
+        ballast.unlink()
+
+
+@contextmanager
+def refused(server: ServerProcess) -> Iterator[None]:
+    """No file of the server can be written: the kernel refuses it with an error, as a failing disk does."""
+    before = resource.prlimit(server.pid, resource.RLIMIT_FSIZE)
+    resource.prlimit(server.pid, resource.RLIMIT_FSIZE, (0, before[1]))
+    try:
+        yield
+    finally:
+        resource.prlimit(server.pid, resource.RLIMIT_FSIZE, before)
+
+
+def suspended(api: httpx2.Client) -> bool:
+    """Returns True if the job waits without a question: it goes on by itself."""
+    return bool(job_of(api, "kit")["state"]["substates"] == ["Suspended"])
+
+
+def held_and_resumed(
+    server: ServerProcess, api: httpx2.Client, full: AbstractContextManager[None], status: int
+) -> None:
+    """Runs a job, lets the disk fail in the middle, looks, and waits for the end of the job."""
+    api.put("/jobs/kit", json=STARTER).raise_for_status()
+    until(lambda: moves(api, "kit"))
+    with full:
+        until(lambda: suspended(api))
+        (alarm,) = [one for one in api.get("/alarms").json()["items"] if one["kind"] == "disk"]
+        assert alarm["active"]
+        assert [job["state"]["substates"] for job in api.get("/jobs").json()["items"]] == [["Suspended"]]
+        for path in ("/health/live", "/world/elements", "/jobs/kit/trace", "/alarms", "/robots"):
+            assert api.get(path).status_code in (200, 404), path
+        until(lambda: api.get("/stop").json()["standing"] is not False)
+        refusal = api.put("/jobs/other", json={**STARTER, **LATER})
+        assert refusal.status_code == status, refusal.text
+        assert "disk" in refusal.json()["detail"]
+        edit = api.patch("/elements/rack_1", json={"label": "another"}, headers={"If-Match": "*"})
+        assert edit.status_code == status, edit.text
+        assert api.get("/jobs/other").status_code == 404
+    assert over(api, "kit")["outcome"] == "succeeded"
+    assert not [one for one in api.get("/alarms").json()["items"] if one["kind"] == "disk" and one["active"]]
+    api.put("/jobs/other", json={**STARTER, **LATER}).raise_for_status()
+    assert "Traceback" not in server.said, server.said
+
+
+def test_a_full_disk_holds_the_job_until_there_is_room(small_disk: Path) -> None:
+    data = small_disk / "cell"
+    with ServerProcess("kitting", "--fake", "--pace", "3", data=data) as server, server.client() as client:
+        held_and_resumed(server, client.http, filled(small_disk), 507)
+        before = client.http.get("/world").json()
+        assert server.end() == 0
+    with ServerProcess("--fake", data=data) as server, server.client() as client:
+        assert job_of(client.http, "kit")["outcome"] == "succeeded"
+        assert client.http.get("/world").json()["version"] >= before["version"]
+
+
+def test_a_disk_that_refuses_every_write_holds_the_job_until_it_works_again(tmp_path: Path) -> None:
+    with ServerProcess("kitting", "--fake", "--pace", "3", data=tmp_path) as server, server.client() as client:
+        held_and_resumed(server, client.http, refused(server), 503)
+        assert server.end() == 0
+
+
+def test_a_server_killed_on_a_full_disk_holds_the_job_at_its_next_start(small_disk: Path) -> None:
+    data = small_disk / "cell"
+    with ServerProcess("kitting", "--fake", "--pace", "3", data=data) as server, server.client() as client:
+        client.http.put("/jobs/kit", json=STARTER).raise_for_status()
+        until(lambda: moves(client.http, "kit"))
+        with filled(small_disk):
+            until(lambda: suspended(client.http))
+            server.kill()
+    with ServerProcess("--fake", data=data) as server, server.client() as client:
+        job = job_of(client.http, "kit")
+        assert job["state"]["substates"] == ["Held"]
+        assert job["choices"]
