@@ -74,7 +74,10 @@ _OVERRUN = 0.5
 """For how long a module may hold the control cycle at a pace [s]: it shares the interpreter with requests here."""
 _OVERRUN_SIMULATED = 2.0
 """The same for simulated robots: their time stands still meanwhile, and a busy machine is not the module's fault."""
-_SETTINGS = ("host", "port", "authentication", "allowed_hosts", "allowed_origins", "webhook_hosts")
+_SETTINGS = (
+    "host", "port", "authentication", "allowed_hosts", "allowed_origins", "public_url", "trusted_proxies",
+    "webhook_hosts",
+)  # fmt: skip
 """Options of the command that are settings of the server; the others are those of the session."""
 _ENDING = 9.0
 """Maximum time from the first signal to the end of the process [s]."""
@@ -115,6 +118,14 @@ Examples:
     multiple=True,
     metavar="ORIGIN",
     help="Web pages that may use it, such as https://mes.example.",
+)
+@click.option("--public-url", default="", metavar="URL", help="Where a proxy serves it: https://robots.example/cell-1.")
+@click.option(
+    "--trusted-proxy",
+    "trusted_proxies",
+    multiple=True,
+    metavar="NETWORK",
+    help="Proxies whose X-Forwarded-… or Forwarded headers are believed; may be repeated.",
 )
 @click.option(
     "--webhook-host", "webhook_hosts", multiple=True, metavar="HOST", help="Permitted target of webhooks: HOST[:PORT]."
@@ -189,7 +200,7 @@ def _serve(
             stack.enter_context(announced(data, url, services.keys.local_token))
             _say_where(services, url, data, as_json=as_json)
             if pages_of(settings) is not None and not as_json:  # a program that starts the server opens no pages
-                click.echo(f"pages   {url}/ for people", err=True)
+                click.echo(f"pages   {settings.public_url.rstrip('/') or url}/ for people", err=True)
                 models = (group.model for group in services.station.session.spec.groups if group.model)
                 services.station.robot_models.prepare(models)  # takes some seconds once
 

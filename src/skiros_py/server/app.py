@@ -62,6 +62,7 @@ def create_app(services: Services) -> FastAPI:
         docs_url=None,
         redoc_url=None,
         redirect_slashes=False,
+        servers=[{"url": services.settings.public_url.rstrip("/")}] if services.settings.public_url else None,
         telemetry={"tracing": False},  # traces are not collected, and take a tenth of the time of a request
         generate_unique_id_function=lambda route: route.name,
     )
@@ -82,20 +83,19 @@ def add_documentation(app: FastAPI, prefix: str) -> None:
         app: The application; it has neither yet.
         prefix: Path prefix of the API.
     """
-    assets = f"{prefix}/docs/assets"
 
     def description(_request: Request) -> JSONResponse:  # in a thread: it takes a second to build
         return JSONResponse(app.openapi())
 
     async def page(_request: Request) -> HTMLResponse:
         return get_swagger_ui_html(
-            openapi_url=f"{prefix}/openapi.json",
+            openapi_url="openapi.json",  # relative, since a proxy may serve it below a prefix
             title=app.title,
-            swagger_js_url=f"{assets}/swagger-ui-bundle.js",
-            swagger_css_url=f"{assets}/swagger-ui.css",
-            swagger_favicon_url=f"{assets}/favicon.png",
+            swagger_js_url="docs/assets/swagger-ui-bundle.js",
+            swagger_css_url="docs/assets/swagger-ui.css",
+            swagger_favicon_url="docs/assets/favicon.png",
         )
 
     app.add_route(f"{prefix}/openapi.json", description, include_in_schema=False)
     app.add_route(f"{prefix}/docs", page, include_in_schema=False)
-    app.mount(assets, StaticFiles(directory=str(files("fastapi_offline") / "static")))
+    app.mount(f"{prefix}/docs/assets", StaticFiles(directory=str(files("fastapi_offline") / "static")))

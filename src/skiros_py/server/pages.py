@@ -180,7 +180,7 @@ code { font-family: ui-monospace, monospace; }
 </head>
 <body>
 <h1>skiros-py</h1>
-<p>The server runs, and its REST API is below <code>/api/v1</code>: <a href="/api/v1/docs">its documentation</a>.</p>
+<p>The server runs, and its REST API is below <code>/api/v1</code>: <a href="api/v1/docs">its documentation</a>.</p>
 <p>The pages for people are not installed here. They come with</p>
 <ul>
 <li><code>uv run --group web skiros serve &hellip;</code> in a checkout,</li>

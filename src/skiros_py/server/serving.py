@@ -19,6 +19,7 @@ from fastapi import FastAPI
 from skiros_py.api.server import SERVER_FILE, LocalServer
 from skiros_py.errors import FileError, SkirosError, UsageError
 from skiros_py.server.app import create_app
+from skiros_py.server.connections import Connection, Connections
 from skiros_py.server.services import Services
 from skiros_py.server.settings import ServerSettings
 
@@ -61,6 +62,8 @@ _SWITCH = 0.001
 """Switch interval of the interpreter [s]."""
 _GRACE = 3
 """Maximum wait for open connections (streams) at shutdown [s]."""
+_BACKLOG = 4096
+"""Maximum number of connections that wait to be accepted; the system may have a lower limit."""
 _NO_FREE_PORT = (errno.EADDRINUSE, errno.EACCES)
 """Errors after which another port can help, since the address itself is valid."""
 _log = logging.getLogger(__name__)
@@ -92,7 +95,7 @@ def bind(settings: ServerSettings) -> socket.socket:
     listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listening.bind((settings.host, settings.port))
-        listening.listen()  # two sockets that are bound but not listening may share an address
+        listening.listen(_BACKLOG)  # two sockets that are bound but not listening may share an address
     except (OSError, OverflowError, ValueError) as error:  # ValueError: for a host that cannot be encoded in ASCII
         listening.close()
         raise UsageError(f"cannot listen at {settings.host}:{settings.port}: {_why(error)}") from None
@@ -128,15 +131,18 @@ class Serving(uvicorn.Server):
         config = uvicorn.Config(
             app,
             http="httptools",
+            ws="none",  # a WebSocket would have no deadlines, and there is none
             log_config=None,
             access_log=False,
             server_header=False,
-            proxy_headers=False,  # any program on this machine could otherwise forge the address of its requests
+            proxy_headers=False,  # the gate reads them, from trusted proxies only
+            timeout_keep_alive=services.settings.idle_seconds,
             timeout_graceful_shutdown=_GRACE,
         )
         super().__init__(config)
         self._services = services
         self._listening = listening
+        self._connections = Connections(services.settings)
         self._on_listening = on_listening
 
     def run(self, sockets: list[socket.socket] | None = None) -> None:
@@ -154,12 +160,16 @@ class Serving(uvicorn.Server):
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Starts to listen."""
-        await super().startup(sockets)
+        await super().startup([])
+        (listening,) = sockets or [self._listening]
+        usual = {"config": self.config, "server_state": self.server_state, "app_state": self.lifespan.state}
+        self._connections.listen(listening, lambda: Connection(self._connections, **usual))
         self._on_listening()
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         """Brakes everything, then waits for connections to close; running jobs then wait for a person."""
         self._services.streams.end()
+        self._connections.close()
         if self._services.station.control.alive:
             try:
                 self._services.station.session.cycle.halt("the server ends")

@@ -55,3 +55,42 @@ def test_binding_to_a_foreign_address_blames_the_host_and_not_the_port(host: str
         bind(ServerSettings(host=host, port=0))
 
     assert "--port" not in str(told.value)
+
+
+@pytest.mark.parametrize(
+    "url", ["robots.example", "ftp://x", "https://x:443", "https://x/a?b", "https://x/a b", "https://"]
+)
+def test_an_impossible_public_url_is_refused(url: str) -> None:
+    with pytest.raises(UsageError, match=r"--public-url: .* such as https://robots.example/cell-1"):
+        ServerSettings(public_url=url)
+
+
+@pytest.mark.parametrize(
+    ("url", "origin", "prefix"),
+    [
+        ("https://Robots.example", "https://robots.example", ""),
+        ("https://robots.example/cell-1/", "https://robots.example", "/cell-1"),
+        ("http://[::1]:8080/a/b", "http://[::1]:8080", "/a/b"),
+    ],
+)
+def test_a_public_url_has_an_origin_and_a_prefix(url: str, origin: str, prefix: str) -> None:
+    settings = ServerSettings(public_url=url)
+    assert (settings.public_origin, settings.prefix) == (origin, prefix)
+
+
+@pytest.mark.parametrize("network", ["proxy.example", "10.0.0.0/99", ""])
+def test_an_impossible_proxy_is_refused(network: str) -> None:
+    with pytest.raises(UsageError, match="--trusted-proxy: "):
+        ServerSettings(trusted_proxies=(network,))
+
+
+def test_a_server_behind_a_proxy_needs_keys_although_it_listens_on_this_machine_only() -> None:
+    assert ServerSettings().is_local
+    assert not ServerSettings(trusted_proxies=("127.0.0.1",)).is_local
+    with pytest.raises(UsageError, match="everybody who reaches https://robots.example could move the robots"):
+        ServerSettings(public_url="https://robots.example", authentication="none")
+
+
+@pytest.mark.parametrize("host", ["[::1]:9000", "::1", "[2001:db8::1]", "10.1.2.3:80"])
+def test_webhook_hosts_may_be_addresses_of_either_family(host: str) -> None:
+    assert ServerSettings(webhook_hosts=(host,)).webhook_hosts == (host,)

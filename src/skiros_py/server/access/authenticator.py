@@ -10,7 +10,6 @@ from collections import OrderedDict
 from starlette.datastructures import Headers
 from starlette.requests import cookie_parser
 
-from skiros_py.api.server import is_loopback
 from skiros_py.errors import UsageError
 from skiros_py.server.access.keys import Key, KeyStore, digest
 from skiros_py.server.access.limits import Rates, network_of
@@ -34,9 +33,9 @@ def check_access(settings: ServerSettings, keys: KeyStore) -> None:
     Raises:
         UsageError: Other machines can reach the server, and there is no key.
     """
-    if not is_loopback(settings.host) and not any(key.valid for key in keys.all()):
+    if not settings.is_local and not any(key.valid for key in keys.all()):
         raise UsageError(
-            f"other machines can reach {settings.host}, and there is no key yet: make one with"
+            f"other machines can reach {settings.reached_at}, and there is no key yet: make one with"
             " 'skiros key create NAME --role admin --data DIR' (and --new where that is not there yet), or listen at"
             " 127.0.0.1"
         )
@@ -65,7 +64,7 @@ class Authenticator:
         """True while every request needs a key."""
         wanted = self._settings.authentication
         if wanted == "auto":
-            return not is_loopback(self._settings.host) or self.keys.needed
+            return not self._settings.is_local or self.keys.needed
         return wanted == "keys"
 
     def caller(self, headers: Headers, address: str) -> Caller:

@@ -10,6 +10,7 @@ import secrets
 import time
 from collections.abc import Iterable
 from typing import Any
+from urllib.parse import urlsplit
 
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import Request
@@ -19,6 +20,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from skiros_py.api.server import is_address
 from skiros_py.server.access.keys import without_keys
 from skiros_py.server.access.limits import Rates, Slots, network_of
+from skiros_py.server.access.proxies import TrustedProxies
 from skiros_py.server.access.roles import Caller, Role
 from skiros_py.server.monitoring import request_id
 from skiros_py.server.pages import is_page
@@ -191,6 +193,9 @@ class OriginPolicy:
         bound = settings.host.strip("[]").lower()
         self._any_address = bound in {"0.0.0.0", "::", ""}  # noqa: S104 - compared, not bound
         names = {"127.0.0.1", "localhost", "::1", bound, *(name.lower() for name in settings.allowed_hosts)}
+        self._public = settings.public_origin
+        if self._public:
+            names.add(urlsplit(self._public).hostname or "")
         self._names = frozenset(name.strip("[]") for name in names)
         self._origins = frozenset(origin.rstrip("/").lower() for origin in settings.allowed_origins)
 
@@ -219,7 +224,8 @@ class OriginPolicy:
         if method in SAFE or self.allowed(headers):
             return
         origin = headers.get("origin")
-        foreign = origin is not None and origin.lower() != f"{scheme}://{headers.get('host', '')}".lower()
+        own = (f"{scheme}://{headers.get('host', '')}".lower(), self._public)
+        foreign = origin is not None and origin.lower() not in own
         if foreign or headers.get("sec-fetch-site") == "cross-site":
             raise Problem(
                 403,
@@ -300,6 +306,7 @@ class Gate:
         self._pages = pages
         self._services = services
         self._origins = OriginPolicy(services.settings)
+        self._proxies = TrustedProxies(services.settings.trusted_proxies)
         self._rates = Rates(services.settings.rate, 1.0)
         self._refusals = Rates(_REFUSALS, 60.0)
         self._refusals_of_all = Rates(_REFUSALS_OF_ALL, 60.0)
@@ -316,6 +323,7 @@ class Gate:
             await self._answer(scope, receive, send)
 
     async def _answer(self, scope: Scope, receive: Receive, send: Send) -> None:
+        mistake = self._proxies.apply(scope)
         headers = Headers(scope=scope)
         request = Request(scope)
         request.state.id = _request_id(headers)
@@ -324,6 +332,8 @@ class Gate:
         answer = _Answer(send, request, self._origins.answer(headers), self._services)
         begun = time.perf_counter()
         try:
+            if mistake is not None:
+                raise mistake
             await self._pass(request, headers, receive, answer)
         except Problem as problem:
             await problem_response(request, problem)(scope, receive, answer)

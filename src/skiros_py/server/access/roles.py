@@ -144,8 +144,9 @@ class Act:
         return found
 
     def locate(self, *parts: str) -> None:
-        """Puts the address of a resource below ``/api/v1`` into the headers of the answer."""
-        self.response.headers["Location"] = "/".join(("/api/v1", *(quote(part, safe="") for part in parts)))
+        """Puts the address of a resource below ``/api/v1``, as browsers see it, into the headers of the answer."""
+        api = f"{self.services.settings.prefix}/api/v1"
+        self.response.headers["Location"] = "/".join((api, *(quote(part, safe="") for part in parts)))
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from typing import Annotated, Any
+from urllib.parse import urlsplit
 
 from fastapi import APIRouter, Path, Query, Request, Response
 
-from skiros_py.api.server import ApiKey, AuditPage, KeyOrder, Login, Me, NewKey, is_loopback
+from skiros_py.api.server import ApiKey, AuditPage, KeyOrder, Login, Me, NewKey
 from skiros_py.server.access.authenticator import LIFETIME, cookie_name
 from skiros_py.server.access.keys import shown
 from skiros_py.server.access.openapi import operations
@@ -76,7 +77,7 @@ def revoke_key(act: Admin, key_id: KeyId) -> ApiKey:
     If other machines can reach the server, the last admin key cannot be revoked.
     """
     with addressed("UnknownKey"):
-        return shown(act.services.keys.revoke(key_id, open_to_others=not is_loopback(act.services.settings.host)))
+        return shown(act.services.keys.revoke(key_id, open_to_others=not act.services.settings.is_local))
 
 
 session_router = APIRouter(prefix="/session", tags=["access"])
@@ -103,7 +104,7 @@ async def login(act: Anybody, login: Login) -> Me:
     address = request.client.host if request.client is not None else ""
     key, text = act.services.authenticator.login(login.key, address)
     request.state.caller = Caller(key.name, key.role, key.id)
-    act.response.set_cookie(_cookie(request), text, max_age=LIFETIME, **_options(request))
+    act.response.set_cookie(_cookie(request), text, max_age=LIFETIME, **_options(act))
     return _me(act)
 
 
@@ -115,7 +116,7 @@ async def logout(act: ViewerOrMes) -> Response:
     """
     act.services.authenticator.logout(act.request.headers)
     response = Response(status_code=204)
-    response.delete_cookie(_cookie(act.request), **_options(act.request))
+    response.delete_cookie(_cookie(act.request), **_options(act))
     return response
 
 
@@ -123,8 +124,10 @@ def _cookie(request: Request) -> str:
     return cookie_name(request.headers.get("host", ""))
 
 
-def _options(request: Request) -> dict[str, Any]:
-    return {"httponly": True, "samesite": "strict", "secure": request.url.scheme == "https"}
+def _options(act: Act) -> dict[str, Any]:
+    settings = act.services.settings
+    secure = "https" in (act.request.url.scheme, urlsplit(settings.public_url).scheme)
+    return {"httponly": True, "samesite": "strict", "secure": secure, "path": settings.prefix or "/"}
 
 
 def _me(act: Act) -> Me:

@@ -48,10 +48,11 @@ def target_of(url: str, allowed: Collection[str]) -> httpx2.URL:
         raise UsageError(f"url: an address begins with https:// or http://, not as {url[:200]!r}")
     if parts.username is not None or parts.fragment or not url.isascii() or any(c <= " " for c in url):
         raise UsageError("url: user names, fragments, blanks and letters beyond ASCII have no place in the address")
-    port = port or _PORTS[parts.scheme]
-    if not {host, f"{host}:{port}"} & {name.lower() for name in allowed}:
+    shown = f"[{host}]" if ":" in host else host
+    with_port = f"{shown}:{port or _PORTS[parts.scheme]}"
+    if not {host, shown, with_port} & {name.lower() for name in allowed}:
         raise UsageError(
-            f"url: webhooks to {host}:{port} are not allowed: start the server with --webhook-host {host}:{port}"
+            f"url: webhooks to {with_port} are not allowed: start the server with --webhook-host {with_port}"
         )
     return httpx2.URL(url)
 
@@ -76,7 +77,8 @@ def resolve(target: httpx2.URL) -> Address:
 def _never(address: Address) -> bool:
     """Link-local addresses serve the metadata of cloud machines; the others are not hosts at all."""
     mapped = getattr(address, "ipv4_mapped", None) or address
-    return bool(mapped.is_link_local or mapped.is_multicast or mapped.is_unspecified or mapped.is_reserved)
+    reserved = mapped.is_reserved and not mapped.is_loopback  # ::1 is in a reserved network, too
+    return bool(mapped.is_link_local or mapped.is_multicast or mapped.is_unspecified or reserved)
 
 
 _log = logging.getLogger(__name__)

@@ -65,3 +65,15 @@ def test_the_connection_goes_to_the_address_that_was_checked():
 
     assert target.copy_with(host=str(resolve(target))) in ("http://127.0.0.1:81/x?y=1", "http://[::1]:81/x?y=1")
     assert target.netloc == b"localhost:81"
+
+
+@pytest.mark.parametrize("allowed", ["::1", "[::1]", "[::1]:9000"])
+def test_an_ipv6_address_is_allowed_as_an_ipv4_address_is(allowed):
+    target = target_of("http://[::1]:9000/hook", [allowed])
+
+    assert str(resolve(target)) == "::1"
+
+
+def test_the_message_names_an_ipv6_address_as_the_option_takes_it():
+    with pytest.raises(UsageError, match=r"--webhook-host \[2001:db8::1\]:80"):
+        target_of("http://[2001:db8::1]/", ["::1"])
