@@ -38,7 +38,7 @@ def test_valid_origins_are_accepted(origin: str) -> None:
     assert ServerSettings(allowed_origins=(origin,)).allowed_origins == (origin,)
 
 
-@pytest.mark.parametrize("host", ["http://x:1/", "x:99999", "x:0", "x:", ":80", "x:http", "", "x/y", "[::1]:80"])
+@pytest.mark.parametrize("host", ["http://x:1/", "x:99999", "x:0", "x:", ":80", "x:http", "", "x/y", "[::1:80"])
 def test_an_impossible_webhook_host_is_refused(host: str) -> None:
     with pytest.raises(UsageError, match=r"--webhook-host: .* such as mes.example"):
         ServerSettings(webhook_hosts=(host,))
@@ -87,7 +87,7 @@ def test_an_impossible_proxy_is_refused(network: str) -> None:
 def test_a_server_behind_a_proxy_needs_keys_although_it_listens_on_this_machine_only() -> None:
     assert ServerSettings().is_local
     assert not ServerSettings(trusted_proxies=("127.0.0.1",)).is_local
-    with pytest.raises(UsageError, match="everybody who reaches https://robots.example could move the robots"):
+    with pytest.raises(UsageError, match=r"everybody who reaches https://robots\.example could move the robots"):
         ServerSettings(public_url="https://robots.example", authentication="none")
 
 
