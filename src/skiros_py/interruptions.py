@@ -43,6 +43,11 @@ def by_user(error: BaseException) -> bool:
     return isinstance(error, UserStop)
 
 
+def not_the_authors(error: BaseException) -> bool:
+    """Tells whether an exception that ended an author's code is the user's or the platform's, and has to go on."""
+    return isinstance(error, Interruption) or by_user(error)
+
+
 def raise_in(thread: int, kind: type[BaseException]) -> None:
     """Raises an exception in a thread, at one of its next Python instructions."""
     ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), ctypes.py_object(kind))

@@ -6,7 +6,7 @@ import logging
 from collections.abc import Callable
 from typing import Generic, ParamSpec
 
-from skiros_py.interruptions import Interruption
+from skiros_py.interruptions import not_the_authors
 
 P = ParamSpec("P")
 
@@ -36,9 +36,9 @@ class Listeners(Generic[P]):
         for listener in tuple(self._listeners):
             try:
                 listener(*args, **kwargs)
-            except (KeyboardInterrupt, Interruption):
-                raise
-            except BaseException:  # noqa: BLE001 - whatever it is, it is the listener's fault
+            except BaseException as error:  # whatever it is, it is the listener's fault
+                if not_the_authors(error):
+                    raise
                 _log.exception("a listener of %s broke", self._events)
 
     def __len__(self) -> int:

@@ -11,6 +11,7 @@ from click.testing import CliRunner
 
 from skiros_py.catalogue import load_catalogue
 from skiros_py.cli.main import cli, main
+from skiros_py.errors import UsageError
 from skiros_py.plugins.plugin import PluginFault
 from skiros_py.station.session import Options, Session
 from skiros_py.testing import TINY_ONTOLOGY, tiny_scene
@@ -211,3 +212,25 @@ def test_the_command_line_lists_faulty_plug_ins(install: Install) -> None:
     answer = json.loads(CliRunner().invoke(cli, ["skills", "--json"]).output)
 
     assert [f["name"] for f in answer["faults"]] == ["dive"]
+
+
+LACKING = """
+from dataclasses import replace
+from skiros_py.simulation.fake.cell import FakeCell
+
+class Armless(FakeCell):
+    kind = "armless"
+
+    def __init__(self, spec, *, seed):
+        super().__init__(spec, seed=seed)
+        self.devices = {id: device for id, device in self.devices.items() if id != "base_1"}
+"""
+
+
+def test_a_scene_with_a_device_that_its_driver_lacks_is_refused_with_both_named(
+    install: Install, tmp_path: Path
+) -> None:
+    install("sk_armless", {"drivers": {"armless": "Armless"}}, LACKING)
+
+    with pytest.raises(UsageError, match=r"driver 'armless' has no base_1, which the scene has; it has"):
+        Session(str(tiny_scene(tmp_path)), Options(driver="armless"))

@@ -69,6 +69,8 @@ def test_an_unknown_name_gives_the_nearest_whatever_its_case() -> None:
 
 def test_an_unknown_name_that_resembles_nothing_gets_no_guess() -> None:
     assert UnknownName("robot", "zzz", ["robot_1"]).nearest is None
+    assert UnknownName("scene", "warehouse", ["kitting_two", "sorting", "greenhouse_cell"]).nearest is None
+    assert UnknownName("skill", "drill", ["drive", "place"]).nearest in (None, "drive")
     assert str(UnknownName("robot", "zzz", [])) == "unknown robot 'zzz'. There is none."
 
 

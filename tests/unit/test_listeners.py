@@ -6,7 +6,7 @@ import logging
 
 import pytest
 
-from skiros_py.interruptions import Interruption
+from skiros_py.interruptions import Interruption, UserStop
 from skiros_py.listeners import Listeners
 
 
@@ -51,7 +51,7 @@ def test_a_listener_that_raises_is_logged_and_the_others_are_called(
     assert "a listener of events broke" in caplog.text
 
 
-@pytest.mark.parametrize("stop", [KeyboardInterrupt, Interruption])
+@pytest.mark.parametrize("stop", [UserStop, Interruption])
 def test_what_ends_code_from_outside_passes(stop: type[BaseException]) -> None:
     listeners = Listeners[[]]("events")
 

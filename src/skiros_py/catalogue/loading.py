@@ -21,7 +21,7 @@ from skiros_py.catalogue.catalogue import (
     clashes_of_modules,
 )
 from skiros_py.config import SCENE_SUFFIXES, ontology_paths, plugin_scenes, scene_paths
-from skiros_py.errors import FileError, PlanningError, SkirosError, UnknownName
+from skiros_py.errors import FileError, GoalSyntaxError, PlanningError, SkirosError, UnknownName
 from skiros_py.interruptions import by_user
 from skiros_py.planning.domain.actions import actions_of
 from skiros_py.plugins.installation import GROUPS, installation
@@ -37,6 +37,7 @@ from skiros_py.skills.lint.checking import problems_of
 from skiros_py.skills.parameters import params_of
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill, SkillDescription
+from skiros_py.tasks.goals.forms import Word, read
 from skiros_py.world.ontology import Ontology, load_installed
 from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoner, Reasoners, load_reasoners
 from skiros_py.world.scene.files import documents_of
@@ -92,8 +93,14 @@ def _wrong_skill(plugin: Plugin) -> str | None:
 
 
 def _wrong_condition(plugin: Plugin) -> str | None:
-    wrong = _no_text(plugin.value.name)
-    return f"its name is {wrong}, not a word" if wrong is not None else None
+    name = plugin.value.name
+    if (wrong := _no_text(name)) is not None:
+        return f"its name is {wrong}, not a word"
+    try:
+        is_word = isinstance(read(f"{name}(x)"), Word)
+    except GoalSyntaxError:
+        is_word = False
+    return None if is_word else f"no goal can say its name '{name}': use letters and digits, such as LocationEmpty"
 
 
 def _no_text(value: Any) -> str | None:

@@ -11,7 +11,7 @@ from typing import Any
 from skiros_py.catalogue import Catalogue
 from skiros_py.checking.cases import Case, Ground, Rig, fake_rig, find_case
 from skiros_py.execution.module_faults import words
-from skiros_py.interruptions import CycleOverrun
+from skiros_py.interruptions import CycleOverrun, by_user
 from skiros_py.skills.conditions import Condition, Not, Nothing
 from skiros_py.skills.conditions.effects import Assign, Effect, Relate, Unrelate, brought_about
 from skiros_py.skills.lint.checking import EFFECT_MISSING, NEVER_TRIED, UNDECLARED_CHANGE
@@ -188,9 +188,9 @@ def _contract(
                 texts = [(rule, f"{text} ({case.where})") for rule, text in (*missing, *faults(case, before, outcome))]
             findings = tuple(finding(rule, text) for rule, text in texts)
             return Contract(skill, findings, case.where, case.arguments, outcome)
-    except KeyboardInterrupt:
-        raise
-    except BaseException as error:  # noqa: BLE001 - an author's code: it must not end the other trials
+    except BaseException as error:  # an author's code: it must not end the other trials
+        if by_user(error):
+            raise
         why = f"a condition {error}" if isinstance(error, CycleOverrun) else words(error)
         return Contract(skill, (finding(EFFECT_MISSING, f"it could not be tried: {why}"),))
 

@@ -17,7 +17,7 @@ from skiros_py.execution.mix import Mix
 from skiros_py.execution.module_faults import off_words
 from skiros_py.execution.signals import Signals
 from skiros_py.execution.task import RunClock, Task
-from skiros_py.interruptions import CycleOverrun, CycleStep, WatchedTask
+from skiros_py.interruptions import CycleOverrun, CycleStep, WatchedTask, by_user
 from skiros_py.ports.board import DeviceBoard
 
 __all__ = ["ControlCycle", "Task"]
@@ -263,11 +263,10 @@ class ControlCycle:
                         next(task.generator)
                     except StopIteration as end:
                         task.finish(end.value)
-                    except KeyboardInterrupt as interrupt:
-                        task.fail(interrupt)
-                        raise
-                    except BaseException as fault:  # noqa: BLE001 - an author's code: it ends this task only
+                    except BaseException as fault:  # an author's code: it ends this task only
                         task.fail(fault)
+                        if by_user(fault):
+                            raise
                     if task.aborted:
                         task.close()
                 activity.task = board.owner = None

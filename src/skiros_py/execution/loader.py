@@ -9,7 +9,7 @@ from typing import Any
 
 from skiros_py.errors import ModuleError, UnknownName
 from skiros_py.execution.module_faults import contained, words
-from skiros_py.interruptions import Activity, CycleOverrun, CycleStep
+from skiros_py.interruptions import Activity, CycleOverrun, CycleStep, by_user
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import BROKEN, Failure
 from skiros_py.skills.parameters import Kind, params_of
@@ -118,11 +118,11 @@ class Loader:
     def _attempt(self, module: str, context: RunContext) -> Loaded | Failure:
         try:
             return self._watched(module, context)
-        except KeyboardInterrupt:
-            raise
         except CycleOverrun:  # the watchdog has reported it and halted everything
             return Failure(f"{module} did not load within {_LIMIT:g} s", BROKEN)
-        except BaseException as error:  # noqa: BLE001 - an author's mistake makes runs of this one fail, and no other
+        except BaseException as error:  # an author's mistake makes runs of this one fail, and no other
+            if by_user(error):
+                raise
             _log.exception("primitive %s did not load", module)
             return Failure(f"{module} did not load: {words(error)}", BROKEN)
 

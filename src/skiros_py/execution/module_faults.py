@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import TypeVar
 
 from skiros_py.errors import SkirosError
-from skiros_py.interruptions import CycleOverrun, Interruption
+from skiros_py.interruptions import CycleOverrun, not_the_authors
 from skiros_py.skills.outcome import BROKEN, Failure
 
 T = TypeVar("T")
@@ -31,11 +31,11 @@ def contained(what: str, action: Callable[[], T]) -> T | Failure:
     """
     try:
         return action()
-    except (KeyboardInterrupt, Interruption):
-        raise
     except SkirosError as error:
         return Failure(f"{what}: {error}{_where(error)}")
-    except BaseException as error:  # noqa: BLE001 - an author's mistake ends what it is part of, not the platform
+    except BaseException as error:  # an author's mistake ends what it is part of, not the platform
+        if not_the_authors(error):
+            raise
         return broken(what, error)
 
 

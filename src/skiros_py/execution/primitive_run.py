@@ -13,7 +13,7 @@ from skiros_py.execution.loader import Loaded, Loader
 from skiros_py.execution.module_faults import broken, contained
 from skiros_py.execution.monitor import Status
 from skiros_py.execution.scope import ModuleRun, Scope, Unfinished, failed, run_recovery
-from skiros_py.interruptions import CycleOverrun, EndlessCalls
+from skiros_py.interruptions import CycleOverrun, EndlessCalls, by_user
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Access, missing, params_of, read_arguments
@@ -136,10 +136,9 @@ class PrimitiveRun(ModuleRun):
             if isinstance(ended, Success | Failure):
                 return self._checked(ended)
             return self._broke(TypeError(f"it returned {ended!r}: a run returns Success or Failure"))
-        except (KeyboardInterrupt, CycleOverrun):
-            raise
         except BaseException as error:
-            if isinstance(error, EndlessCalls) and self._outer.callers:
+            is_callers = isinstance(error, EndlessCalls) and self._outer.callers
+            if is_callers or isinstance(error, CycleOverrun) or by_user(error):
                 raise
             return self._broke(error)
         finally:

@@ -7,7 +7,7 @@ from typing import Any, Generic, Protocol, TypeVar
 
 from skiros_py.errors import DeviceError, ModuleError
 from skiros_py.execution.module_faults import words
-from skiros_py.interruptions import CycleOverrun
+from skiros_py.interruptions import CycleOverrun, by_user
 from skiros_py.ports.board import DeviceBoard
 
 T = TypeVar("T")
@@ -203,9 +203,9 @@ class Task(Generic[T]):
         for _ in range(_CLOSE_TRIES):
             try:
                 self.generator.close()
-            except KeyboardInterrupt:
-                raise
-            except BaseException as fault:  # noqa: BLE001 - the same: the others have to be stopped, too
+            except BaseException as fault:  # the same: the others have to be stopped, too
+                if by_user(fault):
+                    raise
                 self.fault = self.fault or fault
             else:
                 return

@@ -96,12 +96,20 @@ class SkillDescription:
     duration: float | None = None
 
     def __post_init__(self) -> None:
-        if not self.name or ":" in self.name:
-            raise DescriptionError(f"skill name '{self.name}': it must not be empty or contain ':'")
+        name: object = self.name
+        if not isinstance(name, str) or not name or ":" in name:
+            raise DescriptionError(f"skill name {name!r}: it must be a text, not empty, and without ':'")
+        for field in ("params", "pre", "hold", "post"):
+            if not isinstance(given := getattr(self, field), tuple):
+                raise DescriptionError(f"{field} of skill '{name}': it must be a tuple, not a {type(given).__name__}")
         check_params(self.params, f"of skill '{self.name}'")
         for condition in (*self.pre, *self.hold, *self.post):
             self._check_elements(condition.arguments, f"in {condition} of skill '{self.name}'")
         self._check_elements((self.agent, self.target), f"as agent or target of skill '{self.name}'")
+        for field in ("hold", "post"):
+            conditions: tuple[Condition, ...] = getattr(self, field)
+            if both := next((c for c in conditions if not c.negated and ~c in conditions), None):
+                raise DescriptionError(f"{field} of skill '{self.name}': {both} and {~both} can never hold together")
         if not self.post:
             raise DescriptionError(f"skill '{self.name}' has no postcondition: no goal could ever need it")
         if self.duration is not None and not 0.0 < self.duration < inf:

@@ -7,6 +7,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from skiros_py.catalogue import Catalogue
+from skiros_py.errors import UsageError
 from skiros_py.planning.process import PlanningProcess, ThreadHost
 from skiros_py.planning.requests import PlanningHost
 from skiros_py.ports.adapters import InstalledPorts
@@ -52,8 +53,24 @@ def start_cell(stack: ExitStack, spec: CellSpec, catalogue: Catalogue, options: 
 
         simulated = SimulatedCell(own, seed=options.seed, engine=options.engine, gui=options.gui)
         cell = stack.enter_context(closing(simulated))
+    _require_devices(cell, own)
     others = [connect(driver, part) for driver, part in parts.items()]
+    for other, part in zip(others, parts.values(), strict=True):
+        _require_devices(other, part)
     return CompositeDriver([cell, *others]) if others else cell
+
+
+def _require_devices(driver: CellDriver, part: CellSpec) -> None:
+    """Refuses a driver without some of the devices that it is for.
+
+    Raises:
+        UsageError: It lacks some; the message names them.
+    """
+    there = driver.devices.keys() & driver.read().devices.keys()
+    missing = [device for device in part.devices if device not in there]
+    if missing:
+        has = ", ".join(sorted(there)) or "none"
+        raise UsageError(f"driver '{driver.kind}' has no {', '.join(missing)}, which the scene has; it has {has}")
 
 
 def start_planning(stack: ExitStack, world: World, catalogue: Catalogue, options: Options) -> PlanningHost:

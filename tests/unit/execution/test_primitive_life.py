@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
@@ -479,3 +480,39 @@ def test_no_command_of_a_module_is_sent_after_it_raised() -> None:
         assert bench.run("roll") == Failure("roll broke: ValueError: no such gear", BROKEN)
         bench.advance(0.1)
         assert bench.cycle.board.snapshot.state("base_1", BaseState).pose.position[0] == 0.0
+
+
+@pytest.mark.parametrize("where", ["load", "start", "execute", "close"])
+@pytest.mark.parametrize("kind", [KeyboardInterrupt, SystemExit, GeneratorExit, BaseException])
+def test_what_a_primitive_raises_ends_it_alone_where_the_command_handles_interrupts_itself(
+    where: str, kind: type[BaseException], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Wild(Roll):
+        @classmethod
+        def load(cls, context: RunContext) -> Any:
+            if where == "load":
+                raise kind
+            return []
+
+        def start(self) -> Failure | None:
+            if where == "start":
+                raise kind
+            return None
+
+        def execute(self) -> Execution[Outcome]:
+            try:
+                yield
+                if where == "execute":
+                    raise kind
+            finally:
+                if where == "close":
+                    raise kind
+            return Success()
+
+    monkeypatch.setattr(signal, "getsignal", lambda _: lambda *_: None)
+    with bench_of(Wild) as bench:
+        ended = bench.run("roll")
+
+        assert isinstance(ended, Failure)
+        assert ended.code == BROKEN
+        assert bench.cycle.step() is None

@@ -15,6 +15,7 @@ from skiros_py.devices.mobile_base import Base, BaseState, BaseTwist
 from skiros_py.errors import DeviceError, ModuleError
 from skiros_py.execution.cycle import ControlCycle, Task
 from skiros_py.execution.task import RunClock
+from skiros_py.interruptions import UserStop
 from skiros_py.ports.board import DeviceBoard
 from skiros_py.ports.values import Commands, Snapshot
 from skiros_py.simulation.fake.cell import FakeCell
@@ -104,11 +105,11 @@ def test_ctrl_c_by_the_user_is_passed_on() -> None:
     cycle = new_cycle()
 
     def interrupted() -> Iterator[None]:
-        raise KeyboardInterrupt
+        raise UserStop
         yield
 
     task = cycle.start(interrupted())
-    with pytest.raises(KeyboardInterrupt):
+    with pytest.raises(UserStop):
         cycle.step()
     assert task.done
     cycle.step()

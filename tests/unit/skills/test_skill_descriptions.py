@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import pytest
 
@@ -90,3 +91,25 @@ def test_a_body_prints_as_an_indented_tree() -> None:
 def test_a_retry_with_zero_attempts_is_refused(times: int) -> None:
     with pytest.raises(DescriptionError, match=f"retry: at least once, and a whole number of times, not {times}"):
         Retry(Do.of("grasp"), times)
+
+
+@pytest.mark.parametrize("field", ["hold", "post"])
+def test_conditions_that_contradict_each_other_are_refused(field: str) -> None:
+    there = AT_LOCATION("Robot", "Location")
+
+    with pytest.raises(DescriptionError, match=rf"^{field} of skill 'drive': At\(.*\) and not At\("):
+        replace(DRIVE, **{field: (~there, there)})
+
+
+@pytest.mark.parametrize(
+    ("wrong", "says"),
+    [
+        ({"name": 5}, r"skill name 5: it must be a text"),
+        ({"name": ""}, r"skill name '': it must be a text, not empty"),
+        ({"post": AT_LOCATION("Robot", "Location")}, r"post of skill 'drive': it must be a tuple, not a Condition"),
+        ({"params": list(DRIVE.params)}, r"params of skill 'drive': it must be a tuple, not a list"),
+    ],
+)
+def test_a_declaration_of_a_wrong_type_is_refused_with_a_message(wrong: dict[str, Any], says: str) -> None:
+    with pytest.raises(DescriptionError, match=says):
+        replace(DRIVE, **wrong)

@@ -11,7 +11,7 @@ from types import MappingProxyType
 from typing import Literal
 
 from skiros_py.errors import DescriptionError
-from skiros_py.interruptions import Interruption
+from skiros_py.interruptions import not_the_authors
 from skiros_py.skills.conditions.pattern import AllOf, Atom, Binding, Exists, Not, Pattern, Verdict
 from skiros_py.world.abstract import abstract_individuals
 from skiros_py.world.element import Element, Value, is_abstract
@@ -312,9 +312,9 @@ def judge(condition: Condition, view: WorldView, binding: Binding | None = None)
     """
     try:
         return condition.evaluate(view, binding)
-    except (KeyboardInterrupt, Interruption):
-        raise
-    except BaseException as error:  # noqa: BLE001 - an author's code: whatever it raises, it said nothing about the world
+    except BaseException as error:  # an author's code: whatever it raises, it said nothing about the world
+        if not_the_authors(error):
+            raise
         _log.error("condition %s broke", condition, exc_info=error)
         name = str(condition.bind(binding or {}))
         text = f"{name} broke: {type(error).__name__}: {error}"
