@@ -66,10 +66,9 @@ def _require_devices(driver: CellDriver, part: CellSpec) -> None:
     Raises:
         UsageError: It lacks some; the message names them.
     """
-    there = driver.devices.keys() & driver.read().devices.keys()
-    missing = [device for device in part.devices if device not in there]
+    missing = [device for device in part.devices if device not in driver.devices]
     if missing:
-        has = ", ".join(sorted(there)) or "none"
+        has = ", ".join(sorted(driver.devices)) or "none"
         raise UsageError(f"driver '{driver.kind}' has no {', '.join(missing)}, which the scene has; it has {has}")
 
 
