@@ -13,7 +13,7 @@ from skiros_py.world import vocabulary as v
 from skiros_py.world.element import Placement, Value
 from skiros_py.world.literals import ANY_LITERAL, DATATYPES
 from skiros_py.world.names import local_name
-from skiros_py.world.poses import write_pose
+from skiros_py.world.poses import forget_looks
 from skiros_py.world.transaction import Transaction
 
 
@@ -160,7 +160,7 @@ class Refill(AskingPrimitive):
         with self.world.transaction(author=self.name, reason=f"a person brought {count} x {self.params.what}") as tx:
             for thing in self.world.subjects(v.IN, place):  # the person may have moved what was there
                 if self.world.ontology.is_a(self.world.element(thing).type, v.MANIPULATABLE):
-                    self._forget(tx, thing)
+                    forget_looks(tx, thing)
             self._bring(tx)
         return Success(f"{place} was refilled")
 
@@ -171,11 +171,6 @@ class Refill(AskingPrimitive):
         found = [e for e in missing if self.world.placement(e) != place][: self.params.count]
         for thing in found:
             tx.place(thing, v.IN, self.params.place)
-            self._forget(tx, thing)
+            forget_looks(tx, thing)
         for _ in range(self.params.count - len(found)):
             tx.add(self.params.what, placement=place)
-
-    def _forget(self, tx: Transaction, thing: str) -> None:
-        tx.set(thing, v.MISSING, None)
-        tx.set(thing, v.MISSED_LOOKS, None)
-        write_pose(tx, thing, None)

@@ -169,6 +169,8 @@ class PlacementOption(Answer):
     """The relation."""
     label: str
     """Its label."""
+    accepted: bool
+    """Whether skills of the present robots need things of this class to be placed by it."""
     places: list[PlaceOption]
     """Places of the right class, in the order of ids."""
     total: int

@@ -31,7 +31,7 @@ def respawn(world: World, journal: Journal, check: Callable[[WorldView], None] =
         journal: Its changes.
         check: Gets the world as it will be believed; what it raises is raised, and nothing was changed.
     """
-    before = {part: _before(journal, part) for part in world.instances(v.MANIPULATABLE) if is_held(world, part)}
+    before = {part: last_place(world, part) for part in world.instances(v.MANIPULATABLE) if is_held(world, part)}
     held = {part: place for part, place in before.items() if place is not None}
     robots = _moved(world)
     # In a scene that has just been read a part without a place is its author's mistake.
@@ -63,11 +63,11 @@ def _holds_bodies(world: World, placement: Placement) -> bool:
     return placement.relation == v.IN and world.value(placement.place, v.SOLID) is not None
 
 
-def _before(journal: Journal, part: str) -> Placement | None:
-    """Returns where a part was before it was taken; None where the journal goes back no further."""
-    edits = (edit for entry in reversed(journal.history(part)) for edit in entry.change.edits)
-    moves = (edit for edit in edits if isinstance(edit, PlacementEdit) and edit.element == part)
-    return next((e.old for e in moves if e.old is not None and e.old.relation != v.HELD_BY), None)
+def last_place(world: World, part: str) -> Placement | None:
+    """Returns where a part was before it was taken or got lost; None where the log goes back no further."""
+    edits = (edit for change in reversed(world.log.about((part,), 0)) for edit in change.edits)
+    before = (edit.old for edit in edits if isinstance(edit, PlacementEdit) and edit.element == part)
+    return next((at for at in before if at and at.relation != v.HELD_BY and at.place != _anywhere(world)), None)
 
 
 def _moved(world: World) -> dict[str, str]:

@@ -13,7 +13,7 @@ from skiros_py.tasks.context import Mode, StopWanted, TaskContext
 from skiros_py.tasks.dispatcher import Active
 from skiros_py.tasks.executor import TaskExecutor
 from skiros_py.tasks.handle import TaskHandle
-from skiros_py.tasks.person import Choice, ask_for_help, believe_done
+from skiros_py.tasks.person import Choice, ask_for_help, believe_back, believe_done
 from skiros_py.tasks.plan_monitor import PlanMonitor
 from skiros_py.tasks.replanner import Replanner
 from skiros_py.tasks.trace import TraceEventKind, describe_step
@@ -221,26 +221,29 @@ class GoalExecutor(TaskExecutor):
         text = said + why.removeprefix(said)
         while True:
             self._trace.write(TraceEventKind.ASKED, text)
-            choice, by = yield from self._answer(text)
+            choice, by = yield from self._answer(condition, text)
             self._trace.write(TraceEventKind.ANSWERED, f"{by} answers: {choice}", {"choice": choice.value, "by": by})
             self._rounds = self._most_rounds
             match choice:
                 case Choice.RETRY:
-                    self.record.forgive()
-                    return None
+                    refusal = None
+                case Choice.LOOK:
+                    refusal = believe_back(self._context, condition, by)
+                case Choice.BY_HAND:
+                    refusal = believe_done(self._context, condition, by)
                 case Choice.SKIP:
                     return by
                 case Choice.ABORT:
                     raise StopWanted(f"aborted by {by}")
-            refusal = believe_done(self._context, condition, by)
             if refusal is None:
+                self.record.forgive(condition)
                 return None
             text = refusal.reason
 
-    def _answer(self, text: str) -> Execution[tuple[Choice, str]]:
+    def _answer(self, condition: Condition, text: str) -> Execution[tuple[Choice, str]]:
         """Waits for the user, which may take long: idle robots and things are released to other tasks."""
         self._dispatcher.lends = True
         try:
-            return (yield from self._meanwhile(ask_for_help(self._task, self._context, text)))
+            return (yield from self._meanwhile(ask_for_help(self._task, self._context, condition, text)))
         finally:
             self._dispatcher.lends = False

@@ -13,9 +13,13 @@ from skiros_py.skills.conditions.effects import effects_of, write_effects
 from skiros_py.skills.context import QuestionKind
 from skiros_py.skills.outcome import Failure
 from skiros_py.skills.primitive import Execution
+from skiros_py.skills.restart import last_place
 from skiros_py.tasks.context import TaskContext
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.world.change import Writer
+from skiros_py.world.element import Placement
+from skiros_py.world.poses import forget_looks
+from skiros_py.world.vocabulary import MISSING
 from skiros_py.world.world import World
 
 
@@ -24,6 +28,8 @@ class Choice(enum.StrEnum):
 
     RETRY = "retry"
     """The robots try again."""
+    LOOK = "look again"
+    """The missing things that it needs are back where they were, and are looked for there; offered if there are any."""
     BY_HAND = "done by hand"
     """The user has achieved it by hand."""
     SKIP = "skip"
@@ -32,7 +38,9 @@ class Choice(enum.StrEnum):
     """The whole task ends."""
 
 
-def ask_for_help(task: TaskHandle, context: TaskContext, text: str) -> Execution[tuple[Choice, str]]:
+def ask_for_help(
+    task: TaskHandle, context: TaskContext, condition: Condition, text: str
+) -> Execution[tuple[Choice, str]]:
     """Posts a question and waits for the answer; the question is withdrawn when the caller stops waiting.
 
     It is answered with "retry" automatically when the set of skill managers changes: other plans may be possible now.
@@ -41,7 +49,8 @@ def ask_for_help(task: TaskHandle, context: TaskContext, text: str) -> Execution
         The answer, and who gave it.
     """
     questions, able = context.questions, _able(context)
-    options = tuple(choice.value for choice in Choice)
+    lost = lost_things(context.world, condition)
+    options = tuple(choice.value for choice in Choice if choice is not Choice.LOOK or lost)
     asked = questions.ask(QuestionKind.CHOOSE, text, options, asker=task.name, time=context.now)
     task.question, before, task.phase = asked.question, task.phase, "waiting"
     try:
@@ -53,6 +62,32 @@ def ask_for_help(task: TaskHandle, context: TaskContext, text: str) -> Execution
     finally:
         questions.withdraw(asked)
         task.question, task.phase = None, before
+
+
+def lost_things(world: World, condition: Condition) -> dict[str, Placement]:
+    """Returns the missing things that a condition names, by id or by class, with the place where each was last."""
+    named = {a for a in condition.arguments if world.has(a)}
+    classes = [a for a in condition.arguments if a in world.ontology.classes]
+    things = named.union(*(world.instances(class_) for class_ in classes))
+    places = {thing: last_place(world, thing) for thing in sorted(things) if world.value(thing, MISSING) is True}
+    return {thing: at for thing, at in places.items() if at is not None}
+
+
+def believe_back(context: TaskContext, condition: Condition, by: str) -> Failure | None:
+    """Puts missing things back where they were, in the world model, because the user says so; a look must find them.
+
+    Returns:
+        Why it could not be applied, or None.
+    """
+    world = context.world
+    try:
+        with world.transaction("operator", f"it is back, says {by}", writer=Writer.PERSON) as tx:
+            for thing, at in lost_things(world, condition).items():
+                tx.place(thing, at.relation, at.place)
+                forget_looks(tx, thing)
+    except SkirosError as error:
+        return Failure(str(error))
+    return None
 
 
 def believe_done(context: TaskContext, condition: Condition, by: str) -> Failure | None:

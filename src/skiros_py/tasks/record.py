@@ -83,6 +83,7 @@ class TaskRecord:
         target = arguments.get(skill.target)  # the user may have left it open
         if target is not None and isinstance(outcome, Failure) and outcome.code != CANCELLED:
             self._failures[step.skill, target] += 1
+            self._reasons.pop(target, None)  # the latest failure is the last entry
             self._reasons[target] = reason
             if self._failures[step.skill, target] >= self._attempts:
                 self.left_out.add(target)
@@ -90,10 +91,12 @@ class TaskRecord:
             self._round.take(self._view, skill, with_defaults(skill, step.arguments))
             self.reached = dict(self._round.reached)
 
-    def forgive(self) -> None:
-        """Clears the list of excluded targets: the situation has changed and they may work now."""
+    def forgive(self, condition: Condition) -> None:
+        """Clears the excluded targets, and why a condition was not reached: the situation has changed."""
         self._failures.clear()
         self.left_out.clear()
+        for target in [t for t in self._reasons if any(self._fits(t, a) for a in condition.arguments)]:
+            del self._reasons[target]
 
     # ------------------------------------------------------------------ conditions
 

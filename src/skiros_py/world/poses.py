@@ -15,7 +15,7 @@ from skiros_py.errors import WorldError
 from skiros_py.geometry import Pose
 from skiros_py.world.transaction import Transaction
 from skiros_py.world.view import WorldView
-from skiros_py.world.vocabulary import POSE, POSE_FRAME
+from skiros_py.world.vocabulary import MISSED_LOOKS, MISSING, POSE, POSE_FRAME
 
 _AT: Final = Pose()
 
@@ -111,3 +111,10 @@ def frames(view: WorldView, element: str) -> Iterator[str]:
         seen.add(current)
         yield current
         current = next(iter(view.objects(current, POSE_FRAME)), None)
+
+
+def forget_looks(tx: Transaction, thing: str) -> None:
+    """Removes what looks have said about a thing: its pose, and that it was not seen. The next look finds it."""
+    tx.set(thing, MISSING, None)
+    tx.set(thing, MISSED_LOOKS, None)
+    write_pose(tx, thing, None)

@@ -129,6 +129,49 @@ def test_retry_tries_again_with_what_is_so_now() -> None:
     assert report.reached
 
 
+def test_it_is_back_look_again_puts_a_lost_thing_where_it_was_and_goes_on() -> None:
+    with Bench(tiny_world()) as bench:
+        lost = True
+
+        def lose_the_ball(event: ModuleEvent) -> None:
+            if lost and event.module == "drive" and event.status is Status.STARTED:
+                lose(bench.world)
+
+        bench.monitor.subscribe(lose_the_ball)
+        task = begin(bench, GOAL)
+        bench.until(lambda: task.question is not None)
+        assert task.question is not None
+        options = task.question.options
+        lost = False
+        answer(bench, task, "look again")
+        report = finish(bench, task)
+        told = [change.reason for change in bench.world.changes if change.author == "operator"]
+
+    assert options == ("retry", "look again", "done by hand", "skip", "abort")
+    assert told == ["it is back, says ann"]
+    assert [step.skill for step in report.steps if not step.reason][-2:] == ["pick", "place"]
+    assert report.reached
+
+
+def lose(world: World) -> None:
+    with world.transaction("someone", "looked") as tx:
+        tx.place("ball_1", "sk:on", "unknown_location")
+        tx.set("ball_1", "sk:missing", True)
+
+
+def test_after_try_again_the_question_gives_the_reason_of_now() -> None:
+    with Bench(tiny_world(), skills=(pretend(DRIVE), pretend(PICK, Wait(0.1)), pretend(PLACE))) as bench:
+        task = begin(bench, GOAL)
+        bench.until(lambda: task.question is not None)
+        lose(bench.world)
+        first = answer(bench, task, "retry")
+        second = answer(bench, task, "skip")
+
+    assert "failed tries" in first
+    assert "failed tries" not in second
+    assert "ball_1" in second
+
+
 def test_abort_ends_the_whole_task() -> None:
     with Bench(with_a_giant()) as bench:
         task = begin(bench, "In(giant_1, slot_2)", GOAL)

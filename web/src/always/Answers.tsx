@@ -7,6 +7,7 @@ import { type Alarm, useAnswer } from "./useAlarms";
 /** Known answers with their meanings; skills may ask for others, which are shown unchanged. */
 const KNOWN = {
   retry: "retry",
+  "look again": "lookAgain",
   "done by hand": "byHand",
   skip: "skip",
   abort: "abort",

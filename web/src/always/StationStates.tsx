@@ -7,17 +7,22 @@ import { useLoginEnded } from "../api/session";
 import { useConnection } from "../live/connection";
 import { useStation } from "../live/station";
 import { Status } from "../widgets/Status";
-import { clock, movingRobots } from "./stationTexts";
+import { clock, movingRobots, rounded } from "./stationTexts";
 
-/** Time and pace of the station. */
+const SLOW = 0.9; // below this part of its pace the simulation is slow
+
+/** Simulated time of the station, and its pace: the one measured where the wanted one is not reached. */
 export function StationClock() {
   const { t } = useTranslation("always");
   const seconds = useStation(({ state }) => (state === null ? null : Math.floor(state.time)));
   const pace = useStation(({ state }) => state?.pace);
+  const rate = useStation(({ rate: measured }) => (measured === null ? null : rounded(measured)));
   if (seconds === null) return null;
+  const wanted = pace === null ? t("clock.free") : t("clock.pace", { pace });
+  const slow = rate !== null && pace != null && rate < SLOW * pace;
   return (
-    <Text size="sm" component="span" role="timer" aria-label={t("clock.label")}>
-      {clock(seconds)} {pace === null ? t("clock.free") : t("clock.pace", { pace })}
+    <Text size="sm" component="span" role="timer" aria-label={t("clock.label")} title={t("clock.label")}>
+      {clock(seconds)} {slow ? t("clock.slow", { rate, pace }) : wanted}
     </Text>
   );
 }
@@ -27,9 +32,11 @@ export function RobotsState() {
   const { t } = useTranslation("always");
   const { data: robots } = useQuery({ queryKey: keys.robots(), queryFn: () => answer(api.GET("/api/v1/robots")) });
   const known = useStation(({ state }) => state !== null);
+  const current = useConnection(({ status, silent }) => status === "open" && silent === null);
   const moving = useStation(({ state }) => movingRobots(state, robots ?? []));
   if (!known || robots === undefined) return null;
   if (robots.length === 0) return <Status mood="waiting" text={t("robots.none")} />;
+  if (!current) return <Status mood="waiting" text={t("robots.unknown")} />;
   if (moving === "") return <Status mood="waiting" text={t("robots.stand", { count: robots.length })} />;
   return <Status mood="running" text={t("robots.move", { names: moving })} />;
 }

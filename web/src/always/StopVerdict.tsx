@@ -17,7 +17,6 @@ const ICONS: Record<Verdict, TablerIcon> = {
   unsent: IconHandStop,
   obeyed: IconCheck,
 };
-const SHOWN = 8000; // ms, of a success: the halt banner stays
 
 /** The result of a stop requested here, in large type: an ineffective stop must not go unnoticed. */
 export function StopVerdict() {
@@ -25,12 +24,7 @@ export function StopVerdict() {
   const forget = useStopping((stopping) => stopping.forget);
   useEffect(() => {
     if (verdict !== "obeyed") return;
-    const timer = setTimeout(forget, SHOWN);
-    const endListening = onEvent(({ kind, type }) => void (kind === "system" && type === "reset" && forget()));
-    return () => {
-      clearTimeout(timer);
-      endListening();
-    };
+    return onEvent(({ kind, type }) => void (kind === "system" && type === "reset" && forget()));
   }, [verdict, forget]);
   // Then the login form is needed at once.
   useEffect(() => {

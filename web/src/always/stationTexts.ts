@@ -7,6 +7,11 @@ export function clock(seconds: number): string {
   return hours > 0 ? `${hours}:${String(minutes).padStart(2, "0")}:${ending}` : `${minutes}:${ending}`;
 }
 
+/** A pace with two significant digits: 0.034, 0.5, 12. */
+export function rounded(pace: number): number {
+  return Number(pace.toPrecision(2));
+}
+
 /** The part of the state that shows whether a robot moves. */
 interface Robot {
   id: string;

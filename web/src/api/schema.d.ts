@@ -3077,6 +3077,7 @@ export interface components {
         PlacementOption: {
             relation: string;
             label: string;
+            accepted: boolean;
             places: components["schemas"]["PlaceOption"][];
             total: number;
             next: string | null;

@@ -15,6 +15,7 @@ import { answer, api, type Schema } from "../api/client";
 import { keys } from "../api/keys";
 import { useSingleMutation } from "../api/mutations";
 import type { Operation } from "../api/session";
+import { useStation } from "../live/station";
 import { MayButton } from "../widgets/MayButton";
 import { notifyProblem } from "../widgets/problems";
 
@@ -52,6 +53,7 @@ export function JobCommands({ job, gone = () => undefined, only }: Props) {
   const { t } = useTranslation("task");
   const [asking, ask] = useState<Grave | null>(null);
   const command = useCommand(job, gone);
+  const halted = useStation(({ state }) => Boolean(state?.halted));
   const commands = job.commands.filter(isCommand).filter((name) => only === undefined || name === only);
   return (
     <Group gap={6} role="group" aria-label={t("commands.label")}>
@@ -65,6 +67,7 @@ export function JobCommands({ job, gone = () => undefined, only }: Props) {
             variant="default"
             leftSection={<Icon size={14} aria-hidden />}
             loading={command.isPending && command.variables.name === name}
+            disabled={halted && (name === "resume" || name === "start")} // the banner says to reset first
             onClick={() => (grave !== undefined ? ask(grave) : command.mutate({ name, comment: "" }))}
           >
             {t(`commands.${name}.name`)}

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 
 from skiros_py.api.ontology import PlacementOption, PlacementOptions, PlaceOption
 from skiros_py.errors import UsageError, WorldError
+from skiros_py.skills.conditions.effects import Relate, brought_about
+from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.change import Writer
 from skiros_py.world.element import Placement
 from skiros_py.world.ids import Ids
 from skiros_py.world.index import Index
+from skiros_py.world.ontology.ontology import Ontology
 from skiros_py.world.reasoners.registry import Proposal
 from skiros_py.world.terms import End, Relation
 from skiros_py.world.transaction import Transaction
@@ -22,7 +25,13 @@ _TRIAL = "placed_on_trial"
 
 
 def placement_options(
-    view: Index, class_: str, element: str | None, limit: int, relation: str | None = None, after: str = ""
+    view: Index,
+    class_: str,
+    element: str | None,
+    limit: int,
+    relation: str | None = None,
+    after: str = "",
+    skills: Iterable[SkillDescription] = (),
 ) -> PlacementOptions:
     """Returns the possible places of an element, and for each whether it would accept the element now.
 
@@ -33,12 +42,14 @@ def placement_options(
         limit: Maximum number of places for each relation.
         relation: Only this relation.
         after: Only places after this id.
+        skills: Skills of the present robots.
 
     Raises:
         UnknownName: There is no such relation.
         UsageError: It is not a placement relation.
     """
     wanted = _placements(view) if relation is None else [_placement(view, relation)]
+    accepted = _relations_for(class_, skills, view.ontology)
     options = []
     for one in wanted:
         guests, places = (one.domains, one.ranges) if one.place_end == "object" else (one.ranges, one.domains)
@@ -51,12 +62,23 @@ def placement_options(
             PlacementOption(
                 relation=one.curie,
                 label=one.label,
+                accepted=one.curie in accepted,
                 places=[_place(view, name, _why_not(view, class_, element, one.curie, name)) for name in shown],
                 total=len(found),
                 next=shown[-1] if shown and start + limit < len(found) else None,
             )
         )
     return PlacementOptions(class_=class_, element=element, options=options)
+
+
+def _relations_for(class_: str, skills: Iterable[SkillDescription], ontology: Ontology) -> set[str]:
+    """Returns the relations that skills need to hold for parameters that accept the class."""
+    found = set()
+    for skill in skills:
+        accepting = {p.key for p in skill.params if ontology.is_a(class_, p.element_class)}
+        effects = (effect for condition in skill.pre for effect in brought_about(condition))
+        found |= {e.relation for e in effects if isinstance(e, Relate) and e.subject in accepting}
+    return found
 
 
 def _placements(view: Index) -> list[Relation]:

@@ -180,7 +180,8 @@ class OntologyService(Service):
         what = view.element(element).type if element is not None else class_
         assert what is not None
         view.ontology.ancestors(what)
-        return placement_options(view, what, element, limit, relation, after or "")
+        skills = self._station.session.tasks.skills.values()
+        return placement_options(view, what, element, limit, relation, after or "", skills)
 
     def query(self, question: Query) -> Answer:
         """Answers SELECT, ASK or CONSTRUCT over ontology, scene, learned concepts and computed relations.

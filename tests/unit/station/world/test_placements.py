@@ -7,6 +7,7 @@ import pytest
 from skiros_py.errors import UnknownName, UsageError, WorldError
 from skiros_py.station.world.placements import placement_options
 from skiros_py.testing import tiny_world
+from skiros_py.testing.tiny import SKILLS
 from skiros_py.world.world import World
 
 
@@ -35,6 +36,13 @@ def test_placement_options_agree_with_the_checks_of_a_transaction(world: World, 
     for option in told.options:
         for place in option.places:
             assert place.fits == allowed(world, element, option.relation, place.id), (option.relation, place)
+
+
+def test_the_relations_that_skills_need_are_accepted(world: World) -> None:
+    skills = [skill.description for skill in SKILLS]
+    told = placement_options(world.snapshot(), "tiny:Ball", None, 1, skills=skills)
+
+    assert {option.relation for option in told.options if option.accepted} == {"sk:in", "sk:heldBy"}
 
 
 def test_a_placement_relation_whose_subject_is_the_place_is_offered_inversely(world: World) -> None:

@@ -19,7 +19,7 @@ export function ModuleList({ modules, chosen, choose }: Props) {
     <Stack gap="xs">
       <Filters modules={modules} filter={filter} change={(part) => setFilter({ ...filter, ...part })} />
       <Text size="xs" c="dimmed" role="status">
-        {t("list.count", { shown: shown.length, all: modules.length })}
+        {modules.length > 0 && t("list.count", { shown: shown.length, all: modules.length })}
       </Text>
       <div>
         {shown.map((module) => (

@@ -1,6 +1,6 @@
 import { type Classes, classesOf } from "../classes";
 import type { RelationInfo } from "../queries";
-import { justBefore, placementsFor } from "./placements";
+import { justBefore, placementsFor, relationFor } from "./placements";
 
 const leaf = (name: string, parents: string[]) => ({ name, parents, label: name, comment: "", instances: 0 });
 const classes: Classes = classesOf({
@@ -49,4 +49,17 @@ test("the cursor before an id is smaller than it, and larger than the preceding 
   const cursor = justBefore("kit_1_b");
   expect(cursor < "kit_1_b").toBe(true);
   expect(cursor > "kit_1_a_long_name").toBe(true);
+});
+
+test("what skills accept is taken for a move, also of a part that was lost", () => {
+  const fit = (relation: string, accepted = false, fits = true) => ({
+    relation,
+    label: "",
+    accepted,
+    fits,
+    whyNot: "",
+  });
+  expect(relationFor([fit("sk:in", true), fit("sk:on")], "sk:on")).toBe("sk:in");
+  expect(relationFor([fit("sk:in"), fit("sk:on")], "sk:on")).toBe("sk:on");
+  expect(relationFor([fit("sk:in", true, false), fit("sk:on")], "sk:at")).toBeUndefined();
 });

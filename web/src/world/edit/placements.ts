@@ -60,6 +60,14 @@ export interface Fit {
   label: string;
   fits: boolean;
   whyNot: string;
+  /** Whether skills need elements of this class to be placed by it. */
+  accepted: boolean;
+}
+
+/** The relation for a move: what skills accept, otherwise the present one; undefined if it has to be asked. */
+export function relationFor(fits: readonly Fit[], present: string | undefined): string | undefined {
+  const possible = fits.filter((fit) => fit.fits);
+  return (possible.find(({ accepted }) => accepted) ?? possible.find(({ relation }) => relation === present))?.relation;
 }
 
 /** Checks whether a place accepts a guest by each relation; omits those by which it accepts nothing of that class. */
@@ -75,9 +83,9 @@ async function askFit(guest: Guest, place: string, relation: string): Promise<Fi
 }
 
 function fitAt(options: readonly Schema<"PlacementOption">[], place: string): Fit | null {
-  for (const { relation, label, places } of options) {
+  for (const { relation, label, accepted, places } of options) {
     const found = places.find((one) => one.id === place);
-    if (found !== undefined) return { relation, label, fits: found.fits, whyNot: found.why_not };
+    if (found !== undefined) return { relation, label, accepted, fits: found.fits, whyNot: found.why_not };
   }
   return null;
 }

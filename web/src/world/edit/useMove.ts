@@ -6,7 +6,7 @@ import { notifyProblem } from "../../widgets/problems";
 import { changeSince, notifyChange } from "../../widgets/undo";
 import { useClasses } from "../classes";
 import { readElement, type Tagged, useRelations } from "../queries";
-import { askFits, type Fit, placementsFor } from "./placements";
+import { askFits, type Fit, placementsFor, relationFor } from "./placements";
 
 /** A possible placement of an element. */
 export interface Question {
@@ -18,7 +18,7 @@ export interface Question {
 export interface Move {
   /** The question to ask; null for none. */
   question: Question | null;
-  /** Moves an element to a place: at once if its relation stays the same (in, on), otherwise after a question. */
+  /** Moves an element to a place: at once if skills accept a relation there or it can stay the same (in, on), otherwise after a question. */
   move: (element: string, place: string) => void;
   put: (question: Question, relation: string) => void;
   close: () => void;
@@ -43,9 +43,9 @@ export function useMove(): Move {
     const element = await readElement(id);
     const names = placementsFor(classes, relations ?? [], element.data.class).map(({ name }) => name);
     const asked = { element, place: where, fits: await askFits({ element: id }, where, names) };
-    const same = asked.fits.find((fit) => fit.fits && fit.relation === element.data.placement?.relation);
-    if (same === undefined) setQuestion(asked);
-    else put(asked, same.relation);
+    const relation = relationFor(asked.fits, element.data.placement?.relation);
+    if (relation === undefined) setQuestion(asked);
+    else put(asked, relation);
   };
   return {
     question,
