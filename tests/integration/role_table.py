@@ -133,8 +133,8 @@ _TABLE = {
     "engineer": """
         /queries POST
         /learned/{element} DELETE
-        /simulation/bodies/{body} DELETE
-        /simulation/bodies/{body}/pose PUT
+        /simulation/bodies/{id} DELETE
+        /simulation/bodies/{id}/pose PUT
         /simulation/reset POST
         /simulation/pace PUT
         /managers/{agent} PUT DELETE

@@ -219,11 +219,40 @@ def test_any_job_id_can_be_used_in_the_url(api, id_):
     assert api.post(f"{job.headers['location'].removeprefix('/api/v1')}/cancel").status_code == 200
 
 
-@pytest.mark.parametrize("id_", ["a b", "a\tb", "x" * 201, "%2E%2E"])
+@pytest.mark.parametrize("id_", ["a b", "a\tb", "x" * 201, "%2E%2E", "job\u202e7", "\u200bjob"])
 def test_an_invalid_job_id_is_refused(api, id_):
     answer = api.put(f"/jobs/{id_ if '%' in id_ else quote(id_)}", json=HOLDS)
     assert answer.status_code in (404, 405, 422)
     assert answer.headers["content-type"] == "application/problem+json"
+
+
+@pytest.mark.parametrize("id_", ["%ff", "%fe", "a%c3"])
+def test_an_address_that_is_not_utf_8_is_refused(api, id_):
+    assert problem(api.put(f"/jobs/{id_}", json={**HOLDS, **LATER}), 400)["code"] == "InvalidRequest"
+
+
+@pytest.mark.parametrize(
+    ("field", "value"), [("priority", True), ("priority", "5"), ("expires", "yes"), ("expires", 1), ("priority", 5.0)]
+)
+def test_a_value_of_another_type_is_refused_with_the_name_of_its_field(api, field, value):
+    told = problem(api.put("/jobs/typed", json={**HOLDS, **LATER, field: value}), 422)
+    assert [one["field"] for one in told["errors"]] == [f"body.{field}"]
+
+
+@pytest.mark.parametrize(
+    ("path", "methods"),
+    [
+        ("/jobs", {"GET", "POST", "OPTIONS"}),
+        ("/jobs/any", {"GET", "PUT", "DELETE", "OPTIONS"}),
+        ("/jobs/any/pause", {"POST", "OPTIONS"}),
+    ],
+)
+def test_the_methods_of_an_address_are_listed_by_options_and_by_refusals(api, path, methods):
+    listed, refused = api.options(path), api.request("PATCH", path)
+
+    assert (listed.status_code, refused.status_code) == (204, 405)
+    for answer in (listed, refused):
+        assert set(answer.headers["allow"].split(", ")) == methods
 
 
 def test_a_full_queue_refuses_new_jobs_and_keeps_the_queued_ones(api, served):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import enum
 from datetime import datetime
 
-from pydantic import Field
+from pydantic import Field, StrictInt
 
 from skiros_py.api.wire import Answer, Page, Request
 
@@ -85,7 +85,7 @@ class AlarmInfo(Answer):
     """The possible answers; empty if it needs none."""
     job: str = Field(default="", examples=["kit-17"])
     """Id of the waiting job; empty if there is none."""
-    question: int | None = Field(default=None, examples=[None])
+    question: StrictInt | None = Field(default=None, examples=[None])
     """Number of the robot's question; null if there is none."""
 
 
@@ -98,7 +98,7 @@ class AlarmAnswer(Request):
 
     answer: str = Field(max_length=200, examples=["retry"])
     """One of the alarm's choices."""
-    question: int | None = Field(default=None, examples=[None])
+    question: StrictInt | None = Field(default=None, examples=[None])
     """The alarm's `question` that was seen; if it asks another one by now, the answer is refused."""
 
 

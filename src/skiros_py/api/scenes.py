@@ -5,7 +5,7 @@ from __future__ import annotations
 from datetime import datetime
 from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import Field, StrictFloat
 
 from skiros_py.api.wire import Answer, Page, Request
 from skiros_py.api.world import Rotation
@@ -184,7 +184,7 @@ class BodyPose(Request):
 class NewPace(Request):
     """The new pace."""
 
-    pace: float = Field(ge=0.05, le=20.0, allow_inf_nan=False, examples=[2.0])
+    pace: StrictFloat = Field(ge=0.05, le=20.0, allow_inf_nan=False, examples=[2.0])
     """Simulated time per wall time."""
 
 

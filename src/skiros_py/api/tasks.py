@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Self
 
-from pydantic import ConfigDict, Field, model_validator
+from pydantic import ConfigDict, Field, StrictBool, StrictInt, model_validator
 
 from skiros_py.api.jobs import JobPolicy, PlannedStep
 from skiros_py.api.wire import Answer, Items, Moment, Name, Request
@@ -46,9 +46,9 @@ class NewTask(Request):
     """Steps, executed in this order without planning."""
     sequence: Name | None = Field(None, examples=["kit-round"])
     """Id of a document of kind `sequence`, whose steps are executed."""
-    iterate: int | None = Field(1, ge=1, le=1_000_000)
+    iterate: StrictInt | None = Field(1, ge=1, le=1_000_000)
     """For steps: number of rounds; null to repeat until it is stopped."""
-    anyway: bool = False
+    anyway: StrictBool = False
     """For steps: whether to execute steps that are expected to fail."""
     policy: JobPolicy = JobPolicy()
     """How to proceed if part of the goal cannot be reached."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import enum
 from typing import Annotated
 
-from pydantic import AwareDatetime, Field
+from pydantic import AwareDatetime, Field, StrictBool
 
 from skiros_py.api.wire import Answer, Page, Request
 
@@ -46,7 +46,7 @@ class WebhookOrder(Request):
 class WebhookChange(Request):
     """Changes of a webhook."""
 
-    active: bool | None = None
+    active: StrictBool | None = None
     """False suspends deliveries; events are stored until it is active again."""
     states: tuple[str, ...] | None = Field(default=None, max_length=20)
     """States to report."""

@@ -13,6 +13,7 @@ from typing import Annotated, Any
 
 from fastapi import Depends, FastAPI, Header, Request, Response
 from fastapi.exceptions import RequestValidationError
+from fastapi.routing import iter_route_contexts
 from starlette.exceptions import HTTPException
 
 from skiros_py import errors
@@ -191,7 +192,7 @@ def add_problem_handlers(app: FastAPI) -> None:
 
     app.add_exception_handler(Problem, answering(lambda error: error))
     app.add_exception_handler(errors.SkirosError, _answer_fault)
-    app.add_exception_handler(HTTPException, answering(_of_http))
+    app.add_exception_handler(HTTPException, _answer_http)
     app.add_exception_handler(RequestValidationError, answering(_of_validation))
 
 
@@ -205,9 +206,30 @@ _HTTP = {
 }
 
 
-def _of_http(error: HTTPException) -> Problem:
+def _answer_http(request: Request, error: Exception) -> Response:
+    """Answers a request that no route takes; for a wrong method, with the methods of all routes of that address."""
+    assert isinstance(error, HTTPException)
+    headers = dict(error.headers or {})
+    if error.status_code == 405:
+        headers["Allow"] = ", ".join(sorted(_methods(request) | {"OPTIONS"}))
+        if request.method == "OPTIONS":
+            return Response(status_code=204, headers=headers)
+    return problem_response(request, _of_http(error, headers))
+
+
+def _methods(request: Request) -> set[str]:
+    """Returns the methods of all routes of an address."""
+    found: set[str] = set()
+    for route in iter_route_contexts(request.app.routes):
+        pattern = getattr(route, "path_regex", None)
+        if pattern is not None and pattern.match(request.url.path):
+            found |= route.methods or set()
+    return found
+
+
+def _of_http(error: HTTPException, headers: Mapping[str, str]) -> Problem:
     code = _HTTP.get(error.status_code, "InvalidRequest")
-    return Problem(error.status_code, code, str(error.detail), headers=error.headers)
+    return Problem(error.status_code, code, str(error.detail), headers=headers)
 
 
 def _of_validation(error: RequestValidationError) -> Problem:
@@ -271,7 +293,7 @@ SeenDep = Annotated[Seen | None, Depends(_if_match)]
 
 def also_refused(status: int, why: str) -> dict[int | str, dict[str, Any]]:
     """Returns the documentation of a refusal by some routes only; for ``responses=``."""
-    return {status: {"model": ProblemDetails, "description": why, "content": {"application/problem+json": {}}}}
+    return {status: {"description": why, "content": _CONTENT}}
 
 
 NEEDS_VERSION = also_refused(428, "If-Match is missing: it names the version that was seen.")

@@ -20,7 +20,9 @@ Operations = dict[tuple[str, str], dict[str, Any]]
 @pytest.fixture(scope="module")
 def operations(tmp_path_factory: pytest.TempPathFactory) -> Operations:
     folder = tmp_path_factory.mktemp("none")
-    paths = create_app(Services(lambda: pytest.fail("is not opened"), folder, ServerSettings())).openapi()["paths"]
+    description = create_app(Services(lambda: pytest.fail("is not opened"), folder, ServerSettings())).openapi()
+    assert "ProblemDetails" in description["components"]["schemas"]
+    paths = description["paths"]
     return {(method, path): said for path, item in paths.items() for method, said in item.items()}
 
 
@@ -29,6 +31,22 @@ def taking(operations: Operations) -> Iterator[tuple[str, str]]:
     for name, said in operations.items():
         if "if-match" in {one["name"] for one in said.get("parameters", ()) if one["in"] == "header"}:
             yield name
+
+
+def test_problems_are_described_under_the_media_type_that_is_sent(operations: Operations) -> None:
+    for name, said in operations.items():
+        for status, answer in said["responses"].items():
+            content = answer.get("content", {})
+            if "ProblemDetails" in str(content):
+                assert "ProblemDetails" not in str(content.get("application/json")), (name, status)
+                assert "ProblemDetails" in str(content["application/problem+json"]), (name, status)
+            elif int(status) >= 400:
+                assert name[1] in ("/healthz", "/readyz"), (name, status)
+
+
+def test_no_parameter_has_the_name_that_generated_clients_give_the_body(operations: Operations) -> None:
+    for name, said in operations.items():
+        assert "body" not in {one["name"] for one in said.get("parameters", ())}, name
 
 
 def test_exactly_the_operations_that_need_a_version_declare_if_match(operations: Operations) -> None:

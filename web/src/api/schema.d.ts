@@ -900,7 +900,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/simulation/bodies/{body}/pose": {
+    "/api/v1/simulation/bodies/{id}/pose": {
         parameters: {
             query?: never;
             header?: never;
@@ -916,7 +916,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/simulation/bodies/{body}": {
+    "/api/v1/simulation/bodies/{id}": {
         parameters: {
             query?: never;
             header?: never;
@@ -3163,24 +3163,6 @@ export interface components {
         };
         /** @enum {string} */
         PreviewState: "planning" | "planned" | "no plan" | "failed";
-        ProblemDetails: {
-            /** @default about:blank */
-            type: string;
-            title: string;
-            status: number;
-            /** @default  */
-            detail: string;
-            /** @default  */
-            code: string;
-            /** @default  */
-            instance: string;
-            return_status?: number | null;
-            errors?: {
-                [key: string]: unknown;
-            }[];
-        } & {
-            [key: string]: unknown;
-        };
         Property: {
             value: unknown;
             /** @enum {string} */
@@ -3719,6 +3701,25 @@ export interface components {
             ids?: {
                 [key: string]: string;
             };
+        };
+        ProblemDetails: {
+            /** @default about:blank */
+            type: string;
+            title: string;
+            status: number;
+            /** @default  */
+            detail: string;
+            /** @default  */
+            code: string;
+            /** @default  */
+            instance: string;
+            /** @default null */
+            return_status: number | null;
+            errors?: {
+                [key: string]: unknown;
+            }[];
+        } & {
+            [key: string]: unknown;
         };
     };
     responses: never;
@@ -5986,7 +5987,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                body: string;
+                id: string;
             };
             cookie?: never;
         };
@@ -6017,7 +6018,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                body: string;
+                id: string;
             };
             cookie?: never;
         };

@@ -250,7 +250,7 @@ class Simulation(Topic[C]):
     def bodies(self) -> scenes.Bodies:
         """Returns the true poses of all bodies, which no robot has access to."""
 
-    @operation("PUT /simulation/bodies/{body}/pose")
+    @operation("PUT /simulation/bodies/{id}/pose")
     def move_body(self, body: str, position: Sequence[float], orientation: Sequence[float] = _UPRIGHT) -> None:
         """Moves a body without informing any robot.
 
@@ -260,7 +260,7 @@ class Simulation(Topic[C]):
             orientation: Quaternion (x, y, z, w).
         """
 
-    @operation("DELETE /simulation/bodies/{body}")
+    @operation("DELETE /simulation/bodies/{id}")
     def remove_body(self, body: str) -> None:
         """Removes a body without informing any robot."""
 

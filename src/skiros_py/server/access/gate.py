@@ -10,7 +10,7 @@ import secrets
 import time
 from collections.abc import Iterable
 from typing import Any
-from urllib.parse import urlsplit
+from urllib.parse import unquote, urlsplit
 
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import Request
@@ -458,6 +458,10 @@ def _check_url(scope: Scope) -> None:
             "keys do not belong into addresses, which are written down on their way: send them in a header,"
             " 'Authorization: Bearer sk_…', and revoke this one",
         )
+    try:
+        unquote(scope.get("raw_path", b""), errors="strict")
+    except UnicodeDecodeError:  # different addresses would become the same name
+        raise Problem(400, "InvalidRequest", "the address is not percent-encoded UTF-8") from None
     if "\0" in url or "%00" in url:
         raise Problem(400, "InvalidRequest", "there is a NUL in the address")
 

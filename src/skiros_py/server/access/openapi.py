@@ -9,6 +9,7 @@ from fastapi import FastAPI
 from fastapi.dependencies.models import Dependant
 from fastapi.routing import iter_route_contexts
 
+from skiros_py.api.wire import ProblemDetails
 from skiros_py.server.access.authenticator import COOKIE
 from skiros_py.server.access.gate import OPEN
 from skiros_py.server.access.roles import Need, Role
@@ -37,7 +38,10 @@ class GuardedApi(FastAPI):
         if self.openapi_schema is not None:
             return self.openapi_schema
         schema = super().openapi()
-        schema.setdefault("components", {})["securitySchemes"] = _SCHEMES
+        components = schema.setdefault("components", {})
+        components["securitySchemes"] = _SCHEMES
+        # Routes refer to it by name, so that FastAPI does not see it.
+        components["schemas"][ProblemDetails.__name__] = ProblemDetails.model_json_schema()
         schema["security"] = [{name: []} for name in _SCHEMES]
         asked = {(method, path): need for method, path, _, need in _asked(self)}
         for path, item in schema.get("paths", {}).items():

@@ -20,6 +20,8 @@ LONGEST = 64 << 10
 _NO_IDS = frozenset({".", ".."})
 """Path segments with a different meaning."""
 
+_ID = "1 to 200 printable characters without blanks and '/'"
+
 
 def digest_of(ordered: Ordered, *, start: bool) -> str:
     """Returns a digest of the content of a request that does not depend on the order of its fields."""
@@ -61,6 +63,8 @@ def job_order(ordered: Ordered, id_: str, goal: tuple[str, ...]) -> JobOrder:
     """
     if id_ in _NO_IDS:
         raise UsageError(f"'{id_}' cannot be the id of a job: it means something else in an address")
+    if not id_.isprintable():  # such as a character that reverses the order of those that follow
+        raise UsageError(f"id: {_ID}")
     try:
         return JobOrder.model_validate(ordered.model_dump(by_alias=True) | {"id": id_, "goal": goal})
     except ValidationError as error:
@@ -81,4 +85,4 @@ def is_same(ordered: Ordered, known: JobOrder) -> bool:
 
 
 def _said(field: str, words: str) -> str:
-    return "1 to 200 characters without blanks, '/' and control characters" if field == "id" else words
+    return _ID if field == "id" else words
