@@ -133,8 +133,8 @@ _TABLE = {
     "engineer": """
         /queries POST
         /learned/{element} DELETE
-        /simulation/bodies/{id} DELETE
-        /simulation/bodies/{id}/pose PUT
+        /simulation/bodies/{element} DELETE
+        /simulation/bodies/{element}/pose PUT
         /simulation/reset POST
         /simulation/pace PUT
         /managers/{agent} PUT DELETE

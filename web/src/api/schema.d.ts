@@ -900,7 +900,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/simulation/bodies/{id}/pose": {
+    "/api/v1/simulation/bodies/{element}/pose": {
         parameters: {
             query?: never;
             header?: never;
@@ -916,7 +916,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/simulation/bodies/{id}": {
+    "/api/v1/simulation/bodies/{element}": {
         parameters: {
             query?: never;
             header?: never;

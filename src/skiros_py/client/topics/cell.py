@@ -250,18 +250,18 @@ class Simulation(Topic[C]):
     def bodies(self) -> scenes.Bodies:
         """Returns the true poses of all bodies, which no robot has access to."""
 
-    @operation("PUT /simulation/bodies/{id}/pose")
-    def move_body(self, body: str, position: Sequence[float], orientation: Sequence[float] = _UPRIGHT) -> None:
+    @operation("PUT /simulation/bodies/{element}/pose")
+    def move_body(self, element: str, position: Sequence[float], orientation: Sequence[float] = _UPRIGHT) -> None:
         """Moves a body without informing any robot.
 
         Args:
-            body: Its id.
+            element: Id of the body.
             position: (x, y, z) in the map [m].
             orientation: Quaternion (x, y, z, w).
         """
 
-    @operation("DELETE /simulation/bodies/{id}")
-    def remove_body(self, body: str) -> None:
+    @operation("DELETE /simulation/bodies/{element}")
+    def remove_body(self, element: str) -> None:
         """Removes a body without informing any robot."""
 
     @operation("POST /simulation/reset?force", once=True)

@@ -11,7 +11,7 @@ from skiros_py.server.access.roles import Engineer, Viewer
 
 router = APIRouter(prefix="/simulation", tags=["simulation"])
 
-BodyId = Annotated[str, Path(alias="id", max_length=200, description="Id of the body.", examples=["starter_1"])]
+BodyId = Annotated[str, Path(alias="element", max_length=200, description="Id of the body.", examples=["starter_1"])]
 _COORDINATES = r"^-?\d{1,4}(\.\d{1,9})?(,-?\d{1,4}(\.\d{1,9})?){2}$"
 _PICTURE: dict[int | str, dict[str, Any]] = {200: {"description": "The picture.", "content": {"image/png": {}}}}
 
@@ -34,7 +34,7 @@ def list_bodies(act: Viewer) -> api.Bodies:
     return act.station.simulation.true_bodies()
 
 
-@router.put("/bodies/{id}/pose", status_code=204)
+@router.put("/bodies/{element}/pose", status_code=204)
 def move_body(act: Engineer, body: BodyId, pose: api.BodyPose) -> None:
     """Move a body.
 
@@ -43,7 +43,7 @@ def move_body(act: Engineer, body: BodyId, pose: api.BodyPose) -> None:
     act.station.simulation.move(body, pose)
 
 
-@router.delete("/bodies/{id}", status_code=204)
+@router.delete("/bodies/{element}", status_code=204)
 def remove_body(act: Engineer, body: BodyId) -> None:
     """Remove a body.
 

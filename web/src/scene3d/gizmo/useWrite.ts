@@ -32,8 +32,8 @@ export function useWriteBelief(id: string) {
 export function useMoveBody(id: string) {
   return useSingleMutation({
     mutationFn: async (pose: MapPose) => {
-      const params = { path: { id } };
-      const { error, response } = await api.PUT("/api/v1/simulation/bodies/{id}/pose", {
+      const params = { path: { element: id } };
+      const { error, response } = await api.PUT("/api/v1/simulation/bodies/{element}/pose", {
         params,
         body: rounded(pose),
       });
