@@ -5987,7 +5987,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                id: string;
+                element: string;
             };
             cookie?: never;
         };
@@ -6018,7 +6018,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                id: string;
+                element: string;
             };
             cookie?: never;
         };
