@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from skiros_py.errors import FileError, UsageError, WorldError
+from skiros_py.errors import DiskFault, FileError, UsageError, WorldError
 from skiros_py.testing import tiny_ontology, tiny_world
 from skiros_py.world.change import Change, ElementEdit, GoalsEdit, PropertyEdit, Writer
 from skiros_py.world.index import Index
@@ -149,9 +149,7 @@ def test_changes_of_elements_are_found_as_in_a_list_in_memory(journal: Journal) 
 # ---------------------------------------------------------------- failing
 
 
-def test_on_a_full_disk_a_change_is_refused_and_the_next_smaller_change_is_accepted(
-    open_tiny: Open, weigh: Weigh
-) -> None:
+def test_on_a_full_disk_a_persons_change_is_refused_and_the_next_one_is_accepted(open_tiny: Open, weigh: Weigh) -> None:
     data = open_tiny()
     world, log = data.world, data.path / "journal.db-wal"
     weigh(world, 1.0)
@@ -159,8 +157,12 @@ def test_on_a_full_disk_a_change_is_refused_and_the_next_smaller_change_is_accep
     world.subscribe(lambda c: seen.append(c.number))
     before = world.snapshot()
 
-    with small_disk(log.stat().st_size + 1000), pytest.raises(FileError, match=r"the disk|room"):
-        weigh(world, 2.0)
+    with (
+        small_disk(log.stat().st_size + 1000),
+        pytest.raises(FileError, match=r"the disk|room"),
+        world.transaction("ann", "weighed by hand", writer=Writer.PERSON) as tx,
+    ):
+        tx.set("ball_1", "sk:mass", 2.0)
 
     assert world.snapshot() == before
     assert seen == []
@@ -168,6 +170,38 @@ def test_on_a_full_disk_a_change_is_refused_and_the_next_smaller_change_is_accep
     weigh(world, 3.0)
     data.close()
     assert [c.number for c in open_tiny().world.changes] == [1, 2, 3]
+
+
+def test_on_a_full_disk_what_a_skill_sensed_waits_in_memory_and_is_stored_first_afterwards(
+    open_tiny: Open, weigh: Weigh
+) -> None:
+    data = open_tiny()
+    world, log = data.world, data.path / "journal.db-wal"
+    weigh(world, 1.0)
+    with small_disk(log.stat().st_size + 1000):
+        weigh(world, 2.0)
+        weigh(world, 3.0)
+        assert world.value("ball_1", "sk:mass") == 3.0
+        assert [one.number for one in world.changes] == [1, 2, 3, 4]
+        assert [one.number for one in data.journal.about(["ball_1"], 2)] == [3, 4]
+    weigh(world, 4.0)
+    data.close()
+
+    with open_tiny() as again:
+        assert [one.number for one in again.world.changes] == [1, 2, 3, 4, 5]
+        assert again.world.value("ball_1", "sk:mass") == 4.0
+
+
+def test_closing_on_a_full_disk_names_the_changes_that_are_lost(open_tiny: Open, weigh: Weigh) -> None:
+    data = open_tiny()
+    log = data.path / "journal.db-wal"
+    with small_disk(log.stat().st_size + 1000):
+        weigh(data.world, 2.0)
+        with pytest.raises(DiskFault, match=r"the last changes \(2 to 2\) are lost"):
+            data.close()
+
+    with open_tiny() as again:
+        assert again.world.version == 1
 
 
 def test_a_change_refused_for_a_full_disk_names_the_full_disk(open_tiny: Open) -> None:
@@ -180,7 +214,7 @@ def test_a_change_refused_for_a_full_disk_names_the_full_disk(open_tiny: Open) -
 
     with (
         pytest.raises(FileError, match=r"journal\.db: the disk is full: nothing was changed"),
-        data.world.transaction("ann", "a long text") as tx,
+        data.world.transaction("ann", "a long text", writer=Writer.PERSON) as tx,
     ):
         tx.set("ball_1", "rdfs:label", "x" * 60_000)
 
