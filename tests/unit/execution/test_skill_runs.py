@@ -164,10 +164,10 @@ def test_parameters_of_the_skill_reach_its_primitives() -> None:
 
 
 def test_a_missing_primitive_is_named() -> None:
-    outcome = run(Do.of("nod"))
+    outcome = run(Do.of("noted"))
 
     assert isinstance(outcome, Failure)
-    assert "unknown module 'nod'" in outcome.reason
+    assert "unknown module 'noted'" in outcome.reason
     assert "mean 'note'" in outcome.reason
 
 
