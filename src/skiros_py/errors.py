@@ -317,6 +317,23 @@ class Busy(SkirosError):
         super().__init__(text)
 
 
+def without_wheels(extra: str) -> tuple[str, ...]:
+    """Returns the packages of an extra that do not exist for this Python and machine."""
+    from importlib.metadata import requires
+
+    from packaging.requirements import Requirement
+
+    found: list[str] = []
+    for wanted in (Requirement(text) for text in requires("skiros-py") or ()):
+        if wanted.marker is None or f'extra == "{extra}"' not in str(wanted.marker):
+            continue
+        if not wanted.marker.evaluate({"extra": extra}):
+            found.append(wanted.name)
+        elif wanted.name == "skiros-py":
+            found.extend(name for part in sorted(wanted.extras) for name in without_wheels(part))
+    return tuple(found)
+
+
 class MissingExtra(UsageError):
     """A required extra of the distribution is not installed.
 
@@ -324,11 +341,12 @@ class MissingExtra(UsageError):
         extra: Its name.
     """
 
-    def __init__(self, extra: str, needed_for: str, without_wheels: Sequence[str] = ()) -> None:
+    def __init__(self, extra: str, needed_for: str) -> None:
         self.extra = extra
         todo = f"python3 -m pip install 'skiros-py[{extra}]'"
-        if without_wheels:
-            todo = f"use Python 3.11 on x86-64 Linux, since {', '.join(without_wheels)} cannot be installed here"
+        missing = without_wheels(extra)
+        if missing:
+            todo = f"use Python 3.11 on x86-64 Linux, since {', '.join(missing)} cannot be installed here"
         super().__init__(f"{needed_for} needs the extra '{extra}': {todo}")
 
 

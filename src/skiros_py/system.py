@@ -7,7 +7,6 @@ import os
 import platform
 import sys
 from collections.abc import Iterator
-from importlib.metadata import requires
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -53,22 +52,7 @@ def require_extra(name: str, needed_for: str) -> None:
         MissingExtra: It is not; the message says how to install it.
     """
     if not has_extra(name):
-        raise MissingExtra(name, needed_for, without_wheels(name))
-
-
-def without_wheels(extra: str) -> tuple[str, ...]:
-    """Returns the packages of an extra that do not exist for this Python and machine."""
-    from packaging.requirements import Requirement
-
-    found: list[str] = []
-    for wanted in (Requirement(text) for text in requires("skiros-py") or ()):
-        if wanted.marker is None or f'extra == "{extra}"' not in str(wanted.marker):
-            continue
-        if not wanted.marker.evaluate({"extra": extra}):
-            found.append(wanted.name)
-        elif wanted.name == "skiros-py":
-            found.extend(name for part in sorted(wanted.extras) for name in without_wheels(part))
-    return tuple(found)
+        raise MissingExtra(name, needed_for)
 
 
 def this_platform() -> str:

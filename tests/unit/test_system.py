@@ -11,10 +11,10 @@ from pathlib import Path
 
 import pytest
 
-from skiros_py.errors import MissingExtra
+from skiros_py.errors import MissingExtra, without_wheels
 from skiros_py.planning.planners.kairos import Kairos
 from skiros_py.planning.planners.unified import UnifiedPlanning
-from skiros_py.system import EXTRAS, has_extra, require_extra, without_wheels
+from skiros_py.system import EXTRAS, has_extra, require_extra
 
 HIDING = """
 import importlib.abc, sys
@@ -39,7 +39,7 @@ SERVED = """
 import pathlib
 from skiros_py.station.robots.models import RobotModels
 from skiros_py.server.app import create_app  # everything that a server imports
-from skiros_py.errors import MissingExtra
+from skiros_py.errors import MissingExtra, without_wheels
 try:
     RobotModels(pathlib.Path(".")).get("mobile_panda")
 except MissingExtra as error:
@@ -65,7 +65,7 @@ def test_an_extra_that_is_missing_is_named_with_the_command_that_installs_it(
     monkeypatch.setitem(EXTRAS, extra, ("no_such_module_of_anybody",))
 
     assert not has_extra(extra)
-    monkeypatch.setattr("skiros_py.system.without_wheels", lambda extra: ())
+    monkeypatch.setattr("skiros_py.errors.without_wheels", lambda extra: ())
     with pytest.raises(MissingExtra, match=rf"pip install 'skiros-py\[{extra}\]'") as raised:
         require_extra(extra, "this")
     assert raised.value.extra == extra

@@ -11,7 +11,6 @@ from pathlib import Path
 
 from skiros_py.errors import FileError, MissingExtra
 from skiros_py.ports.kinematics import RobotModel
-from skiros_py.system import without_wheels
 
 _HERE = Path(__file__).parent
 _FINGER_EFFORT = "70"  # continuous force of the Franka hand; the file's 20 is less than the hand is used with here
@@ -35,7 +34,7 @@ def _compose() -> str:
 def _panda_urdf() -> Path:
     package = importlib.util.find_spec("pybullet_data")
     if package is None or package.origin is None:
-        raise MissingExtra("physics", "the model 'mobile_panda'", without_wheels("physics"))
+        raise MissingExtra("physics", "the model 'mobile_panda'")
     path = Path(package.origin).parent / "franka_panda" / "panda.urdf"
     if not path.is_file():
         raise FileError(path, "the installed pybullet_data does not hold the Panda's description; reinstall pybullet")

@@ -17,7 +17,7 @@ import click
 
 from skiros_py.cli.options import JSON, data_option
 from skiros_py.cli.output import NOT_REACHED, REACHED, answer, escaped
-from skiros_py.errors import FileError, SkirosError, UnknownName
+from skiros_py.errors import FileError, SkirosError, UnknownName, without_wheels
 from skiros_py.system import (
     EXTRAS,
     check_display,
@@ -26,7 +26,6 @@ from skiros_py.system import (
     missing_system_libraries,
     processors,
     this_platform,
-    without_wheels,
 )
 
 
