@@ -95,7 +95,7 @@ def test_packages_without_a_wheel_for_this_python_are_named_with_the_platform_th
     wanted = ['pin>=4; extra == "physics"', 'pybullet; python_version < "3" and extra == "physics"',
               'skiros-py[perception]; extra == "physics"', 'open3d-cpu; python_version < "3" and extra == "perception"',
               'numpy>=2']  # fmt: skip
-    monkeypatch.setattr("skiros_py.system.requires", lambda name: wanted)
+    monkeypatch.setattr("importlib.metadata.requires", lambda name: wanted)
     monkeypatch.setitem(EXTRAS, "physics", ("no_such_module_of_anybody",))
 
     assert without_wheels("physics") == ("pybullet", "open3d-cpu")
