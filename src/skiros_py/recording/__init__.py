@@ -3,7 +3,7 @@
 from skiros_py.recording.foxglove import Schema
 from skiros_py.recording.reader import Recording, find_recording
 from skiros_py.recording.recorder import Recorder
-from skiros_py.recording.topics import Topic, own_schema
+from skiros_py.recording.topic import Topic, own_schema
 from skiros_py.recording.writer import RecordingWriter
 
 __all__ = [

@@ -18,7 +18,7 @@ from skiros_py.geometry import Pose
 from skiros_py.ports.values import Pending, Snapshot
 from skiros_py.recording.foxglove import COMPRESSED_IMAGE, Json, Schema, compressed_image
 from skiros_py.recording.recorder import Recorder, contained
-from skiros_py.recording.topics import Topic
+from skiros_py.recording.topic import Topic
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

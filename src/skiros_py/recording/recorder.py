@@ -28,7 +28,7 @@ from skiros_py.ports.values import Snapshot
 from skiros_py.recording import foxglove
 from skiros_py.recording.foxglove import FLAG, NUMBER, OBJECT, TEXT, WHOLE, Json, list_of, schema
 from skiros_py.recording.reader import FRAMES, JOINTS
-from skiros_py.recording.topics import Topic, own_schema, plain, record_plugins
+from skiros_py.recording.topic import Topic, own_schema, plain, record_plugins
 from skiros_py.recording.writer import RecordingWriter, Write
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.report import GoalReport

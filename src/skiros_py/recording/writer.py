@@ -22,7 +22,7 @@ from skiros_py.errors import FileError, SkirosError, UsageError
 from skiros_py.interruptions import limited
 from skiros_py.ports.values import Pending
 from skiros_py.recording.reader import Recording, nanoseconds
-from skiros_py.recording.topics import Topic
+from skiros_py.recording.topic import Topic
 
 _log = logging.getLogger(__name__)
 

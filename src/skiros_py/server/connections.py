@@ -13,7 +13,7 @@ from typing import Any
 
 from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol
 
-from skiros_py.server.access.limits import network_of
+from skiros_py.server.access.limiters import network_of
 from skiros_py.server.access.proxies import TrustedProxies
 from skiros_py.server.settings import ServerSettings
 

@@ -16,7 +16,7 @@ from fastapi.sse import format_sse_event
 from starlette.types import Receive, Scope, Send
 
 from skiros_py.api.events import ResetInfo
-from skiros_py.server.access.limits import Slots
+from skiros_py.server.access.limiters import Slots
 from skiros_py.server.access.roles import Caller
 from skiros_py.server.problems import Problem
 from skiros_py.station.events.live import LiveState

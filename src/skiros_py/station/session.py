@@ -28,7 +28,7 @@ from skiros_py.skills.cell_reader import read_cell
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.outcome import Outcome
 from skiros_py.skills.restart import respawn
-from skiros_py.station.adapters import start_cell, start_planning, start_ports
+from skiros_py.station.starting import start_cell, start_planning, start_ports
 from skiros_py.station.worlds import Report, open_data, open_world, warn
 from skiros_py.tasks.goals import parse_goal
 from skiros_py.tasks.handle import TaskHandle

@@ -39,8 +39,7 @@ class TaskManager:
         planning: The planning service; it is not closed by the task manager.
         name: Name used for the planner's files.
         on_plan: Called with every new plan.
-        attempts: How often a skill may fail on one target before that target is left out of further plans, unless
-            the policy says otherwise.
+        policy: How tasks proceed that are given none.
         leaving: Returns True once a shutdown is requested; planners are then no longer waited for.
         temporal: True for temporal planning, with a planner that supports durative actions.
     """
@@ -52,7 +51,7 @@ class TaskManager:
         name: str,
         *,
         on_plan: Callable[[Planned], None] = lambda _planned: None,
-        attempts: int = 3,
+        policy: Policy = Policy(),  # noqa: B008 - immutable
         leaving: Callable[[], bool] = lambda: False,
         temporal: bool = False,
     ) -> None:
@@ -70,7 +69,7 @@ class TaskManager:
             options=PlanningOptions(name, temporal, *_TRIES[lockstep]),
             lockstep=lockstep,
         )
-        self._policy = Policy(attempts=attempts)
+        self._policy = policy
         self._names = count(1)
         self._active: dict[str, TaskHandle] = {}
         self._on_begin: list[Callable[[TaskHandle], None]] = []

@@ -24,6 +24,7 @@ from skiros_py.skills.outcome import Outcome
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill
 from skiros_py.tasks.goals import parse_goal
+from skiros_py.tasks.policy import Policy
 from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.task_manager import TaskManager
 from skiros_py.testing.tiny import CONDITIONS, SKILLS
@@ -45,7 +46,7 @@ class Bench:
         conditions: Words of goals.
         planner: One planner, or several to choose from; Fast Downward if omitted.
         planning: The planning host; threads with the planner if omitted.
-        attempts: How often a skill may fail on one target.
+        policy: How tasks proceed when steps fail.
         cell: Brings up the cell; the fake one if omitted.
         driver: Kind of cell driver whose implementations of skills are used.
         ports: Adapters, for primitives that use them; see :class:`skiros_py.ports.adapters.GivenPorts`.
@@ -74,7 +75,7 @@ class Bench:
         conditions: Mapping[str, ConditionType] = CONDITIONS,
         planner: Planner | Planners | None = None,
         planning: PlanningHost | None = None,
-        attempts: int = 3,
+        policy: Policy = Policy(),  # noqa: B008 - immutable
         cell: Cell = FakeCell,
         driver: str = "fake",
         ports: Ports = NO_PORTS,
@@ -103,7 +104,7 @@ class Bench:
         self.monitor.subscribe(self.events.append)
         self._planner = planner or FastDownward()
         self._planning = planning or ThreadHost(world, self._planner)
-        self.tasks = TaskManager(runtime, self._planning, "bench", on_plan=self.plans.append, attempts=attempts)
+        self.tasks = TaskManager(runtime, self._planning, "bench", on_plan=self.plans.append, policy=policy)
 
     # ------------------------------------------------------------------ goals
 

@@ -1,10 +1,13 @@
 """What somebody types becomes an order."""
 
+from dataclasses import asdict
+
 import pytest
 from pydantic import ValidationError
 
 from skiros_py.api.goals import Material
-from skiros_py.api.jobs import JobOrder, material_from, order_from
+from skiros_py.api.jobs import JobOrder, JobPolicy, material_from, order_from
+from skiros_py.tasks.policy import Policy
 
 
 def test_goals_with_their_options_become_an_order():
@@ -56,3 +59,7 @@ def test_invalid_material_is_refused(text):
 def test_an_invalid_order_is_refused(fields):
     with pytest.raises(ValidationError):
         JobOrder.model_validate(fields)
+
+
+def test_the_defaults_of_ordered_policies_are_those_of_tasks() -> None:
+    assert JobPolicy().model_dump() == asdict(Policy())

@@ -20,7 +20,7 @@ from skiros_py.ports.board import Mobile
 from skiros_py.ports.device import DeviceModel, DeviceSignal, DeviceSpec, LocalisingSpec, MobileSpec
 from skiros_py.recording import Recording, RecordingWriter
 from skiros_py.recording.recorder import Devices
-from skiros_py.recording.topics import Topic, own_schema
+from skiros_py.recording.topic import Topic, own_schema
 from skiros_py.skills.outcome import Outcome
 from skiros_py.skills.parameters import Access, Kind, param
 from skiros_py.skills.primitive import Execution, Primitive

@@ -11,6 +11,7 @@ from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import param
 from skiros_py.skills.primitive import Execution, Primitive
+from skiros_py.tasks.policy import Policy
 from skiros_py.testing import Bench, GivenPlanner, tiny_world
 from skiros_py.testing.tiny import DRIVE, PICK, PLACE, pretend
 from skiros_py.world.world import World
@@ -116,7 +117,7 @@ def test_after_so_many_failures_a_target_is_given_up_and_the_rest_is_still_done(
 
 def test_how_often_is_enough_can_be_chosen() -> None:
     Try.clumsy["red_ball_1"] = 99
-    with Bench(tiny_world(), TRYING, (Try,), attempts=1) as bench:
+    with Bench(tiny_world(), TRYING, (Try,), policy=Policy(attempts=1)) as bench:
         bench.pursue("In(RedBall, slot_1)")
 
     assert picks(bench) == ["red_ball_1"]
@@ -152,7 +153,7 @@ def test_a_skill_is_cancelled_when_the_world_makes_its_plan_pointless() -> None:
 
 def test_being_cancelled_is_no_failure_of_the_target() -> None:
     world = tiny_world()
-    with Bench(world, attempts=1) as bench:
+    with Bench(world, policy=Policy(attempts=1)) as bench:
         moves = iter(["box_b", "box_a", "box_b"])
 
         def tease(event: ModuleEvent) -> None:

@@ -12,7 +12,7 @@ from starlette.requests import cookie_parser
 
 from skiros_py.errors import UsageError
 from skiros_py.server.access.keys import Key, KeyStore, digest
-from skiros_py.server.access.limits import Rates, network_of
+from skiros_py.server.access.limiters import Rates, network_of
 from skiros_py.server.access.roles import LOCAL, Caller, Role
 from skiros_py.server.problems import Problem
 from skiros_py.server.settings import ServerSettings

@@ -19,7 +19,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from skiros_py.api.server import is_address
 from skiros_py.server.access.keys import without_keys
-from skiros_py.server.access.limits import Rates, Slots, network_of
+from skiros_py.server.access.limiters import Rates, Slots, network_of
 from skiros_py.server.access.proxies import TrustedProxies
 from skiros_py.server.access.roles import Caller, Role
 from skiros_py.server.monitoring import request_id

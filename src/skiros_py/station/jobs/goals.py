@@ -16,7 +16,7 @@ from skiros_py.skills.conditions.pattern import Pattern, leaves
 from skiros_py.skills.conditions.watch import ReadingView
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.station.jobs.orders import texts_of
-from skiros_py.station.jobs.templates import goal_texts
+from skiros_py.station.jobs.template_document import goal_texts
 from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, Service, require_seen
 from skiros_py.tasks.goals import goal_as_data, goal_as_text, parse_goal
 from skiros_py.world.change import Writer

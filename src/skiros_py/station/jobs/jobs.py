@@ -14,7 +14,7 @@ from skiros_py.errors import Refused, StaleVersion, UsageError, WrongState
 from skiros_py.station.document_store import TEMPLATE
 from skiros_py.station.jobs import views
 from skiros_py.station.jobs.orders import digest_of, is_same, job_order, texts_of
-from skiros_py.station.jobs.templates import content_of
+from skiros_py.station.jobs.template_document import content_of
 from skiros_py.station.requests import LIBRARY, Author, Service
 from skiros_py.tasks.jobs.job import Job, JobOrder, JobState, Trigger
 from skiros_py.tasks.jobs.manager import JobManager

@@ -11,7 +11,7 @@ from skiros_py.api.jobs import JobOrder as Ordered
 from skiros_py.api.wire import fault_field, fault_words
 from skiros_py.errors import UsageError
 from skiros_py.station.document_store import TEMPLATE, DocumentStore
-from skiros_py.station.jobs.templates import content_of, filled, goal_texts
+from skiros_py.station.jobs.template_document import content_of, filled, goal_texts
 from skiros_py.tasks.jobs.job import JobOrder
 
 LONGEST = 64 << 10

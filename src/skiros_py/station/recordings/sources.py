@@ -18,7 +18,7 @@ from skiros_py.recording import foxglove
 from skiros_py.recording.foxglove import Json
 from skiros_py.recording.pictures import HEIGHT, WIDTH, Camera, from_above, over_the_shoulder, webp
 from skiros_py.recording.recorder import Recorder
-from skiros_py.recording.topics import Topic
+from skiros_py.recording.topic import Topic
 from skiros_py.recording.writer import Write
 from skiros_py.station.robots.observations import points_of
 from skiros_py.station.session import Session

@@ -16,7 +16,7 @@ from skiros_py.station.document_store import SEQUENCE
 from skiros_py.station.jobs.views import planned_steps
 from skiros_py.station.requests import LIBRARY, Author, Service, find
 from skiros_py.station.session import Session
-from skiros_py.station.tasks.sequences import require_works, steps_of
+from skiros_py.station.tasks.sequence_document import require_works, steps_of
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.policy import Policy
 from skiros_py.tasks.report import GoalReport

@@ -548,7 +548,7 @@ def test_blocking_calls_are_accepted_outside_primitives_and_where_allowed() -> N
         ("from skiros_py.skills.skill import Skill\n", False),
         ("from skiros_py.planning.planners.planner import Answer\n", False),
         ("from skiros_py.recording import Recorder, Schema, Topic\n", False),
-        ("from skiros_py.recording.topics import own_schema\n", True),
+        ("from skiros_py.recording.topic import own_schema\n", True),
         ("from skiros_primitives.grasp import Grasp\n", False),
         ("from .execution import x\n", False),
     ],

@@ -1,4 +1,4 @@
-"""Limits: how many requests, per time and at once, a caller or an unauthenticated network may make."""
+"""Limiters of requests, per time and at once, for each caller or network; their numbers are in `server/settings.py`."""
 
 from __future__ import annotations
 

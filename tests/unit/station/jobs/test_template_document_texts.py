@@ -9,7 +9,7 @@ from pydantic import BaseModel
 from random_goals import random_goal
 
 from skiros_py.errors import UsageError
-from skiros_py.station.jobs.templates import goal_texts
+from skiros_py.station.jobs.template_document import goal_texts
 from skiros_py.tasks.goals import goal_as_data, parse_goal
 from skiros_py.tasks.goals.forms import FORMS, Name, read
 from skiros_py.testing.tiny import CONDITIONS, tiny_world

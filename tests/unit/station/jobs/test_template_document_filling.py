@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from skiros_py.api.goals import GoalTemplateContent, Material
 from skiros_py.errors import UnknownName, UsageError
-from skiros_py.station.jobs.templates import faults_of, filled
+from skiros_py.station.jobs.template_document import faults_of, filled
 
 KIT = GoalTemplateContent.model_validate(
     {

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from skiros_py.server.access.limits import Rates, Slots, network_of
+from skiros_py.server.access.limiters import Rates, Slots, network_of
 from skiros_py.server.problems import Problem
 
 

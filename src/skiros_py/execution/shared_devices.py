@@ -1,4 +1,4 @@
-"""Mix: what several runs want of one device in a cycle is merged by the mix rule of the device's kind."""
+"""Devices commanded by several runs in one cycle: their contributions are merged by the kind's rule (`mixed`)."""
 
 from __future__ import annotations
 

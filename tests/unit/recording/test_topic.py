@@ -25,7 +25,7 @@ from skiros_py.ports.signals import Input, Signal
 from skiros_py.ports.values import Snapshot
 from skiros_py.recording import Recorder, Recording, RecordingWriter
 from skiros_py.recording.recorder import Devices
-from skiros_py.recording.topics import own_schema, plain
+from skiros_py.recording.topic import own_schema, plain
 from skiros_py.testing import Bench, tiny_world
 
 PLUGIN = """

@@ -5,7 +5,7 @@ import re
 import pytest
 
 from skiros_py.skills.plain import Reader
-from skiros_py.station.jobs.templates import TemplateDocument
+from skiros_py.station.jobs.template_document import TemplateDocument
 from skiros_py.testing.tiny import CONDITIONS, tiny_world
 
 
