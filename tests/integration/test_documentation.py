@@ -29,7 +29,7 @@ def blocks(page: Path, language: str) -> list[str]:
 # Tutorials are run as a whole, in an environment of their own; examples for a server that runs have tests below.
 @pytest.mark.parametrize(
     "page",
-    [p for p in PAGES if blocks(p, "python") and p.parent.name not in ("tutorials", "rest")],
+    [p for p in PAGES if blocks(p, "python") and p.parent.name not in ("tutorials", "rest") and p.name != "rest.md"],
     ids=lambda p: p.name,
 )
 def test_python_examples_run_as_printed(page, tmp_path):

@@ -39,6 +39,7 @@ ELSEWHERE = {
     "CONTRIBUTING.md": "it runs all tests",
     "client.md": "test_documentation.py",
     "commands.md": "test_documentation.py",
+    "proxy.md": "test_rest_proxy.py",
     "world.md of docs": "test_documentation.py",
     "scenes.md of docs": "test_documentation.py",
 }

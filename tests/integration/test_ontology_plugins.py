@@ -157,11 +157,11 @@ OWN = GARDEN + "garden:Rake a owl:Class . garden:under a owl:ObjectProperty . ga
 def test_a_plug_in_that_states_something_about_a_term_of_others_is_left_out_with_the_axiom_named(
     install: Install, axiom: str, says: str
 ) -> None:
-    install("sk_bad", {"sk_bad/bad.ttl": OWN.replace("example.org/garden>", "example.org/bad>") + axiom})
+    install("sk_axiom", {"sk_axiom/bad.ttl": OWN.replace("example.org/garden>", "example.org/bad>") + axiom})
 
     world = open_world("kitting", report=lambda _: None)
 
-    reason = reasons("sk_bad")["sk_bad"]
+    reason = reasons("sk_axiom")["sk_axiom"]
     assert says in reason
     assert f"bad.ttl:{len(OWN.splitlines()) + 1}: " in reason
     assert "garden:Spade" not in world.ontology.classes

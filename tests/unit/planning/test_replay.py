@@ -60,12 +60,13 @@ def test_a_full_slot_is_a_flaw() -> None:
 
 
 def test_a_postcondition_that_does_not_follow_is_a_flaw() -> None:
-    here = AT_LOCATION("Robot", "Location")
-    neither = replace(DRIVE, pre=(), post=(~here, here))
-    both = replace(DRIVE, pre=(), post=(here, ~here))
+    here, there = AT_LOCATION("Robot", "Location"), AT_LOCATION("Robot", "Other")
+    params = (*DRIVE.params, Param("Other", "sk:Location", "Another place."))
+    drive = Step("drive", {**DRIVE_A.arguments, "Other": "box_b"})
 
-    assert replay(WORLD, [DRIVE_A], [], {"drive": neither}) is not None
-    assert replay(WORLD, [DRIVE_A], [], {"drive": both}) is not None
+    for post in ((here, there), (there, here)):
+        both = replace(DRIVE, params=params, pre=(), post=post)
+        assert replay(WORLD, [drive], [], {"drive": both}) is not None
 
 
 def test_a_hold_condition_that_does_not_hold_at_the_start_is_a_flaw() -> None:
