@@ -15,11 +15,12 @@ from pathlib import Path
 
 import httpx2
 import pytest
+from support.programs import needs
 from support.server_process import ServerProcess
 
 from skiros_py.client import Client
 
-pytestmark = pytest.mark.skipif(shutil.which("curl") is None, reason="curl is not installed")
+pytestmark = needs(shutil.which("curl"), "curl is not installed")
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted([ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").rglob("*.md")])
@@ -64,7 +65,7 @@ NOT_RUN = {
 """Beginnings of commands and requests that are shown only."""
 
 FIRST = ("world.md", "view.md", "access.md")
-"""Pages of the server that show a world nobody has changed, and that come before the others."""
+"""Pages of the server that show an unchanged world, and come before the others."""
 
 
 def name(page: Path) -> str:

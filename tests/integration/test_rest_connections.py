@@ -1,4 +1,4 @@
-"""Clients that hold connections open block nobody: the stop is answered all the same."""
+"""Clients that hold connections open delay no one else: a stop is answered all the same."""
 
 from __future__ import annotations
 

@@ -17,6 +17,7 @@ from pathlib import Path
 
 import httpx2
 import pytest
+from support.programs import needs
 from support.serving import serving
 
 from skiros_py.server.access.keys import KeyStore
@@ -36,7 +37,7 @@ http {{
 }}
 """
 
-pytestmark = pytest.mark.skipif(NGINX is None, reason="nginx is not installed")
+pytestmark = needs(NGINX, "nginx is not installed")
 
 
 @dataclass(frozen=True, slots=True)

@@ -78,7 +78,7 @@ def test_axe_finds_nothing_serious_in_banners_dialogs_and_alarms(station, visit,
     expect(page.get_by_role("textbox", name=re.compile("Tabs, commands"))).to_be_visible()
     found["palette"] = axe(page)
     blurred = "[...document.querySelectorAll('*')].filter(e => getComputedStyle(e).backdropFilter !== 'none').length"
-    assert page.evaluate(blurred) == 0  # a blur over the 3D view is drawn anew for each frame
+    assert page.evaluate(blurred) == 0  # a blur over the 3D view is drawn again for each frame
     assert found == {"banners": [], "alarms": [], "palette": []}
 
 

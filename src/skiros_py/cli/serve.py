@@ -125,7 +125,7 @@ Examples:
     "trusted_proxies",
     multiple=True,
     metavar="NETWORK",
-    help="Proxies whose X-Forwarded-… or Forwarded headers are believed; may be repeated.",
+    help="Proxies whose X-Forwarded-For and X-Forwarded-Proto are believed; may be repeated.",
 )
 @click.option(
     "--webhook-host", "webhook_hosts", multiple=True, metavar="HOST", help="Permitted target of webhooks: HOST[:PORT]."

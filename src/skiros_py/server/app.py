@@ -10,6 +10,7 @@ from fastapi.openapi.docs import get_swagger_ui_html
 from starlette.requests import Request
 from starlette.responses import HTMLResponse, JSONResponse
 from starlette.staticfiles import StaticFiles
+from uvicorn.middleware.proxy_headers import ProxyHeadersMiddleware
 
 from skiros_py.server.access.gate import Gate
 from skiros_py.server.access.openapi import GuardedApi
@@ -73,6 +74,8 @@ def create_app(services: Services) -> FastAPI:
     add_documentation(app, PREFIX)
     add_problem_handlers(app)
     app.add_middleware(Gate, services, Pages(pages_of(services.settings)))  # the gate also reads and limits bodies
+    if services.settings.trusted_proxies:  # before the gate, which sees client and scheme as they report them
+        app.add_middleware(ProxyHeadersMiddleware, trusted_hosts=services.settings.proxy_networks)
     return app
 
 

@@ -14,7 +14,6 @@ from typing import Any
 from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol
 
 from skiros_py.server.access.limiters import network_of
-from skiros_py.server.access.proxies import TrustedProxies
 from skiros_py.server.settings import ServerSettings
 
 _log = logging.getLogger(__name__)
@@ -88,7 +87,6 @@ class Connections:
 
     def __init__(self, settings: ServerSettings) -> None:
         self.settings = settings
-        self._proxies = TrustedProxies(settings.trusted_proxies)
         self._most = room_for(settings.connections)
         self._all = _Group()
         self._networks: dict[str, _Group] = {}
@@ -146,7 +144,7 @@ class Connections:
     def add(self, connection: Connection) -> None:
         """Adds a new connection, and closes an old one if there are too many."""
         network = self._networks.setdefault(connection.network, _Group())
-        if len(network) >= self.settings.connections_of_one and connection.address not in self._proxies:
+        if len(network) >= self.settings.connections_of_one and not self.settings.is_proxy(connection.address):
             self._make_room(network, f"{connection.network} has {len(network)}")
         elif len(self._all) >= self._most:
             self._make_room(self._all, f"there are {self._most}")

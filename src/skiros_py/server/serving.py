@@ -135,7 +135,7 @@ class Serving(uvicorn.Server):
             log_config=None,
             access_log=False,
             server_header=False,
-            proxy_headers=False,  # the gate reads them, from trusted proxies only
+            proxy_headers=False,  # the application reads them, from trusted proxies only
             timeout_keep_alive=services.settings.idle_seconds,
             timeout_graceful_shutdown=_GRACE,
         )

@@ -114,6 +114,19 @@ class ServerSettings:
         return is_loopback(self.host) and not self.public_url and not self.trusted_proxies
 
     @property
+    def proxy_networks(self) -> list[str]:
+        """Networks of the trusted proxies, those of IPv4 also in the form in which a socket for IPv6 reports them."""
+        networks = [ipaddress.ip_network(one, strict=False) for one in self.trusted_proxies]
+        mapped = (f"::ffff:{one.network_address}/{96 + one.prefixlen}" for one in networks if one.version == 4)
+        return [*map(str, networks), *mapped]
+
+    def is_proxy(self, address: str) -> bool:
+        """Returns whether an address is that of a trusted proxy."""
+        if not is_address(address):
+            return False
+        return any(ipaddress.ip_address(address) in ipaddress.ip_network(one) for one in self.proxy_networks)
+
+    @property
     def reached_at(self) -> str:
         """Where other machines reach the server, for messages."""
         return self.public_url or self.host

@@ -20,7 +20,6 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from skiros_py.api.server import is_address
 from skiros_py.server.access.keys import without_keys
 from skiros_py.server.access.limiters import Rates, Slots, network_of
-from skiros_py.server.access.proxies import TrustedProxies
 from skiros_py.server.access.roles import Caller, Role
 from skiros_py.server.monitoring import request_id
 from skiros_py.server.pages import is_page
@@ -306,7 +305,6 @@ class Gate:
         self._pages = pages
         self._services = services
         self._origins = OriginPolicy(services.settings)
-        self._proxies = TrustedProxies(services.settings.trusted_proxies)
         self._rates = Rates(services.settings.rate, 1.0)
         self._refusals = Rates(_REFUSALS, 60.0)
         self._refusals_of_all = Rates(_REFUSALS_OF_ALL, 60.0)
@@ -323,7 +321,6 @@ class Gate:
             await self._answer(scope, receive, send)
 
     async def _answer(self, scope: Scope, receive: Receive, send: Send) -> None:
-        mistake = self._proxies.apply(scope)
         headers = Headers(scope=scope)
         request = Request(scope)
         request.state.id = _request_id(headers)
@@ -332,8 +329,6 @@ class Gate:
         answer = _Answer(send, request, self._origins.answer(headers), self._services)
         begun = time.perf_counter()
         try:
-            if mistake is not None:
-                raise mistake
             await self._pass(request, headers, receive, answer)
         except Problem as problem:
             await problem_response(request, problem)(scope, receive, answer)

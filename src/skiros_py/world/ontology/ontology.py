@@ -281,9 +281,8 @@ def load_installed(paths: Sequence[Path]) -> tuple[Ontology, tuple[PluginFault, 
             del own[entry]
     while True:
         try:
-            return Ontology.of([*documents.values(), *(file for group in own.values() for file in group)]), tuple(
-                faults
-            )
+            ontology = Ontology.of([*documents.values(), *(file for group in own.values() for file in group)])
+            return ontology, tuple(faults)
         except FileError as error:
             culprit = next((entry for entry, group in own.items() if any(f.path == error.path for f in group)), None)
             if culprit is None:

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.programs import needs
 
 from skiros_py.errors import UsageError
 from skiros_py.world.ontology.check import checking
@@ -20,7 +21,7 @@ from skiros_py.world.ontology.check.owl_reasoner import OwlRlProcess
 
 Check = Callable[..., CheckReport]
 
-needs_java = pytest.mark.skipif(shutil.which("java") is None, reason="HermiT is a Java program")
+needs_java = needs(shutil.which("java"), "HermiT is a Java program")
 REASONERS = [pytest.param("hermit", marks=needs_java), "owl-rl"]
 
 _APART = ":Ball owl:disjointWith :Doll . "
