@@ -1,4 +1,4 @@
-"""A resident program runs Python modules at once, ends what nobody waits for, and may be killed."""
+"""A resident program runs Python modules at once, ends runs that are no longer wanted, and may be killed."""
 
 from __future__ import annotations
 
@@ -39,6 +39,15 @@ pathlib.Path("written").write_text(str(os.getpid()))
 pathlib.Path("written").rename("pid")
 time.sleep(3600)
 """
+FREEZES = """
+import os, signal
+setsid = os.setsid
+def setsid_and_freeze():
+    setsid()
+    open("frozen", "w").write(str(os.getpid()))
+    os.kill(os.getpid(), signal.SIGSTOP)
+os.setsid = setsid_and_freeze
+"""
 LIMITS = Limits(time=20.0)
 
 
@@ -51,6 +60,7 @@ def modules(tmp_path: Path) -> Path:
     (folder / "waits.py").write_text("import time\ntime.sleep(3600)\n")
     (folder / "dies.py").write_text(DIES)
     (folder / "lasts.py").write_text(LASTS)
+    (folder / "freezes.py").write_text(FREEZES.replace('"frozen"', repr(str(tmp_path / "frozen"))))
     return folder
 
 
@@ -159,3 +169,19 @@ def test_a_run_ends_even_if_the_resident_program_is_killed_right_after_starting_
         assert run.has_ended()
         assert run.kill() == -9
         process.wait(5.0)
+
+
+def test_a_run_suspended_before_it_could_report_is_killed_and_the_resident_program_goes_on(
+    modules: Path, tmp_path: Path
+) -> None:
+    with closing(Resident("the program", modules, ["said", "freezes"])) as resident:
+        run = resident.start(of("lasts"), tmp_path, LIMITS, os.environ)
+        while not (frozen := tmp_path / "frozen").exists() or not frozen.read_text():
+            time.sleep(0.01)
+        process = psutil.Process(int(frozen.read_text()))
+        program = process.parent()
+
+        assert run.kill() == -9
+        process.wait(5.0)
+        assert program is not None
+        assert program.is_running()

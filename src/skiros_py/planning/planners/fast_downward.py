@@ -173,8 +173,12 @@ class ResidentRun:
         os.close(self._status)  # for the resident program: to kill it, where it runs
         os.close(self.output)
         if b"pid" in said:
-            kill_group(int(said[b"pid"]))
-            wait_for_group(int(said[b"pid"]))
+            pid = int(said[b"pid"])
+            kill_group(pid)
+            if b"code" not in said:  # it may not lead a group yet
+                with contextlib.suppress(ProcessLookupError):
+                    os.kill(pid, signal.SIGKILL)
+            wait_for_group(pid)
         return int(said.get(b"code", -signal.SIGKILL))
 
 

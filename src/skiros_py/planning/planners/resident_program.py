@@ -87,6 +87,7 @@ class _Server:
             for run in self._runs.values():
                 os.close(run.status)
             _run(json.loads(message), output, status)
+        _write(status, "pid", pid)
         os.close(output)
         run = self._runs[pid] = _Run(pid, os.pidfd_open(pid), status)
         self._selector.register(run.ended, selectors.EVENT_READ, pid)
@@ -120,7 +121,7 @@ def _kill(run: _Run) -> None:
 def _run(order: dict[str, Any], output: int, status: int) -> None:
     """Executes an order in this process, then exits it.
 
-    It reports its process id itself, once it leads a group: its parent could be killed before that.
+    It reports its process id as its parent does: either of them could be stopped or killed before that.
     """
     code: object = 1
     try:
