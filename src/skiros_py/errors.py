@@ -287,11 +287,6 @@ class DescriptionError(SkirosError):
         self.place = place
         super().__init__(f"{place}: {text}" if place else text)
 
-    def within(self, place: str) -> DescriptionError:
-        """Returns the same error of a larger document, in which the current one is at a place."""
-        inner = f".{self.place}" if self.place and not self.place.startswith("[") else self.place
-        return DescriptionError(self.text, f"{place}{inner}")
-
 
 class ModuleError(SkirosError):
     """A skill or primitive raised, exited or blocked the control cycle while it ran, or was halted."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -116,7 +117,7 @@ class NetDocument(DocumentKind):
             for place in (*one["from"], *one["to"]):
                 if place not in document["places"]:
                     raise DescriptionError(f"there is no place '{place}'", f"transitions.{name}")
-            parts[name] = reader.behaviour(one["do"])
+            parts[name] = reader.behaviour(one["do"], f"transitions.{name}.do")
         inputs = {name: tuple(one["from"]) for name, one in document["transitions"].items()}
         outputs = {name: tuple(one["to"]) for name, one in document["transitions"].items()}
         return Net(MappingProxyType(parts), inputs, outputs, document["places"], document["goal"], document["wanted"])
@@ -535,6 +536,21 @@ def test_a_document_is_exported_and_imported_as_text(cell: Cell) -> None:
         cell.documents.import_text("tree", "copy", '{"type": "do",\n "module" "note"}', media_type)
     assert [(fault.line, fault.place) for fault in wrong.value.faults] == [(2, "")]
     assert cell.documents.get("tree", "copy").revision == again.revision
+
+
+def test_faults_of_a_plug_in_document_are_found_in_the_lines_of_its_text(cell: Cell) -> None:
+    data = net()
+    first = next(iter(data["transitions"].values()))
+    for wrong in ({"type": "do", "module": "fly"}, {"type": "wiat"}):
+        first["do"] = wrong
+        text = json.dumps(data, indent=1)
+        line = 1 + text[: text.index(wrong.get("module", wrong["type"]))].count("\n")
+
+        with pytest.raises(DocumentError) as refused:
+            cell.documents.import_text("net", "copy", text, "application/json")
+
+        (fault,) = refused.value.faults
+        assert line - 2 <= fault.line <= line, f"line {line}: {fault}"
 
 
 def test_the_palette_lists_plug_in_nodes_with_their_fields(cell: Cell) -> None:

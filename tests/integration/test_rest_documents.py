@@ -93,11 +93,31 @@ def test_a_document_is_exported_and_imported_as_text_in_the_formats_of_its_kind(
     ("text", "fault"),
     [
         ('{"type": "wait",\n "seconds" 1}', {"place": "", "line": 2, "column": 12}),
-        ('{"type": "sequence", "children": [{"type": "wiat"}]}', {"place": "children[0]", "line": 0, "column": 0}),
-        ('{"type": "sequence", "children": [{"type": "do", "module": "fly"}]}', {"place": "0", "line": 0, "column": 0}),
-        ("[1, 2]", {"place": "", "line": 0, "column": 0}),
+        ('{"type": "sequence", "children": [{"type": "wiat"}]}', {"place": "children[0]", "line": 1, "column": 35}),
+        (
+            '{"type": "sequence", "children": [\n {"type": "wait", "seconds": 1},\n  {"type": "do", "module": "fly"}]}',
+            {"place": "1", "line": 3, "column": 3},
+        ),
+        (
+            '{"parameters": [],\n "body": {"type": "sequence",\n  "children": [{"type": "wait"}]}}',
+            {"place": "body.children[0]", "line": 3, "column": 16},
+        ),
+        (
+            '{"parameters": [],\n "body": {"type": "sequence",\n  "children": [{"type": "do", "module": "fly"}]}}',
+            {"place": "0", "line": 3, "column": 16},
+        ),
+        ('{"title": "",\n "body": {"type": "wait", "seconds": 1}}', {"place": "title", "line": 1, "column": 2}),
+        ("[1, 2]", {"place": "", "line": 1, "column": 1}),
     ],
-    ids=["malformed", "of an unknown type", "beyond the station", "no object"],
+    ids=[
+        "malformed",
+        "of an unknown type",
+        "beyond the station",
+        "of an unknown type in a body",
+        "beyond it in a body",
+        "a field that is not known",
+        "no object",
+    ],
 )
 def test_a_fault_of_an_imported_text_is_answered_with_its_place_and_nothing_is_written(
     api: httpx2.Client, text: str, fault: dict[str, Any]

@@ -161,7 +161,7 @@ class DocumentKind:
             entries.append(PaletteEntry(name, (cls.__doc__ or "").strip().partition("\n")[0], shown))
         return tuple(entries)
 
-    def parse(self, text: str, format_: str) -> Any:  # noqa: ARG002
+    def parse(self, text: str, format_: str) -> Any:
         """Imports a document.
 
         Args:
@@ -176,11 +176,18 @@ class DocumentKind:
         except json.JSONDecodeError as error:
             raise DocumentError((DocumentFault("", error.msg, error.lineno, error.colno),)) from error
         seen: set[str] = set()
-        for place, line, column in places_of_json(text):
+        for place, line, column in self.places(text, format_):
             if place in seen:
                 raise DocumentError((DocumentFault(place, "the key is there twice", line, column),))
             seen.add(place)
         return data
+
+    def places(self, text: str, format_: str) -> Iterator[tuple[str, int, int]]:  # noqa: ARG002
+        """Yields the places of a text that :meth:`parse` accepts, each with its 1-based line and column.
+
+        Faults of an imported document are reported with them. By default the text is JSON.
+        """
+        return places_of_json(text)
 
     def export(self, document: Any, format_: str) -> str:  # noqa: ARG002
         """Exports a document as text in one of ``formats``."""

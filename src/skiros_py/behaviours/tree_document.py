@@ -25,5 +25,5 @@ class Tree(DocumentKind):
             unknown = sorted(document.keys() - {"parameters", "outputs", "body"})
             if unknown:
                 raise DescriptionError("a tree has parameters, outputs and a body, and nothing else", unknown[0])
-            document = document["body"]
+            return reader.behaviour(document["body"], "body")
         return reader.behaviour(document)

@@ -102,11 +102,13 @@ class Reader:
     Attributes:
         kinds: Kinds of behaviour by name.
         words: Conditions by word.
+        places: Where each behaviour that was read stands, by its ``id()``.
     """
 
     kinds: Mapping[str, type[Behaviour]]
     words: Mapping[str, ConditionType] = field(default_factory=dict)
-    _place: list[str] = field(default_factory=list)
+    places: dict[int, str] = field(default_factory=dict, init=False)
+    _place: list[str] = field(default_factory=list, init=False)
 
     @property
     def place(self) -> str:
@@ -120,13 +122,17 @@ class Reader:
         yield
         self._place.pop()  # not after an error: messages name the innermost place
 
-    def behaviour(self, data: Any) -> Behaviour:
+    def behaviour(self, data: Any, place: str = "") -> Behaviour:
         """Reads a behaviour.
+
+        Args:
+            data: The behaviour as plain data.
+            place: Where it stands in its document ("body").
 
         Raises:
             DescriptionError: Something in it is wrong; the error has the place.
         """
-        del self._place[:]
+        self._place[:] = [place]
         try:
             value = self.value(data)
             if not isinstance(value, Behaviour):
@@ -181,7 +187,9 @@ class Reader:
             case {"type": str(kind)}:
                 if kind not in self.kinds:
                     raise UnknownName("kind of behaviour", kind, self.kinds)
-                return self.kinds[kind].from_data(data, self)
+                made = self.kinds[kind].from_data(data, self)
+                self.places[id(made)] = self.place
+                return made
             case {"P": str(key)} if len(data) == 1:
                 return P(key)
             case {"Out": str(name)} if len(data) == 1:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import logging
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any, NamedTuple, TypeVar
 
@@ -204,8 +205,14 @@ class DocumentService(Service):
             raise Refused(
                 "UnsupportedMediaType", f"{kind} documents are imported as {types}, not as {media_type!r:.100}"
             )
-        data = _asked(_module(kind, id_), lambda: self._kind(kind).parse(text, formats[0]))
-        return self.put(kind, id_, data, seen)
+        module, maker = _module(kind, id_), self._kind(kind)
+        data = _asked(module, lambda: maker.parse(text, formats[0]))
+        try:
+            return self.put(kind, id_, data, seen)
+        except DocumentError as error:
+            faults = error.faults
+            located = _asked(module, lambda: self._located(maker, data, text, formats[0], faults))
+            raise DocumentError(located, module) from error
 
     def remove(self, kind: str, id_: str, seen: Seen | None = ANY_VERSION) -> None:
         """Removes a document; its active runs continue, and its revisions are kept.
@@ -250,6 +257,26 @@ class DocumentService(Service):
             return RunnableDocument(behaviour, 0, behaviour.title, interface.params, interface.outputs)
 
         return _asked(module, make)
+
+    def _located(
+        self, maker: DocumentKind, data: Any, text: str, format_: str, faults: Sequence[DocumentFault]
+    ) -> Sequence[DocumentFault]:
+        """Returns faults with the line and column of their places in the text of an imported document."""
+        reader, places = replace(self._reader), {}
+        with suppress(SkirosError):  # what cannot be read has no nodes: its faults have places in the data
+            root = maker.behaviour(data, reader)
+            nodes = () if root is None else nodes_of(root, "")
+            places = {node.path.lstrip("/"): reader.places.get(id(node.behaviour), "") for node in nodes}
+        known = {place: (line, column) for place, line, column in maker.places(text, format_)}
+
+        def located(fault: DocumentFault) -> DocumentFault:
+            place = places.get(fault.place, fault.place)
+            while place not in known and place:  # what is missing there: its parent is
+                place = place[: max(place.rfind("."), place.rfind("["), 0)]
+            line, column = known.get(place, (fault.line, fault.column))
+            return replace(fault, line=line, column=column)
+
+        return tuple(map(located, faults))
 
     def _offer(self, session: Session, document: Document, made: RunnableDocument | None) -> None:
         module = _module(document.kind, document.name)
