@@ -179,23 +179,6 @@ def replay(
     return Simulation(view, goal, skills, reached).run(steps)
 
 
-def out_of_sequence(
-    view: WorldView,
-    steps: Sequence[Step],
-    goal: Sequence[Condition],
-    skills: Mapping[str, SkillDescription],
-    *,
-    reached: Mapping[str, int] | None = None,
-) -> str:
-    """Returns how an otherwise valid plan violates sequence or work numbers; empty if it does not.
-
-    Meant for a task that provably has no plan with the numbers when this is a plan without them: then the numbers are
-    the reason.
-    """
-    flaw = replay(view, steps, goal, skills, reached=reached)
-    return "" if flaw is None else f"no plan keeps to the sequence numbers of this scene: {flaw.verdict.text}"
-
-
 def _first_broken(view: WorldView, conditions: Iterable[_Bound]) -> Verdict | None:
     return next((verdict for bound in conditions if (verdict := bound.broken(view)) is not None), None)
 

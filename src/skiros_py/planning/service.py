@@ -20,7 +20,7 @@ from skiros_py.planning.plan_validation import Wrong, validate
 from skiros_py.planning.planners.planner import Planner, Planners, Unsolvable, wait_for
 from skiros_py.planning.problem.stock import lacks_stock, with_stock
 from skiros_py.planning.problem.task import Capability, PlanningTask, build_task
-from skiros_py.planning.replay import out_of_sequence
+from skiros_py.planning.replay import replay
 from skiros_py.planning.robots.allocation import deal
 from skiros_py.planning.robots.ordering import order
 from skiros_py.planning.robots.rounds import arranged
@@ -296,8 +296,11 @@ class SolverLoop:
             free = replace(self, view=without_numbers(self.view)).plan().outcome
             if isinstance(free, NoPlan):
                 return free
-            reason = out_of_sequence(self.view, free.steps, self.goal, self.task.skills, reached=self.reached)
-            return NoPlan((reason,), (Cause(CauseKind.CONFLICT, reason, self.goal),)) if reason else free
+            flaw = replay(self.view, free.steps, self.goal, self.task.skills, reached=self.reached)
+            if flaw is None:
+                return free
+            reason = f"no plan keeps to the sequence numbers of this scene: {flaw.verdict.text}"
+            return NoPlan((reason,), (Cause(CauseKind.CONFLICT, reason, self.goal),))
         options = self.options
         trial = Trial(self.planners, self.capabilities, options.each, options.together, self.stopped)
         return explain(self.task, trial)

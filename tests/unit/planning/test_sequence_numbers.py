@@ -21,7 +21,7 @@ from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.kairos import Kairos
 from skiros_py.planning.planners.planner import Answer, Planner, Planners, Solved, Unsolvable
 from skiros_py.planning.problem.task import Capability, PlanningTask
-from skiros_py.planning.replay import Flaw, out_of_sequence, replay
+from skiros_py.planning.replay import Flaw, replay
 from skiros_py.planning.requests import Check
 from skiros_py.planning.robots.allocation import deal
 from skiros_py.planning.robots.ordering import order
@@ -221,12 +221,13 @@ def test_if_only_sequence_numbers_prevent_a_plan_the_reason_says_so() -> None:
     assert isinstance(plan, Plan)
 
     assert planned(world, BOTH[1], reached={"robot_1": 2}) is None
-    assert out_of_sequence(world, plan.steps, BOTH[1:], SKILLS, reached={"robot_1": 2}) == (
-        "no plan keeps to the sequence numbers of this scene: "
+    flaw = replay(world, plan.steps, BOTH[1:], SKILLS, reached={"robot_1": 2})
+    assert flaw is not None
+    assert flaw.verdict.text == (
         "robot_1 comes to box_b (sequence number 1) after number 2: "
         "sequence numbers count here, so no robot visits a lower one after a higher"
     )
-    assert out_of_sequence(world, plan.steps, BOTH[1:], SKILLS) == ""
+    assert replay(world, plan.steps, BOTH[1:], SKILLS) is None
 
 
 # ------------------------------------------------------------ costs
