@@ -183,13 +183,6 @@ class Questions:
         asked.by = by
         asked.answer = answer  # last: the asker looks at this one
 
-    def as_json(self) -> tuple[Mapping[str, object], ...]:
-        """Returns the open questions as plain data."""
-        return tuple(
-            {"id": q.id, "kind": q.kind.value, "text": q.text, "options": q.options, "asker": q.asker, "time": q.time}
-            for q in self.open
-        )
-
 
 T = TypeVar("T")
 

@@ -171,10 +171,6 @@ class Trace:
             )
             self._monitor.publish(event)
 
-    def as_json(self) -> list[dict[str, Any]]:
-        """Returns the entries as plain data."""
-        return [entry.as_json() for entry in tuple(self._entries)]
-
     def __str__(self) -> str:
         return "\n".join(str(entry) for entry in tuple(self._entries))
 

@@ -44,7 +44,7 @@ def test_entries_are_plain_data_and_sentences() -> None:
     trace = trace_of()
     start(trace, 1)
 
-    (plain,) = json.loads(json.dumps(trace.as_json()))
+    (plain,) = json.loads(json.dumps([entry.as_json() for entry in trace.entries]))
     assert plain == {
         "time": 0.1,
         "what": "started",
