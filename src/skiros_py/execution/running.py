@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections import ChainMap
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 from skiros_py.behaviours.children import run_until
 from skiros_py.errors import UsageError
@@ -13,28 +12,9 @@ from skiros_py.execution.module_faults import contained
 from skiros_py.execution.monitor import Status
 from skiros_py.execution.scope import ModuleRun, Scope
 from skiros_py.execution.task import Task
-from skiros_py.skills.behaviour import Behaviour
 from skiros_py.skills.outcome import BROKEN, Execution, Failure, Outcome, Success
-from skiros_py.skills.parameters import Param, missing, read_arguments
-
-
-@dataclass(frozen=True, slots=True)
-class RunnableDocument:
-    """A document that can be run as a module.
-
-    Attributes:
-        behaviour: What it does.
-        revision: Its revision: kept in the events of each run.
-        help: One sentence for people.
-        params: The parameters that it declares.
-        outputs: Names of the values that its outcome has.
-    """
-
-    behaviour: Behaviour
-    revision: int
-    help: str = ""
-    params: tuple[Param, ...] = ()
-    outputs: tuple[str, ...] = ()
+from skiros_py.skills.parameters import missing, read_arguments
+from skiros_py.skills.skill import RunnableDocument
 
 
 class BehaviourRun(ModuleRun):
@@ -98,46 +78,6 @@ class BehaviourRun(ModuleRun):
         return False
 
 
-class Running(Protocol):
-    """A module that was started, wherever it runs."""
-
-    @property
-    def id(self) -> str:
-        """Id of this run."""
-
-    @property
-    def done(self) -> bool:
-        """True when it ended, or when it was stopped and all it moved stands."""
-
-    @property
-    def result(self) -> Outcome:
-        """How it ended."""
-
-    @property
-    def account(self) -> Mapping[str, Any]:
-        """What it was run with, what was found of its conditions, and what it changed, as plain data.
-
-        ``inputs``: values by parameter key; ``conditions``: what was found last of each one that was looked at;
-        ``implementation``: of a skill, the label of the way that was tried last; ``changes``: numbers of its changes
-        of the world.
-        """
-
-    def cancel(self, reason: str) -> None:
-        """Cancels it because the world changed; finishing motion, such as stowing the arm, still runs."""
-
-    def pause(self) -> None:
-        """Lets it come to a standstill where it is."""
-
-    def resume(self) -> None:
-        """Goes on after a pause."""
-
-    def step(self) -> None:
-        """Lets it do one cycle while it is paused."""
-
-    def stop(self) -> None:
-        """Stops it in this cycle; nothing follows."""
-
-
 class RunningModule:
     """A module that runs in this process's control cycle.
 
@@ -172,7 +112,12 @@ class RunningModule:
 
     @property
     def account(self) -> Mapping[str, Any]:
-        """What it was run with, what was found of its conditions, and what it changed, as plain data."""
+        """What it was run with, what was found of its conditions, and what it changed, as plain data.
+
+        ``inputs``: values by parameter key; ``conditions``: what was found last of each one that was looked at;
+        ``implementation``: of a skill, the label of the way that was tried last; ``changes``: numbers of its changes
+        of the world.
+        """
         return {**self.run.account(), "changes": list(self.changes)}
 
     @property

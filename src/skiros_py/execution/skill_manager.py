@@ -9,7 +9,7 @@ import threading
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import chain
-from typing import Any, Protocol
+from typing import Any
 
 from skiros_py.errors import DescriptionError, UnknownName, UsageError
 from skiros_py.execution.claims import Claim, Claims, pieces
@@ -20,7 +20,7 @@ from skiros_py.execution.monitor import Monitor, Status
 from skiros_py.execution.panel import Panel, primitive_panel, skill_panel
 from skiros_py.execution.primitive_run import PrimitiveRun
 from skiros_py.execution.registration import Registration
-from skiros_py.execution.running import BehaviourRun, RunnableDocument, Running, RunningModule
+from skiros_py.execution.running import BehaviourRun, RunningModule
 from skiros_py.execution.scope import ModuleRun, Scope
 from skiros_py.execution.skill_run import SkillRun
 from skiros_py.execution.task import RunClock, Task
@@ -32,7 +32,7 @@ from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import BROKEN, Failure, Outcome
 from skiros_py.skills.parameters import Access, Kind, Output, params_of
 from skiros_py.skills.primitive import Execution, Primitive
-from skiros_py.skills.skill import Skill, SkillDescription
+from skiros_py.skills.skill import RunnableDocument, Skill, SkillDescription
 from skiros_py.skills.surroundings import owner
 from skiros_py.world.change import Change
 from skiros_py.world.vocabulary import HAS_A
@@ -41,39 +41,6 @@ _PATIENCE = 1.0
 """For how long a write is waited for when a manager is lost [s]."""
 _MOST_CHANGES = 1000
 """Changes of which it is kept that one run of a module made them."""
-
-
-class Transport(Protocol):
-    """How a task manager reaches a skill manager, wherever it lives."""
-
-    @property
-    def agent(self) -> str:
-        """Id of the subsystem."""
-
-    @property
-    def descriptions(self) -> Mapping[str, SkillDescription]:
-        """The skills it offers, by name; none when it is lost."""
-
-    @property
-    def alternatives(self) -> Mapping[str, Sequence[Sequence[Condition]]]:
-        """What each implementation of a skill asks for besides what the description does, by the skill's name."""
-
-    @property
-    def running(self) -> Mapping[str, Running]:
-        """What runs now, by name."""
-
-    def start(self, module: str, arguments: Mapping[str, Any], *, task: str = "", parent: str = "") -> Running:
-        """Starts a module.
-
-        Args:
-            module: Its name.
-            arguments: Its parameters.
-            task: Name of the task that it is done for; empty for none.
-            parent: Id of what it is part of, such as a step of a plan; empty for none.
-
-        Raises:
-            UsageError: It cannot be started now.
-        """
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any, Generic, TypeVar
 
 from skiros_py.errors import DeviceError, ModuleError
 from skiros_py.execution.module_faults import words
 from skiros_py.interruptions import CycleOverrun, by_user
 from skiros_py.ports.board import DeviceBoard
+from skiros_py.skills.context import Clock
 
 T = TypeVar("T")
 
@@ -221,14 +222,6 @@ _RAMP = 0.3
 """Time in which a clock slows down to standing still, and takes up speed again [s]."""
 
 
-class Run(Protocol):
-    """What gives the time of the run."""
-
-    @property
-    def now(self) -> float:
-        """Time since the start of the run [s]."""
-
-
 class RunClock:
     """Stands still while its task is paused, and gets there smoothly.
 
@@ -245,7 +238,7 @@ class RunClock:
 
     __slots__ = ("_now", "_run", "_wanted", "lag", "rate", "steady")
 
-    def __init__(self, run: Run) -> None:
+    def __init__(self, run: Clock) -> None:
         self._run = run
         self._now = 0.0
         self.rate = 1.0

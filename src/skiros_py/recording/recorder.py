@@ -14,7 +14,6 @@ from math import inf
 from typing import Any, ParamSpec, Self
 
 from skiros_py.execution.monitor import ModuleEvent, Status
-from skiros_py.execution.running import RunnableDocument
 from skiros_py.execution.runtime import Runtime
 from skiros_py.geometry import Pose
 from skiros_py.interruptions import limited
@@ -30,6 +29,7 @@ from skiros_py.recording.foxglove import FLAG, NUMBER, OBJECT, TEXT, WHOLE, Json
 from skiros_py.recording.reader import FRAMES, JOINTS
 from skiros_py.recording.topic import Topic, own_schema, plain, record_plugins
 from skiros_py.recording.writer import RecordingWriter, Write
+from skiros_py.skills.skill import RunnableDocument
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.trace import TraceEntry, TraceEventKind

@@ -244,3 +244,22 @@ class Skill:
         """The behaviours it is made of by the name of the part, in the order in which they run."""
         names = ("pre_sense", "body", "finish", "post_sense")
         return {name: part for name in names if (part := getattr(self, name)) is not None}
+
+
+@dataclass(frozen=True, slots=True)
+class RunnableDocument:
+    """A document that can be run as a module.
+
+    Attributes:
+        behaviour: What it does.
+        revision: Its revision: kept in the events of each run.
+        help: One sentence for people.
+        params: The parameters that it declares.
+        outputs: Names of the values that its outcome has.
+    """
+
+    behaviour: Behaviour
+    revision: int
+    help: str = ""
+    params: tuple[Param, ...] = ()
+    outputs: tuple[str, ...] = ()

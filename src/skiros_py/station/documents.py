@@ -13,13 +13,13 @@ from skiros_py.api import documents as api
 from skiros_py.api.alarms import AlarmKind
 from skiros_py.behaviours import Behaviour, DocumentKind, Review
 from skiros_py.errors import DocumentError, DocumentFault, Refused, SkirosError, UsageError, WrongState
-from skiros_py.execution.running import RunnableDocument
 from skiros_py.interruptions import limited
 from skiros_py.skills.behaviour import nodes_of
 from skiros_py.skills.lint.checking import faults_of_document
 from skiros_py.skills.lint.rule import Known
 from skiros_py.skills.parameters.values import read_value
 from skiros_py.skills.plain import Reader
+from skiros_py.skills.skill import RunnableDocument
 from skiros_py.station.document_store import Document, DocumentStore
 from skiros_py.station.requests import ANY_VERSION, Seen, Service, addressed, find, require_seen
 from skiros_py.station.session import Session

@@ -11,7 +11,7 @@ from typing import TypeVar
 
 from skiros_py.execution.cycle import ControlCycle
 from skiros_py.execution.monitor import Monitor
-from skiros_py.execution.skill_manager import Transport
+from skiros_py.execution.skill_manager import SkillManager
 from skiros_py.planning.problem.task import Capability
 from skiros_py.planning.requests import Answer, Asked, PlanningHost
 from skiros_py.planning.service import USUAL, Planned, PlanningOptions
@@ -96,7 +96,7 @@ class TaskContext:
     """
 
     world: World
-    managers: Mapping[str, Transport]
+    managers: Mapping[str, SkillManager]
     planning: PlanningHost
     cycle: ControlCycle
     on_plan: Callable[[Planned], None] = lambda _planned: None

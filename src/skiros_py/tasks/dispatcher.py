@@ -7,7 +7,7 @@ from concurrent.futures import Future
 from dataclasses import dataclass, replace
 
 from skiros_py.errors import DiskFault, UsageError, WorldError
-from skiros_py.execution.running import Running
+from skiros_py.execution.running import RunningModule
 from skiros_py.planning.plan import Plan, Step
 from skiros_py.planning.problem.stock import tokens_of
 from skiros_py.skills.outcome import CANCELLED, Failure, Outcome
@@ -32,7 +32,7 @@ class Active:
 
     run: StepRun
     robot: str
-    running: Running
+    running: RunningModule
     leaving: str = ""
 
     @property

@@ -10,11 +10,11 @@ import pytest
 from skiros_py.behaviours.tree_document import Tree
 from skiros_py.catalogue import load_catalogue
 from skiros_py.errors import DocumentFault
-from skiros_py.execution.running import RunnableDocument
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Output, param
 from skiros_py.skills.plain import Reader
 from skiros_py.skills.primitive import Execution, Primitive
+from skiros_py.skills.skill import RunnableDocument
 from skiros_py.testing import Bench, tiny_world
 
 READER = Reader(load_catalogue().behaviours)

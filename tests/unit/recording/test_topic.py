@@ -17,7 +17,6 @@ from mcap.reader import make_reader
 
 from skiros_py.behaviours import Wait
 from skiros_py.devices.gripper import GripperSpec, GripperState
-from skiros_py.execution.running import RunnableDocument
 from skiros_py.geometry import Pose
 from skiros_py.ports.adapters import GivenPorts
 from skiros_py.ports.cell import CellSpec, RobotSpec
@@ -26,6 +25,7 @@ from skiros_py.ports.values import Snapshot
 from skiros_py.recording import Recorder, Recording, RecordingWriter
 from skiros_py.recording.recorder import Devices
 from skiros_py.recording.topic import own_schema, plain
+from skiros_py.skills.skill import RunnableDocument
 from skiros_py.testing import Bench, tiny_world
 
 PLUGIN = """

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from skiros_py.errors import SkirosError
 from skiros_py.skills.behaviour import Behaviour, Uses, walk
@@ -16,7 +16,7 @@ from skiros_py.skills.conditions import Condition, ConditionType, Pattern
 from skiros_py.skills.conditions.pattern import Classes
 from skiros_py.skills.parameters import IT, Output, Param, params_of
 from skiros_py.skills.primitive import Primitive
-from skiros_py.skills.skill import Skill, SkillDescription
+from skiros_py.skills.skill import RunnableDocument, Skill, SkillDescription
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners
 
@@ -157,22 +157,6 @@ def title(subject: Subject) -> str:
             return f"primitive {getattr(subject, 'name', getattr(subject, '__name__', ''))}"
 
 
-class CallableDocument(Protocol):
-    """A document that can be called as a module."""
-
-    @property
-    def behaviour(self) -> Behaviour:
-        """What it does."""
-
-    @property
-    def params(self) -> tuple[Param, ...]:
-        """The parameters that it declares; without any it takes all values."""
-
-    @property
-    def outputs(self) -> tuple[str, ...]:
-        """Names of the values that its outcome has."""
-
-
 @dataclass(frozen=True, slots=True)
 class Known:
     """What is there beside the thing that is looked at.
@@ -191,7 +175,7 @@ class Known:
     skills: Sequence[Skill] = ()
     reasoners: Reasoners = NO_REASONERS
     signals: Collection[str] | None = None
-    documents: Mapping[str, CallableDocument | None] = field(default_factory=dict)
+    documents: Mapping[str, RunnableDocument | None] = field(default_factory=dict)
 
     def implementations(self, skill: str) -> tuple[Skill, ...]:
         """Returns the implementations of a skill."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from skiros_py.api import modules as api
-from skiros_py.execution.running import RunnableDocument
 from skiros_py.execution.skill_manager import SkillManager
 from skiros_py.planning.problem.task import Capability
 from skiros_py.skills.behaviour import Behaviour, nodes_of
@@ -13,7 +12,7 @@ from skiros_py.skills.conditions import Condition
 from skiros_py.skills.outcome import Failure
 from skiros_py.skills.parameters import Kind, Output, Param
 from skiros_py.skills.parameters.values import as_json, as_shown, schema
-from skiros_py.skills.skill import Skill
+from skiros_py.skills.skill import RunnableDocument, Skill
 from skiros_py.skills.surroundings import owner
 from skiros_py.station.modules.runs import ModuleRun, Round
 from skiros_py.station.session import Session

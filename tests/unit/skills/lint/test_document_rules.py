@@ -8,12 +8,12 @@ from typing import Any, ClassVar
 import pytest
 
 from skiros_py.behaviours import Behaviour, Do, Fallback, Guard, Out, P, Repeat, Retry, Sequence, Timeout, WaitUntil
-from skiros_py.execution.running import RunnableDocument
 from skiros_py.skills.lint.checking import faults_of_document
 from skiros_py.skills.lint.rule import Known
 from skiros_py.skills.outcome import Execution, Outcome, Success
 from skiros_py.skills.parameters import Kind, Output, Param, param
 from skiros_py.skills.primitive import Primitive
+from skiros_py.skills.skill import RunnableDocument
 from skiros_py.testing import tiny_ontology
 
 
