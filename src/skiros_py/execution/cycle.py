@@ -158,14 +158,13 @@ class ControlCycle:
         """Ends all tasks in the next cycle, as :meth:`halt` does; the devices get no command to brake."""
         self.halted = self.halted or reason or "halted"
 
-    def stop_all(self, reason: str = "a stop was asked for", *, patience: float | None = None) -> bool:
-        """Halts everything and runs on until all stands; only between two cycles.
+    def stop_all(self, reason: str = "a stop was asked for") -> bool:
+        """Halts everything and runs on until all stands, or the robots' braking time is over; only between two cycles.
 
         No task can be started until :meth:`reset`.
 
         Args:
             reason: Why, for a person.
-            patience: Longest time to wait for standstill [s]; the robots' braking time where left out.
 
         Returns:
             True when everything stands.
@@ -176,7 +175,7 @@ class ControlCycle:
         if self.activity.task is not None:
             raise UsageError(f"{self.activity.task.name}: a task cannot wait for its own end; it may halt everything")
         self.halt(reason)
-        deadline = self.board.snapshot.time + (self.board.braking_time if patience is None else patience)
+        deadline = self.board.snapshot.time + self.board.braking_time
         self.step()
         while not self.board.still and self.board.snapshot.time < deadline:
             self.step()
