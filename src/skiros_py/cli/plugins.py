@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 import click
 
+from skiros_py.api.modules import PluginFaultInfo
 from skiros_py.catalogue import KINDS, Surveyed, survey
 from skiros_py.cli.commands import Found, reports
 from skiros_py.cli.output import NOT_REACHED, REACHED, table_lines
 from skiros_py.errors import UnknownName
 from skiros_py.plugins.installation import GROUPS
 from skiros_py.plugins.plugin import PluginFault, origin_of
+from skiros_py.station.modules import views
 
 
 @reports("plugins --group skills", epilog="Examples: skiros plugins --group skills; skiros plugins drive")
@@ -32,10 +33,7 @@ def command(name: str | None, group: str | None, tracebacks: bool) -> Found:
         raise UnknownName("plug-in", name, {one.entry.name for one in everything if wanted in (None, one.entry.group)})
     others = [fault for fault in strays if name is None and wanted is None]
     broken = any(not one.works for one in listed) or bool(others)
-    found = {
-        "plugins": [_as_json(one) for one in listed],
-        "others": [{"from": fault.distribution, **_fault(fault)} for fault in others],
-    }
+    found = {"plugins": list(map(views.plugin, listed)), "others": list(map(PluginFaultInfo.view_of, others))}
     lines = _table(listed, others, tracebacks=tracebacks) if name is None else _in_full(listed)
     return found, lines, NOT_REACHED if broken else REACHED
 
@@ -81,20 +79,3 @@ def _in_full(listed: Sequence[Surveyed]) -> Iterator[str]:
         yield from (f"{title:9} {text}" for title, text in said.items())
         for fault in one.faults:
             yield from (f"{'reason':9} {fault.reason}", *fault.traceback.splitlines())
-
-
-def _as_json(one: Surveyed) -> dict[str, Any]:
-    entry = one.entry
-    return {
-        "group": entry.group,
-        "name": entry.name,
-        "distribution": entry.distribution.name,
-        "version": entry.distribution.version,
-        "object": entry.value,
-        "works": one.works,
-        "faults": [_fault(fault) for fault in one.faults],
-    }
-
-
-def _fault(fault: PluginFault) -> dict[str, str]:
-    return {"reason": fault.reason, "origin": fault.origin, "traceback": fault.traceback}

@@ -221,15 +221,4 @@ class PluginService(Service):
 def _surveyed() -> api.Plugins:
     """Loads all entry points, once: the installation does not change while a program runs."""
     found, others = survey()
-    plugins = [
-        api.PluginInfo.view_of(
-            one.entry,
-            distribution=one.entry.distribution.name,
-            version=one.entry.distribution.version,
-            object=one.entry.value,
-            works=one.works,
-            faults=one.faults,
-        )
-        for one in found
-    ]
-    return api.Plugins(items=plugins, others=list(map(api.PluginFaultInfo.view_of, others)))
+    return api.Plugins(items=list(map(views.plugin, found)), others=list(map(api.PluginFaultInfo.view_of, others)))

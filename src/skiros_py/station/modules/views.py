@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from skiros_py.api import modules as api
+from skiros_py.catalogue import Surveyed
 from skiros_py.execution.skill_manager import SkillManager
 from skiros_py.planning.problem.task import Capability
 from skiros_py.skills.behaviour import Behaviour, nodes_of
@@ -189,3 +190,14 @@ def _round(one: Round) -> api.ModuleRound:
             return api.ModuleRound.view_of(one, success=False, code=code, text=text)
         case outcome:
             return api.ModuleRound.view_of(one, success=True, code=1, text=outcome.message)
+
+
+# ---------------------------------------------------------------------- plug-ins
+
+
+def plugin(one: Surveyed) -> api.PluginInfo:
+    """Describes an entry point."""
+    entry, own = one.entry, one.entry.distribution
+    return api.PluginInfo.view_of(
+        entry, distribution=own.name, version=own.version, object=entry.value, works=one.works, faults=one.faults
+    )
