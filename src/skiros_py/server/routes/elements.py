@@ -161,7 +161,7 @@ def take_back_relation(
 
     Removes a stated relation; placements cannot be removed, since every element has a place.
     """
-    written = act.station.elements.unrelate(element, relation, other, seen, act.author, reason)
+    written = act.station.elements.relate(element, relation, other, seen, act.author, reason, holds=False)
     _tag(act, act.station.elements.version(element))
     return written
 

@@ -249,23 +249,25 @@ class ElementService(Service):
         seen: Seen | None = ANY_VERSION,
         author: Author = LIBRARY,
         reason: str = "",
+        *,
+        holds: bool = True,
     ) -> api.Written:
-        """States a relation between two elements; a placement moves the element."""
-        reason = reason or f"states {element} {relation} {other}"
-        return self._write(element, seen, author, reason, lambda tx: tx.relate(element, relation, other))
+        """States a relation between two elements, or removes it.
 
-    def unrelate(
-        self,
-        element: str,
-        relation: str,
-        other: str,
-        seen: Seen | None = ANY_VERSION,
-        author: Author = LIBRARY,
-        reason: str = "",
-    ) -> api.Written:
-        """Removes a stated relation; not a placement, because every element has one."""
-        reason = reason or f"takes back {element} {relation} {other}"
-        return self._write(element, seen, author, reason, lambda tx: tx.unrelate(element, relation, other))
+        A placement moves the element; it cannot be removed, because every element has one.
+
+        Args:
+            element: Id of the first element.
+            relation: Name of the relation.
+            other: Id of the second element.
+            seen: The version of the first element that the author has seen.
+            author: Who writes.
+            reason: Why.
+            holds: False to remove it.
+        """
+        reason = reason or f"{'states' if holds else 'takes back'} {element} {relation} {other}"
+        write = Transaction.relate if holds else Transaction.unrelate
+        return self._write(element, seen, author, reason, lambda tx: write(tx, element, relation, other))
 
     def version(self, element: str) -> int | None:
         """Returns the version of an element; None if it was removed."""
