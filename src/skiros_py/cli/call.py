@@ -16,7 +16,8 @@ from skiros_py.cli.commands import SERVER
 from skiros_py.cli.options import JSON, key_values
 from skiros_py.cli.output import REACHED, tell
 from skiros_py.cli.reaching import reach
-from skiros_py.errors import FileError, UnknownName, UsageError
+from skiros_py.errors import UnknownName, UsageError
+from skiros_py.files import read_text
 
 if TYPE_CHECKING:
     from skiros_py.client.operation import Operation
@@ -101,10 +102,7 @@ def _value(text: str, parameter: inspect.Parameter) -> Any:
     from skiros_py.client.operation import validated
 
     if text.startswith("@"):
-        try:
-            text = Path(text[1:]).read_text(encoding="utf-8")
-        except (OSError, ValueError) as error:
-            raise FileError(Path(text[1:]), f"cannot be read: {error}") from error
+        text = read_text(Path(text[1:]))
     kind: Any = parameter.annotation
     if parameter.kind is parameter.VAR_POSITIONAL:
         kind = GenericAlias(tuple, (kind, ...))

@@ -10,7 +10,8 @@ import click
 
 from skiros_py.cli.commands import Found, served
 from skiros_py.cli.options import combined, given_params
-from skiros_py.errors import FileError, UnknownName
+from skiros_py.errors import UnknownName
+from skiros_py.files import read_text
 
 if TYPE_CHECKING:
     from skiros_py.api.documents import DocumentInfo
@@ -57,11 +58,7 @@ def import_(client: Client, kind: str, id_: str, file: Path, format_: str | None
         raise UnknownName("format", format_, formats, where=f"of {kind} documents")
     media_type = next(iter(formats.values())) if format_ is None else formats[format_]
     known = {document.id: document.revision for document in client.documents.list(kind).documents}
-    try:
-        text = file.read_text(encoding="utf-8")
-    except (OSError, UnicodeError) as error:
-        raise FileError(file, f"cannot be read: {error}") from error
-    document = client.documents.import_text(kind, id_, text, media_type, seen=known.get(id_))
+    document = client.documents.import_text(kind, id_, read_text(file), media_type, seen=known.get(id_))
     return document, [_line(document), *_problems(document)]
 
 

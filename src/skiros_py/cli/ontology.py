@@ -15,6 +15,7 @@ from skiros_py.cli.commands import Found, reports
 from skiros_py.cli.options import time_limit_option
 from skiros_py.cli.output import NOT_REACHED, REACHED, counted, progress
 from skiros_py.errors import UsageError
+from skiros_py.files import read_text
 
 if TYPE_CHECKING:
     from skiros_py.world.ontology.check.checking import CheckReport, ReasonerChoice
@@ -142,10 +143,7 @@ def _as_json(report: CheckReport) -> dict[str, Any]:
 
 
 def _compare(file: Path, text: str) -> int:
-    try:
-        lines = file.read_text(encoding="utf-8").splitlines(keepends=True)
-    except (OSError, UnicodeDecodeError) as error:
-        raise UsageError(f"--check {file}: cannot be read as UTF-8 text: {error}") from error
+    lines = read_text(file).splitlines(keepends=True)
     diff = list(difflib.unified_diff(lines, text.splitlines(keepends=True), f"{file}", "as generated"))
     sys.stdout.writelines(diff)
     if diff:

@@ -16,6 +16,7 @@ from tomlkit.exceptions import TOMLKitError
 from skiros_py.catalogue import Catalogue, load_catalogue
 from skiros_py.config import ontology_paths
 from skiros_py.errors import DescriptionError, FileError, UnknownName, UsageError
+from skiros_py.files import read_text
 from skiros_py.plugins.installation import as_if_installed, canonical, installation
 from skiros_py.plugins.plugin import Entry
 from skiros_py.scaffold.declared import sentence
@@ -184,11 +185,9 @@ class Project:
 
 
 def _read(file: Path) -> str:
+    text = read_text(file)
     try:
-        text = file.read_text(encoding="utf-8")
         tomlkit.parse(text)
-    except (OSError, UnicodeDecodeError) as error:
-        raise FileError(file, f"cannot be read as UTF-8 text: {error}") from error
     except TOMLKitError as error:
         raise FileError(file, f"is no TOML: {error}") from error
     return text

@@ -10,9 +10,10 @@ from pathlib import Path
 import pyoxigraph as ox
 
 from skiros_py.errors import FileError
+from skiros_py.files import read_text
 from skiros_py.world.literals import LONGEST_TEXT
 from skiros_py.world.names import STANDARD_PREFIXES, Names, split_iri
-from skiros_py.world.ontology.formats import check_turtle, outline_xml, parse_turtle, parse_xml, read_text
+from skiros_py.world.ontology.formats import check_turtle, outline_xml, parse_turtle, parse_xml
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,31 @@
+"""Reads files of users."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from skiros_py.errors import FileError
+
+
+def read_text(path: Path) -> str:
+    """Reads a file as UTF-8 text, with or without a byte-order mark.
+
+    Raises:
+        FileError: It is missing, unreadable or not such a text.
+    """
+    try:
+        data = path.read_bytes()
+    except FileNotFoundError:
+        raise FileError(path, "there is no such file") from None
+    except OSError as error:
+        raise FileError(path, f"cannot be read: {error.strerror or error}") from None
+    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        raise FileError(path, "is UTF-16 text: save it as UTF-8")
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise FileError(path, f"cannot be read as UTF-8 text: {error.reason}", line=line) from None
+    if "\0" in text:
+        raise FileError(path, "is no text: it has a zero byte", line=text.count("\n", 0, text.index("\0")) + 1)
+    return text
