@@ -15,8 +15,9 @@ from uvicorn.middleware.proxy_headers import ProxyHeadersMiddleware
 from skiros_py.server.access.gate import Gate
 from skiros_py.server.access.openapi import GuardedApi
 from skiros_py.server.pages import Pages, pages_of
-from skiros_py.server.problems import PROBLEMS, add_problem_handlers
+from skiros_py.server.problems import add_problem_handlers
 from skiros_py.server.routes import (
+    PREFIX,
     access,
     alarms,
     documents,
@@ -24,6 +25,8 @@ from skiros_py.server.routes import (
     events,
     goals,
     health,
+    job_commands,
+    job_results,
     jobs,
     modules,
     ontology,
@@ -38,13 +41,12 @@ from skiros_py.server.routes import (
 )
 from skiros_py.server.services import Services
 
-PREFIX = "/api/v1"
 _ROUTERS = (
-    jobs.router, goals.router, goals.previews_router, world.router, elements.router,
-    ontology.router, queries.router, world.learned_router, world.locks_router, scenes.router,
+    jobs.router, job_commands.router, job_results.router, goals.router, goals.previews_router, world.router,
+    elements.router, ontology.router, queries.router, world.learned_router, world.locks_router, scenes.router,
     simulation.router, modules.router, documents.router, tasks.router,
     modules.plugins_router, robots.router, alarms.router, events.router, stop.router, webhooks.router,
-    access.router, access.keys_router, access.session_router,
+    access.router, access.keys_router, access.session_router, health.router,
 )  # fmt: skip
 """The routes, in the order in which the documentation shows them."""
 
@@ -65,12 +67,10 @@ def create_app(services: Services) -> FastAPI:
         redirect_slashes=False,
         servers=[{"url": services.settings.public_url.rstrip("/")}] if services.settings.public_url else None,
         telemetry={"tracing": False},  # traces are not collected, and take a tenth of the time of a request
-        generate_unique_id_function=lambda route: route.name,
     )
     app.state.services = services
     for router in _ROUTERS:
-        app.include_router(router, prefix=PREFIX, responses=PROBLEMS)
-    app.include_router(health.router)
+        app.router.routes += router.routes
     add_documentation(app, PREFIX)
     add_problem_handlers(app)
     app.add_middleware(Gate, services, Pages(pages_of(services.settings)))  # the gate also reads and limits bodies

@@ -5,16 +5,17 @@ from __future__ import annotations
 from typing import Annotated, Any
 from urllib.parse import urlsplit
 
-from fastapi import APIRouter, Path, Query, Request, Response
+from fastapi import Path, Query, Request, Response
 
 from skiros_py.api.server import ApiKey, AuditPage, KeyOrder, Login, Me, NewKey
 from skiros_py.server.access.authenticator import LIFETIME, cookie_name
 from skiros_py.server.access.keys import shown
 from skiros_py.server.access.openapi import operations
 from skiros_py.server.access.roles import Act, Admin, Anybody, Caller, Role, ViewerOrMes
+from skiros_py.server.routes import topic_router
 from skiros_py.station.requests import addressed
 
-router = APIRouter(prefix="/audit", tags=["access"])
+router = topic_router("access", "/audit")
 
 Limit = Annotated[int, Query(ge=1, le=1000)]
 Cursor = Annotated[str | None, Query(pattern="^[0-9]{1,18}$")]
@@ -32,7 +33,7 @@ def list_audit(act: Admin, limit: Limit = 100, cursor: Cursor = None) -> AuditPa
     return AuditPage(items=entries, next=str(entries[-1].number) if len(entries) == limit else None)
 
 
-keys_router = APIRouter(prefix="/keys", tags=["access"])
+keys_router = topic_router("access", "/keys")
 
 KeyId = Annotated[str, Path(max_length=64, description="Id of the key.", examples=["1f0c55a2"])]
 
@@ -80,7 +81,7 @@ def revoke_key(act: Admin, key_id: KeyId) -> ApiKey:
         return shown(act.services.keys.revoke(key_id, open_to_others=not act.services.settings.is_local))
 
 
-session_router = APIRouter(prefix="/session", tags=["access"])
+session_router = topic_router("access", "/session")
 
 
 @session_router.get("")

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Path
+from fastapi import Path
 
 from skiros_py.api.alarms import AlarmAnswer, AlarmInfo, AlarmPage
 from skiros_py.server.access.audit import note
 from skiros_py.server.access.roles import Operator, OperatorOrMes, Role, ViewerOrMes
 from skiros_py.server.problems import Problem
+from skiros_py.server.routes import topic_router
 from skiros_py.server.routes.world import Cursor, Limit, number_cursor
 
-router = APIRouter(prefix="/alarms", tags=["alarms"])
+router = topic_router("alarms", "/alarms")
 
 AlarmId = Annotated[str, Path(max_length=200, description="Id of the alarm.", examples=["1f2e3d4c-7"])]
 

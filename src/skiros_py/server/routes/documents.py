@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Path, Query, Request, Response
+from fastapi import Depends, Path, Query, Request, Response
 
 from skiros_py.api.documents import DocumentContent, DocumentInfo, DocumentKinds, Documents
 from skiros_py.server.access.roles import Act, Operator, Role, Viewer, ViewerOrMes
 from skiros_py.server.problems import NEEDS_VERSION, Problem, SeenDep, etag, tagged
+from skiros_py.server.routes import topic_router
 
-router = APIRouter(tags=["documents"])
+router = topic_router("documents")
 
 KindName = Annotated[str, Path(min_length=1, max_length=100, description="Kind of the document.", examples=["tree"])]
 Id = Annotated[

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Query
+from fastapi import Query
 
 from skiros_py.api import world as api
 from skiros_py.server.access.roles import Act, Operator, Viewer
 from skiros_py.server.problems import NEEDS_VERSION, SeenDep, tagged
+from skiros_py.server.routes import topic_router
 from skiros_py.server.routes.world import (
     ChangeLimit,
     Cursor,
@@ -19,7 +20,7 @@ from skiros_py.server.routes.world import (
     number_cursor,
 )
 
-router = APIRouter(tags=["elements"])
+router = topic_router("elements")
 
 _LATEST = 2**62
 _WRITES = NEEDS_VERSION | tagged()

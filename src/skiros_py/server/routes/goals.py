@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Path, Query
+from fastapi import Path, Query
 
 from skiros_py.api import goals as api
 from skiros_py.api.previews import AppliedRepair, Preview, PreviewPage
 from skiros_py.server.access.roles import Operator, OperatorOrMes, ViewerOrMes
 from skiros_py.server.problems import NEEDS_VERSION, SeenDep, tagged
+from skiros_py.server.routes import topic_router
 from skiros_py.station.jobs.goals import goals_version
 
-router = APIRouter(tags=["goals"])
+router = topic_router("goals")
 
 
 @router.post("/goals/check")
@@ -59,7 +60,7 @@ def list_goal_conditions(
     return act.station.goals.words(every=every)
 
 
-previews_router = APIRouter(tags=["previews"])
+previews_router = topic_router("previews")
 
 PreviewId = Annotated[
     str, Path(alias="id", min_length=1, max_length=20, examples=["1"], description="Id of the preview.")

@@ -12,7 +12,7 @@ from skiros_py.server.access.roles import Anybody, Viewer
 from skiros_py.server.problems import PROBLEMS
 from skiros_py.station.station import Station
 
-router = APIRouter(tags=["operation"])
+router = APIRouter(tags=["operation"], generate_unique_id_function=lambda route: route.name)
 
 
 @router.head("/healthz", include_in_schema=False)

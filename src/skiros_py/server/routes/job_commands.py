@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Body, Depends, Path, Query
+from fastapi import Body, Depends, Path, Query
 
 from skiros_py.api.jobs import AcceptedJob, Job, JobAnswer, JobComment
 from skiros_py.server.access.audit import note
 from skiros_py.server.access.roles import Act, OperatorOrMes
 from skiros_py.server.problems import SeenDep, tagged
+from skiros_py.server.routes import topic_router
 
 JobId = Annotated[
     str, Path(alias="id", min_length=1, max_length=200, description="Id of the job.", examples=["line-1-kit-4711"])
@@ -23,7 +24,7 @@ def accepted(act: Act, job: Job) -> AcceptedJob:
     return AcceptedJob.model_construct(**dict(act.tagged(job)))
 
 
-router = APIRouter(responses=tagged())
+router = topic_router("jobs", responses=tagged())
 
 _NO_COMMENT = JobComment()
 

@@ -8,16 +8,17 @@ import re
 from functools import partial
 from typing import Annotated
 
-from fastapi import APIRouter, Header, Query, Response
+from fastapi import Header, Query, Response
 from fastapi.responses import FileResponse
 
 from skiros_py.api import jobs as api
 from skiros_py.api.view import Replay
 from skiros_py.api.wire import WantedMoment
 from skiros_py.server.access.roles import Viewer, ViewerOrMes
+from skiros_py.server.routes import topic_router
 from skiros_py.server.routes.job_commands import CursorQuery, JobId, NewestFirstQuery
 
-router = APIRouter()
+router = topic_router("jobs")
 
 _GZIP = re.compile(r"(?:^|[,\s])(?:gzip|\*)\s*(?!\s*;\s*q=0(?:\.0*)?\s*(?:,|$))")
 _LEVEL = 5

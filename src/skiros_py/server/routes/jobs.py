@@ -5,14 +5,14 @@ from __future__ import annotations
 import re
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Header, Query
+from fastapi import Header, Query
 
 from skiros_py.api.jobs import AcceptedJob, Job, JobOrder, JobPage, StateName
 from skiros_py.api.wire import WantedMoment
 from skiros_py.server.access.audit import note
 from skiros_py.server.access.roles import Act, OperatorOrMes, ViewerOrMes
 from skiros_py.server.problems import Problem, SeenDep, also_refused, tagged
-from skiros_py.server.routes import job_commands, job_results
+from skiros_py.server.routes import topic_router
 from skiros_py.server.routes.job_commands import (
     CursorQuery,
     JobId,
@@ -21,7 +21,7 @@ from skiros_py.server.routes.job_commands import (
 )
 from skiros_py.station.jobs.views import is_open
 
-router = APIRouter(tags=["jobs"])
+router = topic_router("jobs")
 
 _LONGEST_WAIT = 30
 _WAIT = re.compile(r'(?:^|[,;\s])wait\s*=\s*"?(\d{1,6})"?')
@@ -131,10 +131,6 @@ def get_job(act: ViewerOrMes, job: JobId) -> Job:
     Returns the current state of a job.
     """
     return act.tagged(act.station.jobs.get(job))
-
-
-router.include_router(job_commands.router)
-router.include_router(job_results.router)
 
 
 def _key_of(given: str | None) -> str | None:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from fastapi import APIRouter, Path, Query
+from fastapi import Path, Query
 
 from skiros_py.api import modules as api
 from skiros_py.server.access.roles import Engineer, Viewer
+from skiros_py.server.routes import topic_router
 
-router = APIRouter(tags=["modules"])
+router = topic_router("modules")
 
 Id = Annotated[str, Path(max_length=200)]
 RunId = Annotated[str, Path(alias="id", max_length=200)]
@@ -171,7 +172,7 @@ def get_skill(act: Viewer, name: Id) -> api.SkillInfo:
     return act.station.modules.skill(name)
 
 
-plugins_router = APIRouter(tags=["plugins"])
+plugins_router = topic_router("plugins")
 
 
 @plugins_router.get("/plugins")

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Query
+from fastapi import Query
 
 from skiros_py.api import ontology as api
 from skiros_py.api.world import EVERYTHING
 from skiros_py.server.access.roles import Viewer
+from skiros_py.server.routes import topic_router
 from skiros_py.server.routes.world import Cursor, Limit, NamePath
 
-router = APIRouter(prefix="/ontology", tags=["ontology"])
+router = topic_router("ontology", "/ontology")
 
 
 @router.get("/classes")

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter, Response
+from fastapi import Response
 from fastapi.responses import JSONResponse
 
 from skiros_py.api.queries import Query, QueryAnswer
 from skiros_py.server.access.roles import Engineer
 from skiros_py.server.problems import Problem, also_refused
+from skiros_py.server.routes import topic_router
 from skiros_py.station.world.service import Answer
 
-router = APIRouter(tags=["queries"])
+router = topic_router("queries")
 
 CSV, TURTLE = "text/csv", "text/turtle"
 _TEXT = {"schema": {"type": "string"}}

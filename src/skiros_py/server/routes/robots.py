@@ -5,14 +5,15 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Path, Query, Response
+from fastapi import Path, Query, Response
 
 from skiros_py.api import robots as api
 from skiros_py.api.modules import ModuleRunInfo
 from skiros_py.errors import Busy
 from skiros_py.server.access.roles import Engineer, Operator, Viewer
+from skiros_py.server.routes import topic_router
 
-router = APIRouter(tags=["robots"])
+router = topic_router("robots")
 
 Id = Annotated[str, Path(max_length=200)]
 DeviceId = Annotated[str, Path(alias="id", max_length=200)]

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Depends, Path, Query, Request, Response
+from fastapi import Depends, Path, Query, Request, Response
 from fastapi.exceptions import RequestValidationError
 from pydantic import ValidationError
 
 from skiros_py.api import scenes as api
 from skiros_py.server.access.roles import Operator, Viewer
 from skiros_py.server.problems import NEEDS_VERSION, Problem, SeenDep, etag, tagged
+from skiros_py.server.routes import topic_router
 
-router = APIRouter(tags=["scenes"])
+router = topic_router("scenes")
 
 TURTLE = "text/turtle"
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Path, Query, Response
+from fastapi import Path, Query, Response
 
 from skiros_py.api import scenes as api
 from skiros_py.server.access.roles import Engineer, Viewer
+from skiros_py.server.routes import topic_router
 
-router = APIRouter(prefix="/simulation", tags=["simulation"])
+router = topic_router("simulation", "/simulation")
 
 BodyId = Annotated[str, Path(alias="element", max_length=200, description="Id of the body.", examples=["starter_1"])]
 _COORDINATES = r"^-?\d{1,4}(\.\d{1,9})?(,-?\d{1,4}(\.\d{1,9})?){2}$"

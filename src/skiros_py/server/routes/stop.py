@@ -6,14 +6,15 @@ import asyncio
 import json
 from typing import Any
 
-from fastapi import APIRouter, Request
+from fastapi import Request
 from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect
 
 from skiros_py.api.alarms import StopInfo, StopRequest
 from skiros_py.server.access.roles import Operator, OperatorOrMes, ViewerOrMes
+from skiros_py.server.routes import topic_router
 
-router = APIRouter(tags=["stop"])
+router = topic_router("stop")
 
 _LONGEST = 1000
 _FOR_THE_BODY = 0.1

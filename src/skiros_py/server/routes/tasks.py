@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from fastapi import APIRouter, Path, Query
+from fastapi import Path, Query
 
 from skiros_py.api.tasks import NewTask, TaskInfo, Tasks, TaskTrace
 from skiros_py.server.access.roles import Operator, Viewer
+from skiros_py.server.routes import topic_router
 
-router = APIRouter(tags=["tasks"])
+router = topic_router("tasks")
 
 Name = Annotated[str, Path(max_length=200, examples=["task 1"])]
 Command = Literal["pause", "resume", "step", "stop"]

@@ -9,18 +9,19 @@ from base64 import b64decode
 from datetime import UTC, datetime
 from typing import Annotated
 
-from fastapi import APIRouter, Path, Query
+from fastapi import Path, Query
 
 from skiros_py.api import webhooks as api
 from skiros_py.errors import UsageError
 from skiros_py.server.access.roles import Admin
 from skiros_py.server.problems import Problem
+from skiros_py.server.routes import topic_router
 from skiros_py.server.services import Services
 from skiros_py.server.webhooks.sender import resolve, target_of
 from skiros_py.server.webhooks.store import Subscription, new_secret
 from skiros_py.station.requests import addressed
 
-router = APIRouter(prefix="/webhooks", tags=["webhooks"])
+router = topic_router("webhooks", "/webhooks")
 
 WebhookId = Annotated[str, Path(max_length=100, description="Id of the webhook.", examples=["wh_5f0c"])]
 Number = Annotated[int, Path(ge=1, lt=2**53, description="Number of the delivery.")]

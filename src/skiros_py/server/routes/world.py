@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Header, Path, Query, Response
+from fastapi import Header, Path, Query, Response
 
 from skiros_py.api import world as api
 from skiros_py.api.transactions import TransactionOrder
@@ -13,6 +13,7 @@ from skiros_py.api.view import WorldView
 from skiros_py.errors import UsageError
 from skiros_py.server.access.roles import Engineer, Operator, Role, Viewer
 from skiros_py.server.problems import NEEDS_VERSION, Problem, SeenDep, also_refused, tagged
+from skiros_py.server.routes import topic_router
 
 Limit = Annotated[int, Query(ge=1, le=1000)]
 ChangeLimit = Annotated[int, Query(ge=1, le=200)]
@@ -46,7 +47,7 @@ def number_cursor(cursor: str | None, first: int = 0) -> int:
     return int(cursor)
 
 
-router = APIRouter(tags=["world"])
+router = topic_router("world")
 
 _LATEST = 2**62
 
@@ -153,7 +154,7 @@ def undo_edit(act: Operator, order: api.UndoOrder | None = None) -> api.Change:
     return act.station.world.undo(order, act.author)
 
 
-learned_router = APIRouter(tags=["learned"])
+learned_router = topic_router("learned")
 
 
 @learned_router.get("/learned")
@@ -189,7 +190,7 @@ def export_learned(act: Viewer) -> Response:
     return Response(act.station.world.learned_turtle(), media_type="text/turtle; charset=utf-8")
 
 
-locks_router = APIRouter(tags=["locks"])
+locks_router = topic_router("locks")
 
 
 @locks_router.get("/locks")
