@@ -323,9 +323,15 @@ def session(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
 def test_after_a_halt_by_the_watchdog_a_session_continues_only_after_a_reset(
     session: Session,
 ) -> None:
-    session.runtime.watchdog.limit = 0.5  # for this test only: on a busy machine, healthy ticks may take that long
-    Linger.does.append(_hang)
+    usual = session.runtime.watchdog.limit
+
+    def hang() -> None:
+        session.runtime.watchdog.limit = 0.5  # from now on: on a busy machine, healthy ticks may take that long
+        _hang()
+
+    Linger.does.append(hang)
     report = session.run(GOAL)
+    session.runtime.watchdog.limit = usual
 
     assert not report.reached
     assert "linger (of pick of arm_1) held the control cycle for" in report.conditions[0].reason

@@ -33,6 +33,14 @@ def fork_and_die():
     return pid
 os.fork = fork_and_die
 """
+REPORTS_LATE = """
+import os, time
+setsid = os.setsid
+def setsid_later():
+    time.sleep(1.0)
+    setsid()
+os.setsid = setsid_later
+"""
 LASTS = """
 import os, pathlib, time
 pathlib.Path("written").write_text(str(os.getpid()))
@@ -59,6 +67,7 @@ def modules(tmp_path: Path) -> Path:
     (folder / "says.py").write_text(SAYS.replace("sys.exit(int(sys.argv[2]))", "if sys.argv[2] != '0': sys.exit(7)"))
     (folder / "waits.py").write_text("import time\ntime.sleep(3600)\n")
     (folder / "dies.py").write_text(DIES)
+    (folder / "reports_late.py").write_text(REPORTS_LATE)
     (folder / "lasts.py").write_text(LASTS)
     (folder / "freezes.py").write_text(FREEZES.replace('"frozen"', repr(str(tmp_path / "frozen"))))
     return folder
@@ -169,6 +178,17 @@ def test_a_run_ends_even_if_the_resident_program_is_killed_right_after_starting_
         assert run.has_ended()
         assert run.kill() == -9
         process.wait(5.0)
+
+
+def test_a_run_that_reports_only_after_the_resident_program_was_killed_is_killed_too(
+    modules: Path, tmp_path: Path
+) -> None:
+    with closing(Resident("the program", modules, ["said", "dies", "reports_late"])) as resident:
+        run = resident.start(of("lasts"), tmp_path, LIMITS, os.environ)
+
+        assert run.kill() == -9
+        time.sleep(1.0)  # it would have begun by then
+        assert not (tmp_path / "pid").exists()
 
 
 def test_a_run_suspended_before_it_could_report_is_killed_and_the_resident_program_goes_on(

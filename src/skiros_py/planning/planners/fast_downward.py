@@ -28,6 +28,8 @@ from skiros_py.programs import Ended, Limits, Running, kill_group, resource_limi
 
 _START = 0.3
 """How long the resident program may take to start a run that is cancelled [s]."""
+_REPORT = 10.0
+"""How long a run that was started by a resident program which is dead by now may take to report [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -168,6 +170,7 @@ class ResidentRun:
         """
         if not self._has_reported(b"pid", _START):
             self._kill_resident()
+            self._has_reported(b"pid", _REPORT)  # by the run itself if it was started even so; none is left otherwise
         self.has_ended()  # reads what there is
         said = dict(line.split() for line in self._said.splitlines())
         os.close(self._status)  # for the resident program: to kill it, where it runs
