@@ -151,7 +151,7 @@ def test_every_operation_takes_exactly_the_roles_of_the_table(
     station: _Station, all_operations: list[_Operation]
 ) -> None:
     wrong = []
-    with httpx2.Client(base_url=station.url) as client:
+    with httpx2.Client(base_url=station.url, timeout=60.0) as client:
         for one in _calls(all_operations):
             for role, key in station.keys.items():
                 status = _status(client, one, {"Authorization": f"Bearer {key}"})
@@ -170,7 +170,7 @@ def test_no_operation_is_executed_without_a_valid_key(station: _Station, all_ope
         "expired": {"X-API-Key": station.expired},
         "cookie": {"Cookie": "skiros_session=guess"},
     }
-    with httpx2.Client(base_url=station.url) as client:
+    with httpx2.Client(base_url=station.url, timeout=60.0) as client:
         for one in _calls(all_operations):
             for kind, headers in shown.items():
                 status = _status(client, one, headers)
@@ -182,15 +182,15 @@ def test_no_operation_is_executed_without_a_valid_key(station: _Station, all_ope
 
 @pytest.mark.parametrize("path", ["/api/v1/docs", "/api/v1/openapi.json", "/metrics", "/api/nothing"])
 def test_unknown_paths_need_a_key_too(station: _Station, path: str) -> None:
-    with httpx2.Client(base_url=station.url) as client:
+    with httpx2.Client(base_url=station.url, timeout=60.0) as client:
         assert client.get(path).status_code == 401
         assert client.get(path, headers={"X-API-Key": station.keys["viewer"]}).status_code in {200, 404}
 
 
 @pytest.mark.parametrize("path", ["/healthz", "/readyz"])
 def test_health_is_answered_without_a_key_for_get_and_head(station: _Station, path: str) -> None:
-    assert httpx2.get(f"{station.url}{path}").status_code == 200
-    head = httpx2.head(f"{station.url}{path}")
+    assert httpx2.get(f"{station.url}{path}", timeout=60.0).status_code == 200
+    head = httpx2.head(f"{station.url}{path}", timeout=60.0)
     assert (head.status_code, head.content) == (200, b"")
 
 

@@ -6,7 +6,7 @@ import dataclasses
 import inspect
 import logging
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from functools import lru_cache, partial
 from threading import get_ident
 from typing import Any, TypeVar
@@ -381,23 +381,19 @@ def _raised(error: Exception) -> str:
 
 def has_nan(value: Any) -> bool:
     """Returns True when a number in a state, a pose or a tuple is NaN; infinite ones may have a meaning."""
-    kind: type = type(value)
-    if kind is float:
-        return math.isnan(value)
-    if kind in _WITHOUT_NUMBERS:
-        return False
-    if isinstance(value, np.ndarray | np.generic):
-        return value.dtype.kind in "fc" and bool(np.isnan(value).any())
-    if isinstance(value, Mapping):
-        return any(map(has_nan, value.values()))
-    if isinstance(value, list | tuple):
-        return any(map(has_nan, value))
-    return any(has_nan(getattr(value, name)) for name in _field_names(kind))
-
-
-_WITHOUT_NUMBERS = (bool, int, str, type(None))
+    return _nan_check(type(value))(value)
 
 
 @lru_cache(maxsize=256)
-def _field_names(kind: type) -> Sequence[str]:
-    return tuple(field.name for field in dataclasses.fields(kind)) if dataclasses.is_dataclass(kind) else ()
+def _nan_check(kind: type) -> Callable[[Any], bool]:
+    """Returns what finds NaN in values of a type: states are checked in each cycle."""
+    if issubclass(kind, float):
+        return math.isnan
+    if issubclass(kind, np.ndarray | np.generic):
+        return lambda value: value.dtype.kind in "fc" and bool(np.isnan(value).any())
+    if issubclass(kind, Mapping):
+        return lambda value: any(map(has_nan, value.values()))
+    if issubclass(kind, list | tuple):
+        return lambda value: any(map(math.isnan if set(map(type, value)) == {float} else has_nan, value))
+    names = [field.name for field in dataclasses.fields(kind)] if dataclasses.is_dataclass(kind) else ()
+    return lambda value: any(has_nan(getattr(value, name)) for name in names)
