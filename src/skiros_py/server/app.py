@@ -15,9 +15,8 @@ from uvicorn.middleware.proxy_headers import ProxyHeadersMiddleware
 from skiros_py.server.access.gate import Gate
 from skiros_py.server.access.openapi import GuardedApi
 from skiros_py.server.pages import Pages, pages_of
-from skiros_py.server.problems import add_problem_handlers
+from skiros_py.server.problems import PREFIX, add_problem_handlers
 from skiros_py.server.routes import (
-    PREFIX,
     access,
     alarms,
     documents,

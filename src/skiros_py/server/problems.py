@@ -11,7 +11,7 @@ from dataclasses import asdict
 from datetime import UTC, datetime, timedelta
 from typing import Annotated, Any
 
-from fastapi import Depends, FastAPI, Header, Request, Response
+from fastapi import APIRouter, Depends, FastAPI, Header, Request, Response
 from fastapi.exceptions import RequestValidationError
 from fastapi.routing import iter_route_contexts
 from starlette.exceptions import HTTPException
@@ -21,6 +21,9 @@ from skiros_py.api.wire import ProblemDetails, fault_limit, fault_words
 from skiros_py.station.requests import Seen
 
 _log = logging.getLogger(__name__)
+
+PREFIX = "/api/v1"
+"""Path prefix of the API."""
 
 _TYPE = "urn:skiros:problem:"
 """Problem types are names, not addresses: they must not look like something to fetch."""
@@ -99,7 +102,7 @@ def _answer_fault(request: Request, error: Exception) -> Response:
 
 
 def _is_about_jobs(request: Request) -> bool:
-    return request.url.path.removeprefix("/api/v1").lstrip("/").partition("/")[0] in _JOB_TOPICS
+    return request.url.path.removeprefix(PREFIX).lstrip("/").partition("/")[0] in _JOB_TOPICS
 
 
 def _of(error: errors.SkirosError, kinds: Sequence[tuple[type[errors.SkirosError], int, str]]) -> Problem:
@@ -273,6 +276,24 @@ PROBLEMS: dict[int | str, dict[str, Any]] = {
     }.items()
 }
 """Problem answers common to all routes; for ``responses=``."""
+
+
+def topic_router(topic: str, path: str = "", responses: dict[int | str, Any] | None = None) -> APIRouter:
+    """Returns a router for the routes of a topic.
+
+    Its routes are complete, and shared by all applications: ``include_router`` would make each of them again.
+
+    Args:
+        topic: Under which the documentation shows them.
+        path: With which their paths begin, after the prefix of the API.
+        responses: Answers that all of them document, besides the common problems.
+    """
+    return APIRouter(
+        prefix=PREFIX + path,
+        tags=[topic],
+        responses=PROBLEMS | (responses or {}),
+        generate_unique_id_function=lambda route: route.name,
+    )
 
 
 _TAG = re.compile(r'(?:W/)?"(\d{1,18})"')

@@ -12,7 +12,7 @@ from skiros_py.server.access.authenticator import LIFETIME, cookie_name
 from skiros_py.server.access.keys import shown
 from skiros_py.server.access.openapi import operations
 from skiros_py.server.access.roles import Act, Admin, Anybody, Caller, Role, ViewerOrMes
-from skiros_py.server.routes import topic_router
+from skiros_py.server.problems import topic_router
 from skiros_py.station.requests import addressed
 
 router = topic_router("access", "/audit")

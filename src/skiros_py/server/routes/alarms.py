@@ -9,8 +9,7 @@ from fastapi import Path
 from skiros_py.api.alarms import AlarmAnswer, AlarmInfo, AlarmPage
 from skiros_py.server.access.audit import note
 from skiros_py.server.access.roles import Operator, OperatorOrMes, Role, ViewerOrMes
-from skiros_py.server.problems import Problem
-from skiros_py.server.routes import topic_router
+from skiros_py.server.problems import Problem, topic_router
 from skiros_py.server.routes.world import Cursor, Limit, number_cursor
 
 router = topic_router("alarms", "/alarms")

@@ -8,8 +8,7 @@ from fastapi import Depends, Path, Query, Request, Response
 
 from skiros_py.api.documents import DocumentContent, DocumentInfo, DocumentKinds, Documents
 from skiros_py.server.access.roles import Act, Operator, Role, Viewer, ViewerOrMes
-from skiros_py.server.problems import NEEDS_VERSION, Problem, SeenDep, etag, tagged
-from skiros_py.server.routes import topic_router
+from skiros_py.server.problems import NEEDS_VERSION, Problem, SeenDep, etag, tagged, topic_router
 
 router = topic_router("documents")
 

@@ -8,8 +8,7 @@ from fastapi import Query
 
 from skiros_py.api import world as api
 from skiros_py.server.access.roles import Act, Operator, Viewer
-from skiros_py.server.problems import NEEDS_VERSION, SeenDep, tagged
-from skiros_py.server.routes import topic_router
+from skiros_py.server.problems import NEEDS_VERSION, SeenDep, tagged, topic_router
 from skiros_py.server.routes.world import (
     ChangeLimit,
     Cursor,

@@ -11,8 +11,7 @@ from fastapi import Header, Path, Query
 from skiros_py.api.events import EventInfo, EventPage, ResetInfo
 from skiros_py.api.view import StationState
 from skiros_py.server.access.roles import Caller, Role, Viewer, ViewerOrMes
-from skiros_py.server.problems import Problem
-from skiros_py.server.routes import topic_router
+from skiros_py.server.problems import Problem, topic_router
 from skiros_py.server.services import Services
 from skiros_py.server.streams import EVERYTHING, Choice, EventStream, find_position, missed, position_text
 from skiros_py.station.events.log import Event, Kind

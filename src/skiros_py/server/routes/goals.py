@@ -9,8 +9,7 @@ from fastapi import Path, Query
 from skiros_py.api import goals as api
 from skiros_py.api.previews import AppliedRepair, Preview, PreviewPage
 from skiros_py.server.access.roles import Operator, OperatorOrMes, ViewerOrMes
-from skiros_py.server.problems import NEEDS_VERSION, SeenDep, tagged
-from skiros_py.server.routes import topic_router
+from skiros_py.server.problems import NEEDS_VERSION, SeenDep, tagged, topic_router
 from skiros_py.station.jobs.goals import goals_version
 
 router = topic_router("goals")

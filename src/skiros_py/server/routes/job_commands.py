@@ -9,8 +9,7 @@ from fastapi import Body, Depends, Path, Query
 from skiros_py.api.jobs import AcceptedJob, Job, JobAnswer, JobComment
 from skiros_py.server.access.audit import note
 from skiros_py.server.access.roles import Act, OperatorOrMes
-from skiros_py.server.problems import SeenDep, tagged
-from skiros_py.server.routes import topic_router
+from skiros_py.server.problems import SeenDep, tagged, topic_router
 
 JobId = Annotated[
     str, Path(alias="id", min_length=1, max_length=200, description="Id of the job.", examples=["line-1-kit-4711"])

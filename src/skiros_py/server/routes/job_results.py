@@ -15,7 +15,7 @@ from skiros_py.api import jobs as api
 from skiros_py.api.view import Replay
 from skiros_py.api.wire import WantedMoment
 from skiros_py.server.access.roles import Viewer, ViewerOrMes
-from skiros_py.server.routes import topic_router
+from skiros_py.server.problems import topic_router
 from skiros_py.server.routes.job_commands import CursorQuery, JobId, NewestFirstQuery
 
 router = topic_router("jobs")

@@ -11,8 +11,7 @@ from skiros_py.api.jobs import AcceptedJob, Job, JobOrder, JobPage, StateName
 from skiros_py.api.wire import WantedMoment
 from skiros_py.server.access.audit import note
 from skiros_py.server.access.roles import Act, OperatorOrMes, ViewerOrMes
-from skiros_py.server.problems import Problem, SeenDep, also_refused, tagged
-from skiros_py.server.routes import topic_router
+from skiros_py.server.problems import Problem, SeenDep, also_refused, tagged, topic_router
 from skiros_py.server.routes.job_commands import (
     CursorQuery,
     JobId,

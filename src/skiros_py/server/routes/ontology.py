@@ -9,7 +9,7 @@ from fastapi import Query
 from skiros_py.api import ontology as api
 from skiros_py.api.world import EVERYTHING
 from skiros_py.server.access.roles import Viewer
-from skiros_py.server.routes import topic_router
+from skiros_py.server.problems import topic_router
 from skiros_py.server.routes.world import Cursor, Limit, NamePath
 
 router = topic_router("ontology", "/ontology")

@@ -11,7 +11,7 @@ from skiros_py.api import robots as api
 from skiros_py.api.modules import ModuleRunInfo
 from skiros_py.errors import Busy
 from skiros_py.server.access.roles import Engineer, Operator, Viewer
-from skiros_py.server.routes import topic_router
+from skiros_py.server.problems import topic_router
 
 router = topic_router("robots")
 

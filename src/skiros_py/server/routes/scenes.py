@@ -10,8 +10,7 @@ from pydantic import ValidationError
 
 from skiros_py.api import scenes as api
 from skiros_py.server.access.roles import Operator, Viewer
-from skiros_py.server.problems import NEEDS_VERSION, Problem, SeenDep, etag, tagged
-from skiros_py.server.routes import topic_router
+from skiros_py.server.problems import NEEDS_VERSION, Problem, SeenDep, etag, tagged, topic_router
 
 router = topic_router("scenes")
 

@@ -8,7 +8,7 @@ from fastapi import Path, Query, Response
 
 from skiros_py.api import scenes as api
 from skiros_py.server.access.roles import Engineer, Viewer
-from skiros_py.server.routes import topic_router
+from skiros_py.server.problems import topic_router
 
 router = topic_router("simulation", "/simulation")
 

@@ -12,7 +12,7 @@ from starlette.requests import ClientDisconnect
 
 from skiros_py.api.alarms import StopInfo, StopRequest
 from skiros_py.server.access.roles import Operator, OperatorOrMes, ViewerOrMes
-from skiros_py.server.routes import topic_router
+from skiros_py.server.problems import topic_router
 
 router = topic_router("stop")
 

@@ -8,7 +8,7 @@ from fastapi import Path, Query
 
 from skiros_py.api.tasks import NewTask, TaskInfo, Tasks, TaskTrace
 from skiros_py.server.access.roles import Operator, Viewer
-from skiros_py.server.routes import topic_router
+from skiros_py.server.problems import topic_router
 
 router = topic_router("tasks")
 

@@ -14,8 +14,7 @@ from fastapi import Path, Query
 from skiros_py.api import webhooks as api
 from skiros_py.errors import UsageError
 from skiros_py.server.access.roles import Admin
-from skiros_py.server.problems import Problem
-from skiros_py.server.routes import topic_router
+from skiros_py.server.problems import Problem, topic_router
 from skiros_py.server.services import Services
 from skiros_py.server.webhooks.sender import resolve, target_of
 from skiros_py.server.webhooks.store import Subscription, new_secret

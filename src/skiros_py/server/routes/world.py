@@ -12,8 +12,7 @@ from skiros_py.api.transactions import TransactionOrder
 from skiros_py.api.view import WorldView
 from skiros_py.errors import UsageError
 from skiros_py.server.access.roles import Engineer, Operator, Role, Viewer
-from skiros_py.server.problems import NEEDS_VERSION, Problem, SeenDep, also_refused, tagged
-from skiros_py.server.routes import topic_router
+from skiros_py.server.problems import NEEDS_VERSION, Problem, SeenDep, also_refused, tagged, topic_router
 
 Limit = Annotated[int, Query(ge=1, le=1000)]
 ChangeLimit = Annotated[int, Query(ge=1, le=200)]
