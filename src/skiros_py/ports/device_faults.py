@@ -381,7 +381,8 @@ def _raised(error: Exception) -> str:
 
 def has_nan(value: Any) -> bool:
     """Returns True when a number in a state, a pose or a tuple is NaN; infinite ones may have a meaning."""
-    return _nan_check(type(value))(value)
+    kind: type = type(value)
+    return _nan_check(kind)(value)
 
 
 @lru_cache(maxsize=256)
