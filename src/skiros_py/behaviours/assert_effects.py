@@ -45,5 +45,5 @@ class AssertEffects(Behaviour):
         effects = scope.context.effects
         if effects is None:
             return Failure("there is no skill here whose effects could be pretended")
-        effects.write(*self.only, author=scope.author, reason="pretended by a fake")
+        effects.write(*self.only, author=scope.author, reason="pretended by a fake", pretended=True)
         return Success("pretended")

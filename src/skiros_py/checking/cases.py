@@ -17,7 +17,7 @@ from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.process import ThreadHost
 from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.cell_reader import read_cell
-from skiros_py.skills.conditions import AllOf, Condition, Has, Not, Nothing, Pattern, Related
+from skiros_py.skills.conditions import AllOf, Condition, Has, Not, Nothing, NumberChange, Pattern, Related
 from skiros_py.skills.conditions.effects import Assign, Relate, Unrelate, brought_about, write_effects
 from skiros_py.skills.conditions.pattern import leaves
 from skiros_py.skills.inference.inferring import Inferred, Missing, infer
@@ -336,7 +336,7 @@ def _is_changed(condition: Condition, skills: Sequence[Skill]) -> bool:
     words = set()
     for effect in (e for s in skills for c in s.description.post for e in brought_about(c)):
         match effect:
-            case Relate(word) | Unrelate(word) | Assign(word):
+            case Relate(word) | Unrelate(word) | Assign(word) | NumberChange(word):
                 words.add(word)
     return any(_word(leaf) in words for leaf, _ in leaves(condition.pattern))
 

@@ -12,7 +12,7 @@ from skiros_py.catalogue import Catalogue
 from skiros_py.checking.cases import Case, Ground, Rig, fake_rig, find_case
 from skiros_py.execution.module_faults import words
 from skiros_py.interruptions import CycleOverrun, by_user
-from skiros_py.skills.conditions import Condition, Not, Nothing
+from skiros_py.skills.conditions import Condition, Not, Nothing, NumberChange
 from skiros_py.skills.conditions.effects import Assign, Effect, Relate, Unrelate, brought_about
 from skiros_py.skills.lint.checking import EFFECT_MISSING, NEVER_TRIED, UNDECLARED_CHANGE
 from skiros_py.skills.lint.rule import Finding, Rule, Spot, title
@@ -77,8 +77,8 @@ class _Declared:
             case PropertyEdit(element, property_):
                 if element in self._moved and property_ in _OF_MOVED:
                     return True
-                assigned = [(e.subject, e.property) for e in self._effects if isinstance(e, Assign)]
-                return (element, property_) in assigned
+                valued = [(e.subject, e.property) for e in self._effects if isinstance(e, Assign | NumberChange)]
+                return (element, property_) in valued
             case _:
                 return False
 

@@ -15,6 +15,7 @@ from skiros_py.errors import PlanningError
 from skiros_py.planning.domain.actions import passed_keys
 from skiros_py.planning.domain.matching import is_variable, solutions
 from skiros_py.planning.domain.model import Action, Atom, Grounding
+from skiros_py.planning.domain.numbers import ASSIGN, DECREASE, change_of, number_compared, numbers_in
 from skiros_py.planning.domain.pddl import PddlTexts
 from skiros_py.planning.plan import Plan, Step
 from skiros_py.planning.planners.planner import Solved
@@ -44,12 +45,14 @@ class TaskState:
     def __init__(self, task: PlanningTask) -> None:
         self._task = task
         self._facts: dict[str, dict[Atom, None]] = {}
+        self._numbers = numbers_in(task.problem.init)
         self._become(task.problem.init)
 
     def copy(self) -> TaskState:
         """Returns a copy of the state."""
         other = copy(self)
-        vars(other).update(_facts={predicate: dict(atoms) for predicate, atoms in self._facts.items()})
+        facts = {predicate: dict(atoms) for predicate, atoms in self._facts.items()}
+        vars(other).update(_facts=facts, _numbers=dict(self._numbers))
         return other
 
     def candidates(self, atom: Atom) -> Collection[Atom]:
@@ -101,6 +104,26 @@ class TaskState:
         for atom in one.of(one.action.delete):
             self._facts.get(atom.predicate, {}).pop(atom, None)
         self._become(one.of(one.action.add))
+        for change in (atom.bind(one.binding) for atom in one.action.changes):
+            self._count(change)
+
+    def _count(self, change: Atom) -> None:
+        """Changes a number, and every comparison of it."""
+        word, property_, by = change_of(change)
+        element = change.arguments[0]
+        if (property_, element) not in self._numbers:
+            return  # no action raises or lowers it: all about it is among the facts
+        amount = self._numbers[by, change.arguments[-1]] if isinstance(by, str) else by
+        before = 0.0 if word == ASSIGN else self._numbers[property_, element]
+        number = self._numbers[property_, element] = round(before - amount if word == DECREASE else before + amount, 9)
+        for predicate in self._task.asked:
+            compared = number_compared(predicate)
+            if compared is not None and compared[0] == property_:
+                atom = Atom(predicate, (element,))
+                if compared[1].allows(number):
+                    self._become((atom,))
+                else:
+                    self._facts.get(predicate, {}).pop(atom, None)
 
     def _become(self, atoms: Iterable[Atom]) -> None:
         for atom in sorted(atoms):

@@ -4,17 +4,22 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import islice
 
 from skiros_py.errors import PlanningError
-from skiros_py.planning.domain.pddl import PddlTexts
+from skiros_py.planning.domain.numbers import number_needs
+from skiros_py.planning.domain.pddl import PddlTexts, write_pddl
 from skiros_py.planning.domain.sequencing import in_sequence, write_with_costs
 from skiros_py.planning.domain.temporal import write_temporal
 from skiros_py.planning.durations import timed
 from skiros_py.planning.explanation.causes import find_causes
 from skiros_py.planning.explanation.explaining import explain
+from skiros_py.planning.explanation.shortfalls import shortfall, uncounted
 from skiros_py.planning.explanation.trial import Trial
+from skiros_py.planning.explanation.wording import listed
 from skiros_py.planning.plan import Cause, CauseKind, NoPlan, Plan
 from skiros_py.planning.plan_validation import Wrong, validate
 from skiros_py.planning.planners.planner import Planner, Planners, Unsolvable, wait_for
@@ -264,7 +269,8 @@ class SolverLoop:
                 return Found(texts, asked)
             self.notes.append(_doubt(asked, outcome))
         if not asked:
-            raise PlanningError(self.planners.why_none(texts.requirements))
+            because = "".join(f"; {why}" for why in islice(number_needs(task.domain.actions), 1))
+            raise PlanningError(self.planners.why_none(texts.requirements) + because)
         return Found(texts, asked, None, tuple(self.notes[known:]), hurried)
 
     def _outcome(self, planner: Planner, task: PlanningTask, texts: PddlTexts) -> Plan | Wrong | Unsolvable:
@@ -303,7 +309,25 @@ class SolverLoop:
             return NoPlan((reason,), (Cause(CauseKind.CONFLICT, reason, self.goal),))
         options = self.options
         trial = Trial(self.planners, self.capabilities, options.each, options.together, self.stopped)
-        return explain(self.task, trial)
+        answer = explain(self.task, trial)
+        is_unexplained = all(cause.kind is CauseKind.CONFLICT for cause in answer.causes)
+        return self._with_shortfall(answer) if is_unexplained else answer
+
+    def _with_shortfall(self, answer: NoPlan) -> NoPlan:
+        """Adds why numbers do not last, if there is a plan without them."""
+        (cause,) = answer.causes
+        task = build_task(self.view, self.capabilities, cause.conditions)
+        free = uncounted(task)
+        texts = write_pddl(free.domain, free.problem, name=self.options.name)
+        for planner in self.planners.fitting(texts.requirements) if free is not task else ():
+            with suppress(PlanningError):
+                outcome = self._outcome(planner, free, texts)
+                if not isinstance(outcome, Wrong):
+                    break
+                why = shortfall(task, outcome.steps)
+                text = f"{listed(map(str, cause.conditions))} cannot be reached: {why}"
+                return replace(answer, reasons=(text,), causes=(replace(cause, text=text, why=why),))
+        return answer
 
 
 def _doubt(planner: str, outcome: Wrong | Unsolvable) -> str:

@@ -6,7 +6,7 @@ The way of a base is its own until it has driven it, or until it stands again; t
 from __future__ import annotations
 
 import enum
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from itertools import count
@@ -23,8 +23,10 @@ from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.frames import Frames
 from skiros_py.ports.paths import Outline, Path
 from skiros_py.ports.signals import SignalReader
-from skiros_py.skills.conditions import Condition
-from skiros_py.skills.conditions.effects import effects_of, write_effects
+from skiros_py.skills.conditions import Condition, NumberChange
+from skiros_py.skills.conditions.effects import Assign, Effect, effects_of, write_effects
+from skiros_py.world.element import Value
+from skiros_py.world.names import local_name
 from skiros_py.world.world import World
 
 if TYPE_CHECKING:
@@ -275,16 +277,21 @@ class Effects:
         self._post = {condition.key: condition for condition in post}
         self._arguments = arguments
 
-    def write(self, *keys: str, author: str, reason: str) -> None:
+    def write(self, *keys: str, author: str, reason: str, sensed: Value | None = None, pretended: bool = False) -> None:
         """Writes some postconditions into the world, after they were sensed.
 
         Args:
             *keys: Their keys (:attr:`Condition.key`); none at all means every postcondition.
             author: Who sensed it.
             reason: What was sensed ("gap 44 mm, force 30 N").
+            sensed: The value that was sensed of the one property they speak of: it is written, whether it is what the
+                postcondition asks for or not.
+            pretended: Whether a fake writes them: numbers then become what plans count on.
 
         Raises:
             UnknownName: The skill has no postcondition of such a key.
+            UsageError: A postcondition leaves a number open ("at least 8", "grows by 30"), and no value was sensed; or
+                they do not speak of one property.
             WorldError: The world refused it.
         """
         for key in keys:
@@ -292,5 +299,25 @@ class Effects:
                 raise UnknownName("postcondition", key, self._post)
         wanted = [self._post[key] for key in keys] if keys else list(self._post.values())
         with self._world.transaction(author=author, reason=reason) as tx:
-            for condition in wanted:
-                write_effects(tx, self._world.ontology, effects_of(condition.bind(self._arguments)))
+            effects = [effect for one in wanted for effect in effects_of(one.bind(self._arguments))]
+            if not pretended:
+                effects = _with_sensed(effects, sensed)
+            write_effects(tx, self._world.ontology, effects)
+
+
+def _with_sensed(effects: Sequence[Effect], sensed: Value | None) -> list[Effect]:
+    """Returns the effects with a sensed value in the place of what a postcondition says of it."""
+    valued = [effect for effect in effects if isinstance(effect, Assign | NumberChange)]
+    about = {(effect.subject, effect.property) for effect in valued}
+    if sensed is not None and len(about) != 1:
+        raise UsageError(
+            f"{sensed!r} was sensed, but the effects speak of {len(about)} properties: assert one by its key"
+        )
+    open_ = [effect for effect in valued if isinstance(effect, NumberChange) or effect.op != "="]
+    if sensed is None and open_:
+        name, subject = local_name(open_[0].property), open_[0].subject
+        raise UsageError(f"the {name} of {subject} is not said by the postcondition: assert it with sensed=…")
+    if sensed is None:
+        return list(effects)
+    others = [effect for effect in effects if not isinstance(effect, Assign | NumberChange)]
+    return [*others, *(Assign(property_, subject, sensed) for subject, property_ in about)]

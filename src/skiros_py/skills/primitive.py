@@ -12,6 +12,7 @@ from skiros_py.ports.values import Pending
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import Execution, Failure, Outcome, tick
 from skiros_py.skills.parameters import Output, check_params
+from skiros_py.world.element import Value
 from skiros_py.world.world import World
 
 __all__ = ["Execution", "Primitive"]
@@ -152,15 +153,16 @@ class Primitive(ABC, Generic[P]):
             for call in calls:
                 call.close()
 
-    def assert_effects(self, *effects: str, reason: str) -> None:
+    def assert_effects(self, *effects: str, reason: str, sensed: Value | None = None) -> None:
         """Writes effects of the skill that this primitive is part of: it has sensed that they are so.
 
         Args:
             *effects: Keys of the skill's postconditions; none for all.
             reason: What was sensed.
+            sensed: The sensed value of the property that they speak of; needed where they leave it open ("at least 8").
         """
         if self.context.effects is not None:
-            self.context.effects.write(*effects, author=self.name, reason=reason)
+            self.context.effects.write(*effects, author=self.name, reason=reason, sensed=sensed)
 
     def seed(self) -> int:
         """Draws a seed for a library's random choices."""

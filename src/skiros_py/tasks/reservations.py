@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from skiros_py.planning.domain.actions import with_defaults
 from skiros_py.planning.plan import Step
-from skiros_py.skills.conditions import Condition
+from skiros_py.skills.conditions import Condition, NumberChange
 from skiros_py.skills.conditions.effects import Assign, Effect, Relate, Unrelate, effects_of
 from skiros_py.skills.inference.inferring import applying
 from skiros_py.skills.skill import SkillDescription
@@ -151,5 +151,5 @@ def _ends_of(effect: Effect, view: WorldView) -> tuple[str, ...]:
             own = robot_of(view, placement.place) != placement.place  # in a hand of the robot
             drives = view.has(element) and view.ontology.is_a(view.element(element).type, ROBOT)
             return (element,) if drives or own else (element, placement.place)
-        case Relate(_, subject, _) | Unrelate(_, subject, _) | Assign(_, subject, _):
+        case Relate(_, subject, _) | Unrelate(_, subject, _) | Assign(_, subject) | NumberChange(_, subject):
             return (subject,)

@@ -15,6 +15,7 @@ from itertools import count, product
 from skiros_py.errors import DescriptionError, PlanningError
 from skiros_py.planning.domain.literals import (
     CAN,
+    HAS,
     Asked,
     Conjunction,
     allows_value,
@@ -24,8 +25,9 @@ from skiros_py.planning.domain.literals import (
     storable,
 )
 from skiros_py.planning.domain.model import Action, Atom, NoneSuch, Variable
-from skiros_py.skills.conditions import Condition, Not
-from skiros_py.skills.conditions.effects import Assign, Relate, Unrelate, effects_of
+from skiros_py.planning.domain.numbers import change_atom, could_become_true, numbers_needed
+from skiros_py.skills.conditions import Condition, Not, NumberChange
+from skiros_py.skills.conditions.effects import Assign, Relate, Unrelate, brought_about, effects_of
 from skiros_py.skills.conditions.expression import is_sensed
 from skiros_py.skills.inference.inferring import applying
 from skiros_py.skills.parameters import Param
@@ -244,9 +246,11 @@ def actions_of(
     needed = _said(skill, needs_of(skill))
     choices = [expand(c.pattern, f"{where}, precondition {c}", ontology, fresh) for c in needed]
     if asked is None:
-        asked = asked_literals((c.pattern for c in needed), ontology)
+        asked = asked_literals((*(c.pattern for c in needed), *number_changes(skill)), ontology)
     effects = _effects(skill, ontology, asked)
-    variants = [_action(skill, variant, effects, _chosen(needed, choices, variant)) for variant in product(*choices)]
+    variants = [
+        _action(skill, variant, effects, asked, _chosen(needed, choices, variant)) for variant in product(*choices)
+    ]
     complete = (action for variant in variants for action in with_implicit_deletes(variant, ontology))
     return numbered(map(_with_question_marks, complete))
 
@@ -278,14 +282,17 @@ def _constants(skill: SkillDescription) -> tuple[Variable, ...]:
 def _action(
     skill: SkillDescription,
     pre: Sequence[Conjunction],
-    effects: tuple[tuple[Atom, ...], tuple[Atom, ...]],
+    effects: _Effects,
+    asked: Iterable[str],
     notes: tuple[str, ...],
 ) -> Action:
-    add, delete = effects
+    add, delete, changes = effects
     own = tuple(Variable(param.key, param.element_class) for param in required_elements(skill))
     extra = tuple(dict.fromkeys(variable for part in pre for variable in part.variables))
     able = Atom(CAN + skill.name, (skill.agent,))
-    needed = tuple(dict.fromkeys([able, *(atom for part in pre for atom in part.atoms)]))
+    there = [Atom(HAS + name, (element,)) for name, element in numbers_needed(changes)]
+    needed = tuple(dict.fromkeys([able, *(atom for part in pre for atom in part.atoms), *there]))
+    add = (*add, *could_become_true(changes, needed, asked))
     none = tuple(dict.fromkeys(none for part in pre for none in part.none))
     of_one = [c for c in skill.needs if c not in skill.described and c not in skill.pre]
     spoken = {a for atom in (*needed, *add, *delete) for a in atom.arguments}
@@ -295,22 +302,32 @@ def _action(
         *(f"precondition {c}: its devices are of one robot" for c in of_one),
         *(f"precondition {c}: what its parameter is described as" for c in skill.described),
         *notes,
+        *(f"precondition {shown(atom)}: a number that is missing cannot be changed" for atom in there),
         *(f"hold condition {c} left out: sensed while it runs, unknown to plans" for c in sensed_holds_of(skill)),
     )
     constants = tuple(constant for constant in _constants(skill) if constant.name in spoken)
-    return Action(skill.name, skill.name, own + extra, needed, add, delete, said, constants, none)
+    parameters = own + extra
+    return Action(skill.name, skill.name, parameters, needed, add, delete, said, constants, none, changes=changes)
 
 
-def _effects(
-    skill: SkillDescription, ontology: Ontology, asked: Mapping[str, Asked | Not]
-) -> tuple[tuple[Atom, ...], tuple[Atom, ...]]:
-    """Returns the atoms that a skill's postconditions add and delete."""
+def number_changes(skill: SkillDescription) -> list[NumberChange]:
+    """Returns how a skill raises and lowers numbers."""
+    effects = (effect for condition in _said(skill, skill.post) for effect in brought_about(condition))
+    return [effect for effect in effects if isinstance(effect, NumberChange)]
+
+
+_Effects = tuple[tuple[Atom, ...], tuple[Atom, ...], tuple[Atom, ...]]
+
+
+def _effects(skill: SkillDescription, ontology: Ontology, asked: Mapping[str, Asked | Not]) -> _Effects:
+    """Returns the atoms that a skill's postconditions add and delete, and what they do to numbers."""
     try:
         effects = [effect for condition in _said(skill, skill.post) for effect in effects_of(condition)]
     except DescriptionError as error:
         raise PlanningError(f"skill '{skill.name}', postcondition {error}") from None
     added: list[Atom] = []
     deleted: list[Atom] = []
+    changes: list[Atom] = []
     for effect in effects:
         match effect:
             case Relate(relation, subject, object_):
@@ -325,7 +342,9 @@ def _effects(
                     if property_of(literal) == property_:
                         atoms = added if allows_value(literal, value) else deleted
                         atoms.append(Atom(predicate, (subject,)))
-    return tuple(added), tuple(deleted)
+        if isinstance(effect, Assign | NumberChange):
+            changes += filter(None, (change_atom(effect),))
+    return tuple(added), tuple(deleted), tuple(changes)
 
 
 def _check_storable(relation: str, skill: SkillDescription, ontology: Ontology) -> None:
@@ -359,6 +378,7 @@ def _with_question_marks(action: Action) -> Action:
         pre=tuple(a.bind(names) for a in action.pre),
         add=tuple(a.bind(names) for a in action.add),
         delete=tuple(a.bind(names) for a in action.delete),
+        changes=tuple(a.bind(names) for a in action.changes),
         none=tuple(NoneSuch(_renamed(n.variables, names), tuple(a.bind(names) for a in n.atoms)) for n in action.none),
     )
 

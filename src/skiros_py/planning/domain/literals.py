@@ -22,6 +22,7 @@ from skiros_py.skills.conditions import (
     IsA,
     Not,
     Nothing,
+    NumberChange,
     Pattern,
     Related,
 )
@@ -145,6 +146,8 @@ def _refused(pattern: Pattern, where: str) -> PlanningError:
         advice = "a hold condition or a guard may ask for it, a plan cannot"
         return PlanningError(f"{where}: '{pattern.text}' can only be sensed; {advice}")
     kind = type(pattern).__name__
+    if isinstance(pattern, NumberChange):
+        return PlanningError(f"{where}: {kind} says what a skill does to a number; ask for the number: Compare(…)")
     return PlanningError(f"{where}: a pattern of kind {kind} cannot be planned with; use the kinds that there are")
 
 
@@ -297,6 +300,8 @@ def _asked(pattern: Pattern, ontology: Ontology, *, holds: bool) -> Iterator[Ask
         case Has() | Compare() | IsA():
             own: Asked = replace(pattern, subject="1")
             yield own if holds else Not(own)
+        case NumberChange(property_, _, by):  # a number that is missing cannot be changed
+            yield from (Has(name, "1") for name in (property_, by) if isinstance(name, str))
         case ClassRelated() | Computed():
             own = replace(pattern, subject="1", object="2")
             yield own if holds else Not(own)

@@ -53,6 +53,8 @@ class Action:
         constants: Elements that the skill always refers to, with their classes; its atoms name them.
         none: Things that must not exist; empty if typed STRIPS suffices.
         duration: How long it takes [s]; None if unknown, and for bookkeeping.
+        changes: What it does to numbers (:func:`~skiros_py.planning.domain.numbers.change_atom`). What they may make
+            true is among :attr:`add`, as far as a number can get: an over-approximation, which is never written.
     """
 
     name: str
@@ -65,6 +67,7 @@ class Action:
     constants: tuple[Variable, ...] = ()
     none: tuple[NoneSuch, ...] = ()
     duration: float | None = None
+    changes: tuple[Atom, ...] = ()
 
     @property
     def variables(self) -> tuple[Variable, ...]:

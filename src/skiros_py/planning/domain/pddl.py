@@ -5,12 +5,15 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from decimal import Decimal
 from functools import lru_cache
 from types import MappingProxyType
 
 from skiros_py.errors import PlanningError
 from skiros_py.planning.domain.literals import BY_CLASS, HAS, IS, NOT, NOTHING, VALUE, compared
 from skiros_py.planning.domain.model import Action, Atom, Domain, Grounding, NoneSuch, Problem, Variable
+from skiros_py.planning.domain.numbers import NUMBER, change_of, number_compared, numbers_in, numbers_of
+from skiros_py.skills.conditions.condition import Comparison, Constant
 from skiros_py.world.names import local_name
 
 _LOGIC = frozenset({"and", "or", "not", "exists", "forall", "when", "imply", "either"})
@@ -146,7 +149,9 @@ class PddlWriter:
         self.objects = NameMap(sorted(problem.objects))
         self.types = NameMap(sorted(domain.types), avoid=(self.objects,))
         self.predicates = NameMap(avoid=(self.objects, self.types))
-        for predicate in sorted(domain.predicates):
+        self._numbers = numbers_of(domain.actions)
+        self._declared = [predicate for predicate in sorted(domain.predicates) if self.number(predicate) is None]
+        for predicate in self._declared:
             self.predicates.pddl(predicate, _predicate_words(predicate))
         actions = (action.name for action in domain.actions)
         self.actions = NameMap(actions, avoid=(self.objects, self.types, self.predicates))
@@ -165,19 +170,29 @@ class PddlWriter:
     def requirements(self) -> tuple[str, ...]:
         """Returns the requirements used; ``not`` over a conjunction or ``exists`` needs the two further ones."""
         quantified = (":disjunctive-preconditions", ":existential-preconditions")
-        return (":strips", ":typing", *(quantified if any(action.none for action in self.domain.actions) else ()))
+        compared = [found for name in self.domain.predicates if (found := self.number(name)) is not None]
+        return (
+            ":strips",
+            ":typing",
+            *((":negative-preconditions",) if any(comparison.op == "!=" for _, comparison in compared) else ()),
+            *(quantified if any(action.none for action in self.domain.actions) else ()),
+            *((":numeric-fluents",) if self._numbers else ()),
+        )
 
     def predicate_lines(self) -> list[str]:
         """Returns the declarations of the predicates."""
-        return [self._predicate(name, types) for name, types in sorted(self.domain.predicates.items())]
+        return [self._predicate(name, self.domain.predicates[name]) for name in self._declared]
 
     def functions(self) -> list[str]:
         """Returns the declarations of functions."""
-        return []
+        return [f"({self.other_names.pddl(name)} ?x1 - object) - number" for name in sorted(self._numbers)]
 
     def init(self) -> list[str]:
-        """Returns the initial facts."""
-        return sorted(self._ground(atom) for atom in self.problem.init)
+        """Returns the initial facts, and what numbers are at the start."""
+        facts = self.facts(atom for atom in self.problem.init if not atom.predicate.startswith(NUMBER))
+        numbers = sorted((of, value) for of, value in numbers_in(self.problem.init).items() if of[0] in self._numbers)
+        told = [f"(= {self._function(*of, NameMap())} {_digits(value)})" for of, value in numbers]
+        return [*sorted(map(self._ground, facts)), *told]
 
     def action(self, action: Action) -> str:
         """Writes an action."""
@@ -193,8 +208,9 @@ class PddlWriter:
 
     def effects(self, action: Action, names: NameMap) -> list[str]:
         """Returns the effects of an action, adds first."""
-        deleted = (f"(not {self.atom(atom, names)})" for atom in real_deletes(action))
-        return [*(self.atom(atom, names) for atom in action.add), *deleted]
+        deleted = (f"(not {self.atom(atom, names)})" for atom in self.facts(real_deletes(action)))
+        changes = (text for _, text in self.changes(action, names))
+        return [*(self.atom(atom, names) for atom in self.facts(action.add)), *deleted, *changes]
 
     # ------------------------------------------------------------ parts
 
@@ -202,9 +218,40 @@ class PddlWriter:
         """Returns the preconditions of an action."""
         return [*(self.atom(atom, names) for atom in action.pre), *(self.none(none, names) for none in action.none)]
 
+    def number(self, predicate: str) -> tuple[str, Comparison] | None:
+        """Returns how a predicate compares the value of a function; None if it is a predicate in PDDL, too."""
+        found = number_compared(predicate) if self._numbers else None
+        return None if found is None or found[0] not in self._numbers else found
+
+    def facts(self, atoms: Iterable[Atom]) -> list[Atom]:
+        """Returns the atoms that are no comparisons of a function."""
+        return [atom for atom in atoms if self.number(atom.predicate) is None]
+
+    def changes(self, action: Action, names: NameMap) -> list[tuple[str, str]]:
+        """Returns the numeric effects of an action, each with its first word."""
+        told = [(change_of(atom), atom.arguments) for atom in action.changes]
+        found = []
+        for (word, property_, by), arguments in told:
+            if property_ in self._numbers:
+                amount = self._function(by, arguments[-1], names) if isinstance(by, str) else _digits(by)
+                found.append((word, f"({word} {self._function(property_, arguments[0], names)} {amount})"))
+        return found
+
+    def _function(self, property_: str, argument: str, variables: NameMap) -> str:
+        return f"({self.other_names.pddl(property_)} {self._argument(argument, variables)})"
+
+    def _argument(self, argument: str, variables: NameMap) -> str:
+        return f"?{variables.pddl(argument)}" if argument.startswith("?") else self.objects.pddl(argument)
+
     def atom(self, atom: Atom, variables: NameMap) -> str:
         """Returns an atom over variables and elements."""
-        arguments = [f"?{variables.pddl(a)}" if a.startswith("?") else self.objects.pddl(a) for a in atom.arguments]
+        number = self.number(atom.predicate)
+        if number is not None:
+            property_, comparison = number
+            op = "=" if comparison.op == "!=" else comparison.op
+            text = f"({op} {self._function(property_, atom.arguments[0], variables)} {_digits(comparison.value)})"
+            return text if op == comparison.op else f"(not {text})"
+        arguments = [self._argument(argument, variables) for argument in atom.arguments]
         return f"({' '.join([self.predicates.pddl(atom.predicate), *arguments])})"
 
     def none(self, none: NoneSuch, variables: NameMap) -> str:
@@ -253,7 +300,7 @@ class PddlWriter:
             f"  (:domain {self._title})",
             *_section("objects", objects),
             *_section("init", self.init()),
-            f"  (:goal {block((self._ground(atom) for atom in self.problem.goal), indent=4)})",
+            f"  (:goal {block((self.atom(atom, NameMap()) for atom in self.problem.goal), indent=4)})",
             *([f"  (:metric {self.metric})"] if self.metric else ()),
         ]
         return "\n".join([*lines, ")"]) + "\n"
@@ -277,6 +324,11 @@ def real_deletes(action: Action) -> list[Atom]:
 def block(lines: Iterable[str], indent: int = 6) -> str:
     """Returns a conjunction, one part per line."""
     return "(and" + "".join(f"\n{' ' * indent}{line}" for line in lines) + ")"
+
+
+def _digits(value: Constant) -> str:
+    """Returns a number without an exponent: some parsers know none."""
+    return f"{Decimal(repr(value)):f}"
 
 
 def _section(keyword: str, lines: Iterable[str]) -> list[str]:

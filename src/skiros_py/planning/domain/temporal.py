@@ -1,12 +1,14 @@
 """A task in time: the same PDDL with durative actions (PDDL 2.1), for planners that support concurrency.
 
 Preconditions of a skill must hold at the start; those that the action does not delete itself must hold throughout.
-Deletes happen at the start, adds at the end. An agent does one thing at a time. Bookkeeping takes no time.
+Deletes happen at the start, adds at the end; so numbers fall at the start and grow at the end. What is asked of a
+number must hold at the start. An agent does one thing at a time. Bookkeeping takes no time.
 """
 
 from __future__ import annotations
 
 from skiros_py.planning.domain.model import Action
+from skiros_py.planning.domain.numbers import DECREASE
 from skiros_py.planning.domain.pddl import PddlTexts, PddlWriter, block, real_deletes, variable_names
 from skiros_py.planning.problem.reachability import USUAL
 from skiros_py.planning.problem.task import PlanningTask
@@ -48,15 +50,17 @@ class _TemporalWriter(PddlWriter):
             return super().action(action)
         names = variable_names(action)
         idle = f"({self._idle} ?{names.pddl(self._agents[action.skill])})"
-        gone = [self.atom(atom, names) for atom in real_deletes(action)]
-        lasting = [self.atom(a, names) for a in action.pre if a.predicate in self._changing]
+        gone = [self.atom(atom, names) for atom in self.facts(real_deletes(action))]
+        lasting = [self.atom(a, names) for a in self.facts(action.pre) if a.predicate in self._changing]
         lasting += [
             self.none(none, names) for none in action.none if any(a.predicate in self._changing for a in none.atoms)
         ]
         conditions = [f"(at start {c})" for c in (idle, *self.needs(action, names))]
         conditions += [f"(over all {c})" for c in lasting if c not in gone]
         effects = [f"(at start (not {c}))" for c in (idle, *gone)]
-        effects += [f"(at end {c})" for c in (*(self.atom(atom, names) for atom in action.add), idle)]
+        effects += [f"(at end {c})" for c in (*(self.atom(atom, names) for atom in self.facts(action.add)), idle)]
+        when = {DECREASE: "start"}
+        effects += [f"(at {when.get(word, 'end')} {change})" for word, change in self.changes(action, names)]
         return "\n".join(
             [
                 f"  (:durative-action {self.actions.pddl(action.name)}",

@@ -9,6 +9,7 @@ from skiros_py.planning.domain.actions import is_placement, moved_and_place
 from skiros_py.planning.domain.literals import CAN, HAS, NOT, NOTHING
 from skiros_py.planning.domain.matching import is_variable
 from skiros_py.planning.domain.model import Action, Atom
+from skiros_py.planning.domain.numbers import number_compared, numbers_of
 from skiros_py.planning.explanation.wording import Reason, Wording, listed, some
 from skiros_py.planning.plan import CauseKind
 from skiros_py.planning.problem.reachability import Relaxation
@@ -108,7 +109,10 @@ class Leaves:
             if not self._things(argument, types):
                 return self.none_of(types.get(argument, argument))
         only = {a: things[0] for a in atom.arguments if len(things := self._things(a, types)) == 1}
-        text = f"{self._instead(atom.bind(only), types)}, and no skill changes it"
+        number = number_compared(atom.predicate)
+        counts = number is not None and number[0] in numbers_of(self._task.domain.actions)
+        verb = "brings it that far" if counts else "changes it"
+        text = f"{self._instead(atom.bind(only), types)}, and no skill {verb}"
         return Reason(kind, text, elements=named, missing=atom, types=types)
 
     def _instead(self, atom: Atom, types: Types) -> str:

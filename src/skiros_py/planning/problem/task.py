@@ -10,7 +10,7 @@ from itertools import product
 
 from skiros_py.errors import PlanningError, SkirosError
 from skiros_py.interruptions import Interruption
-from skiros_py.planning.domain.actions import actions_of, needs_of, possible_variants
+from skiros_py.planning.domain.actions import actions_of, needs_of, number_changes, possible_variants
 from skiros_py.planning.domain.complements import with_complements
 from skiros_py.planning.domain.goals import CompiledGoal, compile_goal, maintain_emptiness
 from skiros_py.planning.domain.literals import (
@@ -27,6 +27,7 @@ from skiros_py.planning.domain.literals import (
 )
 from skiros_py.planning.domain.matching import FactIndex, Fits, fitting, solutions
 from skiros_py.planning.domain.model import Action, Atom, Domain, Problem
+from skiros_py.planning.domain.numbers import number_facts, numbers_of
 from skiros_py.planning.problem.lifted import Lifted
 from skiros_py.planning.problem.relevance import Relevant, relevant
 from skiros_py.planning.problem.stock import superfluous
@@ -295,7 +296,9 @@ class _Building:
         self._goal = tuple(goal)
         self._named = {a for c in goal for a in c.arguments if view.has(a)}
         needed = (c.pattern for skill in self._skills for c in needs_of(skill))
-        self._asked = asked_literals((*needed, *(c.closed_pattern(self._ontology) for c in goal)), self._ontology)
+        changed = (change for skill in self._skills for change in number_changes(skill))
+        wanted = (c.closed_pattern(self._ontology) for c in goal)
+        self._asked = asked_literals((*needed, *changed, *wanted), self._ontology)
 
     @property
     def _skills(self) -> list[SkillDescription]:
@@ -346,7 +349,8 @@ class _Building:
         possible = supported(actions, start, objects, self._ontology)
         predicates = _predicates(possible, goal, objects, self._ontology)
         init = {atom for atom in known if atom.predicate in predicates}
-        return possible, predicates, init | facts.of(predicates) | facts.denied(possible, goal)
+        numbers = number_facts(self._view, numbers_of(possible), objects)
+        return possible, predicates, init | numbers | facts.of(predicates) | facts.denied(possible, goal)
 
     def _who_asks(self, predicate: str) -> str:
         words = (*(c for s in self._skills for c in needs_of(s)), *self._goal)

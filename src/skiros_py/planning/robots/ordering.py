@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from graphlib import TopologicalSorter
 
 from skiros_py.planning.domain.model import Atom, Grounding, NoneSuch
+from skiros_py.planning.domain.numbers import change_of, number_compared
 from skiros_py.planning.plan import Plan
 from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.planning.replay import replay
@@ -96,7 +97,14 @@ class _Effect:
         devices = (binding.get("?" + param.key) for param in params if param.kind is Kind.HARDWARE)
         adds = one.of(action.add)
         none = tuple(such.bind(binding) for such in action.none)
-        return cls(one.of(action.pre), adds, one.of(action.delete) - adds, none, frozenset(filter(None, devices)))
+        deletes = one.of(action.delete) - adds
+        changed = {Atom(change_of(a)[1], a.arguments[:1]) for a in one.of(action.changes)}
+        compared = ((number_compared(atom.predicate), atom.arguments) for atom in one.of(action.pre))
+        asked = {Atom(number[0], arguments) for number, arguments in compared if number is not None}
+        reads = (
+            one.of(action.pre) | asked | changed
+        )  # changes of one number keep their order: each starts from the last
+        return cls(reads, adds | changed, deletes, none, frozenset(filter(None, devices)))
 
     @property
     def writes(self) -> frozenset[Atom]:

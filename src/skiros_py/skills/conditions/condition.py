@@ -67,6 +67,10 @@ Constant = str | bool | int | float
 OPERATORS: Mapping[str, Callable[[float, float], bool]] = MappingProxyType(
     {"=": eq, "!=": ne, "<": lt, "<=": le, ">": gt, ">=": ge}
 )
+OPPOSITE: Mapping[Operator, Operator] = MappingProxyType(
+    {"=": "!=", "!=": "=", "<": ">=", "<=": ">", ">": "<=", ">=": "<"}
+)
+"""The comparison that holds of a value where another one does not."""
 _WORDS: Mapping[str, str] = MappingProxyType(
     {"=": "", "!=": "other than ", "<": "less than ", "<=": "at most ", ">": "more than ", ">=": "at least "}
 )

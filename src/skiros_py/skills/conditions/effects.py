@@ -5,12 +5,13 @@ This is the one place that says which conditions can be brought about, and how.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
 from skiros_py.errors import DescriptionError
-from skiros_py.skills.conditions.condition import Compare, Condition
-from skiros_py.skills.conditions.pattern import AllOf, Has, Not, Nothing, Pattern, Related
+from skiros_py.skills.conditions.condition import OPPOSITE, Compare, Comparison, Condition, Operator
+from skiros_py.skills.conditions.pattern import AllOf, Has, Not, Nothing, NumberChange, Pattern, Related
 from skiros_py.world.element import Value
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.overlay import Overlay
@@ -37,14 +38,22 @@ class Unrelate:
 
 @dataclass(frozen=True, slots=True)
 class Assign:
-    """A property gets a value of its own; None takes that away."""
+    """A property gets a value of its own; None takes that away.
+
+    Attributes:
+        property: CURIE of the property.
+        subject: The element.
+        value: The value; of a comparison such as "at least 8", its limit, with which plans count.
+        op: How the value compares afterwards: where it does already, a sensed value is not overwritten.
+    """
 
     property: str
     subject: str
     value: Value | None
+    op: Operator = "="
 
 
-Effect = Relate | Unrelate | Assign
+Effect = Relate | Unrelate | Assign | NumberChange
 """One thing that changes; over a skill's parameters, or over elements once the condition is bound."""
 
 
@@ -73,6 +82,13 @@ def _effects(pattern: Pattern, condition: Condition) -> tuple[Effect, ...]:
             return (Unrelate(relation, subject, object_),)
         case Compare(property_, "=", subject, value):
             return (Assign(property_, subject, value),)
+        case Compare(property_, ("<" | "<=" | ">" | ">=") as op, subject, (int() | float()) as value):
+            nearest = value if "=" in op else math.nextafter(value, math.inf if op == ">" else -math.inf)
+            return (Assign(property_, subject, nearest, ">=" if ">" in op else "<="),)
+        case Not(Compare(property_, ("<" | "<=" | ">" | ">=") as op, subject, value)):
+            return _effects(Compare(property_, OPPOSITE[op], subject, value), condition)
+        case NumberChange():
+            return (pattern,)
         case Compare(property_, "!=", subject, bool(value)) | Not(Compare(property_, "=", subject, bool(value))):
             return (Assign(property_, subject, not value),)
         case Not(Has(property_, subject)):
@@ -86,7 +102,8 @@ def _effects(pattern: Pattern, condition: Condition) -> tuple[Effect, ...]:
         case _:
             raise DescriptionError(
                 f"{condition} cannot be brought about: a skill can bring about a relation, the end of one, a value of "
-                "a property (=), that it has none, or that nothing is there; use what this condition follows from"
+                "a property (= < <= > >=), that it grows or falls, that it has none, or that nothing is there; use "
+                "what this condition follows from"
             )
 
 
@@ -104,6 +121,9 @@ def suppose_effects(overlay: Overlay, effects: Iterable[Effect]) -> None:
                 overlay.unset_relation(subject, relation, object_)
             case Assign(property_, subject, value):
                 overlay.set_value(subject, property_, value)
+            case NumberChange(property_, subject, _, object_):
+                if (after := effect.after(overlay, subject, object_)) is not None:
+                    overlay.set_value(subject, property_, after)
 
 
 def write_effects(tx: Transaction, ontology: Ontology, effects: Iterable[Effect]) -> None:
@@ -119,5 +139,11 @@ def write_effects(tx: Transaction, ontology: Ontology, effects: Iterable[Effect]
                 known = relation in ontology.relations and tx.view.has(subject) and tx.view.has(object_)
                 if not known or (not ontology.is_placement(relation) and tx.view.related(subject, relation, object_)):
                     tx.unrelate(subject, relation, object_)  # which says what is wrong, if anything
+            case Assign(property_, subject, int() | float() as value, ">=" | "<=" as op):
+                if not Comparison(op, value).allows(tx.view.value(subject, property_)):
+                    tx.set(subject, property_, value)
             case Assign(property_, subject, value):
                 tx.set(subject, property_, value)
+            case NumberChange(property_, subject, _, object_):
+                if (after := effect.after(tx.view, subject, object_)) is not None:
+                    tx.set(subject, property_, after)

@@ -7,12 +7,14 @@ Variables are names; a binding gives each the id of an element.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from types import MappingProxyType
-from typing import Protocol, Self
+from typing import ClassVar, Protocol, Self
 
+from skiros_py.errors import DescriptionError
 from skiros_py.world.names import local_name
 from skiros_py.world.terms import Filler
 from skiros_py.world.view import WorldView
@@ -152,6 +154,79 @@ class Has(Atom):
         subject = binding[self.subject]
         holds = view.value(subject, self.property) is not None
         return Verdict(holds, f"{subject} has {'a' if holds else 'no'} {self.property.partition(':')[2]}")
+
+
+@dataclass(frozen=True, slots=True)
+class NumberChange(Atom):
+    """Base of :class:`Increase` and :class:`Decrease`: how a skill changes a number, as far as it is known before.
+
+    It is an effect, no state: it stands in postconditions, and can be asked for neither by a precondition nor by a
+    goal. Where the number is missing, or the amount, nothing can be changed, and the postcondition does not hold.
+
+    Attributes:
+        property: CURIE of the property.
+        subject: Variable.
+        by: By how much; or the CURIE of the property of :attr:`object` that says so.
+        object: Variable; the subject itself if left out.
+
+    Raises:
+        DescriptionError: The amount is neither a property nor a number above zero.
+    """
+
+    sign: ClassVar[int]
+
+    property: str
+    subject: str
+    by: float | str
+    object: str = ""
+
+    def __post_init__(self) -> None:
+        number = isinstance(self.by, int | float) and not isinstance(self.by, bool)
+        if not isinstance(self.by, str) and not (number and 0.0 < self.by < math.inf):
+            word = type(self).__name__.lower()
+            raise DescriptionError(f"{word} {self.property} by {self.by!r}: give a number above 0, or a property")
+        object.__setattr__(self, "object", self.object or self.subject)  # the class is frozen
+
+    def after(self, view: WorldView, subject: str, object_: str) -> float | None:
+        """Returns the number of an element after the change; None where it has none, or there is no amount.
+
+        It is rounded to nine decimals: ten times 0.1 are 1.
+        """
+        before = number_of(view, subject, self.property)
+        by = number_of(view, object_, self.by) if isinstance(self.by, str) else self.by
+        if before is None or by is None:
+            return None
+        after = round(before + self.sign * by, 9)
+        return int(after) if isinstance(before, int) and after == int(after) else after
+
+    def evaluate(self, view: WorldView, binding: Binding) -> Verdict:
+        """Looks for the number: that it was changed cannot be seen from one state of the world."""
+        subject, object_ = binding[self.subject], binding[self.object]
+        asked = [(subject, self.property), *([(object_, self.by)] if isinstance(self.by, str) else ())]
+        missing = next(((e, name) for e, name in asked if number_of(view, e, name) is None), None)
+        element, name = missing or asked[0]
+        has = "no number for its" if missing else "a number for its"
+        return Verdict(missing is None, f"{element} has {has} {local_name(name)}")
+
+
+@dataclass(frozen=True, slots=True)
+class Increase(NumberChange):
+    """A number of an element grows: the charge of a battery by 30."""
+
+    sign: ClassVar[int] = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Decrease(NumberChange):
+    """A number of an element falls: the charge of a battery by 25."""
+
+    sign: ClassVar[int] = -1
+
+
+def number_of(view: WorldView, element: str, property_: str) -> int | float | None:
+    """Returns the number that an element has for a property (its own, taught, or of its class), or None."""
+    value = view.value(element, property_)
+    return value if isinstance(value, int | float) and not isinstance(value, bool) else None
 
 
 @dataclass(frozen=True, slots=True)

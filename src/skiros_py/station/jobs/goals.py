@@ -10,7 +10,17 @@ from skiros_py.api import goals as api
 from skiros_py.errors import StaleVersion, UsageError
 from skiros_py.planning.problem.stock import believed
 from skiros_py.planning.problem.task import Capability
-from skiros_py.skills.conditions import ClassRelated, Compare, Computed, Condition, ConditionType, Has, Nothing, Related
+from skiros_py.skills.conditions import (
+    ClassRelated,
+    Compare,
+    Computed,
+    Condition,
+    ConditionType,
+    Has,
+    Nothing,
+    NumberChange,
+    Related,
+)
 from skiros_py.skills.conditions.effects import Assign, Relate, brought_about
 from skiros_py.skills.conditions.pattern import Pattern, leaves
 from skiros_py.skills.conditions.watch import ReadingView
@@ -78,7 +88,7 @@ def _brought(skill: SkillDescription, ontology: Ontology) -> Iterator[_Change]:
     """Yields the effects of a skill."""
     for condition in skill.post:
         for effect in brought_about(condition):
-            if isinstance(effect, Assign):
+            if isinstance(effect, Assign | NumberChange):
                 yield effect.property, skill.param(effect.subject).element_class
             elif isinstance(effect, Relate):
                 ends = (effect.subject, effect.relation, effect.object)

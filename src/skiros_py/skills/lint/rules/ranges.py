@@ -17,6 +17,7 @@ from skiros_py.skills.conditions import (
     Has,
     IsA,
     Nothing,
+    NumberChange,
     Pattern,
     Related,
 )
@@ -60,7 +61,7 @@ def _wrong_ends(use: Use, ontology: Ontology) -> Iterator[str]:
                 yield from _end("object", relation, object_, classes, ontology)
             case Nothing(relation, object_):
                 yield from _end("object", relation, object_, classes, ontology)
-            case Has() | Compare():
+            case Has() | Compare() | NumberChange():
                 yield from _property(leaf, classes, ontology)
             case Expression() if problem := leaf.problem(partial(_kinds_of, classes)):
                 yield problem
@@ -101,7 +102,7 @@ def _said(end: End) -> str:
 
 
 def _property(leaf: Pattern, classes: Classes, ontology: Ontology) -> Iterator[str]:
-    assert isinstance(leaf, Has | Compare)
+    assert isinstance(leaf, Has | Compare | NumberChange)
     declared = ontology.properties.get(leaf.property)
     class_ = classes.get(leaf.subject)
     if declared is None:
@@ -110,6 +111,8 @@ def _property(leaf: Pattern, classes: Classes, ontology: Ontology) -> Iterator[s
         yield f"{leaf.property} belongs to a {_said(declared.domains)}, and {leaf.subject} is a {class_}"
     if isinstance(leaf, Compare) and not _comparable(leaf, declared.range, ontology):
         yield f"{leaf.property} has {DATATYPES[declared.range].says}, never {leaf.value!r}"
+    if isinstance(leaf, NumberChange) and not any(map(DATATYPES[declared.range].fits, (1, 0.5))):
+        yield f"{leaf.property} has {DATATYPES[declared.range].says}: it cannot grow or fall"
 
 
 def _comparable(leaf: Compare, range_: str, ontology: Ontology) -> bool:

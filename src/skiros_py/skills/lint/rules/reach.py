@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from itertools import combinations
 
 from skiros_py.errors import DescriptionError
-from skiros_py.skills.conditions import Compare, Has, Not, Nothing, Pattern, Related
+from skiros_py.skills.conditions import Compare, Has, Not, Nothing, NumberChange, Pattern, Related
 from skiros_py.skills.conditions.effects import Assign, Effect, Relate, Unrelate, brought_about, effects_of
 from skiros_py.skills.inference.search import conjuncts
 from skiros_py.skills.lint.rule import Known, Problem, Severity, Source, rule
@@ -90,7 +90,8 @@ def _lost(atom: Pattern, effects: list[Effect], ontology: Ontology) -> bool:
             return ended and not any(isinstance(e, Relate) and e.relation in below for e in effects)
         case Compare(property_):
             values = [e.value for e in effects if isinstance(e, Assign) and e.property == property_]
-            return bool(values) and not any(atom.allows(value) for value in values)
+            counted = any(isinstance(e, NumberChange) and e.property == property_ for e in effects)
+            return bool(values) and not counted and not any(atom.allows(value) for value in values)
         case Has(property_):
             values = [e.value for e in effects if isinstance(e, Assign) and e.property == property_]
             return None in values and all(value is None for value in values)

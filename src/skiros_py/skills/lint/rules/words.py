@@ -20,6 +20,7 @@ from skiros_py.skills.conditions import (
     Has,
     IsA,
     Nothing,
+    NumberChange,
     Pattern,
     Related,
 )
@@ -80,7 +81,7 @@ def _undeclared(leaf: Pattern, classes: Classes, known: Known) -> Iterator[str]:
     match leaf:
         case Related(relation) | Nothing(relation) | Computed(relation) | ClassRelated(relation):
             yield from _missing("relation", relation, ontology.relations)
-        case Has(property_) | Compare(property_):
+        case Has(property_) | Compare(property_) | NumberChange(property_):
             yield from _missing("property", property_, ontology.properties)
         case Exists(_, class_) | IsA(_, class_):
             yield from _missing("class", class_, ontology.classes)

@@ -1,0 +1,63 @@
+"""Numbers as the reason that there is no plan: a charge that does not last."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from math import inf, isfinite
+
+from skiros_py.planning.domain.model import Atom
+from skiros_py.planning.domain.numbers import change_of, farthest, number_compared, numbers_in, numbers_of
+from skiros_py.planning.plan import Step
+from skiros_py.planning.problem.task import PlanningTask
+from skiros_py.planning.replay import Flaw, replay
+from skiros_py.world.overlay import Overlay
+
+
+def uncounted(task: PlanningTask) -> PlanningTask:
+    """Returns the task as if the numbers that skills raise and lower did not matter; unchanged if there are none."""
+    numbers = numbers_of(task.domain.actions)
+    if not numbers:
+        return task
+
+    def others(atoms: Iterable[Atom]) -> tuple[Atom, ...]:
+        compared = ((atom, number_compared(atom.predicate)) for atom in atoms)
+        return tuple(atom for atom, number in compared if number is None or number[0] not in numbers)
+
+    actions = tuple(
+        replace(action, pre=others(action.pre), add=others(action.add), delete=others(action.delete), changes=())
+        for action in task.domain.actions
+    )
+    problem = replace(task.problem, goal=others(task.problem.goal))
+    return replace(task, domain=replace(task.domain, actions=actions), problem=problem)
+
+
+def shortfall(task: PlanningTask, steps: Sequence[Step]) -> str:
+    """Explains how a plan made without the numbers fails because of them, however good they are at the start.
+
+    Args:
+        task: The task with the numbers.
+        steps: The plan.
+    """
+    ends = {
+        (change_of(change)[1], end)
+        for action in task.domain.actions
+        for change in action.changes
+        if isfinite(end := farthest(change, action.pre))
+    }
+    best, given = replay(task.view, steps, task.conditions, task.skills), ""
+    for property_, end in sorted(ends):
+        supposed = Overlay(task.view)
+        for _, element in (of for of in numbers_in(task.problem.init) if of[0] == property_):
+            supposed.set_value(element, property_, end)
+        flaw = replay(supposed, steps, task.conditions, task.skills)
+        if _reached(flaw, steps) > _reached(best, steps):
+            best, given = flaw, f"with a {task.view.ontology.properties[property_].label} of {end:g} at the start"
+    if best is None:
+        return f"{given} it could be reached, and no skill can be used to get there"
+    where = "at the end" if best.step is None else f"at step {best.step + 1}, {steps[best.step]}"
+    return f"{f'even {given} ' if given else ''}it does not suffice: {best.verdict.why} {where}"
+
+
+def _reached(flaw: Flaw | None, steps: Sequence[Step]) -> float:
+    return inf if flaw is None else len(steps) if flaw.step is None else flaw.step
