@@ -20,7 +20,7 @@ from skiros_py.planning.explanation.explaining import explain
 from skiros_py.planning.explanation.shortfalls import shortfall, uncounted
 from skiros_py.planning.explanation.trial import Trial
 from skiros_py.planning.explanation.wording import listed
-from skiros_py.planning.plan import Cause, CauseKind, NoPlan, Plan
+from skiros_py.planning.plan import Cause, CauseKind, NoPlan, Plan, Repair
 from skiros_py.planning.plan_validation import Wrong, validate
 from skiros_py.planning.planners.planner import Planner, Planners, Unsolvable, wait_for
 from skiros_py.planning.problem.stock import lacks_stock, with_stock
@@ -324,9 +324,13 @@ class SolverLoop:
                 outcome = self._outcome(planner, free, texts)
                 if not isinstance(outcome, Wrong):
                     break
-                why = shortfall(task, outcome.steps)
+                why, edits = shortfall(task, outcome.steps)
                 text = f"{listed(map(str, cause.conditions))} cannot be reached: {why}"
-                return replace(answer, reasons=(text,), causes=(replace(cause, text=text, why=why),))
+                repairs = (
+                    [Repair(" and ".join(map(str, edits)), edits)] if edits and cause.conditions == self.goal else []
+                )
+                causes = (replace(cause, text=text, why=why),)
+                return NoPlan((text,), causes, (*repairs, *answer.repairs))
         return answer
 
 

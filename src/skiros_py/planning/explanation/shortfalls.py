@@ -8,6 +8,7 @@ from math import inf, isfinite
 
 from skiros_py.planning.domain.model import Atom
 from skiros_py.planning.domain.numbers import change_of, farthest, number_compared, numbers_in, numbers_of
+from skiros_py.planning.edits import Assign
 from skiros_py.planning.plan import Step
 from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.planning.replay import Flaw, replay
@@ -32,12 +33,15 @@ def uncounted(task: PlanningTask) -> PlanningTask:
     return replace(task, domain=replace(task.domain, actions=actions), problem=problem)
 
 
-def shortfall(task: PlanningTask, steps: Sequence[Step]) -> str:
+def shortfall(task: PlanningTask, steps: Sequence[Step]) -> tuple[str, tuple[Assign, ...]]:
     """Explains how a plan made without the numbers fails because of them, however good they are at the start.
 
     Args:
         task: The task with the numbers.
         steps: The plan.
+
+    Returns:
+        The reason, and the numbers with which the plan would not fail, if there are any.
     """
     ends = {
         (change_of(change)[1], end)
@@ -45,18 +49,23 @@ def shortfall(task: PlanningTask, steps: Sequence[Step]) -> str:
         for change in action.changes
         if isfinite(end := farthest(change, action.pre))
     }
-    best, given = replay(task.view, steps, task.conditions, task.skills), ""
+    best, given = replay(task.view, steps, task.conditions, task.skills), tuple[Assign, ...]()
     for property_, end in sorted(ends):
+        elements = (element for name, element in sorted(numbers_in(task.problem.init)) if name == property_)
+        edits = tuple(Assign(element, property_, end) for element in elements)
         supposed = Overlay(task.view)
-        for _, element in (of for of in numbers_in(task.problem.init) if of[0] == property_):
-            supposed.set_value(element, property_, end)
+        for edit in edits:
+            supposed.set_value(edit.element, property_, end)
         flaw = replay(supposed, steps, task.conditions, task.skills)
         if _reached(flaw, steps) > _reached(best, steps):
-            best, given = flaw, f"with a {task.view.ontology.properties[property_].label} of {end:g} at the start"
+            best, given = flaw, edits
+    start = "".join(
+        f"with a {task.view.ontology.properties[e.property].label} of {e.value:g} at the start" for e in given[:1]
+    )
     if best is None:
-        return f"{given} it could be reached, and no skill can be used to get there"
+        return f"{start} it could be reached, but the skills that change it do not get there", given
     where = "at the end" if best.step is None else f"at step {best.step + 1}, {steps[best.step]}"
-    return f"{f'even {given} ' if given else ''}it does not suffice: {best.verdict.why} {where}"
+    return f"{f'even {start}: ' if start else ''}{best.verdict.why} {where}", ()
 
 
 def _reached(flaw: Flaw | None, steps: Sequence[Step]) -> float:
