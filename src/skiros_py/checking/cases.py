@@ -17,9 +17,9 @@ from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.process import ThreadHost
 from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.cell_reader import read_cell
-from skiros_py.skills.conditions import AllOf, Condition, Has, Not, Nothing, NumberChange, Pattern, Related
+from skiros_py.skills.conditions import AllOf, Condition, Has, Not, Nothing, Pattern, Related
 from skiros_py.skills.conditions.effects import Assign, Relate, Unrelate, brought_about, write_effects
-from skiros_py.skills.conditions.pattern import leaves
+from skiros_py.skills.conditions.pattern import NumberChange, leaves
 from skiros_py.skills.inference.inferring import Inferred, Missing, infer
 from skiros_py.skills.outcome import Failure, Outcome
 from skiros_py.skills.parameters import Kind
@@ -137,6 +137,9 @@ def make_up(description: SkillDescription, world: World, given: Mapping[str, Any
             bound = condition.bind(values)
             write_effects(tx, world.ontology, brought_about(bound))
             _give(tx, bound.pattern, world)
+        for effect in (effect for condition in description.post for effect in brought_about(condition.bind(values))):
+            if isinstance(effect, NumberChange):
+                _give(tx, Has(effect.property, effect.subject), world)
     return values
 
 

@@ -12,8 +12,9 @@ from skiros_py.catalogue import Catalogue
 from skiros_py.checking.cases import Case, Ground, Rig, fake_rig, find_case
 from skiros_py.execution.module_faults import words
 from skiros_py.interruptions import CycleOverrun, by_user
-from skiros_py.skills.conditions import Condition, Not, Nothing, NumberChange
+from skiros_py.skills.conditions import Condition, Not, Nothing
 from skiros_py.skills.conditions.effects import Assign, Effect, Relate, Unrelate, brought_about
+from skiros_py.skills.conditions.pattern import NumberChange, number_of
 from skiros_py.skills.lint.checking import EFFECT_MISSING, NEVER_TRIED, UNDECLARED_CHANGE
 from skiros_py.skills.lint.rule import Finding, Rule, Spot, title
 from skiros_py.skills.outcome import Failure, Outcome
@@ -157,6 +158,10 @@ def check_contract(
         posts = [condition.bind(case.arguments) for condition in skill.description.post]
         for line in undeclared(before, case.rig.world.snapshot(), posts):
             yield UNDECLARED_CHANGE, f"no postcondition declares {line}"
+        for change in (effect for post in posts for effect in brought_about(post) if isinstance(effect, NumberChange)):
+            old, new = (number_of(view, change.subject, change.property) for view in (before, case.rig.world))
+            if old is not None and new is not None and (new - old) * change.sign <= 0.0:
+                yield EFFECT_MISSING, f"{change.property} of {change.subject} was {old:g} and is {new:g}"
 
     return _contract(skill, spot, partial(find_case, skill, grounds, all_), rig_in, faults)
 

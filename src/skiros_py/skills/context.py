@@ -23,8 +23,9 @@ from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.frames import Frames
 from skiros_py.ports.paths import Outline, Path
 from skiros_py.ports.signals import SignalReader
-from skiros_py.skills.conditions import Condition, NumberChange
+from skiros_py.skills.conditions import Condition
 from skiros_py.skills.conditions.effects import Assign, Effect, effects_of, write_effects
+from skiros_py.skills.conditions.pattern import NumberChange
 from skiros_py.world.element import Value
 from skiros_py.world.names import local_name
 from skiros_py.world.world import World

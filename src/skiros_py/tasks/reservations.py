@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 from skiros_py.planning.domain.actions import with_defaults
 from skiros_py.planning.plan import Step
-from skiros_py.skills.conditions import Condition, NumberChange
+from skiros_py.skills.conditions import Condition
 from skiros_py.skills.conditions.effects import Assign, Effect, Relate, Unrelate, effects_of
+from skiros_py.skills.conditions.pattern import NumberChange
 from skiros_py.skills.inference.inferring import applying
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.skills.surroundings import owner

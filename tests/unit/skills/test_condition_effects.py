@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import math
+
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -10,8 +12,10 @@ from skiros_py.skills.conditions import (
     Compare,
     Condition,
     ConditionType,
+    Decrease,
     Expression,
     Has,
+    Increase,
     Not,
     Pattern,
     Related,
@@ -59,6 +63,10 @@ SCANNED = Compare("tiny:scanned", "=", "it", True)
             saying(AllOf((OPEN, SCANNED))),
             (Assign("tiny:opening", "it", "open"), Assign("tiny:scanned", "it", True)),
         ),
+        (saying(Compare("tiny:charge", ">=", "it", 8)), (Assign("tiny:charge", "it", 8, ">="),)),
+        (saying(Compare("tiny:charge", "<", "it", 8)), (Assign("tiny:charge", "it", math.nextafter(8, 0), "<="),)),
+        (~saying(Compare("tiny:charge", "<", "it", 8)), (Assign("tiny:charge", "it", 8, ">="),)),
+        (saying(Increase("tiny:charge", "it", 30.0)), (Increase("tiny:charge", "it", 30.0),)),
         (EMPTY_HANDED("g"), ()),
         (~EMPTY_HANDED("g"), ()),
     ],
@@ -71,7 +79,8 @@ def test_each_achievable_condition_has_its_effects(condition: Condition, effects
     "condition",
     [
         saying(Has("tiny:opening", "it")),
-        saying(Compare("tiny:charge", ">=", "it", 3)),
+        ~saying(Compare("tiny:charge", "=", "it", 3)),
+        ~saying(Decrease("tiny:charge", "it", 3.0)),
         ~saying(OPEN),
         FITS("b", "s"),
         saying(Expression("it.gap = 1")),
@@ -83,6 +92,12 @@ def test_an_unachievable_condition_is_refused_as_an_effect_by_name(condition: Co
         effects_of(condition)
 
     assert str(caught.value).startswith(f"{condition} cannot be brought about: a skill can")
+
+
+@pytest.mark.parametrize("by", [0.0, -3.0, math.nan, math.inf, True])
+def test_a_change_by_no_number_above_zero_is_refused(by: float) -> None:
+    with pytest.raises(DescriptionError, match=r"decrease tiny:charge by .*: give a number above 0, or a property"):
+        Decrease("tiny:charge", "it", by)
 
 
 def write(world: World, *effects: Effect) -> None:
@@ -121,6 +136,58 @@ def test_an_effect_on_a_missing_element_is_refused_by_the_world() -> None:
     for effect in (Unrelate("tiny:knows", "robot_9", "box_a"), Assign("tiny:opening", "door_9", "open")):
         with pytest.raises(WorldError, match="_9"):
             write(tiny_world(), effect)
+
+
+CHARGED = "scene:robot_1 tiny:charge 40.0 ."
+AT_LEAST_8 = ConditionType("Enough", (Role("it", "sk:Robot"),), Compare("tiny:charge", ">=", "it", 8), "-")
+ENOUGH = AT_LEAST_8("robot_1")
+
+
+def test_a_written_inequality_leaves_a_number_that_meets_it_and_else_becomes_its_limit() -> None:
+    for charge, kept in ((40.0, 40.0), (5.0, 8)):
+        world = tiny_world(f"scene:robot_1 tiny:charge {charge} .")
+
+        write(world, *effects_of(ENOUGH))
+
+        assert world.value("robot_1", "tiny:charge") == kept
+        assert ENOUGH.evaluate(world)
+
+
+def test_plans_count_with_the_limit_of_an_inequality_since_no_more_is_promised() -> None:
+    overlay = Overlay(tiny_world(CHARGED).snapshot())
+
+    suppose_effects(overlay, effects_of(ENOUGH))
+
+    assert overlay.value("robot_1", "tiny:charge") == 8
+
+
+def test_numbers_grow_and_fall_by_an_amount_or_by_the_property_of_another_element() -> None:
+    world = tiny_world(CHARGED, "scene:box_a sk:mass 12.5 .")
+
+    write(world, Increase("tiny:charge", "robot_1", 30), Decrease("tiny:charge", "robot_1", "sk:mass", "box_a"))
+
+    assert world.value("robot_1", "tiny:charge") == 57.5
+
+
+def test_ten_times_a_tenth_is_one() -> None:
+    world = tiny_world("scene:robot_1 tiny:charge 1.0 .")
+
+    write(world, *[Decrease("tiny:charge", "robot_1", 0.1)] * 10)
+
+    assert world.value("robot_1", "tiny:charge") == 0.0
+
+
+def test_a_missing_number_or_amount_changes_nothing_and_the_postcondition_says_so() -> None:
+    roles = (Role("robot", "sk:Robot"), Role("source", "tiny:Box"))
+    word = ConditionType("Fed", roles, Increase("tiny:charge", "robot", "sk:mass", "source"), "-")
+    for facts, why in ((CHARGED, "box_a has no number for its mass"), ("", "robot_1 has no number for its charge")):
+        world = tiny_world(facts)
+        before = world.version
+
+        write(world, *effects_of(word("robot_1", "box_a")))
+
+        assert world.version == before
+        assert word("robot_1", "box_a").evaluate(world).why == why
 
 
 BALLS, PLACES = st.sampled_from(["ball_1", "red_ball_1"]), st.sampled_from(["box_a", "slot_1", "slot_2"])

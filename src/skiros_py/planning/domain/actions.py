@@ -26,9 +26,10 @@ from skiros_py.planning.domain.literals import (
 )
 from skiros_py.planning.domain.model import Action, Atom, NoneSuch, Variable
 from skiros_py.planning.domain.numbers import change_atom, could_become_true, numbers_needed
-from skiros_py.skills.conditions import Condition, Not, NumberChange
+from skiros_py.skills.conditions import Condition, Not
 from skiros_py.skills.conditions.effects import Assign, Relate, Unrelate, brought_about, effects_of
 from skiros_py.skills.conditions.expression import is_sensed
+from skiros_py.skills.conditions.pattern import NumberChange
 from skiros_py.skills.inference.inferring import applying
 from skiros_py.skills.parameters import Param
 from skiros_py.skills.skill import SkillDescription

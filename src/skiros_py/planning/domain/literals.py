@@ -22,11 +22,11 @@ from skiros_py.skills.conditions import (
     IsA,
     Not,
     Nothing,
-    NumberChange,
     Pattern,
     Related,
 )
 from skiros_py.skills.conditions.condition import Comparison, Operator
+from skiros_py.skills.conditions.pattern import NumberChange
 from skiros_py.world.element import Value
 from skiros_py.world.names import local_name
 from skiros_py.world.ontology import Ontology

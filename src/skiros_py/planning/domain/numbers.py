@@ -13,10 +13,9 @@ from math import inf
 
 from skiros_py.planning.domain.literals import NOT, VALUE, compared
 from skiros_py.planning.domain.model import Action, Atom
-from skiros_py.skills.conditions import NumberChange
 from skiros_py.skills.conditions.condition import OPPOSITE, Comparison, Operator, kind_of
 from skiros_py.skills.conditions.effects import Assign
-from skiros_py.skills.conditions.pattern import number_of
+from skiros_py.skills.conditions.pattern import NumberChange, number_of
 from skiros_py.world.names import local_name
 from skiros_py.world.view import WorldView
 

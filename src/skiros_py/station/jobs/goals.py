@@ -18,11 +18,10 @@ from skiros_py.skills.conditions import (
     ConditionType,
     Has,
     Nothing,
-    NumberChange,
     Related,
 )
 from skiros_py.skills.conditions.effects import Assign, Relate, brought_about
-from skiros_py.skills.conditions.pattern import Pattern, leaves
+from skiros_py.skills.conditions.pattern import NumberChange, Pattern, leaves
 from skiros_py.skills.conditions.watch import ReadingView
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.station.jobs.orders import texts_of

@@ -17,11 +17,10 @@ from skiros_py.skills.conditions import (
     Has,
     IsA,
     Nothing,
-    NumberChange,
     Pattern,
     Related,
 )
-from skiros_py.skills.conditions.pattern import Classes, leaves
+from skiros_py.skills.conditions.pattern import Classes, NumberChange, leaves
 from skiros_py.skills.lint.rule import Known, Place, Subject, Use, rule, uses_of
 from skiros_py.skills.parameters import Param
 from skiros_py.skills.parameters.values import read_constant

@@ -7,8 +7,9 @@ from collections.abc import Iterator
 from itertools import combinations
 
 from skiros_py.errors import DescriptionError
-from skiros_py.skills.conditions import Compare, Has, Not, Nothing, NumberChange, Pattern, Related
+from skiros_py.skills.conditions import Compare, Has, Not, Nothing, Pattern, Related
 from skiros_py.skills.conditions.effects import Assign, Effect, Relate, Unrelate, brought_about, effects_of
+from skiros_py.skills.conditions.pattern import NumberChange
 from skiros_py.skills.inference.search import conjuncts
 from skiros_py.skills.lint.rule import Known, Problem, Severity, Source, rule
 from skiros_py.skills.skill import SkillDescription

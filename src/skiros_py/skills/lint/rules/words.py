@@ -20,11 +20,10 @@ from skiros_py.skills.conditions import (
     Has,
     IsA,
     Nothing,
-    NumberChange,
     Pattern,
     Related,
 )
-from skiros_py.skills.conditions.pattern import Classes, leaves
+from skiros_py.skills.conditions.pattern import Classes, NumberChange, leaves
 from skiros_py.skills.lint.rule import Known, Place, Source, Subject, rule, uses_of
 from skiros_py.skills.parameters import Param, params_of
 from skiros_py.skills.skill import Skill, SkillDescription
