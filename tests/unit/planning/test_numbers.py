@@ -175,7 +175,7 @@ def test_a_goal_about_a_number_is_planned(kairos: Kairos) -> None:
 def test_more_than_a_full_battery_is_the_reason(kairos: Kairos) -> None:
     text = why_not(planned(kairos, battery_world(20.0), *BOTH, skills=with_drives(130.0, 25.0)))
 
-    assert text.endswith("the charge of robot_1 is 20, not at least 130, and no skill brings it that far")
+    assert text.endswith("the charge of robot_1 is 20, not at least 130, and no skill gets it there")
 
 
 def test_a_way_for_which_no_charge_lasts_is_the_reason_even_from_a_full_battery(kairos: Kairos) -> None:
@@ -186,7 +186,9 @@ def test_a_way_for_which_no_charge_lasts_is_the_reason_even_from_a_full_battery(
     assert "drive(Base=base_1, Robot=robot_1" in text
 
 
-def test_a_battery_too_empty_to_be_charged_is_the_reason_and_charging_by_hand_the_repair(kairos: Kairos) -> None:
+def test_a_battery_too_empty_to_get_to_the_charger_is_the_reason_and_charging_it_the_repair(
+    kairos: Kairos,
+) -> None:
     world = battery_world(20.0)
     with world.transaction("test", "stranded") as tx:
         tx.place("robot_1", "sk:at", "box_a")
@@ -194,11 +196,23 @@ def test_a_battery_too_empty_to_be_charged_is_the_reason_and_charging_by_hand_th
     outcome = planned(kairos, world, RED).outcome
 
     assert isinstance(outcome, NoPlan)
-    start = "with a charge of 100 at the start it could be reached, but the skills that change it do not get there"
-    assert outcome.reasons[0].endswith(start)
-    assert outcome.repairs[0].text == "see to it that the charge of robot_1 is 100.0, and say so"
+    assert outcome.reasons[0].endswith("the charge of robot_1 is 20, not at least 25, and no skill gets it there")
+    assert outcome.repairs[0].text == "see to it that the charge of robot_1 is 25.0, and say so"
     outcome.repairs[0].apply(world)
     assert isinstance(planned(kairos, world, RED).outcome, Plan)
+
+
+def test_a_charge_that_the_charger_steps_over_is_the_reason_and_charging_by_hand_the_repair(kairos: Kairos) -> None:
+    world, skills = battery_world(20.0), with_drives(90.0, 25.0)  # it charges to 50 and 80, and no further
+
+    outcome = planned(kairos, world, RED, skills=skills).outcome
+
+    assert isinstance(outcome, NoPlan)
+    why = "with a charge of 100 at the start it could be reached, but the skills that change it do not get there"
+    assert outcome.reasons == (f"{RED} cannot be reached: {why}",)
+    assert outcome.repairs[0].text == "see to it that the charge of robot_1 is 100.0, and say so"
+    outcome.repairs[0].apply(world)
+    assert isinstance(planned(kairos, world, RED, skills=skills).outcome, Plan)
 
 
 def test_a_robot_without_the_number_is_the_reason(kairos: Kairos) -> None:

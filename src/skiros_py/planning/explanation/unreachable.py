@@ -111,7 +111,7 @@ class Leaves:
         only = {a: things[0] for a in atom.arguments if len(things := self._things(a, types)) == 1}
         number = number_compared(atom.predicate)
         counts = number is not None and number[0] in numbers_of(self._task.domain.actions)
-        verb = "brings it that far" if counts else "changes it"
+        verb = "gets it there" if counts else "changes it"
         text = f"{self._instead(atom.bind(only), types)}, and no skill {verb}"
         return Reason(kind, text, elements=named, missing=atom, types=types)
 
@@ -298,15 +298,17 @@ class UnreachableFacts:
         """Orders facts that hold already or never change before those to be achieved; in both groups the rarest first.
 
         So the reported reason is a fact that could not be achieved for the things at hand. Which agent has the skill
-        comes last among the facts that never change: by then the agent is bound.
+        comes last among the facts that never change: by then the agent is bound. Of equals, what is said of the wanted
+        thing comes first: where it is, then where the robot is.
         """
         init = self._task.problem.init
 
-        def rank(atom: Atom) -> tuple[bool, bool, int, bool]:
+        def rank(atom: Atom) -> tuple[bool, bool, int, bool, int]:
             changes = atom.predicate in self._given
             found = self._relaxed.ways(action, [atom], start, types, _WAYS)
             is_given = not changes or (bool(found) and all(atom.bind(way) in init for way in found))
-            return not is_given, atom.predicate.startswith(CAN), len(found), changes
+            free = sum(argument not in start for argument in atom.arguments if is_variable(argument))
+            return not is_given, atom.predicate.startswith(CAN), len(found), changes, free
 
         return sorted(action.pre, key=rank)
 
