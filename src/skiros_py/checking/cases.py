@@ -137,9 +137,6 @@ def make_up(description: SkillDescription, world: World, given: Mapping[str, Any
             bound = condition.bind(values)
             write_effects(tx, world.ontology, brought_about(bound))
             _give(tx, bound.pattern, world)
-        for effect in (effect for condition in description.post for effect in brought_about(condition.bind(values))):
-            if isinstance(effect, NumberChange):
-                _give(tx, Has(effect.property, effect.subject), world)
     return values
 
 

@@ -12,6 +12,7 @@ from skiros_py.skills.conditions import (
     Computed,
     Condition,
     ConditionType,
+    Has,
     Pattern,
     Related,
     Role,
@@ -20,6 +21,7 @@ from skiros_py.skills.conditions import (
     any_of,
 )
 from skiros_py.skills.conditions.expression import is_sensed
+from skiros_py.skills.conditions.pattern import NumberChange, leaves
 from skiros_py.skills.parameters import IT, Kind, Param, check_params
 from skiros_py.skills.references import check_references, variables
 from skiros_py.world.view import WorldView
@@ -143,11 +145,26 @@ class SkillDescription:
 
     @property
     def needs(self) -> tuple[Condition, ...]:
-        """What must hold before it starts: its devices are of one robot, its parameters as described; preconditions."""
+        """What must hold before it starts.
+
+        Its devices are of one robot, the numbers that it changes are there, its parameters are as described; and its
+        preconditions.
+        """
         said = (*self.described, *self.pre)
         together, agent = _together(self.agent, said), self.param(self.agent)
         apart = (p for p in self.params if p.kind is Kind.HARDWARE and p.key not in together)
-        return (*(_of_one_robot(agent, param) for param in apart), *said)
+        return (*(_of_one_robot(agent, param) for param in apart), *self.counted, *said)
+
+    @property
+    def counted(self) -> tuple[Condition, ...]:
+        """The numbers that its effects raise and lower."""
+        changes = (leaf for condition in self.post for leaf, _ in leaves(condition.pattern))
+        asked = dict.fromkeys(pair for one in changes if isinstance(one, NumberChange) for pair in one.counted)
+        return tuple(self._number(key, name) for key, name in asked)
+
+    def _number(self, key: str, name: str) -> Condition:
+        roles, pattern = (Role("of", self.param(key).element_class),), Has(name, "of")
+        return ConditionType("HasNumber", roles, pattern, "What is to be changed is there.")(key)
 
     @property
     def described(self) -> tuple[Condition, ...]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import pytest
+from support.battery import battery_world, driving
 
 from skiros_py.behaviours import AssertEffects, Do, P, Sequence
 from skiros_py.checking.cases import Ground
@@ -291,3 +292,27 @@ def test_no_watchdog_thread_stays_behind() -> None:
     check_contract(pretend(PLACE), TINY, SKILLS)
 
     assert not [thread for thread in threading.enumerate() if thread.name == "skiros-watchdog"]
+
+
+CHARGED_WORLD = [Ground("charged", lambda: battery_world(50.0))]
+
+
+def test_a_skill_that_lowers_a_number_as_it_declares_passes_where_nothing_asks_for_the_number() -> None:
+    skill = pretend(replace(DRIVE, post=driving().post))
+
+    assert check_contract(skill, CHARGED_WORLD).findings == ()
+    assert check_contract(skill, TINY).findings == (), "the robot is given a charge"
+
+
+@pytest.mark.parametrize("change", [0.0, 10.0])
+def test_a_number_that_goes_another_way_than_declared_is_named(change: float) -> None:
+    def write(tx: Any, params: Meddle.Params) -> None:
+        tx.place(params.robot, "sk:at", params.place)
+        tx.set(params.robot, "tiny:charge", 50.0 + change)
+
+    body = Do.of("meddle", robot=P("Robot"), place=P("Location"))
+    contract = check_contract(pretend(driving(), body), CHARGED_WORLD, (), {"meddle": meddling(write)})
+
+    assert [(f.rule, f.text.partition(" (")[0]) for f in contract.findings] == [
+        ("effect-missing", f"tiny:charge of robot_1 was 50 and is {50 + change:g}")
+    ]

@@ -15,7 +15,6 @@ from itertools import count, product
 from skiros_py.errors import DescriptionError, PlanningError
 from skiros_py.planning.domain.literals import (
     CAN,
-    HAS,
     Asked,
     Conjunction,
     allows_value,
@@ -25,9 +24,9 @@ from skiros_py.planning.domain.literals import (
     storable,
 )
 from skiros_py.planning.domain.model import Action, Atom, NoneSuch, Variable
-from skiros_py.planning.domain.numbers import change_atom, could_become_true, numbers_needed
+from skiros_py.planning.domain.numbers import change_atom, could_become_true
 from skiros_py.skills.conditions import Condition, Not
-from skiros_py.skills.conditions.effects import Assign, Relate, Unrelate, brought_about, effects_of
+from skiros_py.skills.conditions.effects import Assign, Relate, Unrelate, effects_of
 from skiros_py.skills.conditions.expression import is_sensed
 from skiros_py.skills.conditions.pattern import NumberChange
 from skiros_py.skills.inference.inferring import applying
@@ -247,7 +246,7 @@ def actions_of(
     needed = _said(skill, needs_of(skill))
     choices = [expand(c.pattern, f"{where}, precondition {c}", ontology, fresh) for c in needed]
     if asked is None:
-        asked = asked_literals((*(c.pattern for c in needed), *number_changes(skill)), ontology)
+        asked = asked_literals((c.pattern for c in needed), ontology)
     effects = _effects(skill, ontology, asked)
     variants = [
         _action(skill, variant, effects, asked, _chosen(needed, choices, variant)) for variant in product(*choices)
@@ -291,11 +290,10 @@ def _action(
     own = tuple(Variable(param.key, param.element_class) for param in required_elements(skill))
     extra = tuple(dict.fromkeys(variable for part in pre for variable in part.variables))
     able = Atom(CAN + skill.name, (skill.agent,))
-    there = [Atom(HAS + name, (element,)) for name, element in numbers_needed(changes)]
-    needed = tuple(dict.fromkeys([able, *(atom for part in pre for atom in part.atoms), *there]))
+    needed = tuple(dict.fromkeys([able, *(atom for part in pre for atom in part.atoms)]))
     add = (*add, *could_become_true(changes, needed, asked))
     none = tuple(dict.fromkeys(none for part in pre for none in part.none))
-    of_one = [c for c in skill.needs if c not in skill.described and c not in skill.pre]
+    of_one = [c for c in skill.needs if c not in (*skill.counted, *skill.described, *skill.pre)]
     spoken = {a for atom in (*needed, *add, *delete) for a in atom.arguments}
     spoken |= {a for such in none for atom in such.atoms for a in atom.arguments}
     said = (
@@ -303,18 +301,12 @@ def _action(
         *(f"precondition {c}: its devices are of one robot" for c in of_one),
         *(f"precondition {c}: what its parameter is described as" for c in skill.described),
         *notes,
-        *(f"precondition {shown(atom)}: a number that is missing cannot be changed" for atom in there),
+        *(f"precondition {c}: a number that is missing cannot be changed" for c in skill.counted),
         *(f"hold condition {c} left out: sensed while it runs, unknown to plans" for c in sensed_holds_of(skill)),
     )
     constants = tuple(constant for constant in _constants(skill) if constant.name in spoken)
     parameters = own + extra
     return Action(skill.name, skill.name, parameters, needed, add, delete, said, constants, none, changes=changes)
-
-
-def number_changes(skill: SkillDescription) -> list[NumberChange]:
-    """Returns how a skill raises and lowers numbers."""
-    effects = (effect for condition in _said(skill, skill.post) for effect in brought_about(condition))
-    return [effect for effect in effects if isinstance(effect, NumberChange)]
 
 
 _Effects = tuple[tuple[Atom, ...], tuple[Atom, ...], tuple[Atom, ...]]

@@ -300,8 +300,6 @@ def _asked(pattern: Pattern, ontology: Ontology, *, holds: bool) -> Iterator[Ask
         case Has() | Compare() | IsA():
             own: Asked = replace(pattern, subject="1")
             yield own if holds else Not(own)
-        case NumberChange(property_, _, by):  # a number that is missing cannot be changed
-            yield from (Has(name, "1") for name in (property_, by) if isinstance(name, str))
         case ClassRelated() | Computed():
             own = replace(pattern, subject="1", object="2")
             yield own if holds else Not(own)

@@ -44,20 +44,11 @@ def change_of(atom: Atom) -> tuple[str, str, float | str]:
     return word, property_, amount if len(atom.arguments) > 1 else float(amount)
 
 
-def numbers_needed(changes: Iterable[Atom]) -> list[tuple[str, str]]:
-    """Returns the properties, with their elements, that must be numbers before such changes."""
-    told = ((change_of(atom), atom.arguments) for atom in changes)
-    needed = ((property_, amount, names) for (word, property_, amount), names in told if word != ASSIGN)
-    return [
-        pair
-        for property_, amount, names in needed
-        for pair in ((property_, names[0]), *([(amount, names[1])] if isinstance(amount, str) else ()))
-    ]
-
-
 def numbers_of(actions: Iterable[Action]) -> frozenset[str]:
     """Returns the properties that are PDDL functions: those that some action raises or lowers, and the amounts."""
-    return frozenset(property_ for action in actions for property_, _ in numbers_needed(action.changes))
+    changes = [change_of(atom) for action in actions for atom in action.changes]
+    relative = [(property_, amount) for word, property_, amount in changes if word != ASSIGN]
+    return frozenset(name for pair in relative for name in pair if isinstance(name, str))
 
 
 def number_needs(actions: Iterable[Action]) -> Iterator[str]:

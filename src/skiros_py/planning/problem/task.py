@@ -10,7 +10,7 @@ from itertools import product
 
 from skiros_py.errors import PlanningError, SkirosError
 from skiros_py.interruptions import Interruption
-from skiros_py.planning.domain.actions import actions_of, needs_of, number_changes, possible_variants
+from skiros_py.planning.domain.actions import actions_of, needs_of, possible_variants
 from skiros_py.planning.domain.complements import with_complements
 from skiros_py.planning.domain.goals import CompiledGoal, compile_goal, maintain_emptiness
 from skiros_py.planning.domain.literals import (
@@ -296,9 +296,8 @@ class _Building:
         self._goal = tuple(goal)
         self._named = {a for c in goal for a in c.arguments if view.has(a)}
         needed = (c.pattern for skill in self._skills for c in needs_of(skill))
-        changed = (change for skill in self._skills for change in number_changes(skill))
         wanted = (c.closed_pattern(self._ontology) for c in goal)
-        self._asked = asked_literals((*needed, *changed, *wanted), self._ontology)
+        self._asked = asked_literals((*needed, *wanted), self._ontology)
 
     @property
     def _skills(self) -> list[SkillDescription]:

@@ -7,6 +7,7 @@ Variables are names; a binding gives each the id of an element.
 
 from __future__ import annotations
 
+import builtins
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -201,12 +202,16 @@ class NumberChange(Atom):
 
     def evaluate(self, view: WorldView, binding: Binding) -> Verdict:
         """Looks for the number: that it was changed cannot be seen from one state of the world."""
-        subject, object_ = binding[self.subject], binding[self.object]
-        asked = [(subject, self.property), *([(object_, self.by)] if isinstance(self.by, str) else ())]
+        asked = [(binding[variable], name) for variable, name in self.counted]
         missing = next(((e, name) for e, name in asked if number_of(view, e, name) is None), None)
         element, name = missing or asked[0]
         has = "no number for its" if missing else "a number for its"
         return Verdict(missing is None, f"{element} has {has} {local_name(name)}")
+
+    @builtins.property  # the class has a field of that name
+    def counted(self) -> tuple[tuple[str, str], ...]:
+        """The variables, each with the property that must be there before."""
+        return ((self.subject, self.property), *(((self.object, self.by),) if isinstance(self.by, str) else ()))
 
 
 @dataclass(frozen=True, slots=True)
