@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from support.battery import FULL, SKILLS, able, at_least, battery_world, charging, driving, gains
+from unified_planning.engines import SequentialPlanValidator, ValidationResultStatus
+from unified_planning.io import PDDLReader
 
 from skiros_py.errors import PlanningError
 from skiros_py.planning.plan import NoPlan, Plan, Step
@@ -101,6 +104,23 @@ def test_numbers_are_written_as_functions_and_comparisons_of_them(kairos: Kairos
         assert line in texts.domain
     assert "(= (charge robot_1) 5.5)" in texts.problem
     assert "charge_at" not in texts.domain + texts.problem, "what is counted is no predicate"
+
+
+def test_an_external_validator_accepts_domain_and_plan(kairos: Kairos, tmp_path: Path) -> None:
+    result = planned(kairos, battery_world(19.0), *BOTH)
+    assert isinstance(result.outcome, Plan)
+    assert result.texts is not None
+    (tmp_path / "domain.pddl").write_text(result.texts.domain)
+    (tmp_path / "problem.pddl").write_text(result.texts.problem)
+    lines = list(map(result.texts.line, result.outcome.groundings))
+    reader, statuses = PDDLReader(), []
+    problem = reader.parse_problem(str(tmp_path / "domain.pddl"), str(tmp_path / "problem.pddl"))
+    for steps in (lines, lines[1:]):  # without the first charge it is no plan
+        (tmp_path / "plan").write_text("\n".join(steps) + "\n")
+        plan = reader.parse_plan(problem, str(tmp_path / "plan"))
+        statuses.append(SequentialPlanValidator().validate(problem, plan).status)
+
+    assert statuses == [ValidationResultStatus.VALID, ValidationResultStatus.INVALID]
 
 
 def test_a_value_that_is_set_is_assigned_and_one_that_nothing_counts_stays_a_fact(
