@@ -95,7 +95,7 @@ def test_numbers_are_written_as_functions_and_comparisons_of_them(kairos: Kairos
     assert texts is not None
     assert texts.requirements == (":strips", ":typing", ":numeric-fluents")
     for line in (
-        "(charge ?x1 - object) - number",
+        "(charge ?x1 - robot) - number",
         "(>= (charge ?robot) 25.0)",
         "(<= (charge ?robot) 70)",
         "(increase (charge ?robot) 30.0)",

@@ -185,7 +185,13 @@ class PddlWriter:
 
     def functions(self) -> list[str]:
         """Returns the declarations of functions."""
-        return [f"({self.other_names.pddl(name)} ?x1 - object) - number" for name in sorted(self._numbers)]
+        found = []
+        for name in sorted(self._numbers):
+            about = self.domain.predicates.items()
+            types = {ends for p, ends in about if p == HAS + name or ((n := self.number(p)) and n[0] == name)}
+            (type_,) = types.pop() if len(types) == 1 else ("object",)
+            found.append(f"({self.other_names.pddl(name)} {self.typed([Variable('?x1', type_)], NameMap())}) - number")
+        return found
 
     def init(self) -> list[str]:
         """Returns the initial facts, and what numbers are at the start."""

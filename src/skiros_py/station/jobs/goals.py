@@ -10,16 +10,7 @@ from skiros_py.api import goals as api
 from skiros_py.errors import StaleVersion, UsageError
 from skiros_py.planning.problem.stock import believed
 from skiros_py.planning.problem.task import Capability
-from skiros_py.skills.conditions import (
-    ClassRelated,
-    Compare,
-    Computed,
-    Condition,
-    ConditionType,
-    Has,
-    Nothing,
-    Related,
-)
+from skiros_py.skills.conditions import ClassRelated, Compare, Computed, Condition, ConditionType, Has, Nothing, Related
 from skiros_py.skills.conditions.effects import Assign, Relate, brought_about
 from skiros_py.skills.conditions.pattern import NumberChange, Pattern, leaves
 from skiros_py.skills.conditions.watch import ReadingView
