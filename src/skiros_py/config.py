@@ -10,14 +10,17 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from skiros_py.errors import FileError, UnknownName, UsageError
-from skiros_py.plugins.installation import installation
-from skiros_py.plugins.loading import files_of, unambiguous
-from skiros_py.plugins.plugin import Entry, PluginFault
+from skiros_py.plugins.installation import has_bare_name, installation
+from skiros_py.plugins.loading import files_of
+from skiros_py.plugins.plugin import Entry, PluginFault, qualified
 
 SCENE_SUFFIXES = (".ttl", ".owl", ".rdf", ".owx", ".xml")
 """How the names of scene files end; of two files of one name the first kind counts."""
 
 _PACKAGE = Path(__file__).parent
+SCENE_NAME = r"(?:[a-z0-9-]{1,64}\.)?[A-Za-z0-9][A-Za-z0-9_-]{0,63}"
+"""The form of the name of a scene: its own, perhaps qualified by its distribution."""
+
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}")
 _LONGEST_SHOWN = 80
 _NO_FILES = (
@@ -71,10 +74,10 @@ def named_scene(name: str) -> Path:
 
     Raises:
         UnknownName: There is no scene of that name.
-        UsageError: It cannot be a name; or the plug-in that it is from is broken, or is not the only one to have it.
+        UsageError: It cannot be a name; or the plug-in that it is from is broken.
         FileError: Its file is a symbolic link out of the scene folders.
     """
-    if not _NAME.fullmatch(name):
+    if not re.fullmatch(SCENE_NAME, name):
         raise UsageError(
             f"{_shown(name)} is no name of a scene: a name is made of letters, digits, '_' and '-' (64 at most, the"
             f" first a letter or digit); the path of a file must end in {' or '.join(SCENE_SUFFIXES)}"
@@ -89,27 +92,35 @@ def named_scene(name: str) -> Path:
 
 
 def _plugin_scene(name: str) -> Path:
-    entries = plugin_scenes().get(name, [])
-    if not entries:
+    entry = plugin_scenes().get(name)
+    if entry is None:
         raise UnknownName("scene", name, scene_names())
-    if len(entries) > 1:
-        raise UsageError(f"more than one plug-in has a scene '{name}': {' and '.join(map(str, entries))}")
-    places = files_of(entries[0])
+    places, own_name = files_of(entry), name.rpartition(".")[2]
     if isinstance(places, PluginFault):
         raise UsageError(str(places))
-    candidates = (p if _is_file(p) else p / f"{name}{suffix}" for p in places for suffix in SCENE_SUFFIXES)
+    candidates = (p if _is_file(p) else p / f"{own_name}{suffix}" for p in places for suffix in SCENE_SUFFIXES)
     for file in candidates:
         if file.suffix in SCENE_SUFFIXES and _is_file(file):
             return file
-    raise UsageError(f"scene '{name}' of {entries[0]}: there is no scene file {places[0]}")
+    raise UsageError(f"scene '{name}' of {entry}: there is no scene file {places[0]}")
 
 
-def plugin_scenes() -> dict[str, list[Entry]]:
-    """Returns who brings each scene: an entry point for an object one of its own name, one for a package all in it."""
-    found: dict[str, list[Entry]] = {}
-    for entry in unambiguous(installation().of("skiros.scenes"))[0]:
-        for name in [entry.name] if entry.attribute else _names_in_package(entry):
-            found.setdefault(name, []).append(entry)
+def plugin_scenes() -> dict[str, Entry]:
+    """Returns who brings each scene: an entry point for an object one of its own name, one for a package all in it.
+
+    A name that is also that of another distribution's, or of a file in the scene folders, is qualified.
+    """
+    claims: dict[str, list[Entry]] = {}
+    for entry in installation().of("skiros.scenes"):
+        for name in [entry.own_name] if entry.attribute else _names_in_package(entry):
+            claims.setdefault(name, []).append(entry)
+    taken = {file.stem for folder in scene_paths() for file in _scenes_in(folder)}
+    found: dict[str, Entry] = {}
+    for name, entries in claims.items():
+        for entry in entries:
+            source, holders = str(entry.distribution), {str(one.distribution) for one in entries}
+            alone = name not in taken and has_bare_name(source, holders)
+            found.setdefault(name if alone else qualified(name, source), entry)
     return found
 
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from skiros_py.behaviours.document_kind import DocumentKind
 from skiros_py.errors import DescriptionError, DeviceError, PlanningError, SkirosError, UnknownName, UsageError
 from skiros_py.interruptions import limited
+from skiros_py.planning.explanation.absent import AbsentSkill
 from skiros_py.planning.planners.planner import Planners
 from skiros_py.planning.planners.program_planner import EVERYTHING, CommandPlanner
 from skiros_py.plugins.loading import LazyPlugins
@@ -51,6 +52,7 @@ class Catalogue:
         signals: Factories of the signal providers of a cell, by name.
         elsewhere: Names of skills without an implementation for the driver of this catalogue.
         fake: True if the driver is the fake one.
+        absent: Skills that are installed but cannot be used.
     """
 
     skills: Mapping[str, Skill]
@@ -66,6 +68,7 @@ class Catalogue:
     signals: Mapping[str, Any] = field(default_factory=dict)
     elsewhere: frozenset[str] = frozenset()
     fake: bool = False
+    absent: tuple[AbsentSkill, ...] = ()
 
     @property
     def faults(self) -> tuple[PluginFault, ...]:

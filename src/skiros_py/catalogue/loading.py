@@ -20,13 +20,15 @@ from skiros_py.catalogue.catalogue import (
     clashes_of_conditions,
     clashes_of_modules,
 )
-from skiros_py.config import SCENE_SUFFIXES, ontology_paths, plugin_scenes, scene_paths
+from skiros_py.catalogue.naming import OfferedNames, kind_offered
+from skiros_py.config import ontology_paths
 from skiros_py.errors import FileError, GoalSyntaxError, PlanningError, SkirosError, UnknownName
 from skiros_py.interruptions import by_user
 from skiros_py.planning.domain.actions import actions_of
+from skiros_py.planning.explanation.absent import AbsentSkill
 from skiros_py.plugins.installation import GROUPS, installation
-from skiros_py.plugins.loading import LazyPlugins, fault_of, load, load_plugins, unambiguous
-from skiros_py.plugins.plugin import Entry, Plugin, PluginFault
+from skiros_py.plugins.loading import LazyPlugins, fault_of, load, load_plugins
+from skiros_py.plugins.plugin import Entry, Plugin, PluginFault, by_cause, own_name
 from skiros_py.ports.adapters import Adapter, adapter_problem
 from skiros_py.ports.device import DeviceSpec
 from skiros_py.ports.device_kinds import device_problem, load_device_kinds
@@ -124,9 +126,9 @@ def _wrong_primitive(plugin: Plugin) -> str | None:
 def _wrong_class(plugin: Plugin, attribute: str, users: str) -> str | None:
     class_ = plugin.value
     own = getattr(class_, attribute, None)
-    if own != plugin.name:
+    if own != plugin.own_name:
         called = f"its {attribute} is {own!r}" if own else f"it has no {attribute}"
-        return f"{called}: {users} find it as '{plugin.name}', so both must be the same"
+        return f"{called}: {users} find it as '{plugin.own_name}', so both must be the same"
     missing = sorted(class_.__abstractmethods__) if inspect.isabstract(class_) else []
     return f"it does not define {', '.join(missing)}" if missing else None
 
@@ -184,23 +186,28 @@ def load_catalogue() -> Catalogue:
     """
     found = _Found()
     lazy: dict[str, Any] = {kind: LazyPlugins(found.entries(kind), _problem) for kind in _LAZY}
-    primitives = found.entries("primitives")
-    skills, conditions = found.skills(), found.conditions()
+    kinds: dict[str, Any] = {kind: LazyPlugins(found.entries(kind), _problem, kind_offered) for kind in _KINDS}
+    primitives, skills, conditions = found.entries("primitives"), found.skills(), found.conditions()
+    names = OfferedNames.of(skills, primitives, conditions)
+    primitives = [names.entry(entry) for entry in primitives]
+    skills, conditions = list(map(names.named, skills)), list(map(names.named, conditions))
     of_skills, of_primitives = clashes_of_modules(skills, primitives)
     ontology, misfits = _installed()
     reasoners, unusable = load_reasoners(ontology)
     return Catalogue(
         skills=found.usable(skills, of_skills),
-        primitives=LazyPlugins(found.alone(primitives, of_primitives), _problem),
+        primitives=LazyPlugins(found.alone(primitives, of_primitives), _problem, names.primitive),
         conditions=found.usable(conditions, clashes_of_conditions(conditions)),
         sources=found.sources,
         early=(*installation().faults, *found.faults, *unusable, *load_device_kinds()[1], *misfits),
         reasoners=reasoners,
         **lazy,
+        **kinds,
     )
 
 
-_LAZY = ("planners", "drivers", "signals", "behaviours", "documents")
+_LAZY = ("planners", "drivers", "signals")
+_KINDS = ("behaviours", "documents")
 
 
 class _Found:
@@ -215,10 +222,9 @@ class _Found:
         self.faults: list[PluginFault] = []
         self.sources: dict[str, str] = {}
 
-    def entries(self, kind: str) -> tuple[Entry, ...]:
-        """Returns the entry points of a group with unique names."""
-        entries, twins = unambiguous(installation().of(f"skiros.{kind}"))
-        self.faults += twins
+    def entries(self, kind: str) -> Sequence[Entry]:
+        """Returns the entry points of a group."""
+        entries = installation().of(f"skiros.{kind}")
         self.sources |= {f"{kind}/{entry.name}": str(entry.distribution) for entry in entries}
         return entries
 
@@ -300,7 +306,11 @@ def fitting(
     good = {name: skill for name, skill in wanted.items() if name not in faults}
     early = (*catalogue.early, *(faults[n] for n in wanted if n in faults))
     elsewhere = _names(catalogue.skills.values()) - _names(wanted.values())
-    return replace(catalogue, skills=good, early=early, elsewhere=elsewhere, fake=bool(fake))
+    absent = (
+        *(AbsentSkill.of(wanted[n].description, str(fault)) for n, fault in faults.items() if n in wanted),
+        *(AbsentSkill(str(fault)) for fault in by_cause(f for f in catalogue.early if f.group == "skiros.skills")),
+    )
+    return replace(catalogue, skills=good, early=early, elsewhere=elsewhere, fake=bool(fake), absent=absent)
 
 
 def _names(skills: Iterable[Skill]) -> frozenset[str]:
@@ -378,7 +388,8 @@ def survey() -> tuple[tuple[Surveyed, ...], tuple[PluginFault, ...]]:
 
 
 def _is_about(fault: PluginFault, entry: Entry) -> bool:
-    return (fault.group, fault.name, fault.distribution) == (entry.group, entry.name, str(entry.distribution))
+    same = (fault.group, fault.distribution) == (entry.group, str(entry.distribution))
+    return same and own_name(fault.name, fault.distribution) == entry.own_name
 
 
 def _of_code() -> tuple[PluginFault, ...]:
@@ -392,19 +403,5 @@ def _of_code() -> tuple[PluginFault, ...]:
 
 
 def _of_files() -> Iterator[PluginFault]:
-    for group in _WITH_FILES:
-        entries, twins = unambiguous(installation().of(group))
-        yield from twins
-        for entry in entries:
-            yield from (found for found in documents_of(entry) if isinstance(found, PluginFault))
-    for name, own in plugin_scenes().items():
-        yield from (fault_of(entry, reason) for entry in own if (reason := _hidden(name, own)))
-
-
-def _hidden(name: str, entries: Sequence[Entry]) -> str | None:
-    """Returns why a plug-in's scene cannot be opened by name, or None."""
-    if len(entries) > 1:
-        return f"more than one plug-in has a scene '{name}': {' and '.join(map(str, entries))}; neither counts"
-    own = (folder for folder in scene_paths() for suffix in SCENE_SUFFIXES if (folder / f"{name}{suffix}").is_file())
-    folder = next(own, None)
-    return f"its scene '{name}' is hidden by the one in {folder}" if folder else None
+    for entry in (entry for group in _WITH_FILES for entry in installation().of(group)):
+        yield from (found for found in documents_of(entry) if isinstance(found, PluginFault))

@@ -19,9 +19,9 @@ from skiros_py.checking.cases import Ground
 from skiros_py.checking.contract import Contract, check_contract, check_simulated, is_simulable, is_testable
 from skiros_py.config import find_scene, ontology_paths, scene_names
 from skiros_py.errors import FileError, SkirosError, UnknownName
-from skiros_py.plugins.installation import as_if_installed, canonical, installation
+from skiros_py.plugins.installation import as_if_installed, installation
 from skiros_py.plugins.loading import load
-from skiros_py.plugins.plugin import Entry, Plugin, PluginFault, authors_line, by_cause
+from skiros_py.plugins.plugin import Entry, Plugin, PluginFault, authors_line, by_cause, canonical
 from skiros_py.skills.conditions import ConditionType
 from skiros_py.skills.lint.checking import DOES_NOT_LOAD, RULES, check
 from skiros_py.skills.lint.rule import Finding, Known, Severity, Source, Spot, Subject, title

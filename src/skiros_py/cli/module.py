@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from skiros_py.cli.commands import Found, reports
-from skiros_py.cli.options import ASK, GUI, JSON, cell_options, combined, given_params
+from skiros_py.cli.options import ASK, GUI, JSON, WITHOUT, cell_options, combined, given_params
 from skiros_py.cli.output import NOT_REACHED, REACHED, STOPPED, tell
 from skiros_py.cli.run import answering, stopping
 from skiros_py.errors import UnknownName
@@ -25,8 +25,11 @@ def command() -> None:
     """Lists, shows and runs single skills and primitives, in simulation or on the fake."""
 
 
-_SCENE = click.option(
-    "--scene", default="kitting", show_default=True, metavar="SCENE", help="Scene: a name, or a .ttl file."
+_SCENE = combined(
+    click.option(
+        "--scene", default="kitting", show_default=True, metavar="SCENE", help="Scene: a name, or a .ttl file."
+    ),
+    WITHOUT,
 )
 _CHOICE = combined(
     click.option(

@@ -165,14 +165,34 @@ CONFIG = click.option(
     help="A configuration parameter.",
 )
 """The option for configuration parameters by "module.key"."""
-SKILLS = click.option(
-    "--skills",
+
+
+def _leave_out(context: click.Context, _option: click.Parameter, names: tuple[str, ...]) -> None:
+    from skiros_py.plugins.installation import leaving_out
+
+    context.with_resource(leaving_out(names))
+
+
+WITHOUT = click.option(
+    "--without",
     multiple=True,
-    metavar="NAME,…",
-    callback=lambda _context, _option, texts: tuple(n.strip() for t in texts for n in t.split(",") if n.strip()),
-    help="Load only these skills.  [default: all]",
+    metavar="DISTRIBUTION",
+    expose_value=False,
+    callback=_leave_out,
+    help="Leave out all that a distribution contributes; may be repeated.",
 )
-"""The option for the offered skills."""
+"""The option that leaves out the plug-ins of a distribution, as long as the command runs."""
+SKILLS = combined(
+    click.option(
+        "--skills",
+        multiple=True,
+        metavar="NAME,…",
+        callback=lambda _context, _option, texts: tuple(n.strip() for t in texts for n in t.split(",") if n.strip()),
+        help="Load only these skills.  [default: all]",
+    ),
+    WITHOUT,
+)
+"""The options for the offered skills and plug-ins."""
 PLANNER = combined(
     click.option("--planner", metavar="NAME", help="Planner to use.  [default: the first that fits the task]"),
     click.option(

@@ -39,7 +39,7 @@ def read_configuration(
     """
     read: dict[str, dict[str, Any]] = {}
     for name, value in given.items():
-        module, _, key = name.partition(".")  # names of modules have no dot
+        module, _, key = name.rpartition(".")  # keys have no dot, names of modules may
         if module not in primitives:
             raise UnknownName("primitive", module, primitives, where="in the configuration")
         params = {p.key: p for p in params_of(primitives[module].Params) if p.kind is Kind.CONFIG}

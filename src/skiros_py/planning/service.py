@@ -15,6 +15,7 @@ from skiros_py.planning.domain.pddl import PddlTexts, write_pddl
 from skiros_py.planning.domain.sequencing import in_sequence, write_with_costs
 from skiros_py.planning.domain.temporal import write_temporal
 from skiros_py.planning.durations import timed
+from skiros_py.planning.explanation.absent import AbsentSkill
 from skiros_py.planning.explanation.causes import find_causes
 from skiros_py.planning.explanation.explaining import explain
 from skiros_py.planning.explanation.shortfalls import shortfall, uncounted
@@ -52,12 +53,14 @@ class PlanningOptions:
         each: Wall time that one planner may take to try out a repair [s]. A safeguard only: the number of tries is
             counted, so that results do not depend on the clock.
         together: Wall time for all of them together [s].
+        absent: Skills that are installed but cannot be used: they may be why there is no plan.
     """
 
     name: str = "skiros"
     temporal: bool = False
     each: float = 5.0
     together: float = 10.0
+    absent: tuple[AbsentSkill, ...] = ()
 
 
 USUAL = PlanningOptions()
@@ -309,13 +312,14 @@ class SolverLoop:
             return NoPlan((reason,), (Cause(CauseKind.CONFLICT, reason, self.goal),))
         options = self.options
         trial = Trial(self.planners, self.capabilities, options.each, options.together, self.stopped)
-        answer = explain(self.task, trial)
-        is_unexplained = all(cause.kind is CauseKind.CONFLICT for cause in answer.causes)
-        return self._with_shortfall(answer) if is_unexplained else answer
+        answer = explain(self.task, trial, options.absent)
+        return self._with_shortfall(answer)
 
     def _with_shortfall(self, answer: NoPlan) -> NoPlan:
-        """Adds why numbers do not last, if there is a plan without them."""
-        (cause,) = answer.causes
+        """Adds why numbers do not last, if nothing else was found, and there is a plan without them."""
+        cause, *others = answer.causes
+        if cause.kind is not CauseKind.CONFLICT:
+            return answer
         task = build_task(self.view, self.capabilities, cause.conditions)
         free = uncounted(task)
         texts = write_pddl(free.domain, free.problem, name=self.options.name)
@@ -329,8 +333,8 @@ class SolverLoop:
                 repairs = (
                     [Repair(" and ".join(map(str, edits)), edits)] if edits and cause.conditions == self.goal else []
                 )
-                causes = (replace(cause, text=text, why=why),)
-                return NoPlan((text,), causes, (*repairs, *answer.repairs))
+                causes = (replace(cause, text=text, why=why), *others)
+                return NoPlan(tuple(one.text for one in causes), causes, (*repairs, *answer.repairs))
         return answer
 
 

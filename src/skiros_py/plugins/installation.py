@@ -11,9 +11,9 @@ import os
 import re
 import sys
 import tempfile
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from email.message import Message
 from email.parser import HeaderParser
 from functools import lru_cache
@@ -22,7 +22,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from skiros_py.plugins.plugin import Distribution, Entry, PluginFault
+from skiros_py.errors import UnknownName
+from skiros_py.plugins.plugin import Distribution, Entry, PluginFault, canonical, qualified
 
 _KINDS = (
     "skills", "primitives", "behaviours", "documents", "conditions", "reasoners", "planners", "devices", "adapters",
@@ -31,6 +32,8 @@ _KINDS = (
 GROUPS = tuple(f"skiros.{kind}" for kind in _KINDS)
 """The entry-point groups of this platform."""
 
+WITHOUT = "SKIROS_WITHOUT"
+"""Environment variable with the distributions that are left out, separated by blanks; child processes get it, too."""
 _PREFIX = "skiros."
 _METADATA = (".dist-info", ".egg-info")
 
@@ -43,8 +46,8 @@ class Installation:
 
     Attributes:
         distributions: Those that have entry points for this platform.
-        entries: These entry points, by name.
-        faults: Metadata that cannot be understood.
+        entries: These entry points, by the names under which they are offered; in a group each name stands once.
+        faults: Metadata that cannot be understood, and entry points of one distribution with one name.
     """
 
     distributions: tuple[Distribution, ...]
@@ -57,13 +60,8 @@ class Installation:
 
 
 def installation() -> Installation:
-    """Returns what is installed now; read again only if distributions were added or removed."""
-    return _scanned(_sight())
-
-
-def canonical(name: str) -> str:
-    """Returns the normalised name of a distribution, for comparisons."""
-    return re.sub(r"[-_.]+", "-", name).lower()
+    """Returns what is installed now, without what ``SKIROS_WITHOUT`` names; read again only if either changes."""
+    return _scanned(_sight(), frozenset(map(canonical, os.environ.get(WITHOUT, "").split())))
 
 
 def _sight() -> _Sight:
@@ -79,12 +77,14 @@ def _metadata_in(folder: str) -> tuple[str, ...]:
 
 
 @lru_cache(maxsize=1)
-def _scanned(_sight: _Sight) -> Installation:
+def _scanned(_sight: _Sight, without: frozenset[str]) -> Installation:
     found: dict[str, tuple[Distribution, tuple[Entry, ...]]] = {}
     faults: list[PluginFault] = []
     for source in metadata.distributions():
         if _speaks_of_skiros(source):
             distribution = _described(source)
+            if canonical(distribution.name) in without:
+                continue
             try:
                 entries = tuple(_entries(source.entry_points, distribution))
             except Exception as error:  # noqa: BLE001 - whatever the parser makes of somebody's file
@@ -93,8 +93,39 @@ def _scanned(_sight: _Sight) -> Installation:
             else:
                 # As for imports, the first of a name on the path counts.
                 found.setdefault(canonical(distribution.name), (distribution, entries))
-    entries = tuple(sorted((entry for _, own in found.values() for entry in own), key=_order))
+    named: dict[tuple[str, str], list[Entry]] = {}
+    for entry in _named_apart([entry for _, own in found.values() for entry in own]):
+        named.setdefault((entry.group, entry.name), []).append(entry)
+    for twins in (own for own in named.values() if len(own) > 1):
+        reason = f"the name '{twins[0].name}' stands twice: {' and '.join(map(str, twins))}; neither counts, rename one"
+        faults += [PluginFault(one.group, one.name, str(one.distribution), reason, "") for one in twins]
+    entries = tuple(sorted((own[0] for own in named.values() if len(own) == 1), key=_order))
     return Installation(tuple(distribution for distribution, _ in found.values()), entries, tuple(faults))
+
+
+def _named_apart(entries: Sequence[Entry]) -> Iterator[Entry]:
+    claims = [(entry.group, entry.name, str(entry.distribution)) for entry in entries]
+    for entry, (group, name, distribution) in zip(entries, claims, strict=True):
+        holders = {other for *key, other in claims if key == [group, name]}
+        yield entry if has_bare_name(distribution, holders) else replace(entry, name=qualified(name, distribution))
+
+
+def has_bare_name(distribution: str, holders: Iterable[str]) -> bool:
+    """Tells whether one of the distributions that use a name has it unqualified: the only one, or the built-in one.
+
+    Args:
+        distribution: The distribution ("skiros-skills 0.1.0").
+        holders: All that use the name.
+    """
+    built_in = [one for one in holders if canonical(one.partition(" ")[0]) in _built_in()]
+    return {distribution} == set(built_in or holders)
+
+
+@lru_cache(maxsize=1)
+def _built_in() -> frozenset[str]:
+    """The names of this distribution and of those that its own metadata name, as its extras do."""
+    named = (_NAME.fullmatch(text) for text in metadata.requires(OWN_NAME) or ())
+    return frozenset({OWN_NAME, *(canonical(match[1]) for match in named if match)})
 
 
 def _order(entry: Entry) -> tuple[str, ...]:
@@ -179,6 +210,28 @@ def _problem(text: str, own_version: str) -> str | None:
     if requirement.specifier.contains(own_version, prereleases=True):
         return None
     return f"it is made for {OWN_NAME}{requirement.specifier}, and this is {OWN_NAME} {own_version}"
+
+
+@contextmanager
+def leaving_out(names: Iterable[str]) -> Iterator[None]:
+    """Leaves out all plug-ins of some distributions, in this process and in those that it starts.
+
+    Args:
+        names: Names of the distributions.
+
+    Raises:
+        UnknownName: There is none of a name.
+    """
+    known = {canonical(distribution.name) for distribution in installation().distributions} - {OWN_NAME}
+    for name in names:
+        if canonical(name) not in known:
+            raise UnknownName("distribution with plug-ins", name, known)
+    before = os.environ.get(WITHOUT, "")
+    os.environ[WITHOUT] = " ".join((before, *names))
+    try:
+        yield
+    finally:
+        os.environ[WITHOUT] = before
 
 
 @contextmanager

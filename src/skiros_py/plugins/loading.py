@@ -8,6 +8,7 @@ import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import redirect_stdout
 from dataclasses import replace
+from functools import partial
 from importlib.metadata import EntryPoint
 from importlib.resources.abc import Traversable
 from pathlib import Path
@@ -37,10 +38,9 @@ def load_plugins(
     Returns:
         The usable plug-ins, and the faults of the others.
     """
-    entries, twins = unambiguous(installation().of(group))
-    loaded = [load(entry, problem) for entry in entries]
+    loaded = [load(entry, problem) for entry in installation().of(group)]
     plugins = tuple(one for one in loaded if isinstance(one, Plugin))
-    return plugins, (*twins, *(one for one in loaded if isinstance(one, PluginFault)))
+    return plugins, tuple(one for one in loaded if isinstance(one, PluginFault))
 
 
 def find_plugin(group: str, name: str, *, kind: str = "") -> Any:
@@ -56,33 +56,14 @@ def find_plugin(group: str, name: str, *, kind: str = "") -> Any:
         UsageError: It cannot be loaded; the text gives the reason and the distribution.
     """
     kind = kind or group.partition(".")[2].removesuffix("s")
-    entries, faults = unambiguous(installation().of(group))
+    entries = installation().of(group)
     entry = next((entry for entry in entries if entry.name == name), None)
-    found = load(entry) if entry is not None else next((fault for fault in faults if fault.name == name), None)
-    if found is None:
+    if entry is None:
         raise UnknownName(kind, name, [entry.name for entry in entries])
+    found = load(entry)
     if isinstance(found, PluginFault):
         raise UsageError(f"{kind} '{name}' cannot be used: {found} (skiros plugins {name} shows it in full)")
     return found.value
-
-
-def unambiguous(entries: Iterable[Entry]) -> tuple[tuple[Entry, ...], tuple[PluginFault, ...]]:
-    """Leaves out entry points of one group with the same name, since they are ambiguous.
-
-    Returns:
-        The others; and a fault for each left out, which names all their origins.
-    """
-    by_name: dict[str, list[Entry]] = {}
-    for entry in entries:
-        by_name.setdefault(entry.name, []).append(entry)
-    alone = tuple(own[0] for own in by_name.values() if len(own) == 1)
-    return alone, tuple(_twin(entry, own) for own in by_name.values() if len(own) > 1 for entry in own)
-
-
-def _twin(entry: Entry, named_so: Iterable[Entry]) -> PluginFault:
-    origins = " and ".join(str(twin) for twin in named_so)
-    kind = entry.group.partition(".")[2]
-    return fault_of(entry, f"the name '{entry.name}' stands twice in {kind}: {origins}; neither counts, rename one")
 
 
 def load(entry: Entry, problem: Callable[[Plugin], str | None] = lambda _: None) -> Plugin | PluginFault:
@@ -172,11 +153,18 @@ class LazyPlugins(Mapping[str, T]):
     Args:
         entries: Entry points, no two of one name.
         problem: Returns the problem of a loaded one, or None.
+        offered: Returns what is offered of a loaded one.
     """
 
-    def __init__(self, entries: Iterable[Entry], problem: Callable[[Plugin], str | None]) -> None:
+    def __init__(
+        self,
+        entries: Iterable[Entry],
+        problem: Callable[[Plugin], str | None],
+        offered: Callable[[Plugin], T] = lambda plugin: plugin.value,
+    ) -> None:
         self._entries = {entry.name: entry for entry in entries}
         self._problem = problem
+        self._offered = offered
         self._loaded: dict[str, Any] = {}
         self._faults: dict[str, PluginFault] = {}
 
@@ -219,10 +207,11 @@ class LazyPlugins(Mapping[str, T]):
         if name in self._loaded or name in self._faults:
             return
         plugin = load(self._entries[name], self._problem)
-        if isinstance(plugin, PluginFault):
-            self._faults[name] = plugin
+        offered = plugin if isinstance(plugin, PluginFault) else attempt(plugin, partial(self._offered, plugin))
+        if isinstance(offered, PluginFault):
+            self._faults[name] = offered
         else:
-            self._loaded[name] = plugin.value
+            self._loaded[name] = offered
 
 
 def files_of(entry: Entry) -> tuple[Path, ...] | PluginFault:

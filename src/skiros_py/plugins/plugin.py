@@ -62,6 +62,26 @@ def _is_foreign(file: Path) -> bool:
     return is_standard or _PLATFORM in file.parents or not _CALLERS.isdisjoint(file.parts)
 
 
+def canonical(name: str) -> str:
+    """Returns the normalised name of a distribution, for comparisons."""
+    return re.sub(r"[-_.]+", "-", name).lower()
+
+
+def qualified(name: str, distribution: str) -> str:
+    """Returns the name under which something is offered whose own name another distribution has too ("lab.pick").
+
+    Args:
+        name: Its own name.
+        distribution: Its distribution, with or without version ("lab 0.3").
+    """
+    return f"{canonical(distribution.partition(' ')[0])}.{name}"
+
+
+def own_name(name: str, distribution: str) -> str:
+    """Returns the name that something has in its distribution, whether it is offered under a qualified one or not."""
+    return name.removeprefix(qualified("", distribution))
+
+
 _REFERENCE = re.compile(r"\s*([\w.]+)\s*(?::\s*([\w.]+)\s*)?(?:\[.*\]\s*)?")
 
 
@@ -91,7 +111,7 @@ class Entry:
 
     Attributes:
         group: Entry-point group ("skiros.skills").
-        name: Entry-point name.
+        name: Name under which it is offered: that in the metadata, qualified by its distribution where it clashes.
         value: Its object reference ("skiros_skills.drive:DRIVE").
         distribution: Its distribution.
     """
@@ -100,6 +120,11 @@ class Entry:
     name: str
     value: str
     distribution: Distribution
+
+    @property
+    def own_name(self) -> str:
+        """Its name in the metadata of its distribution."""
+        return own_name(self.name, self.distribution.name)
 
     @property
     def is_well_formed(self) -> bool:
@@ -128,7 +153,7 @@ class Plugin:
 
     Attributes:
         group: Entry-point group ("skiros.skills").
-        name: Entry-point name.
+        name: Name under which it is offered.
         distribution: Its distribution, with version ("skiros-skills 0.1.0").
         value: The object it names.
         module: The module it was found in.
@@ -139,6 +164,11 @@ class Plugin:
     distribution: str
     value: Any
     module: str = ""
+
+    @property
+    def own_name(self) -> str:
+        """Its name in the metadata of its distribution."""
+        return own_name(self.name, self.distribution)
 
     @property
     def is_builtin(self) -> bool:
@@ -157,7 +187,7 @@ class PluginFault:
 
     Attributes:
         group: Entry-point group.
-        name: Entry-point name.
+        name: Name under which it would be offered.
         distribution: Its distribution, with version.
         reason: Why.
         traceback: The stack of the error; empty if none was raised.

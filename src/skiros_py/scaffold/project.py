@@ -17,8 +17,8 @@ from skiros_py.catalogue import Catalogue, load_catalogue
 from skiros_py.config import ontology_paths
 from skiros_py.errors import DescriptionError, FileError, UnknownName, UsageError
 from skiros_py.files import read_text
-from skiros_py.plugins.installation import as_if_installed, canonical, installation
-from skiros_py.plugins.plugin import Entry
+from skiros_py.plugins.installation import as_if_installed, installation
+from skiros_py.plugins.plugin import Entry, canonical
 from skiros_py.scaffold.declared import sentence
 from skiros_py.scaffold.draft import Draft, check_names
 from skiros_py.skills.conditions import Condition, ConditionType

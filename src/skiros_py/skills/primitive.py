@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Generator
+from collections.abc import Generator, Mapping
 from inspect import isasyncgenfunction, iscoroutinefunction, isgeneratorfunction
+from types import MappingProxyType
 from typing import Any, ClassVar, Generic, TypeVar
 
 from skiros_py.errors import DescriptionError
@@ -39,6 +40,7 @@ class Primitive(ABC, Generic[P]):
             ``Params`` then have one field, ``device``. None for primitives that are called.
         outputs: The values that it finds out; ``Success(values=…)`` may have these and no others.
         version: Version of this implementation.
+        offered: Names of modules of its own distribution that are offered under another one, which the platform sets.
     """
 
     name: ClassVar[str]
@@ -47,6 +49,7 @@ class Primitive(ABC, Generic[P]):
     watches: ClassVar[str | None] = None
     outputs: ClassVar[tuple[Output, ...]] = ()
     version: ClassVar[str] = "1.0.0"
+    offered: ClassVar[Mapping[str, str]] = MappingProxyType({})
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
@@ -128,7 +131,7 @@ class Primitive(ABC, Generic[P]):
 
     def call(self, module: str, **arguments: Any) -> Execution[Outcome]:
         """Runs another module and waits for it: ``outcome = yield from self.call("move_arm", arm=…)``."""
-        return (yield from self.context.call(module, arguments))
+        return (yield from self.context.call(self.offered.get(module, module), arguments))
 
     def join(self, *calls: Execution[Outcome]) -> Execution[tuple[Outcome, ...]]:
         """Runs several calls at the same time until all have ended: ``yield from self.join(self.call(…), …)``.

@@ -171,6 +171,7 @@ class Session(AbstractContextManager["Session"]):
             on_plan=self._on_plan.notify,
             leaving=lambda: self._stop_wanted,
             temporal=self.options.temporal,
+            absent=self.catalogue.absent,
         )
         if not self.options.fake:
             learn_durations(self.tasks, self.runtime)

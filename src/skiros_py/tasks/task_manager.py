@@ -8,6 +8,7 @@ from itertools import count
 from skiros_py.errors import SkirosError, UsageError
 from skiros_py.execution.runtime import Runtime
 from skiros_py.planning.durations import observe
+from skiros_py.planning.explanation.absent import AbsentSkill
 from skiros_py.planning.plan import Step
 from skiros_py.planning.problem.task import Capability
 from skiros_py.planning.requests import PlanningHost, PlanRequest
@@ -42,6 +43,7 @@ class TaskManager:
         policy: How tasks proceed that are given none.
         leaving: Returns True once a shutdown is requested; planners are then no longer waited for.
         temporal: True for temporal planning, with a planner that supports durative actions.
+        absent: Skills that are installed but cannot be used.
     """
 
     def __init__(
@@ -54,6 +56,7 @@ class TaskManager:
         policy: Policy = Policy(),  # noqa: B008 - immutable
         leaving: Callable[[], bool] = lambda: False,
         temporal: bool = False,
+        absent: tuple[AbsentSkill, ...] = (),
     ) -> None:
         cycle = runtime.cycle
         lockstep = cycle.pace is None
@@ -66,7 +69,7 @@ class TaskManager:
             monitor=runtime.monitor,
             questions=runtime.questions,
             leaving=leaving,
-            options=PlanningOptions(name, temporal, *_TRIES[lockstep]),
+            options=PlanningOptions(name, temporal, *_TRIES[lockstep], absent),
             lockstep=lockstep,
         )
         self._policy = policy

@@ -10,6 +10,7 @@ from math import inf
 
 from skiros_py.errors import SkirosError
 from skiros_py.planning.edits import HypotheticalView
+from skiros_py.planning.explanation.absent import AbsentSkill, absence_causes
 from skiros_py.planning.explanation.causes import find_causes
 from skiros_py.planning.explanation.exclusions import exclusive_conditions
 from skiros_py.planning.explanation.remedies import Change, Room, advice, remedies
@@ -169,12 +170,13 @@ _MOST_CALLS = 16
 """Maximum number of planner calls per explanation."""
 
 
-def explain(task: PlanningTask, solve: Solve | None = None) -> NoPlan:
+def explain(task: PlanningTask, solve: Solve | None = None, absent: Sequence[AbsentSkill] = ()) -> NoPlan:
     """Explains why a task has no plan.
 
     Args:
         task: The complete task: anything left out of it is not explained.
         solve: Tries changed worlds and goals; if omitted, no conflict is narrowed down and no repair is offered.
+        absent: Skills that are installed but cannot be used.
     """
     found = find_causes(task)
     if not found:
@@ -184,9 +186,10 @@ def explain(task: PlanningTask, solve: Solve | None = None) -> NoPlan:
             if solve is not None and len(goal) > 1:
                 goal = smallest_unsolvable(goal, lambda some: solve(task.view, some))
         found = (Found(conflict_of(goal)),)
-    causes = tuple(one.cause for one in found)
+    left_out = dict.fromkeys(absence_causes(found, absent, task.view.ontology))
+    causes = (*(one.cause for one in found), *left_out)
     repairs = () if solve is None else find_repairs(found, task.view, task.conditions, task.capabilities, solve)
-    return NoPlan(tuple(cause.text for cause in causes), causes, repairs)
+    return NoPlan(tuple(dict.fromkeys(cause.text for cause in causes)), causes, repairs)
 
 
 def smallest_unsolvable(goal: Sequence[Condition], reachable: Reachable) -> tuple[Condition, ...]:

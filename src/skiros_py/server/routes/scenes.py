@@ -9,6 +9,7 @@ from fastapi.exceptions import RequestValidationError
 from pydantic import ValidationError
 
 from skiros_py.api import scenes as api
+from skiros_py.config import SCENE_NAME
 from skiros_py.server.access.roles import Operator, Viewer
 from skiros_py.server.problems import NEEDS_VERSION, Problem, SeenDep, etag, tagged, topic_router
 
@@ -16,9 +17,7 @@ router = topic_router("scenes")
 
 TURTLE = "text/turtle"
 
-SceneName = Annotated[
-    str, Path(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$", description="Name of the scene.", examples=["kitting"])
-]
+SceneName = Annotated[str, Path(pattern=f"^{SCENE_NAME}$", description="Name of the scene.", examples=["kitting"])]
 Limit = Annotated[int, Query(ge=1, le=1000)]
 Cursor = Annotated[str | None, Query(max_length=100)]
 
@@ -143,7 +142,7 @@ def get_scene_turtle(act: Viewer) -> Response:
 @router.get("/scene/diff")
 def get_scene_difference(
     act: Viewer,
-    with_: Annotated[str, Query(alias="with", pattern="^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$", examples=["kitting"])],
+    with_: Annotated[str, Query(alias="with", pattern=f"^{SCENE_NAME}$", examples=["kitting"])],
     limit: Limit = 100,
     cursor: Annotated[str | None, Query(pattern=r"^\d{1,9}$")] = None,
 ) -> api.SceneDifference:

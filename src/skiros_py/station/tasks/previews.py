@@ -90,7 +90,7 @@ class PreviewService(Service):
         session, goal = self._session, texts_of(order, self._station.document_store)
         conditions = session.parse(goal)
         capabilities = tuple(self._call(lambda session: session.tasks.capabilities))
-        options = PlanningOptions("preview", session.options.temporal, _EACH, _TOGETHER)
+        options = PlanningOptions("preview", session.options.temporal, _EACH, _TOGETHER, session.catalogue.absent)
         with self._guard:
             if self._closed or sum(not one.ended.is_set() for one in self._previews.values()) >= _AT_ONCE:
                 raise Busy(f"{_AT_ONCE} previews are being planned: ask again later", retry_after=_RETRY_AFTER)

@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 from skiros_py.errors import FileError, UnknownName, UsageError
 from skiros_py.plugins.installation import installation
-from skiros_py.plugins.loading import fault_of, files_of, unambiguous
+from skiros_py.plugins.loading import fault_of, files_of
 from skiros_py.plugins.plugin import Entry, PluginFault
 from skiros_py.world.element import Placement, Value
 from skiros_py.world.names import Names, local_name
@@ -300,11 +300,10 @@ def plugin_files(base: Sequence[Path] = ()) -> tuple[dict[Entry, list[Path]], li
     Returns:
         The files in the order of the plug-ins' names; and the faults of the others.
     """
-    entries, twins = unambiguous(installation().of(_GROUP))
     files: dict[Entry, list[Path]] = {}
-    broken = list(twins)
+    broken: list[PluginFault] = []
     taken = {path.resolve() for path in base}
-    for entry in entries:
+    for entry in installation().of(_GROUP):
         paths = files_of(entry)
         if isinstance(paths, PluginFault):
             broken.append(paths)

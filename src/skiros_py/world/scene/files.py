@@ -13,7 +13,7 @@ from skiros_py.database import open_private
 from skiros_py.errors import FileError, WorldError
 from skiros_py.geometry import Pose
 from skiros_py.plugins.installation import installation
-from skiros_py.plugins.loading import fault_of, files_of, load, unambiguous
+from skiros_py.plugins.loading import fault_of, files_of, load
 from skiros_py.plugins.plugin import Entry, Plugin, PluginFault
 from skiros_py.ports.kinematics import GROUP, RobotModel
 from skiros_py.world.change import (
@@ -171,10 +171,9 @@ def robot_document(iri: str) -> tuple[Document | None, tuple[PluginFault, ...]]:
     Returns:
         The file, or None; and the faults of the plug-ins that were loaded.
     """
-    entries, faults = unambiguous(installation().of(GROUP))
     name = iri.rstrip("#/").rpartition("/")[2]
-    broken = list(faults)
-    for entry in sorted(entries, key=lambda entry: entry.name != name):
+    broken: list[PluginFault] = []
+    for entry in sorted(installation().of(GROUP), key=lambda entry: entry.own_name != name):
         for found in documents_of(entry):
             if isinstance(found, PluginFault):
                 broken.append(found)

@@ -1,0 +1,114 @@
+"""Names of several distributions: where two use one name for different things, it is qualified ("lab.pick").
+
+What belongs to one distribution goes on finding each other by its own names.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, fields, is_dataclass, replace
+from typing import Any, TypeVar, cast
+
+from skiros_py.behaviours import Do
+from skiros_py.catalogue.catalogue import Named
+from skiros_py.plugins.installation import has_bare_name
+from skiros_py.plugins.plugin import Entry, Plugin, qualified
+from skiros_py.skills.behaviour import Behaviour, Call
+from skiros_py.skills.conditions import Condition, ConditionType
+from skiros_py.skills.skill import Skill, SkillDescription
+
+T = TypeVar("T")
+
+_Claim = tuple[str, str, Any]
+"""A name, the distribution that uses it, and what it stands for."""
+
+
+@dataclass
+class OfferedNames:
+    """The names under which modules and conditions are offered where these are not their own.
+
+    Attributes:
+        modules: By distribution, the names of skills and primitives by their own.
+        words: By distribution, its conditions with the words under which they are offered.
+    """
+
+    modules: dict[str, dict[str, str]] = field(default_factory=dict)
+    words: dict[str, list[tuple[ConditionType, str]]] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, skills: Sequence[Named], primitives: Sequence[Entry], conditions: Sequence[Named]) -> OfferedNames:
+        """Finds the names that need qualifying: used by several distributions for different things."""
+        described = [(s.value.description.name, s.plugin.distribution, s.value.description) for s in skills]
+        entries = [(entry.name, str(entry.distribution), entry) for entry in primitives]
+        found = cls()
+        for distribution, name, _, offered in _apart([*described, *entries]):
+            found.modules.setdefault(distribution, {})[name] = offered
+        for entry in (entry for entry in primitives if entry.name != entry.own_name):
+            found.modules.setdefault(str(entry.distribution), {})[entry.own_name] = entry.name
+        worded = [(c.value.name, c.plugin.distribution, c.value) for c in conditions]
+        for distribution, _, type_, offered in _apart(worded):
+            found.words.setdefault(distribution, []).append((type_, offered))
+        return found
+
+    def entry(self, entry: Entry) -> Entry:
+        """Returns a primitive's entry point under the name that it is offered under."""
+        return replace(entry, name=self.modules.get(str(entry.distribution), {}).get(entry.own_name, entry.name))
+
+    def named(self, thing: Named) -> Named:
+        """Returns a skill or condition with the names under which it and what it uses are offered."""
+        own = thing.plugin.distribution
+        return replace(thing, value=_renamed(thing.value, self.modules.get(own, {}), self.words.get(own, [])))
+
+    def primitive(self, plugin: Plugin) -> type[Any]:
+        """Returns a primitive's class; where its distribution has offered names, a subclass that uses them."""
+        others = self.modules.get(plugin.distribution)
+        return _subclass(plugin.value, name=plugin.name, offered=others) if others else plugin.value
+
+
+def kind_offered(plugin: Plugin) -> type[Any]:
+    """Returns the class of a kind of node or document, under the name that it is offered under."""
+    return plugin.value if plugin.name == plugin.own_name else _subclass(plugin.value, kind=plugin.name)
+
+
+def _subclass(base: type[T], **attributes: Any) -> type[T]:
+    shared = {name: getattr(base, name) for name in ("__module__", "__qualname__", "__doc__")}
+    return type(base.__name__, (base,), {**shared, **attributes})
+
+
+def _apart(claims: Sequence[_Claim]) -> Iterator[tuple[str, str, Any, str]]:
+    """Yields what gives way to others of the same name: distribution, name, what it stands for, and the new name."""
+    for name in dict.fromkeys(name for name, _, _ in claims):
+        meanings: list[tuple[Any, set[str]]] = []  # a list, for what a name stands for cannot always be hashed
+        for distribution, meaning in ((distribution, meaning) for own, distribution, meaning in claims if own == name):
+            users = next((users for known, users in meanings if known == meaning), None)
+            if users is None:
+                meanings.append((meaning, {distribution}))
+            else:
+                users.add(distribution)
+        everyone = {user for _, users in meanings for user in users}
+        holders = [min(users, key=lambda one: (not has_bare_name(one, everyone), one)) for _, users in meanings]
+        for holder, (meaning, users) in zip(holders, meanings, strict=True):
+            if not has_bare_name(holder, holders):
+                yield from ((user, name, meaning, qualified(name, holder)) for user in sorted(users))
+
+
+def _renamed(value: Any, modules: Mapping[str, str], words: Sequence[tuple[ConditionType, str]]) -> Any:
+    """Returns a skill, or a part of one, with other names of modules and conditions in it."""
+    if not modules and not words:
+        return value
+    if isinstance(value, tuple):
+        return tuple(_renamed(one, modules, words) for one in value)
+    if not isinstance(value, _RENAMED) or not is_dataclass(value):
+        return value
+    changed = {one.name: _renamed(getattr(value, one.name), modules, words) for one in fields(value) if one.init}
+    match cast(object, value):
+        case SkillDescription(name):
+            changed["name"] = modules.get(name, name)
+        case Do(module) | Call(module):
+            changed["module"] = modules.get(module, module)
+        case ConditionType(name):
+            changed["name"] = next((word for type_, word in words if type_ == value), name)
+    return replace(value, **changed)
+
+
+_RENAMED = (Skill, SkillDescription, Behaviour, Call, Condition, ConditionType)

@@ -1,0 +1,143 @@
+"""Two distributions that use one name for different things both keep what they offer, under names that differ."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from skiros_py.catalogue import Catalogue, load_catalogue
+from skiros_py.skills.behaviour import calls_of
+from skiros_py.tasks.goals import parse_goal
+from skiros_py.testing.tiny import tiny_world
+
+HEAD = """
+from dataclasses import dataclass, replace
+from skiros_py.behaviours import Check, Do, Sequence, Wait
+from skiros_py.skills.primitive import Primitive
+from skiros_py.skills.skill import Skill
+from skiros_py.testing.tiny import AT_LOCATION, DRIVE, pretend
+HOP = replace(DRIVE, name="hop", help="Hops as {0} does.")
+NEAR = replace(AT_LOCATION, name="Near", help="As {0} means it.")
+A = pretend(HOP)
+TOUR = Skill(replace(DRIVE, name="tour_{0}"), Sequence.of(Do.of("hop"), Do.of("wave"), Check(NEAR("Robot", "Location"))), driver="fake")
+class Wave(Primitive):
+    name = "wave"
+    @dataclass(frozen=True)
+    class Params: pass
+    def execute(self):
+        return (yield from self.call("hop"))
+class Wait(Wait):
+    kind = "wait"
+"""
+
+
+@pytest.fixture
+def two(site: Any, request: pytest.FixtureRequest) -> Any:
+    """Installs two distributions with the same entry points, each from a module of its own."""
+
+    def install(groups: dict[str, dict[str, str]]) -> Catalogue:
+        for name in ("one", "two"):
+            module = f"sk_names_{name}_{abs(hash(request.node.name))}"
+            named = {g: {n: f"{module}:{v}" for n, v in own.items()} for g, own in groups.items()}
+            site.install(f"sk-{name}", named, {f"{module}.py": HEAD.replace("{0}", name)})
+        return load_catalogue()
+
+    return install
+
+
+def faults(catalogue: Catalogue) -> list[str]:
+    catalogue.load_all()
+    return [fault.reason for fault in catalogue.faults if fault.distribution.startswith("sk-")]
+
+
+def test_two_skills_with_one_name_are_both_offered_qualified_by_their_distributions(two: Any) -> None:
+    catalogue = two({"skills": {"hop": "A"}})
+
+    assert faults(catalogue) == []
+    names = {key: skill.description.name for key, skill in catalogue.skills.items() if "hop" in key}
+    assert names == {"sk-one.hop": "sk-one.hop", "sk-two.hop": "sk-two.hop"}
+
+
+def test_skills_go_on_calling_the_modules_and_using_the_conditions_of_their_own_distribution(two: Any) -> None:
+    catalogue = two(
+        {"skills": {"hop": "A", "tour": "TOUR"}, "primitives": {"wave": "Wave"}, "conditions": {"Near": "NEAR"}}
+    )
+
+    assert faults(catalogue) == []
+    for name in ("one", "two"):
+        tour = catalogue.skills[f"sk-{name}.tour"]
+        assert tour.description.name == f"tour_{name}"
+        assert [call.module for call in calls_of(tour.body)] == [f"sk-{name}.hop", f"sk-{name}.wave"]
+        assert f"sk-{name}.Near" in repr(tour.body)
+        wave = catalogue.primitives[f"sk-{name}.wave"]
+        assert (wave.name, dict(wave.offered)) == (
+            f"sk-{name}.wave",
+            {"hop": f"sk-{name}.hop", "wave": f"sk-{name}.wave"},
+        )
+
+
+def test_a_goal_may_use_the_qualified_word_of_a_condition(two: Any) -> None:
+    catalogue = two({"conditions": {"Near": "NEAR"}})
+
+    (condition,) = parse_goal(["not sk-two.Near(robot_1, box_a)"], tiny_world(), catalogue.conditions)
+
+    assert str(condition) == "not sk-two.Near(robot_1, box_a)"
+    assert condition.type.help == "As two means it."
+    assert "Near" not in catalogue.conditions
+
+
+def test_a_node_named_as_a_built_in_one_is_read_and_written_under_its_qualified_name(two: Any) -> None:
+    catalogue = two({"behaviours": {"wait": "Wait"}})
+
+    assert faults(catalogue) == []
+    assert catalogue.behaviours["wait"].__module__ == "skiros_py.behaviours.wait"
+    own = catalogue.behaviours["sk-one.wait"]
+    assert own(1.0).to_data() == {"type": "sk-one.wait", "seconds": 1.0}
+
+
+def test_a_skill_named_as_a_built_in_one_leaves_the_bare_name_to_it(two: Any, site: Any) -> None:
+    site.install("skiros-skills", {"skills": {"hop": "sk_built_in_hop:A"}}, {"sk_built_in_hop.py": HEAD}, version="9")
+
+    catalogue = two({"skills": {"hop": "A"}})
+
+    assert {key for key in catalogue.skills if "hop" in key} == {"hop", "sk-one.hop", "sk-two.hop"}
+    assert catalogue.skills["hop"].description.name == "hop"
+    assert catalogue.sources["skills/hop"] == "skiros-skills 9"
+
+
+def test_a_skill_and_a_primitive_of_two_distributions_with_one_name_are_both_offered(site: Any) -> None:
+    site.install("sk-one", {"skills": {"hop": "sk_both_a:A"}}, {"sk_both_a.py": HEAD})
+    text = HEAD.replace('name = "wave"', 'name = "hop"')
+    site.install("sk-two", {"primitives": {"hop": "sk_both_b:Wave"}}, {"sk_both_b.py": text})
+
+    catalogue = load_catalogue()
+
+    assert faults(catalogue) == []
+    assert catalogue.skills["hop"].description.name == "sk-one.hop"
+    assert catalogue.primitives["sk-two.hop"].name == "sk-two.hop"
+
+
+def test_one_distribution_with_one_name_for_two_skills_offers_neither(site: Any) -> None:
+    text = HEAD + 'B = pretend(replace(HOP, help="Else."))\n'
+    site.install("sk-one", {"skills": {"hop": "sk_own_clash:A", "jump": "sk_own_clash:B"}}, {"sk_own_clash.py": text})
+
+    catalogue = load_catalogue()
+
+    assert not {"hop", "jump"} & set(catalogue.skills)
+    assert "more than one description of skill 'hop': hop of sk-one 0.3 and jump of sk-one 0.3" in faults(catalogue)[0]
+
+
+def test_scenes_of_one_name_are_qualified_where_a_file_or_another_distribution_has_it(
+    site: Any, tmp_path: Path
+) -> None:
+    from skiros_py.config import named_scene, scene_names
+
+    for name in ("one", "two"):
+        files = {f"sk_scenes_{name}/{scene}.ttl": f"# {name}" for scene in ("kitting", "yard", name)}
+        site.install(f"sk-{name}", {"scenes": {"all": f"sk_scenes_{name}"}}, files)
+
+    assert {"kitting", "sk-one.kitting", "sk-one.yard", "sk-two.yard", "one"} <= set(scene_names())
+    assert "yard" not in scene_names()
+    assert named_scene("sk-two.yard").read_text(encoding="utf-8") == "# two"
