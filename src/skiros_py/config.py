@@ -77,7 +77,7 @@ def named_scene(name: str) -> Path:
         UsageError: It cannot be a name; or the plug-in that it is from is broken.
         FileError: Its file is a symbolic link out of the scene folders.
     """
-    if not re.fullmatch(SCENE_NAME, name):
+    if not re.fullmatch(SCENE_NAME, name) or name.endswith(SCENE_SUFFIXES):
         raise UsageError(
             f"{_shown(name)} is no name of a scene: a name is made of letters, digits, '_' and '-' (64 at most, the"
             f" first a letter or digit); the path of a file must end in {' or '.join(SCENE_SUFFIXES)}"

@@ -112,7 +112,8 @@ _NONE = " There is none."
 
 def _nearest(name: str, known: Iterable[str]) -> str | None:
     folded = {candidate.casefold(): candidate for candidate in known}
-    close = difflib.get_close_matches(name.casefold(), list(folded), n=1, cutoff=0.6)
+    qualified = (own for own in folded if own.endswith(f".{name.casefold()}"))  # the same name, of a distribution
+    close = [*qualified] or difflib.get_close_matches(name.casefold(), list(folded), n=1, cutoff=0.6)
     return folded[close[0]] if close else None
 
 

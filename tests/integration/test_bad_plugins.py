@@ -131,22 +131,21 @@ def test_incomplete_primitives_are_reported_and_affect_no_other(install: Install
         assert session.run(["TinyAt(robot_1, box_a)"]).reached
 
 
-def test_two_modules_with_the_same_name_are_reported_with_both_origins_and_neither_is_used(
+def test_two_modules_with_the_same_name_are_both_offered_and_qualified_by_their_distributions(
     install: Install, tmp_path: Path
 ) -> None:
     install("sk_fine", {"skills": {"hop": "HOP"}, "conditions": {"TinyAt": "AT"}}, GOOD)
     for name in ("sk_one", "sk_other"):
-        install(name, {"skills": {"skip": "SKIP"}}, GOOD.replace("HOP", "SKIP").replace("hop", "skip"))
+        text = GOOD.replace("HOP", "SKIP").replace('name="hop"', f'name="skip", help="As {name} does."')
+        install(name, {"skills": {"skip": "SKIP"}}, text)
 
     with Session(str(tiny_scene(tmp_path)), Options(fake=True)) as session:
-        faults = {**faults_of(session, "sk_one"), **faults_of(session, "sk_other")}
-        assert "sk_one 0.3" in faults["skip"]
-        assert "sk_other 0.3" in faults["skip"]
-        assert "skip" not in session.managers["base_1"].descriptions
+        assert {**faults_of(session, "sk_one"), **faults_of(session, "sk_other")} == {}
+        assert {"hop", "sk-one.skip", "sk-other.skip"} <= set(session.managers["base_1"].descriptions)
         assert session.run(["TinyAt(robot_1, box_a)"]).reached
 
 
-def test_a_skill_and_a_primitive_with_the_same_name_are_reported_too(install: Install, tmp_path: Path) -> None:
+def test_a_skill_and_a_primitive_with_the_same_name_are_both_offered_too(install: Install, tmp_path: Path) -> None:
     install("sk_fine", {"skills": {"hop": "HOP"}, "conditions": {"TinyAt": "AT"}}, GOOD)
     primitive = """
 from dataclasses import dataclass
@@ -163,9 +162,9 @@ class Hop(Primitive):
     install("sk_same", {"primitives": {"hop": "Hop"}}, primitive)
 
     with Session(str(tiny_scene(tmp_path)), Options(fake=True)) as session:
-        told = "\n".join([*faults_of(session, "sk_fine").values(), *faults_of(session, "sk_same").values()])
-        assert "sk_fine 0.3" in told
-        assert "sk_same 0.3" in told
+        assert {**faults_of(session, "sk_fine"), **faults_of(session, "sk_same")} == {}
+        assert "sk-fine.hop" in session.managers["base_1"].descriptions
+        assert "sk-same.hop" in session.managers["base_1"].modules
 
 
 def test_a_plug_in_primitive_that_raises_mid_run_fails_the_goal_with_a_reason_and_the_session_continues(

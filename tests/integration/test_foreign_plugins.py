@@ -5,14 +5,17 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 import pytest
 from click.testing import CliRunner
 
 from skiros_py.catalogue import load_catalogue
 from skiros_py.cli.main import cli, main
-from skiros_py.errors import UsageError
+from skiros_py.errors import UnknownName, UsageError
+from skiros_py.planning.plan import NoPlan
 from skiros_py.plugins.plugin import PluginFault
+from skiros_py.skills.outcome import Failure
 from skiros_py.station.session import Options, Session
 from skiros_py.testing import TINY_ONTOLOGY, tiny_scene
 
@@ -234,3 +237,76 @@ def test_a_scene_with_a_device_that_its_driver_lacks_is_refused_with_both_named(
 
     with pytest.raises(UsageError, match=r"driver 'armless' has no base_1, which the scene has; it has"):
         Session(str(tiny_scene(tmp_path)), Options(driver="armless"))
+
+
+RIVAL = """
+from dataclasses import replace
+from skiros_py.skills.skill import Skill
+from skiros_py.testing.tiny import pretend
+from skiros_skills.pick import PICK, PICK_FAKE
+OTHER = replace(PICK.description, help="Picks in another way.")
+PICK_OTHER = pretend(OTHER)
+"""
+
+
+def rival(site: Any) -> None:
+    site.install("sk-rival", {"skills": {"pick": "sk_rival:PICK_OTHER"}}, {"sk_rival.py": RIVAL})
+
+
+def test_a_foreign_skill_named_as_a_built_in_one_is_offered_beside_it(site: Any, monkeypatch: Any) -> None:
+    rival(site)
+
+    with Session("kitting", Options(fake=True)) as session:
+        texts = session.plan().texts
+        assert {"pick", "sk-rival.pick"} <= set(session.managers["arm_1"].descriptions)
+        assert isinstance(session.run_module("sk-rival.pick", {"Object": "starter_1"}), Failure)
+        assert session.run().reached
+    assert texts is not None
+    assert {"pick", "sk-rival_pick"} <= set(texts.actions)
+
+
+def test_a_distribution_can_be_left_out_by_every_command_that_opens_a_scene(site: Any) -> None:
+    rival(site)
+    for command in (["module", "list"], ["plan", "kitting"], ["run", "kitting", "--fake"]):
+        said = CliRunner().invoke(cli, [*command, "--without", "sk_rival", "--json"], standalone_mode=False)
+        assert "sk-rival" not in said.output
+        assert said.return_value == 0
+        assert "sk-rival" in CliRunner().invoke(cli, ["skills"]).output
+    for command in ("plan", "run", "serve"):
+        wrong = CliRunner().invoke(cli, [command, "kitting", "--without", "sk-rivals"])
+        assert isinstance(wrong.exception, UnknownName)
+        assert "Did you mean 'sk-rival'?" in str(wrong.exception)
+
+
+TWICE = """
+from dataclasses import replace
+from skiros_skills.pick import PICK_FAKE
+AGAIN = replace(PICK_FAKE, description=replace(PICK_FAKE.description, help="Another."))
+BROKEN = replace(PICK_FAKE, description=replace(PICK_FAKE.description, pre=(), name="grab"), body=Do.of("gone"))
+"""
+
+
+def test_no_plan_names_the_skill_that_was_left_out_as_a_cause(site: Any) -> None:
+    text = TWICE.replace("import replace\n", "import replace\nfrom skiros_py.behaviours import Do\n")
+    site.install("sk-broken", {"skills": {"grab": "sk_broken_grab:BROKEN"}}, {"sk_broken_grab.py": text})
+
+    with Session("kitting", Options(fake=True, skills=("drive", "place"))) as session:
+        planned = session.plan()
+        station = session.catalogue.absent
+
+    assert isinstance(planned.outcome, NoPlan)
+    (reason,) = [reason for reason in planned.outcome.reasons if "grab" in reason]
+    assert reason.startswith("a skill would change it, but cannot be used: plug-in grab of sk-broken 0.3 did not load:")
+    assert "there is no primitive or skill 'gone'" in reason
+    assert [(skill.changes is not None, "grab" in skill.fault) for skill in station] == [(True, True)]
+
+
+def test_no_plan_names_a_skill_of_which_nothing_is_known_as_a_possible_cause(site: Any) -> None:
+    site.install("sk-broken", {"skills": {"grab": "sk_broken_import:X"}}, {"sk_broken_import.py": "1 / 0"})
+
+    said = CliRunner().invoke(cli, ["plan", "kitting", "--skills", "drive,place", "--json"], standalone_mode=False)
+
+    assert said.return_value == 3
+    found = json.loads(said.stdout)
+    because = "perhaps a skill that cannot be used would change it: plug-in grab of sk-broken 0.3 did not load: "
+    assert f"{because}ZeroDivisionError: division by zero" in found["reasons"]

@@ -90,7 +90,8 @@ def skiros(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) 
 @pytest.fixture(scope="module")
 def pattern(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A package as it is when it is new."""
-    draft = draft_package(tmp_path_factory.mktemp("pattern"), NewPackage("my_scanning"))
+    order = NewPackage("my_scanning", skill="inspect", primitive="look_at", condition="Inspected")
+    draft = draft_package(tmp_path_factory.mktemp("pattern"), order)
     draft.write()
     return draft.root
 
@@ -177,16 +178,19 @@ def test_the_test_of_a_skill_still_passes_beside_a_second_skill_with_the_same_ef
     assert "failed" not in told
 
 
-def test_a_second_package_gets_distinct_names_and_works(package: Path, tmp_path: Path) -> None:
+def test_the_names_in_a_generated_package_carry_its_own_so_that_no_two_packages_clash(
+    package: Path, tmp_path: Path
+) -> None:
     with Project.around(package).as_installed():
         draft = draft_package(tmp_path, NewPackage("my_sorting"))
         draft.write()
         again = draft_package(tmp_path, NewPackage("my_storing", skill="store")).new
 
-    assert "src/my_sorting/skills/inspect_2.py" in draft.new
-    assert "src/my_sorting/primitives/look_at_2.py" in draft.new
-    assert 'ConditionType(\n    "Inspected2"' in draft.new["src/my_sorting/conditions/inspected2.py"]
+    assert "src/my_sorting/skills/my_sorting_inspect.py" in draft.new
+    assert "src/my_sorting/primitives/my_sorting_look_at.py" in draft.new
+    assert '"MySortingInspected"' in draft.new["src/my_sorting/conditions/my_sorting_inspected.py"]
     assert "src/my_storing/skills/store.py" in again
+    assert "src/my_storing/primitives/my_storing_look_at.py" in again
     assert "passed" in tool(draft.root, "pytest", "-q", "-p", "no:dash", "-p", "no:cacheprovider", "-W", "error")
 
 

@@ -26,9 +26,7 @@ def command() -> None:
 
 
 _SCENE = combined(
-    click.option(
-        "--scene", default="kitting", show_default=True, metavar="SCENE", help="Scene: a name, or a .ttl file."
-    ),
+    click.option("--scene", default="kitting", show_default=True, metavar="SCENE", help="A name, or a .ttl file."),
     WITHOUT,
 )
 _CHOICE = combined(

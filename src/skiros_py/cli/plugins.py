@@ -23,12 +23,16 @@ from skiros_py.station.modules import views
 def command(name: str | None, group: str | None, tracebacks: bool) -> Found:
     """Loads every plug-in and lists it: group, name, distribution, object, and whether it works.
 
-    With NAME, shows what is called so in full. What is hidden behind a name that stands twice is listed, too. Exit
-    status 1 if one of those listed is broken.
+    With NAME, shows what is called so in full. A name that several distributions use is qualified ("lab.pick"), except
+    for the built-in plug-in. Exit status 1 if one of those listed is broken.
     """
     wanted = _group(group)
     everything, strays = survey()
-    listed = [one for one in everything if wanted in (None, one.entry.group) and name in (None, one.entry.name)]
+    listed = [
+        one
+        for one in everything
+        if wanted in (None, one.entry.group) and name in (None, one.entry.name, one.entry.own_name)
+    ]
     if name is not None and not listed:
         raise UnknownName("plug-in", name, {one.entry.name for one in everything if wanted in (None, one.entry.group)})
     others = [fault for fault in strays if name is None and wanted is None]

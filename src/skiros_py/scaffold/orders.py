@@ -60,9 +60,9 @@ class NewPackage(Order):
 
     example = "package my_scanning"
 
-    skill: str = _option("--skill", "NAME", "Its first skill; by default inspect, or one that is free")
-    primitive: str = _option("--primitive", "NAME", "Its first primitive; by default look_at, or one that is free")
-    condition: str = _option("--condition", "NAME", "Its first condition; by default Inspected, or one that is free")
+    skill: str = _option("--skill", "NAME", "Its first skill; by default NAME_inspect")
+    primitive: str = _option("--primitive", "NAME", "Its first primitive; by default NAME_look_at")
+    condition: str = _option("--condition", "NAME", "Its first condition; by default NameInspected")
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,7 +13,7 @@ from typing import Any
 
 from skiros_py.errors import UsageError
 from skiros_py.scaffold.condition import draft_condition
-from skiros_py.scaffold.declared import class_name, module_name, sentence, snake_case, words_of
+from skiros_py.scaffold.declared import class_name, joined, module_name, sentence, snake_case, words_of
 from skiros_py.scaffold.draft import Draft, render
 from skiros_py.scaffold.ontology import draft_ontology
 from skiros_py.scaffold.orders import NewCondition, NewOntology, NewPackage, NewPrimitive, NewScene, NewSkill, Order
@@ -36,7 +36,7 @@ def draft_package(folder: Path, said: NewPackage) -> Draft:
     name = _free_name(said.name)
     if (folder / name).exists():
         raise UsageError(f"{folder / name} is there already, and nothing is overwritten")
-    said = replace(said, **{kind: _first(kind, getattr(said, kind)) for kind in _FIRST})
+    said = replace(said, **{kind: _first(kind, getattr(said, kind), name) for kind in _FIRST})
     with tempfile.TemporaryDirectory(prefix="skiros-new-") as work:
         root = Path(work).resolve() / name
         notes = [note for draft in _built(root, said) for note in draft.notes]
@@ -58,10 +58,14 @@ _IN_SKELETON = frozenset({"tests", "conftest"})
 """Names by which Python finds a package's tests."""
 
 
-def _first(kind: str, name: str) -> str:
-    """Returns the name of the first skill, primitive or condition: the one said, if it is free, or else a free one."""
+def _first(kind: str, name: str, package: str) -> str:
+    """Returns the name of the first skill, primitive or condition: the one said, if it is free, or else a free one.
+
+    That carries the package's name: two packages never have the same.
+    """
     if not name:
-        usual = _FIRST[kind]
+        usual = f"{package[:_LONGEST_PART]}_{_FIRST[kind]}"
+        usual = joined(usual) if kind == "condition" else usual
         numbered = (f"{usual}{'' if kind == 'condition' else '_'}{number}" for number in count(2))
         return next(free for free in chain((usual,), numbered) if taken_by(kind, free) is None)
     if (holder := taken_by(kind, name)) is not None:
@@ -69,8 +73,10 @@ def _first(kind: str, name: str) -> str:
     return name
 
 
-_FIRST = {"skill": "inspect", "primitive": "look_at", "condition": "Inspected"}
-"""Names of the first skill, primitive and condition of a package, if they are free."""
+_FIRST = {"skill": "inspect", "primitive": "look_at", "condition": "inspected"}
+"""Names of the first skill, primitive and condition of a package, after that of the package."""
+_LONGEST_PART = 30
+"""How many letters of a package's name its first names have."""
 
 
 def _built(root: Path, said: NewPackage) -> Iterator[Draft]:
@@ -99,7 +105,7 @@ def _skeleton(said: NewPackage) -> Iterator[tuple[str, str]]:
 def _orders(said: NewPackage) -> Iterator[tuple[Callable[[Knowledge, Any], Draft], Order]]:
     """Yields what is written into the package, one after the other, each with its generator."""
     name, word = said.name, class_name(said.condition, "condition")
-    first, *rest = snake_case(word).split("_")
+    first, *rest = snake_case(word.removeprefix(joined(name)) or word).split("_")
     property_ = first + "".join(part.capitalize() for part in rest)
     yield (
         draft_ontology,

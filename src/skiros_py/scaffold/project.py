@@ -276,7 +276,7 @@ class Knowledge:
         """Checks that a name is free for a new skill, primitive or condition.
 
         Raises:
-            UsageError: The name is taken: neither of the two could be used.
+            UsageError: The name is taken: one of the two would be offered under another.
         """
         if (holder := taken_by(kind, name)) is not None:
             raise UsageError(f"there is {holder} already; choose another name")

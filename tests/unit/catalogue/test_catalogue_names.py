@@ -21,7 +21,8 @@ from skiros_py.testing.tiny import AT_LOCATION, DRIVE, pretend
 HOP = replace(DRIVE, name="hop", help="Hops as {0} does.")
 NEAR = replace(AT_LOCATION, name="Near", help="As {0} means it.")
 A = pretend(HOP)
-TOUR = Skill(replace(DRIVE, name="tour_{0}"), Sequence.of(Do.of("hop"), Do.of("wave"), Check(NEAR("Robot", "Location"))), driver="fake")
+BODY = Sequence.of(Do.of("hop"), Do.of("wave"), Check((NEAR("Robot", "Location"),)))
+TOUR = Skill(replace(DRIVE, name="tour_{0}"), BODY, driver="fake")
 class Wave(Primitive):
     name = "wave"
     @dataclass(frozen=True)

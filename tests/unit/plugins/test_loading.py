@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
 import threading
@@ -11,7 +12,9 @@ from typing import Any
 
 import pytest
 
-from skiros_py.plugins.loading import load_plugins
+from skiros_py.errors import UnknownName
+from skiros_py.plugins.installation import installation, leaving_out
+from skiros_py.plugins.loading import find_plugin, load_plugins
 from skiros_py.plugins.plugin import PluginFault, by_cause
 
 GROUP = "skiros.testing_only"
@@ -132,16 +135,48 @@ def test_an_entry_point_that_names_nothing_is_reported(site: Any, value: str) ->
     assert fault.reason == f"'{value}' names nothing: write module:object"
 
 
-def test_two_plug_ins_with_one_name_are_both_left_out_and_both_origins_are_named(site: Any) -> None:
+def test_two_plug_ins_with_one_name_are_both_offered_under_names_that_their_distributions_qualify(site: Any) -> None:
     site.install("plug-one", {"testing_only": {"twin": "plug_one:X", "only": "plug_one:X"}}, {"plug_one.py": "X = 1"})
-    site.install("plug-two", {"testing_only": {"twin": "plug_two:X"}}, {"plug_two.py": "raise SystemExit"})
+    site.install("Plug_Two", {"testing_only": {"twin": "plug_two:X"}}, {"plug_two.py": "X = 2"})
 
     plugins, faults = load_plugins(GROUP)
 
-    assert [plugin.name for plugin in plugins] == ["only"]
-    assert [fault.distribution for fault in faults] == ["plug-one 0.3", "plug-two 0.3"]
-    for fault in faults:
-        assert "plug-one 0.3 (plug_one:X) and plug-two 0.3 (plug_two:X); neither counts" in fault.reason
+    assert [(plugin.name, plugin.own_name) for plugin in plugins] == [
+        ("only", "only"),
+        ("plug-one.twin", "twin"),
+        ("plug-two.twin", "twin"),
+    ]
+    assert faults == ()
+    assert find_plugin(GROUP, "plug-two.twin") == 2
+    with pytest.raises(UnknownName, match=r"Did you mean 'plug-one\.twin'\?"):
+        find_plugin(GROUP, "twin")
+
+
+def test_a_built_in_plug_in_has_the_bare_name(site: Any) -> None:
+    site.install("plug-one", {"testing_only": {"twin": "plug_one:X"}}, {"plug_one.py": "X = 1"})
+    site.install("skiros-primitives", {"testing_only": {"twin": "plug_own:X"}}, {"plug_own.py": "X = 2"})
+
+    assert {name: find_plugin(GROUP, name) for name in ("twin", "plug-one.twin")} == {"twin": 2, "plug-one.twin": 1}
+
+
+def test_distributions_that_are_left_out_contribute_nothing_until_they_are_let_in_again(site: Any) -> None:
+    site.install("plug-one", {"testing_only": {"twin": "plug_one:X"}}, {"plug_one.py": "X = 1"})
+    site.install("plug-two", {"testing_only": {"twin": "plug_two:X"}}, {"plug_two.py": "X = 2"})
+
+    with leaving_out(["Plug_Two"]):
+        assert find_plugin(GROUP, "twin") == 1
+        assert "plug-two" in os.environ["SKIROS_WITHOUT"].lower().replace("_", "-")
+    assert find_plugin(GROUP, "plug-two.twin") == 2
+    with pytest.raises(UnknownName, match="Did you mean 'plug-two'"), leaving_out(["plug-too"]):
+        pass
+
+
+def test_one_distribution_with_two_entry_points_of_one_name_offers_neither(site: Any) -> None:
+    info = site.install("plug-one", {}, {"plug_one.py": "X, Y = 1, 2"})
+    (info / "entry_points.txt").write_text(f"[{GROUP}]\ntwin = plug_one:X\ntwin = plug_one:Y\n", encoding="utf-8")
+
+    assert load_plugins(GROUP) == ((), ())
+    assert {fault.name: "neither counts" in fault.reason for fault in installation().faults} == {"twin": True}
 
 
 def test_a_group_without_plug_ins_is_empty() -> None:
