@@ -310,3 +310,25 @@ def test_no_plan_names_a_skill_of_which_nothing_is_known_as_a_possible_cause(sit
     found = json.loads(said.stdout)
     because = "perhaps a skill that cannot be used would change it: plug-in grab of sk-broken 0.3 did not load: "
     assert f"{because}ZeroDivisionError: division by zero" in found["reasons"]
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("import os\nos._exit(0)\n", "SystemExit: it tried to end the program: os._exit(0)"),
+        ("while True:\n    pass\n", "TimeoutError: loading plug-in lost of sk-lost 0.3 did not end within 0.5 s"),
+    ],
+)
+@pytest.mark.parametrize("command", [["run", "kitting", "--fake", "--json"], ["plugins"], ["check-plugin", "sk-lost"]])
+def test_an_import_that_never_ends_or_ends_the_program_is_named_by_every_command(
+    site: Any, monkeypatch: pytest.MonkeyPatch, caplog: Any, text: str, reason: str, command: list[str]
+) -> None:
+    monkeypatch.setattr("skiros_py.plugins.loading._LONGEST", 0.5)
+    module = f"sk_lost_{len(text)}_{command[0].replace('-', '_')}"
+    site.install("sk-lost", {"skills": {"lost": f"{module}:X"}}, {f"{module}.py": text})
+
+    said = CliRunner().invoke(cli, command, standalone_mode=False)
+
+    assert said.return_value == (0 if command[0] == "run" else 1)
+    assert reason in said.output + caplog.text
+    assert "sk-lost" in said.output + caplog.text

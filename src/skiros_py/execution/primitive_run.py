@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Generator, Mapping
 from dataclasses import replace
 from itertools import count
+from math import inf
 from typing import Any
 
 from skiros_py.errors import UsageError
@@ -13,12 +15,15 @@ from skiros_py.execution.loader import Loaded, Loader
 from skiros_py.execution.module_faults import broken, contained
 from skiros_py.execution.monitor import Status
 from skiros_py.execution.scope import ModuleRun, Scope, Unfinished, failed, run_recovery
+from skiros_py.execution.time_limit import TimeLimit
 from skiros_py.interruptions import CycleOverrun, EndlessCalls, by_user
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Access, missing, params_of, read_arguments
 from skiros_py.skills.parameters.values import refusal
 from skiros_py.skills.primitive import Execution, Primitive
+
+_log = logging.getLogger(__name__)
 
 Take = Callable[[str, Mapping[str, Access], Claim | None], Claim]
 """Asks for devices: for which module, which devices in which way, and out of which claim."""
@@ -59,6 +64,7 @@ class PrimitiveRun(ModuleRun):
         self._recovered_in = -1
         self._made: Primitive[Any] | None = None
         self._broken = False
+        self._limit: TimeLimit
         self._code: Execution[Outcome] | None = None
         self._next: Callable[[], object] = self._begin
 
@@ -75,8 +81,10 @@ class PrimitiveRun(ModuleRun):
             yield
         self.started = True
         self.tell(Status.STARTED, 0, ", ".join(f"{k}={v}" for k, v in self._values.items()))
+        cls = loaded.cls
+        self._limit = TimeLimit(self._outer.context, cls.duration, inf if cls.watches else cls.limit)
         while True:
-            outcome = self._tick()
+            outcome = self._tick() or self._overdue()
             if outcome is not None:
                 break
             if self._calls.unfinished or self._recovering is not None:
@@ -187,10 +195,35 @@ class PrimitiveRun(ModuleRun):
         """Returns its own context: it reports in its own name, and shares its devices with what it calls."""
         return replace(
             self._outer.context,
-            report=lambda _module, code, text: self.tell(Status.RUNNING, code, text),
+            report=self._report,
             call=self._call,
             emit=self._calls.emit,
         )
+
+    def _report(self, _module: str, code: int, text: str) -> None:
+        self._limit.progress()
+        self.tell(Status.RUNNING, code, text)
+
+    def _overdue(self) -> Failure | None:
+        """Ends it where it takes too long; says, once, where it waits when it makes no progress."""
+        told = self._limit.stalled
+        why = self._limit.why_over(self._gets_on)
+        if self._limit.stalled and not (told or self._loaded.cls.watches):
+            text = f"makes no progress{_where_it_waits(self._code)}"
+            _log.warning("%s %s", self.name, text)
+            self.tell(Status.RUNNING, 0, text)
+        if not why:
+            return None
+        self._broken = True  # its devices stay its own until they stand
+        where = _where_it_waits(self._code)
+        self._close()
+        if self._made is not None:
+            self._tidy("when it took too long", self._made.stop)
+        return Failure(f"{self.name} {why}{where}")
+
+    def _gets_on(self) -> bool:
+        claim = self._claim
+        return bool(self._open) or (claim is not None and not self._board.stand(claim.devices))
 
     # ------------------------------------------------------------------ what it calls
 
@@ -248,6 +281,18 @@ class PrimitiveRun(ModuleRun):
         assert claim is not None, "its code runs with its devices only"
         contained(f"{self.name}, {when},", lambda: self._board.limited(claim, action))
         self._board.clear(claim)
+
+
+def _where_it_waits(code: object) -> str:
+    """Returns the place of the innermost ``yield`` at which a generator waits, for a message."""
+    frame = None
+    while isinstance(code, Generator):
+        frame, code = getattr(code, "gi_frame", None) or frame, getattr(code, "gi_yieldfrom", None)
+    return (
+        ""
+        if frame is None
+        else f": it waits in {frame.f_code.co_qualname}, {frame.f_code.co_filename}:{frame.f_lineno}"
+    )
 
 
 _ENDED = object()

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import closing
 from dataclasses import replace
 from functools import partial
+from math import inf
 from typing import Any
 
 from skiros_py.behaviours.children import lost, run_until
@@ -16,6 +17,7 @@ from skiros_py.execution.monitor import Status
 from skiros_py.execution.panel import ConditionRow
 from skiros_py.execution.primitive_run import Take
 from skiros_py.execution.scope import ModuleRun, Scope, Unfinished
+from skiros_py.execution.time_limit import TimeLimit
 from skiros_py.skills.behaviour import Behaviour
 from skiros_py.skills.conditions import Condition, Verdict
 from skiros_py.skills.context import Effects
@@ -51,6 +53,7 @@ class SkillRun(ModuleRun):
         self._take = take
         self._cancelled = ""
         self._finish: Behaviour | None = None
+        self._limit: TimeLimit | None = None
         self._found: dict[tuple[str, str], ConditionRow] = {}
         self._way: Skill | None = None
         effects = Effects(scope.context.world, self.description.post, self.arguments)
@@ -150,6 +153,9 @@ class SkillRun(ModuleRun):
         return Failure("; then ".join(reasons), failures[-1].code)
 
     def _attempt(self, skill: Skill) -> Execution[Outcome]:
+        duration, limit = self.description.duration, self.description.limit
+        # what makes no progress is one of its primitives, which has a limit of its own
+        self._limit = TimeLimit(self._scope.context, duration, inf if duration is limit is None else limit)
         if skill.pre_sense is not None:
             sensed = yield from self._part("pre_sense", skill.pre_sense)
             if isinstance(sensed, Failure):
@@ -190,7 +196,10 @@ class SkillRun(ModuleRun):
         return outcome
 
     def _interruption(self) -> Failure | None:
-        return Failure(self._cancelled, CANCELLED) if self._cancelled else None
+        if self._cancelled:
+            return Failure(self._cancelled, CANCELLED)
+        why = self._limit.why_over() if self._limit is not None else ""
+        return Failure(f"{self.name} {why}") if why else None
 
     def _check(self, kind: str, conditions: Sequence[Condition]) -> Failure | None:
         world = self._scope.context.world

@@ -2,26 +2,31 @@
 
 from __future__ import annotations
 
+import faulthandler
 import logging
+import os
 import sys
+import threading
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import redirect_stdout
+from contextlib import contextmanager, redirect_stdout
 from dataclasses import replace
 from functools import partial
 from importlib.metadata import EntryPoint
 from importlib.resources.abc import Traversable
 from pathlib import Path
 from threading import RLock
-from typing import Any, TypeVar
+from typing import Any, NoReturn, TypeVar
 
 from skiros_py.errors import UnknownName, UsageError
-from skiros_py.interruptions import by_user
+from skiros_py.interruptions import by_user, limited
 from skiros_py.plugins.installation import installation, misfit
 from skiros_py.plugins.plugin import Entry, Plugin, PluginFault, locate, origin_of
 
 T = TypeVar("T")
 
+_LONGEST = 60.0
+"""Wall time in which a plug-in has to be loaded [s]."""
 _LOADING = RLock()
 """Two threads that redirect stdout at once would leave it redirected."""
 
@@ -80,8 +85,9 @@ def load(entry: Entry, problem: Callable[[Plugin], str | None] = lambda _: None)
     if fault is not None:
         return fault
     try:
-        with _LOADING, redirect_stdout(sys.stderr):  # stdout is the command's answer
-            value = EntryPoint(entry.name, entry.value, entry.group).load()
+        with _LOADING, redirect_stdout(sys.stderr), _staying_alive():  # stdout is the command's answer
+            point = EntryPoint(entry.name, entry.value, entry.group)
+            value = limited(lambda: f"loading plug-in {entry.name} of {entry.distribution}", _LONGEST, point.load)
         plugin = Plugin(entry.group, entry.name, str(entry.distribution), value, entry.module)
         reason = problem(plugin)
     except BaseException as error:
@@ -89,6 +95,28 @@ def load(entry: Entry, problem: Callable[[Plugin], str | None] = lambda _: None)
             raise
         return _contained(entry, error)
     return plugin.fault(reason) if reason else plugin
+
+
+@contextmanager
+def _staying_alive() -> Iterator[None]:
+    """Lets ``os._exit`` raise in this thread: code of a plug-in must not end the program; a crash shows its stack."""
+    leave, loading, shows = os._exit, [(os.getpid(), threading.get_ident())], faulthandler.is_enabled()
+
+    def refuse(status: int) -> NoReturn:
+        if (os.getpid(), threading.get_ident()) not in loading:
+            leave(status)
+        raise SystemExit(f"it tried to end the program: os._exit({status})")
+
+    os._exit = refuse
+    if not shows and sys.__stderr__ is not None:
+        faulthandler.enable(sys.__stderr__)
+    try:
+        yield
+    finally:
+        os._exit = leave
+        loading.clear()  # it may have kept the function
+        if not shows:
+            faulthandler.disable()
 
 
 def refused(entry: Entry) -> PluginFault | None:

@@ -40,6 +40,10 @@ class Primitive(ABC, Generic[P]):
             ``Params`` then have one field, ``device``. None for primitives that are called.
         outputs: The values that it finds out; ``Success(values=…)`` may have these and no others.
         version: Version of this implementation.
+        duration: How long it takes as a rule [s]; None where that differs too much.
+        limit: How long one run may take at most [s], without pauses and questions to a person; ``math.inf`` for no
+            limit. None for 20 times the duration, at least 300 s; where that is not known, it is ended when its
+            devices stand and it has reported no progress for 600 s.
         offered: Names of modules of its own distribution that are offered under another one, which the platform sets.
     """
 
@@ -49,6 +53,8 @@ class Primitive(ABC, Generic[P]):
     watches: ClassVar[str | None] = None
     outputs: ClassVar[tuple[Output, ...]] = ()
     version: ClassVar[str] = "1.0.0"
+    duration: ClassVar[float | None] = None
+    limit: ClassVar[float | None] = None
     offered: ClassVar[Mapping[str, str]] = MappingProxyType({})
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
@@ -56,6 +62,9 @@ class Primitive(ABC, Generic[P]):
         if not isinstance(cls.outputs, tuple) or not all(isinstance(one, Output) for one in cls.outputs):
             raise DescriptionError(f"outputs of primitive {cls.__name__}: a tuple of Output(name, type, help)")
         check_params([output.param for output in cls.outputs], f"of the outputs of primitive {cls.__name__}")
+        for seconds in (cls.duration, cls.limit):
+            if seconds is not None and not (isinstance(seconds, int | float) and seconds > 0.0):
+                raise DescriptionError(f"duration and limit of primitive {cls.__name__}: seconds, not {seconds!r}")
         for name in _AT_ONCE:
             method = getattr(cls, name)
             if isgeneratorfunction(method) or iscoroutinefunction(method) or isasyncgenfunction(method):

@@ -85,6 +85,8 @@ class SkillDescription:
             further plans.
         duration: How long it takes as a rule [s]; what robots learn from their runs counts before it. None where the
             author does not know.
+        limit: How long one attempt may take at most [s], without pauses and questions to a person; ``math.inf`` for no
+            limit. None for 20 times the duration, at least 300 s; no limit where that is not known either.
     """
 
     name: str
@@ -96,6 +98,7 @@ class SkillDescription:
     hold: tuple[Condition, ...] = ()
     post: tuple[Condition, ...] = ()
     duration: float | None = None
+    limit: float | None = None
 
     def __post_init__(self) -> None:
         name: object = self.name
@@ -116,6 +119,8 @@ class SkillDescription:
             raise DescriptionError(f"skill '{self.name}' has no postcondition: no goal could ever need it")
         if self.duration is not None and not 0.0 < self.duration < inf:
             raise DescriptionError(f"duration of skill '{self.name}': {self.duration:g}; it must be some seconds")
+        if self.limit is not None and not self.limit > 0.0:
+            raise DescriptionError(f"limit of skill '{self.name}': {self.limit:g}; it must be some seconds, or inf")
 
     def _check_elements(self, keys: Iterable[str], where: str) -> None:
         params = {param.key: param for param in self.params}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
 import sys
 import threading
 import time
@@ -30,6 +31,76 @@ def test_plugins_are_loaded_in_the_order_of_their_names(site: Any) -> None:
         (GROUP, "zebra", "plug-b 0.3", 26),
     ]
     assert faults == ()
+
+
+def test_an_import_that_does_not_end_is_interrupted_and_named(site: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("skiros_py.plugins.loading._LONGEST", 0.3)
+    site.install("plug-good", {"testing_only": {"good": "plug_good:X"}}, {"plug_good.py": "X = 1"})
+    site.install("plug-hang", {"testing_only": {"hang": "plug_hang:X"}}, {"plug_hang.py": "while True:\n    pass\n"})
+
+    plugins, (fault,) = load_plugins(GROUP)
+
+    assert [plugin.name for plugin in plugins] == ["good"]
+    assert fault.distribution == "plug-hang 0.3"
+    assert fault.reason.startswith("TimeoutError: loading plug-in hang of plug-hang 0.3 did not end within 0.3 s (in ")
+    assert str(site.folder / "plug_hang.py") in fault.reason
+
+
+def test_a_call_in_an_import_that_cannot_be_interrupted_is_named_while_it_lasts(
+    site: Any, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr("skiros_py.plugins.loading._LONGEST", 0.2)
+    text = "import time\ntime.sleep(0.6)\n"
+    site.install("plug-sleep", {"testing_only": {"sleep": "plug_sleep:X"}}, {"plug_sleep.py": text})
+
+    load_plugins(GROUP)
+
+    assert "loading plug-in sleep of plug-sleep 0.3 has not ended within 0.2 s (in <module>, " in caplog.text
+
+
+LEAVING = """
+import os, threading
+from os import _exit
+child = os.fork()
+if child == 0:
+    os._exit(5)
+CODE = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+if CODE != 5:
+    raise AssertionError(CODE)
+os._exit(3)
+"""
+
+
+def test_an_import_that_ends_the_process_is_a_fault_and_its_child_processes_end_as_ever(site: Any) -> None:
+    leave = os._exit
+    site.install("plug-good", {"testing_only": {"good": "plug_good:X"}}, {"plug_good.py": "X = 1"})
+    site.install("plug-exit", {"testing_only": {"exit": "plug_exit:X"}}, {"plug_exit.py": LEAVING})
+
+    plugins, (fault,) = load_plugins(GROUP)
+
+    assert [plugin.name for plugin in plugins] == ["good"]
+    assert (fault.distribution, fault.reason) == (
+        "plug-exit 0.3",
+        "SystemExit: it tried to end the program: os._exit(3)",
+    )
+    assert os._exit is leave
+
+
+def test_an_import_that_crashes_the_interpreter_shows_whose_code_it_was(site: Any) -> None:
+    text = "import ctypes\nctypes.string_at(0)\n"
+    site.install("plug-crash", {"testing_only": {"crash": "plug_crash:X"}}, {"plug_crash.py": text})
+    program = "from skiros_py.plugins.loading import load_plugins; load_plugins('skiros.testing_only')"
+
+    ended = subprocess.run(
+        [sys.executable, "-c", program],
+        env={**os.environ, "PYTHONPATH": str(site.folder)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+    assert ended.returncode < 0
+    assert f'File "{site.folder / "plug_crash.py"}", line 2 in <module>' in ended.stderr
 
 
 RUDE = "class Rude(BaseException):\n    def __str__(self): raise OSError\nraise Rude"
