@@ -169,3 +169,41 @@ def test_constants_generated_from_an_unusual_ontology_pass_linter_formatter_and_
         )
         assert result.returncode == 0, result.stdout
     assert _mypy(tmp_path, target.read_text(encoding="utf-8"))[1] == 0
+
+
+OWN = """@prefix own: <http://own.example#> . @prefix owl: <http://www.w3.org/2002/07/owl#> .
+@prefix rdfs: <http://www.w3.org/2000/01/rdf-schema#> . @prefix xsd: <http://www.w3.org/2001/XMLSchema#> .
+@prefix sk: <https://w3id.org/skiros-py/core#> .
+<http://own.example> a owl:Ontology .
+own:Crate a owl:Class ; rdfs:subClassOf sk:Object ; rdfs:comment "A crate." .
+own:leansOn a owl:ObjectProperty ; rdfs:domain own:Crate ; rdfs:range sk:Furniture ; rdfs:comment "Leans on it." .
+own:age a owl:DatatypeProperty ; rdfs:domain own:Crate ; rdfs:range xsd:decimal ; sk:unit "s" .
+own:anywhere a owl:ObjectProperty .
+"""
+
+
+def test_the_classes_are_shown_as_a_tree_with_their_relations_and_properties() -> None:
+    lines = skiros("tree").stdout.splitlines()
+
+    at = lines.index("    sk:SpatialThing: Anything that has a place.")
+    assert "      - sk:in -> sk:Location: The thing lies in the container." in lines[at:]
+    assert "      - sk:mass: xsd:decimal [kg]: Mass [kg]; 0 for static elements." in lines[at:]
+    assert any(line.strip().startswith("kitting:Table (also sk:Furniture): ") for line in lines)
+    found = json.loads(skiros("tree", "--json").stdout)
+    assert next(top for top in found["classes"] if top["class"] == "sk:Element")["subclasses"]
+
+
+def test_of_a_file_its_classes_are_shown_below_those_of_the_installation(tmp_path: Path) -> None:
+    file = tmp_path / "own.ttl"
+    core = (ROOT / "ontologies" / "core.ttl").read_text(encoding="utf-8")
+    prefix = next(line for line in core.splitlines() if line.startswith("@prefix sk:"))
+    file.write_text(OWN.replace("@prefix sk: <https://w3id.org/skiros-py/core#> .", prefix), encoding="utf-8")
+
+    result = skiros("tree", str(file))
+
+    assert result.returncode == 0
+    lines = [line.strip() for line in result.stdout.splitlines()]
+    at = lines.index("own:Crate: A crate.")
+    assert lines[at + 1 : at + 3] == ["- own:leansOn -> sk:Furniture: Leans on it.", "- own:age: xsd:decimal [s]"]
+    assert not any(line.startswith("kitting:") for line in lines)
+    assert lines[lines.index("anything") + 1 :].count("- own:anywhere -> anything") == 1

@@ -1,10 +1,10 @@
-"""``skiros ontology``: check ontologies, and write their words as Python constants."""
+"""``skiros ontology``: check and show ontologies, and write their words as Python constants."""
 
 from __future__ import annotations
 
 import difflib
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,7 +18,9 @@ from skiros_py.errors import UsageError
 from skiros_py.files import read_text
 
 if TYPE_CHECKING:
+    from skiros_py.world.ontology import Ontology
     from skiros_py.world.ontology.check.checking import CheckReport, ReasonerChoice
+    from skiros_py.world.terms import End
 
 _PATHS = click.argument("paths", nargs=-1, type=click.Path(exists=True, path_type=Path))
 
@@ -99,6 +101,71 @@ def list_files(paths: tuple[Path, ...]) -> Found:
     return {"files": [{"file": i.path, "iri": i.iri, **i.counts} for i in found]}, (
         line for one in found for line in (str(one.path), f"  <{one.iri}>: {_counted(one.counts) or 'no terms'}")
     )
+
+
+@reports("ontology tree my.ttl --json", command)
+@_PATHS
+def tree(paths: tuple[Path, ...]) -> Found:
+    """Shows the classes as a tree, each with the relations and properties that it may have.
+
+    Of PATHS, the classes are shown that these files declare, below their superclasses of the installation.
+    """
+    from skiros_py.world.ontology import Ontology
+    from skiros_py.world.ontology.documents import rdf_files
+    from skiros_py.world.ontology.statements import Statements
+    from skiros_py.world.terms import Kind
+
+    ontology = Ontology.load((*_or_installed(()), *paths))
+    own = {path.resolve() for path in rdf_files(paths)} if paths else None
+    files = [file for file in ontology.sources if own is None or file.path.resolve() in own]
+    declared = Statements(files, ontology.names).declared[Kind.CLASS]
+    above = {above for name in declared for above in ontology.ancestors(name)}
+    shown = sorted({*declared, *above}, key=lambda name: (name.partition(":")[0] != "sk", name))
+    tops = [_branch(ontology, name, shown) for name in shown if ontology.classes[name].primary_parent not in shown]
+    anything = _terms_of(ontology, lambda domains: not domains)
+    rest = {"class": "anything", "comment": "", "parents": [], "subclasses": [], **anything}
+    return {"classes": tops, **anything}, (line for top in (*tops, rest) for line in _drawn(top))
+
+
+def _branch(ontology: Ontology, name: str, shown: Sequence[str]) -> dict[str, Any]:
+    class_ = ontology.classes[name]
+    below = (one for one in shown if ontology.classes[one].primary_parent == name)
+    return {
+        "class": name,
+        "comment": class_.comment,
+        "parents": list(class_.parents),
+        **_terms_of(ontology, lambda domains: any(name in group for group in domains)),
+        "subclasses": [_branch(ontology, one, shown) for one in below],
+    }
+
+
+def _terms_of(ontology: Ontology, fits: Callable[[End], bool]) -> dict[str, list[dict[str, Any]]]:
+    relations = (one for _, one in sorted(ontology.relations.items()) if fits(one.domains))
+    properties = (one for _, one in sorted(ontology.properties.items()) if fits(one.domains))
+    return {
+        "relations": [
+            {"relation": one.curie, "comment": one.comment, "ranges": [*map(list, one.ranges)]} for one in relations
+        ],
+        "properties": [
+            {"property": one.curie, "comment": one.comment, "range": one.range, "unit": one.unit} for one in properties
+        ],
+    }
+
+
+def _drawn(branch: Mapping[str, Any], indent: str = "") -> Iterator[str]:
+    also = f" (also {', '.join(more)})" if (more := branch["parents"][1:]) else ""
+    yield f"{indent}{branch['class']}{also}{_said(branch)}"
+    for one in branch["relations"]:
+        ends = " and ".join(" or ".join(group) for group in one["ranges"]) or "anything"
+        yield f"{indent}  - {one['relation']} -> {ends}{_said(one)}"
+    for one in branch["properties"]:
+        yield f"{indent}  - {one['property']}: {one['range']}{one['unit'] and ' [' + one['unit'] + ']'}{_said(one)}"
+    for below in branch["subclasses"]:
+        yield from _drawn(below, f"{indent}    ")
+
+
+def _said(term: Mapping[str, Any]) -> str:
+    return f": {' '.join(term['comment'].split())}" if term["comment"] else ""
 
 
 def _counted(counts: Mapping[str, int]) -> str:
