@@ -19,7 +19,7 @@ from skiros_py.skills.skill import Skill, SkillDescription
 
 T = TypeVar("T")
 
-_Claim = tuple[str, str, Any]
+_Claim = tuple[Any, str, Any]
 """A name, the distribution that uses it, and what it stands for."""
 
 
@@ -30,24 +30,28 @@ class OfferedNames:
     Attributes:
         modules: By distribution, the names of skills and primitives by their own.
         words: By distribution, its conditions with the words under which they are offered.
+        ways: Implementations whose label is qualified, by distribution and key.
     """
 
     modules: dict[str, dict[str, str]] = field(default_factory=dict)
     words: dict[str, list[tuple[ConditionType, str]]] = field(default_factory=dict)
+    ways: set[tuple[str, str]] = field(default_factory=set)
 
     @classmethod
     def of(cls, skills: Sequence[Named], primitives: Sequence[Entry], conditions: Sequence[Named]) -> OfferedNames:
         """Finds the names that need qualifying: used by several distributions for different things."""
         described = [(s.value.description.name, s.plugin.distribution, s.value.description) for s in skills]
         entries = [(entry.name, str(entry.distribution), entry) for entry in primitives]
+        worded = [(c.value.name, c.plugin.distribution, c.value) for c in conditions]
+        ways = [(_way(s.value), s.plugin.distribution, s.key) for s in skills if s.value.label]
         found = cls()
-        for distribution, name, _, offered in _apart([*described, *entries]):
-            found.modules.setdefault(distribution, {})[name] = offered
+        for own, name, _, holder in _apart([*described, *entries]):
+            found.modules.setdefault(own, {})[name] = qualified(name, holder)
         for entry in (entry for entry in primitives if entry.name != entry.own_name):
             found.modules.setdefault(str(entry.distribution), {})[entry.own_name] = entry.name
-        worded = [(c.value.name, c.plugin.distribution, c.value) for c in conditions]
-        for distribution, _, type_, offered in _apart(worded):
-            found.words.setdefault(distribution, []).append((type_, offered))
+        for own, name, type_, holder in _apart(worded):
+            found.words.setdefault(own, []).append((type_, qualified(name, holder)))
+        found.ways.update((own, key) for own, _, key, _ in _apart(ways))
         return found
 
     def entry(self, entry: Entry) -> Entry:
@@ -56,8 +60,10 @@ class OfferedNames:
 
     def named(self, thing: Named) -> Named:
         """Returns a skill or condition with the names under which it and what it uses are offered."""
-        own = thing.plugin.distribution
-        return replace(thing, value=_renamed(thing.value, self.modules.get(own, {}), self.words.get(own, [])))
+        own, value = thing.plugin.distribution, thing.value
+        if (own, thing.key) in self.ways:
+            value = replace(value, label=qualified(value.label, own))
+        return replace(thing, value=_renamed(value, self.modules.get(own, {}), self.words.get(own, [])))
 
     def primitive(self, plugin: Plugin) -> type[Any]:
         """Returns a primitive's class; where its distribution has offered names, a subclass that uses them."""
@@ -75,8 +81,12 @@ def _subclass(base: type[T], **attributes: Any) -> type[T]:
     return type(base.__name__, (base,), {**shared, **attributes})
 
 
-def _apart(claims: Sequence[_Claim]) -> Iterator[tuple[str, str, Any, str]]:
-    """Yields what gives way to others of the same name: distribution, name, what it stands for, and the new name."""
+def _way(skill: Skill) -> tuple[str, str, str | None]:
+    return skill.description.name, skill.label, skill.driver
+
+
+def _apart(claims: Sequence[_Claim]) -> Iterator[tuple[str, Any, Any, str]]:
+    """Yields what gives way to others of the same name: distribution, name, meaning, and who qualifies the name."""
     for name in dict.fromkeys(name for name, _, _ in claims):
         meanings: list[tuple[Any, set[str]]] = []  # a list, for what a name stands for cannot always be hashed
         for distribution, meaning in ((distribution, meaning) for own, distribution, meaning in claims if own == name):
@@ -89,7 +99,7 @@ def _apart(claims: Sequence[_Claim]) -> Iterator[tuple[str, str, Any, str]]:
         holders = [min(users, key=lambda one: (not has_bare_name(one, everyone), one)) for _, users in meanings]
         for holder, (meaning, users) in zip(holders, meanings, strict=True):
             if not has_bare_name(holder, holders):
-                yield from ((user, name, meaning, qualified(name, holder)) for user in sorted(users))
+                yield from ((user, name, meaning, holder) for user in sorted(users))
 
 
 def _renamed(value: Any, modules: Mapping[str, str], words: Sequence[tuple[ConditionType, str]]) -> Any:

@@ -231,7 +231,7 @@ def _groups() -> Iterator[Finding]:
 
 @_check("loading")
 def _loading() -> Iterator[Finding]:
-    """Loads all plug-ins; also reports duplicate names."""
+    """Loads all plug-ins."""
     from skiros_py.catalogue import survey
     from skiros_py.plugins.installation import GROUPS
     from skiros_py.plugins.plugin import by_cause

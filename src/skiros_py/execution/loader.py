@@ -39,7 +39,8 @@ def read_configuration(
     """
     read: dict[str, dict[str, Any]] = {}
     for name, value in given.items():
-        module, _, key = name.rpartition(".")  # keys have no dot, names of modules may
+        head, _, tail = name.rpartition(".")  # keys have no dot, names of modules may
+        module, key = (head, tail) if head else (tail, "")
         if module not in primitives:
             raise UnknownName("primitive", module, primitives, where="in the configuration")
         params = {p.key: p for p in params_of(primitives[module].Params) if p.kind is Kind.CONFIG}

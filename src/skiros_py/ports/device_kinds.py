@@ -103,4 +103,4 @@ def _not_alone(twins: Sequence[Plugin]) -> str:
         f"'{twin.value.kind}' for {twin.value.device_class} ({twin.name} of {twin.distribution})" for twin in twins
     )
     count = "the built-in one counts" if any(twin.is_builtin for twin in twins) else "none of them counts"
-    return f"kinds of device with one name or class: {origins}; {count}, rename the other"
+    return f"kinds of device with one name or class: {origins}; {count}: rename one, or leave it out by --without"

@@ -8,6 +8,8 @@ from typing import Any
 import pytest
 
 from skiros_py.catalogue import Catalogue, load_catalogue
+from skiros_py.errors import UnknownName
+from skiros_py.execution.loader import read_configuration
 from skiros_py.skills.behaviour import calls_of
 from skiros_py.tasks.goals import parse_goal
 from skiros_py.testing.tiny import tiny_world
@@ -108,6 +110,19 @@ def test_a_skill_named_as_a_built_in_one_leaves_the_bare_name_to_it(two: Any, si
     assert catalogue.sources["skills/hop"] == "skiros-skills 9"
 
 
+def test_implementations_with_one_label_are_both_offered_and_a_built_in_one_keeps_its_label(site: Any) -> None:
+    for name in ("skiros-skills", "sk-one"):
+        module = f"sk_label_{name.replace('-', '_')}"
+        text = HEAD.replace("{0}", "all") + 'FAST = replace(A, label="fast")\n'
+        site.install(name, {"skills": {f"hop_{name[:4]}": f"{module}:FAST"}}, {f"{module}.py": text}, version="9")
+
+    catalogue = load_catalogue()
+
+    assert faults(catalogue) == []
+    labels = {catalogue.sources[f"skills/{key}"]: s.label for key, s in catalogue.skills.items() if "hop" in key}
+    assert labels == {"skiros-skills 9": "fast", "sk-one 9": "sk-one.fast"}
+
+
 def test_a_skill_and_a_primitive_of_two_distributions_with_one_name_are_both_offered(site: Any) -> None:
     site.install("sk-one", {"skills": {"hop": "sk_both_a:A"}}, {"sk_both_a.py": HEAD})
     text = HEAD.replace('name = "wave"', 'name = "hop"')
@@ -142,3 +157,10 @@ def test_scenes_of_one_name_are_qualified_where_a_file_or_another_distribution_h
     assert {"kitting", "sk-one.kitting", "sk-one.yard", "sk-two.yard", "one"} <= set(scene_names())
     assert "yard" not in scene_names()
     assert named_scene("sk-two.yard").read_text(encoding="utf-8") == "# two"
+
+
+def test_configuration_is_given_to_a_primitive_of_a_qualified_name(two: Any) -> None:
+    catalogue = two({"primitives": {"wave": "Wave"}})
+
+    with pytest.raises(UnknownName, match=r"unknown configuration parameter 'speed' of sk-two\.wave"):
+        read_configuration({"sk-two.wave.speed": "1"}, catalogue.primitives, tiny_world())
