@@ -135,13 +135,13 @@ def test_two_modules_with_the_same_name_are_both_offered_and_qualified_by_their_
     install: Install, tmp_path: Path
 ) -> None:
     install("sk_fine", {"skills": {"hop": "HOP"}, "conditions": {"TinyAt": "AT"}}, GOOD)
-    for name in ("sk_one", "sk_other"):
+    for name in ("sk_this", "sk_other"):
         text = GOOD.replace("HOP", "SKIP").replace('name="hop"', f'name="skip", help="As {name} does."')
         install(name, {"skills": {"skip": "SKIP"}}, text)
 
     with Session(str(tiny_scene(tmp_path)), Options(fake=True)) as session:
-        assert {**faults_of(session, "sk_one"), **faults_of(session, "sk_other")} == {}
-        assert {"hop", "sk-one.skip", "sk-other.skip"} <= set(session.managers["base_1"].descriptions)
+        assert {**faults_of(session, "sk_this"), **faults_of(session, "sk_other")} == {}
+        assert {"hop", "sk-this.skip", "sk-other.skip"} <= set(session.managers["base_1"].descriptions)
         assert session.run(["TinyAt(robot_1, box_a)"]).reached
 
 

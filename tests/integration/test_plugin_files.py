@@ -112,11 +112,13 @@ def test_an_own_scene_takes_precedence_over_a_plug_in_scene(site: Any) -> None:
     assert not named_scene("kitting").is_relative_to(site.folder)
 
 
-def test_a_scene_name_provided_by_two_plug_ins_is_refused_with_both_origins(site: Any) -> None:
+def test_a_scene_name_provided_by_two_plug_ins_is_qualified_by_their_distributions(site: Any) -> None:
     site.install("sk-a", {"scenes": {"a": "sk_sa"}}, {"sk_sa/hall.ttl": ""})
     site.install("sk-b", {"scenes": {"b": "sk_sb"}}, {"sk_sb/hall.ttl": ""})
 
-    with pytest.raises(UsageError, match=r"scene 'hall': sk-a 0.3 \(sk_sa\) and sk-b 0.3 \(sk_sb\)"):
+    assert named_scene("sk-a.hall") == site.folder / "sk_sa" / "hall.ttl"
+    assert named_scene("sk-b.hall") == site.folder / "sk_sb" / "hall.ttl"
+    with pytest.raises(UnknownName, match=r"Did you mean 'sk-a\.hall'"):
         named_scene("hall")
 
 
