@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from skiros_py.planning.explanation.wording import Found
 from skiros_py.planning.plan import Cause, CauseKind
-from skiros_py.skills.conditions.effects import Assign, brought_about
+from skiros_py.skills.conditions.effects import Relate, Unrelate, brought_about
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.terms import Family
@@ -33,7 +33,7 @@ class AbsentSkill:
     def of(cls, skill: SkillDescription, fault: str) -> AbsentSkill:
         """Makes one of a skill whose description is known."""
         effects = (effect for condition in skill.post for effect in brought_about(condition))
-        return cls(fault, frozenset(e.property if isinstance(e, Assign) else e.relation for e in effects))
+        return cls(fault, frozenset(e.relation if isinstance(e, Relate | Unrelate) else e.property for e in effects))
 
 
 def absence_causes(found: Iterable[Found], absent: Sequence[AbsentSkill], ontology: Ontology) -> Iterator[Cause]:
