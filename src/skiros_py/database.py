@@ -128,6 +128,7 @@ class Database:
         self._schema = schema
         self._durable = durable
         self._guard = threading.RLock()
+        self._syncing = threading.Lock()
         self._commits = self._synced = 0
         self._unsafe = False
         self.fault: DiskFault | None = None
@@ -163,6 +164,8 @@ class Database:
     def transaction(self, *, waits: bool = True) -> Iterator[sqlite3.Connection]:
         """Lends the connection for writes: all are committed at the end of the block, or none if it raises.
 
+        A block within a block of the same thread belongs to the outer one.
+
         Args:
             waits: False not to wait for the disk in a durable file: a power failure may lose these writes until the
                 next transaction that waits.
@@ -173,6 +176,9 @@ class Database:
         """
         with self._guard, self._faults():
             connection = self._open()
+            if connection.in_transaction:
+                yield connection
+                return
             hurries = self._durable and not waits
             if hurries:
                 _run(connection, "synchronous = NORMAL")
@@ -228,7 +234,10 @@ class Database:
         Raises:
             DiskFault: The disk cannot be written.
         """
-        commits = self._commits
+        with self._syncing:  # who waits meanwhile may find its writes synced
+            self._sync(self._commits)
+
+    def _sync(self, commits: int) -> None:
         if self._synced >= commits:
             return
         try:

@@ -23,6 +23,7 @@
     ├── PlanningError         a planner broke (not: "there is no plan", which is an answer)
     ├── DeviceError           a device or the simulation broke
     ├── Busy                  overload: the same request may succeed later
+    │   └── Overloaded        ... as soon as the caller sends less of them
     └── MissingSystemLibrary  a library that pip cannot install is absent
 
 Interruption is not part of the tree: the platform raises it to cancel a run; only the platform catches it.
@@ -311,6 +312,10 @@ class Busy(SkirosError):
     def __init__(self, text: str, *, retry_after: float = 1.0) -> None:
         self.retry_after = retry_after
         super().__init__(text)
+
+
+class Overloaded(Busy):
+    """More requests arrive than can be carried out; this one had no effect."""
 
 
 def without_wheels(extra: str) -> tuple[str, ...]:

@@ -84,6 +84,7 @@ _JOB_KINDS: tuple[tuple[type[errors.SkirosError], int, str], ...] = (
     (errors.KeyReused, 422, "IdempotencyKeyReused"),
     (errors.Removed, 410, "JobOrderRemoved"),
     (errors.WrongState, 409, "InvalidJobOrderStatus"),
+    (errors.Overloaded, 429, "UnableToAcceptJobOrder"),
     (errors.Busy, 503, "UnableToAcceptJobOrder"),
     *_KINDS,
 )

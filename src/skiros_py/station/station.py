@@ -157,6 +157,8 @@ class Station:
             stack.callback(self.control.close)
             self.stops.restore()
             self.control.start()  # locks the data directory, so that no other program has its files open
+            self.jobs.start_intake()
+            stack.callback(self.jobs.close)
             stack.callback(self.waiter.close)
             stack.callback(self.previews.close)
             self.document_store = stack.enter_context(closing(DocumentStore(self.data / "server.db", self._note)))

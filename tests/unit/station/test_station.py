@@ -117,12 +117,12 @@ def _without_robot(session: Session) -> str:
 def test_a_program_orders_a_job_and_reads_its_report(opened: Opened) -> None:
     station = opened()
 
-    result = station.jobs.order(JobOrder(goal=["InKit(Starter, kit_1)"], id="kit-1"))
+    result = station.jobs.order(JobOrder(goal=["InKit(Starter, kit_1)"], id="kit-1")).result()
     job = station.jobs.wait("kit-1", 30.0)
 
     assert not result.repeated
     assert job.outcome == "succeeded"
-    assert station.jobs.order(JobOrder(goal=["InKit(Starter, kit_1)"], id="kit-1")).repeated
+    assert station.jobs.order(JobOrder(goal=["InKit(Starter, kit_1)"], id="kit-1")).result().repeated
     assert station.jobs.report("kit-1").steps
 
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import re
+from asyncio import wrap_future
 from typing import Annotated, Any
 
 from fastapi import Header, Query
+from fastapi.concurrency import run_in_threadpool
 
 from skiros_py.api.jobs import AcceptedJob, Job, JobOrder, JobPage, StateName
 from skiros_py.api.wire import WantedMoment
@@ -41,7 +43,7 @@ PreferHeader = Annotated[
 
 
 @router.post("/jobs", status_code=202, responses=_TAKEN | _REMOVED)
-def order_job(
+async def order_job(
     act: OperatorOrMes,
     order: JobOrder,
     start: StartQuery = True,
@@ -59,16 +61,17 @@ def order_job(
         idempotency-key: Identifies the request: repeating it does not create a second job.
     """
     key, holder = _key_of(idempotency_key), act.caller.key or act.caller.name
-    result = act.station.jobs.order(order, start=start, again=again, key=key, author=act.author, holder=holder)
+    ordered = act.station.jobs.order(order, start=start, again=again, key=key, author=act.author, holder=holder)
+    result = await wrap_future(ordered)
     if result.repeated:
         act.response.headers["Idempotency-Replayed"] = "true"
         act.response.status_code = 200
     note(act.request, job=result.job.id)
-    return _taken(act, result.job, prefer)
+    return await _taken(act, result.job, prefer)
 
 
 @router.put("/jobs/{id}", status_code=202, responses=_TAKEN | _REMOVED)
-def put_job(
+async def put_job(
     act: OperatorOrMes,
     job: JobId,
     order: JobOrder,
@@ -87,7 +90,7 @@ def put_job(
     Another order under the same id is refused (409), unless the job has not started and `If-Match` names its version:
     then it replaces the order.
     """
-    result = act.station.jobs.put(
+    ordered = act.station.jobs.put(
         job,
         order,
         start=start,
@@ -96,14 +99,15 @@ def put_job(
         expects=seen.version if seen else None,
         author=act.author,
     )
+    result = await wrap_future(ordered)
     if not result.repeated:
-        return _taken(act, result.job, prefer)
+        return await _taken(act, result.job, prefer)
     act.response.status_code = 200
     return _located(act, result.job)
 
 
 @router.get("/jobs")
-def list_jobs(
+async def list_jobs(
     act: ViewerOrMes,
     state: Annotated[list[StateName] | None, Query(max_length=6)] = None,
     since: WantedMoment | None = None,
@@ -120,7 +124,9 @@ def list_jobs(
         since: Only jobs changed since then.
     """
     after = None if cursor is None else int(cursor)
-    return act.station.jobs.all(states=state, since=since, limit=limit, after=after, newest_first=newest_first)
+    return await run_in_threadpool(
+        act.station.jobs.all, states=state, since=since, limit=limit, after=after, newest_first=newest_first
+    )
 
 
 @router.get("/jobs/{id}", responses=tagged())
@@ -146,12 +152,12 @@ def _key_of(given: str | None) -> str | None:
     return match[1]
 
 
-def _taken(act: Act, job: Job, prefer: str | None) -> AcceptedJob:
+async def _taken(act: Act, job: Job, prefer: str | None) -> AcceptedJob:
     """Answers an order, perhaps when it is over."""
     wanted = _WAIT.search(prefer or "")
     if wanted is not None:
         seconds = min(int(wanted[1]), _LONGEST_WAIT)
-        job = act.station.jobs.wait(job.id, seconds)
+        job = await run_in_threadpool(act.station.jobs.wait, job.id, seconds)
         act.response.headers["Preference-Applied"] = f"wait={seconds}"
         act.response.status_code = 202 if is_open(job) else 200
     return _located(act, job)

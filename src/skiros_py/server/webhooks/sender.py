@@ -155,7 +155,7 @@ class WebhookSender:
     def wake(self) -> None:
         """Announces that there may be new messages; does not block; callable from any thread."""
         loop, news = self._loop, self._news
-        if loop is not None and news is not None:
+        if loop is not None and news is not None and (self._ending or self._store.seen is not None):
             with suppress(RuntimeError):  # the event loop has just ended
                 loop.call_soon_threadsafe(news.set)
 

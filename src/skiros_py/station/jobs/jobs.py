@@ -5,21 +5,26 @@ from __future__ import annotations
 import secrets
 import time
 from collections.abc import Sequence
+from concurrent.futures import Future
 from datetime import datetime
-from typing import Literal, NamedTuple, TypedDict, Unpack
+from typing import TYPE_CHECKING, Literal, NamedTuple, TypedDict, Unpack
 
 from skiros_py.api import jobs as api
 from skiros_py.api.jobs import StateName
 from skiros_py.errors import Refused, StaleVersion, UsageError, WrongState
 from skiros_py.station.document_store import TEMPLATE
 from skiros_py.station.jobs import views
+from skiros_py.station.jobs.intake import OrderIntake
 from skiros_py.station.jobs.orders import digest_of, is_same, job_order, texts_of
 from skiros_py.station.jobs.template_document import content_of
 from skiros_py.station.requests import LIBRARY, Author, Service
 from skiros_py.tasks.jobs.job import Job, JobOrder, JobState, Trigger
-from skiros_py.tasks.jobs.manager import JobManager
+from skiros_py.tasks.jobs.manager import JobManager, Submission
 from skiros_py.tasks.jobs.store import Page, Receipt
 from skiros_py.world.vocabulary import MANIPULATABLE
+
+if TYPE_CHECKING:
+    from skiros_py.station.station import Station
 
 Command = Literal["start", "revoke_start", "pause", "resume", "stop", "abort", "cancel", "clear", "remove"]
 
@@ -52,6 +57,10 @@ class JobFilter(TypedDict, total=False):
 class JobService(Service):
     """Orders, follows and commands jobs."""
 
+    def __init__(self, station: Station) -> None:
+        super().__init__(station)
+        self._intake = OrderIntake[OrderResult](lambda: self._jobs)
+
     @property
     def _jobs(self) -> JobManager:
         return self._station.session.jobs
@@ -67,8 +76,8 @@ class JobService(Service):
         key: str | None = None,
         author: Author = LIBRARY,
         holder: str = "",
-    ) -> OrderResult:
-        """Accepts a job order; it is on disk when this returns; the plan is made later.
+    ) -> Future[OrderResult]:
+        """Accepts a job order; the plan is made later.
 
         Args:
             order: The order; an id is generated if it has none.
@@ -78,18 +87,25 @@ class JobService(Service):
             author: The author of the order.
             holder: The owner of the key; the author if omitted.
 
+        Returns:
+            A future that is done when the order is on disk. Its result raises:
+
+            * UsageError: The goal cannot be parsed, or the key belongs to another request.
+            * Refused: There is or was another job with that id.
+
         Raises:
-            UsageError: The goal cannot be parsed, or the key belongs to another request.
-            Refused: There is or was another job with that id.
+            Overloaded: Too many orders wait.
         """
-        jobs = self._jobs
-        receipt = None if key is None else Receipt(holder or author.name, key, digest_of(order, start=start))
-        known = self._ordered_before(order, receipt, again=again)
-        if known is not None:
-            return OrderResult(_view(self._with_leave(known, start, author)), repeated=True)
-        wanted = self._read(order, order.id or f"job-{secrets.token_hex(8)}")
-        accepted = jobs.submit(wanted, start=start, comment=_said(author, ""), receipt=receipt, again=again)
-        return OrderResult(_view(accepted), repeated=False)
+
+        def read() -> Submission | OrderResult:
+            receipt = None if key is None else Receipt(holder or author.name, key, digest_of(order, start=start))
+            known = self._ordered_before(order, receipt, again=again)
+            if known is not None:
+                return OrderResult(_view(self._with_leave(known, start, author)), repeated=True)
+            wanted = self._read(order, order.id or f"job-{secrets.token_hex(8)}")
+            return Submission(wanted, start, _said(author, ""), receipt, again)
+
+        return self._intake.ask(read, _new)
 
     def put(
         self,
@@ -101,7 +117,7 @@ class JobService(Service):
         replaces: bool = False,
         expects: int | None = None,
         author: Author = LIBRARY,
-    ) -> OrderResult:
+    ) -> Future[OrderResult]:
         """Accepts a job order with an id chosen by the caller, or changes the order of a job that has not started.
 
         Args:
@@ -113,28 +129,44 @@ class JobService(Service):
             expects: The version that the author has seen; None for any.
             author: The author of the order.
 
+        Returns:
+            A future that is done when the order is on disk. Its result raises:
+
+            * UsageError: The goal cannot be parsed.
+            * Refused: There is or was another job with that id.
+            * StaleVersion: It was changed since the author has seen it, or was removed.
+
         Raises:
-            UsageError: The goal cannot be parsed.
-            Refused: There is or was another job with that id.
-            StaleVersion: It was changed since the author has seen it, or was removed.
+            Overloaded: Too many orders wait.
         """
-        if order.id not in (None, id_):
-            raise UsageError(f"the order has the id '{order.id}', and the address '{id_}'")
-        jobs = self._jobs
-        known = jobs.find(id_)
-        if known is None and replaces:
-            raise StaleVersion(f"there is no job '{id_}' (any more): leave out If-Match to order it")
-        if known is None:
-            _check_removed(None if again else jobs.store.removed(id_), order)
-            accepted = jobs.submit(self._read(order, id_), start=start, comment=_said(author, ""), again=again)
-            return OrderResult(_view(accepted), repeated=False)
-        if is_same(order, known.order):
-            known = self._with_leave(known, start, author)
-        elif not replaces:  # a different order with the id of a job requires that the author has seen it
-            raise _taken_already(known)
-        else:
-            known = jobs.update(self._read(order, id_), _said(author, ""), expects=expects)
-        return OrderResult(_view(known), repeated=True)
+
+        def read() -> Submission | OrderResult:
+            if order.id not in (None, id_):
+                raise UsageError(f"the order has the id '{order.id}', and the address '{id_}'")
+            jobs = self._jobs
+            known = jobs.find(id_)
+            if known is None and replaces:
+                raise StaleVersion(f"there is no job '{id_}' (any more): leave out If-Match to order it")
+            if known is None:
+                _check_removed(None if again else jobs.store.removed(id_), order)
+                return Submission(self._read(order, id_), start, _said(author, ""), again=again)
+            if is_same(order, known.order):
+                known = self._with_leave(known, start, author)
+            elif not replaces:  # a different order with the id of a job requires that the author has seen it
+                raise _taken_already(known)
+            else:
+                known = jobs.update(self._read(order, id_), _said(author, ""), expects=expects)
+            return OrderResult(_view(known), repeated=True)
+
+        return self._intake.ask(read, _new)
+
+    def start_intake(self) -> None:
+        """Accepts orders from now on."""
+        self._intake.start()
+
+    def close(self) -> None:
+        """Answers the orders that wait, and accepts no more."""
+        self._intake.close()
 
     def _read(self, order: api.JobOrder, id_: str) -> JobOrder:
         """Returns an order as the queue takes it, with the goal that its template makes."""
@@ -309,6 +341,10 @@ class JobService(Service):
 
 def _view(job: Job) -> api.Job:
     return views.job_view(job, time.time())
+
+
+def _new(job: Job) -> OrderResult:
+    return OrderResult(_view(job), repeated=False)
 
 
 def _said(author: Author, comment: str) -> str:

@@ -37,14 +37,24 @@ class Guard:
         self._holder: int | None = None
 
     @contextmanager
-    def command(self) -> Iterator[None]:
-        """Holds the lock for a command; reentrant, since listeners may issue commands."""
+    def command(self, *, waits: bool = True) -> Iterator[None]:
+        """Holds the lock for a command; reentrant, since listeners may issue commands.
+
+        Args:
+            waits: False not to wait for the disk afterwards.
+        """
         if self._holder == threading.get_ident():
             yield
             return
         with self._door, self._inside():
             yield
-        self._flush()
+        if waits:
+            self._flush()
+
+    def flush(self) -> None:
+        """Waits for the disk, unless this thread holds the lock, which others may need for that."""
+        if self._holder != threading.get_ident():
+            self._flush()
 
     @contextmanager
     def control(self) -> Iterator[None]:
@@ -174,13 +184,13 @@ class JobBook:
         return self.open.get(job) or self.store.job(job)
 
     def add(self, order: JobOrder, *, start: bool, comment: str, receipt: Receipt | None = None) -> Job:
-        """Adds a job for a new order."""
+        """Stores a job for a new order; :meth:`show` makes it known, once it is committed."""
         state = JobState.ALLOWED_TO_START if start else JobState.NOT_ALLOWED_TO_START
         detail = "queued" if start else "waits for leave to start"
         now = self.clock()
         job = Job(order=order, number=0, state=state, detail=detail, ordered=now, changed=now)
         trigger = Trigger.START if start else Trigger.STORE
-        return self._show(self.store.add(job, trigger, comment, receipt))
+        return self.store.add(job, trigger, comment, receipt)
 
     def note(self, receipt: Receipt, job: Job) -> None:
         """Records that a request led to an existing job."""
@@ -213,24 +223,31 @@ class JobBook:
     def _keep(self, job: Job, trigger: Trigger | None, comment: str) -> Job:
         stamped = job.model_copy(update={"changed": self.clock()})
         self.store.keep(stamped, trigger, comment)
-        return self._show(stamped)
+        self.show(stamped)
+        return stamped
 
-    def _show(self, job: Job) -> Job:
-        if job.state.is_open:
-            self._open[job.id] = job
-        else:
-            self._open.pop(job.id, None)
-        self.queue.put(job)
-        if _is_unseen(job):
-            self.unseen.add(job.id)
-        else:
-            self.unseen.discard(job.id)
-        self.announce(job)
-        return job
+    def show(self, *jobs: Job) -> None:
+        """Makes the current versions of jobs known, which are committed."""
+        for job in jobs:
+            if job.state.is_open:
+                self._open[job.id] = job
+            else:
+                self._open.pop(job.id, None)
+            self.queue.put(job)
+            if _is_unseen(job):
+                self.unseen.add(job.id)
+            else:
+                self.unseen.discard(job.id)
+        self.announce(*jobs)
 
-    def announce(self, job: Job) -> None:
-        """Notifies the listeners of a job, once everything written so far is on disk or that has failed."""
-        self.store.after_sync(partial(self._listeners.notify, job))
+    def announce(self, *jobs: Job) -> None:
+        """Notifies the listeners of jobs, once everything written so far is on disk or that has failed."""
+
+        def tell() -> None:
+            for job in jobs:
+                self._listeners.notify(job)
+
+        self.store.after_sync(tell)
 
 
 def _is_unseen(job: Job) -> bool:

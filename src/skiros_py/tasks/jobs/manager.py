@@ -7,11 +7,12 @@ control cycle. Running tasks are accessed in the control thread only.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, ParamSpec, TypeVar
 
-from skiros_py.errors import Busy, Removed, StaleVersion, UnknownName, WrongState
+from skiros_py.errors import Busy, Removed, SkirosError, StaleVersion, UnknownName, UsageError, WrongState
 from skiros_py.execution.runtime import Runtime
 from skiros_py.tasks.jobs.book import Guard, JobBook
 from skiros_py.tasks.jobs.conductor import Conductor, ReadGoal
@@ -20,9 +21,31 @@ from skiros_py.tasks.jobs.run import ABORT, BY_HAND, WAITS, JobRun, hold_what_wa
 from skiros_py.tasks.jobs.store import JobStore, Receipt
 from skiros_py.tasks.task_manager import TaskManager
 
+T = TypeVar("T")
+P = ParamSpec("P")
+
 _MOST_OPEN = 50_000
 _RETRY_AFTER = 30.0
 """Suggested retry delay when the queue is full [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Submission:
+    """An order for the queue.
+
+    Attributes:
+        order: The order. Submitting the same order again changes nothing.
+        start: True if it may start by itself when its turn comes.
+        comment: Why, for the record.
+        receipt: Identifies the request: repeating it changes nothing, even under another order id.
+        again: True to accept the order although a job with that id was removed before.
+    """
+
+    order: JobOrder
+    start: bool = True
+    comment: str = ""
+    receipt: Receipt | None = None
+    again: bool = False
 
 
 class JobManager:
@@ -149,12 +172,7 @@ class JobManager:
     ) -> Job:
         """Accepts an order; when this returns, it is on disk.
 
-        Args:
-            order: The order. Submitting the same order again changes nothing.
-            start: True if it may start by itself when its turn comes.
-            comment: Why, for the record.
-            receipt: Identifies the request: repeating it changes nothing, even under another order id.
-            again: True to accept the order although a job with that id was removed before.
+        The arguments are those of a :class:`Submission`.
 
         Returns:
             The job; for a known order or request, its current version.
@@ -166,17 +184,62 @@ class JobManager:
             Removed: The same order came before, and its job was removed.
             Busy: Too many jobs are open.
         """
-        known = self._known(order, receipt, again=again)
-        if known is not None:  # its goal is not parsed again: the world has changed since
+        (outcome,) = self.submit_all((Submission(order, start, comment, receipt, again),))
+        self._guard.flush()
+        if isinstance(outcome, Job):
+            return outcome
+        raise outcome
+
+    def submit_all(self, wanted: Sequence[Submission]) -> list[Job | UsageError | Busy]:
+        """Accepts orders in one transaction; they are on disk after :meth:`JobStore.sync`.
+
+        Returns:
+            For each, its job as :meth:`submit` returns it, or the error that it raises.
+
+        Raises:
+            FileError: They cannot be stored; none was accepted.
+        """
+        checked = [_outcome(self._check, one) for one in wanted]
+        outcomes: list[Job | UsageError | Busy] = []
+        added: list[Job] = []
+        with self._guard.command(waits=False):
+            with self.store.together():
+                for one, found in zip(wanted, checked, strict=True):
+                    outcomes.append(found if isinstance(found, SkirosError) else _outcome(self._add, one, added))
+            if added:
+                self._book.show(*added)
+        return outcomes
+
+    def _check(self, wanted: Submission) -> Job | None:
+        """Checks an order without storing anything."""
+        known = self._known(wanted)
+        if known is None:  # otherwise its goal is not parsed again: the world has changed since
+            self._parse(wanted.order.goal)
+        return known
+
+    def _add(self, wanted: Submission, added: list[Job]) -> Job:
+        known = self._known(wanted)
+        if known is not None:
+            if wanted.receipt is not None and self.store.known(wanted.receipt) is None:
+                self._book.note(wanted.receipt, known)
             return known
-        self._parse(order.goal)
-        with self._guard.command():
-            known = self._known(order, receipt, again=again)
-            if known is not None:
-                return known
-            if len(self.open) >= self.limit:
-                raise Busy(f"{self.limit} jobs are open, no more are taken: try again later", retry_after=_RETRY_AFTER)
-            return self._book.add(order, start=start, comment=comment, receipt=receipt)
+        if len(self.open) + len(added) >= self.limit:
+            raise Busy(f"{self.limit} jobs are open, no more are taken: try again later", retry_after=_RETRY_AFTER)
+        job = self._book.add(wanted.order, start=wanted.start, comment=wanted.comment, receipt=wanted.receipt)
+        added.append(job)
+        return job
+
+    def _known(self, wanted: Submission) -> Job | None:
+        """Returns the job of a repeated order or request; None if both are new."""
+        order = wanted.order
+        if wanted.receipt is not None and (before := self.store.known(wanted.receipt)) is not None:
+            return before
+        known = self._book.find(order.id)
+        if known is None:
+            _check_removed(order, None if wanted.again else self.store.removed(order.id))
+        elif known.order != order:
+            raise WrongState(f"job '{order.id}' is there already, with another order: update that, or take another id")
+        return known
 
     def update(self, order: JobOrder, comment: str = "", *, expects: int | None = None) -> Job:
         """Replaces the order of a job that has not started.
@@ -197,23 +260,6 @@ class JobManager:
             if now.order == order:
                 return now
             return self._book.move(now, Trigger.UPDATE, comment, order=order)
-
-    def _known(self, order: JobOrder, receipt: Receipt | None, *, again: bool) -> Job | None:
-        """Returns the job of a repeated order or request; None if both are new."""
-        with self._guard.command():
-            if receipt is not None and (before := self.store.known(receipt)) is not None:
-                return before
-            known = self._book.find(order.id)
-            if known is None:
-                _check_removed(order, None if again else self.store.removed(order.id))
-                return None
-            if known.order != order:
-                raise WrongState(
-                    f"job '{order.id}' is there already, with another order: update that, or take another id"
-                )
-            if receipt is not None:
-                self._book.note(receipt, known)
-            return known
 
     def start(self, job: str, comment: str = "", *, expects: int | None = None) -> Job:
         """Allows a job to start."""
@@ -342,6 +388,14 @@ class JobManager:
         halted = self._runtime.cycle.halted
         if halted:
             raise WrongState(f"job '{job.id}' cannot go on: everything is halted ({halted}); look, reset, then answer")
+
+
+def _outcome(work: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T | UsageError | Busy:
+    """Returns the result of a call, or why it was refused."""
+    try:
+        return work(*args, **kwargs)
+    except (UsageError, Busy) as error:
+        return error
 
 
 def _check_removed(order: JobOrder, last: Job | None) -> None:

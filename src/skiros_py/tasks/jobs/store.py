@@ -8,6 +8,7 @@ import sqlite3
 import threading
 from collections.abc import Callable, Collection, Iterable, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
@@ -385,6 +386,10 @@ class JobStore:
         sql = "SELECT data FROM trace WHERE job = ? ORDER BY rowid LIMIT ? OFFSET ?"
         rows = self._database.looked_up(sql, (job, -1 if limit is None else limit, min(skip, _LAST)))
         return tuple(self._read(_TRACE.validate_json, data) for (data,) in rows)
+
+    def together(self) -> AbstractContextManager[object]:
+        """Commits everything that this thread writes in a ``with`` at its end, or nothing of it if it fails."""
+        return self._database.transaction()
 
     def close(self) -> None:
         """Closes the file; may be called twice."""

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from skiros_py.errors import Busy, KeyReused, Removed, StaleVersion, UnknownName, WrongState
+from skiros_py.errors import Busy, KeyReused, Removed, StaleVersion, UnknownName, UsageError, WrongState
 from skiros_py.tasks.jobs.job import Job, JobOrder, JobState, Outcome
-from skiros_py.tasks.jobs.manager import JobManager
+from skiros_py.tasks.jobs.manager import JobManager, Submission
 from skiros_py.tasks.jobs.store import JobStore, Receipt
 from skiros_py.testing import Bench, tiny_world
 
@@ -169,6 +169,38 @@ def test_orders_beyond_the_limit_of_open_jobs_are_refused_and_earlier_jobs_are_k
     assert list(jobs.open.values()) == [first, second]
     bench.until(lambda: not jobs.open)
     assert jobs.submit(order("c", HOLDS)).number == 3
+
+
+# ---------------------------------------------------------------------- several together
+
+
+def commits(file: Path) -> int:
+    """Returns the number of transactions in the write-ahead log of a database (SQLite file format, section 4.1)."""
+    log = file.with_name(f"{file.name}-wal").read_bytes()
+    page = int.from_bytes(log[8:12])
+    frames = (log[start : start + 24] for start in range(32, len(log), 24 + page))
+    return sum(frame[4:8] != bytes(4) for frame in frames)
+
+
+def test_orders_accepted_together_are_one_transaction_and_each_is_refused_for_its_own_reasons(jobs, tmp_path):
+    jobs.submit(order("first"))
+    before = commits(tmp_path / "jobs.db")
+    wanted = [
+        Submission(order("a")),
+        Submission(order("b", "Nonsense(")),
+        Submission(order("a")),
+        Submission(order("a", HOLDS)),
+        Submission(order("c"), receipt=MES),
+        Submission(order("d"), receipt=MES),
+    ]
+
+    first, wrong, same, other, third, again = jobs.submit_all(wanted)
+
+    assert commits(tmp_path / "jobs.db") == before + 1
+    assert isinstance(wrong, UsageError)
+    assert isinstance(other, WrongState)
+    assert (same, again) == (first, third)
+    assert list(jobs.open.values())[1:] == [first, third]
 
 
 # ---------------------------------------------------------------------- updates and versions

@@ -77,7 +77,7 @@ def test_the_complete_trace_is_written_before_the_end_of_a_job_is_announced(benc
     """Who hears of the end reads the trace for the last time."""
     with closing(JobStore(tmp_path / "jobs.db")) as store:
         book = JobBook(store, lambda: 0.0)
-        book.add(order("a"), start=True, comment="")
+        book.show(book.add(order("a"), start=True, comment=""))
         job = book.move(book.open["a"], Trigger.DISPATCH)
         task = bench.tasks.begin(bench.goal(*job.order.goal), name="a")
         run = JobRun(task, bench.runtime, book)

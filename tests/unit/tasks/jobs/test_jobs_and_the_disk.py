@@ -17,7 +17,7 @@ from skiros_py.errors import DiskFault
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.process import ThreadHost
 from skiros_py.tasks.jobs.job import JobOrder, JobState, Outcome
-from skiros_py.tasks.jobs.manager import JobManager
+from skiros_py.tasks.jobs.manager import JobManager, Submission
 from skiros_py.tasks.jobs.store import JobStore
 from skiros_py.tasks.task_manager import TaskManager
 from skiros_py.testing import Bench, tiny_world
@@ -159,7 +159,8 @@ def test_a_write_that_fails_once_between_steps_holds_the_job_for_a_moment_only(p
     with no_room(tmp_path / "jobs.db"):
         paced.step_until(lambda: bool(paced.jobs.fault))
         with pytest.raises(DiskFault):
-            paced.jobs.submit(ORDER.model_copy(update={"id": "b"}))
+            paced.jobs.submit_all([Submission(ORDER.model_copy(update={"id": id_})) for id_ in "bc"])
+        assert set(paced.jobs.open) <= {"a"}
         assert [job.id for job in paced.store.page().jobs] == ["a"]
     paced.step_until(lambda: paced.jobs.idle)
 
