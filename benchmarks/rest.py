@@ -3,8 +3,7 @@
     uv run python benchmarks/rest.py
     uv run python benchmarks/rest.py --seconds 10 --only orders
 
-Latencies of orders are measured from the time at which each was due, not from its sending, so that a stalling server is
-charged for the orders that had to wait.
+Orders and bare answers are compared with those of a plain FastAPI application (``rest_peer.py``), in turns.
 """
 
 from __future__ import annotations
@@ -14,13 +13,26 @@ import json
 import subprocess
 import sys
 import tempfile
+import time
 from collections.abc import Callable
 from pathlib import Path
+from statistics import median
 
-from rest_server import Server, running
+from rest_server import Server, running, running_peer
 from rest_settings import JOB, SCENE
 from table import Figure, finish
 
+_ROUNDS = 3
+_FLIGHT, _FLOOD = 64, 400
+"""Orders at a time: fewer and more than the server lets wait."""
+_PLACES = 100
+"""Number of orders that the server lets wait."""
+_LOADS = {
+    "no load": "without load",
+    "half-open": "beside 1,300 half-open connections",
+    "slow": "beside 200 readers that never read",
+    "orders": "in a flood of orders",
+}
 _TIMES = 1.2
 """Maximum ratio of memory after 10,000 jobs and 100,000 events to that after 1,000 jobs."""
 
@@ -28,7 +40,7 @@ _TIMES = 1.2
 def main() -> int:
     """Measures."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--seconds", type=float, default=60.0, help="for how long orders come in")
+    parser.add_argument("--seconds", type=float, default=60.0, help="for how long orders come in, to each of both")
     parser.add_argument("--jobs", type=int, default=10_000, help="finished jobs for the figure of memory")
     parser.add_argument("--pace", type=float, default=2.0, help="pace of the job that goes by two doors")
     parser.add_argument("--only", choices=sorted(_PARTS), help="one part of it")
@@ -43,30 +55,77 @@ def main() -> int:
 def _orders(options: argparse.Namespace) -> list[Figure]:
     figures = []
     for busy in (False, True):
-        with _data() as data, running(SCENE, Path(data), "--pace", "real") as server:
+        with _data() as data, running(SCENE, Path(data), "--pace", "real") as server, running_peer(Path(data)) as peer:
             if busy:
                 server.order(JOB)
                 server.wait_for_start(JOB)
-            said = _load("orders", server, str(options.seconds))
-            state = server.job(JOB)["state"]["text"] if busy else ""
-        words = "while a kitting job runs" if busy else "idle"
-        bar = 100.0 if busy else 25.0
-        figures += [
+                figures += _compared(server, peer, options.seconds / _ROUNDS, "while a kitting job runs")
+                state = server.job(JOB)["state"]["text"]
+                figures.append(Figure("state of that job", state, "Running, Ended", state in ("Running", "Ended")))
+            else:
+                figures += _compared(server, peer, options.seconds / _ROUNDS, "idle")
+    return figures
+
+
+def _compared(server: Server, peer: Server, seconds: float, words: str) -> list[Figure]:
+    """Loads both in turns, then the server with more orders at a time than it accepts."""
+    turns = [
+        (_load("orders", server, seconds, _FLIGHT), _load("orders", peer, seconds, _FLIGHT)) for _ in range(_ROUNDS)
+    ]
+    flood = _load("orders", server, seconds, _FLOOD)
+    ours, theirs = ({name: median(turn[which][name] for turn in turns) for name in turns[0][0]} for which in (0, 1))
+    rate, bare = ours["rate"] / theirs["rate"], ours["bare"] / theirs["bare"]
+    patience = _PLACES / flood["rate"] * 1e3
+    wrong = sum(turn[0]["wrong"] for turn in turns) + flood["wrong"]
+    return [
+        Figure(
+            f"orders accepted, {words}, {_FLIGHT} at a time",
+            f"{ours['rate']:.0f} /s",
+            ">= 0.5 x",
+            rate >= 0.5,
+            f"plain FastAPI {theirs['rate']:.0f} /s: {rate:.2f} x; processor time {ours['cpu']:.1f} and"
+            f" {theirs['cpu']:.1f} ms each",
+        ),
+        Figure(
+            f"bare answer, {words}",
+            f"{ours['bare']:.1f} ms",
+            "<= 1.5 x",
+            bare <= 1.5,
+            f"plain FastAPI {theirs['bare']:.1f} ms: {bare:.2f} x",
+        ),
+        Figure(
+            f"order accepted among {_FLOOD} at a time, {words}, p99",
+            f"{flood['p99']:.0f} ms",
+            "<= 2 x",
+            flood["p99"] <= 2 * patience and flood["refused"] > 0,
+            f"{_PLACES} orders at the rate of {flood['rate']:.0f} /s take {patience:.0f} ms;"
+            f" {flood['refused']:.0f} refused with 429 in {flood['refusal']:.0f} ms",
+        ),
+        Figure(f"orders lost or doubled, {words}", f"{wrong:.0f}", "0", wrong == 0, "every tenth sent twice"),
+    ]
+
+
+def _stops(_options: argparse.Namespace) -> list[Figure]:
+    figures = []
+    for load in ("no load", "half-open", "slow", "orders"):
+        with _data() as data, running(SCENE, Path(data), "--pace", "real") as server:
+            flood = _start("orders", server, 3600.0, _FLOOD) if load == "orders" else None
+            try:
+                time.sleep(5.0 if flood else 0.0)
+                said = _load("stops", server, load)
+            finally:
+                if flood is not None:
+                    flood.kill()
+                    flood.communicate()
+        figures.append(
             Figure(
-                f"order accepted, {words}, p99 of {said['sent']}",
-                f"{said['p99']:.1f} ms",
-                f"<= {bar:.0f} ms",
-                said["p99"] <= bar,
-                f"median {said['median']:.1f} ms, worst {said['worst']:.1f} ms, a bare answer {said['bare']:.1f} ms",
-            ),
-            Figure(
-                f"orders lost or doubled, {words}",
-                str(said["wrong"]),
-                "0",
-                said["wrong"] == 0 and state in ("", "Running", "Ended"),
-                f"{said['rate']:.0f} orders/s, every tenth sent twice" + (f"; the job: {state}" if state else ""),
-            ),
-        ]
+                f"stop answered, {_LOADS[load]}, worst of 30",
+                f"{said['worst']:.0f} ms",
+                "<= 200 ms",
+                said["worst"] <= 200.0,
+                f"median {said['median']:.1f} ms",
+            )
+        )
     return figures
 
 
@@ -77,7 +136,7 @@ def _events(_options: argparse.Namespace) -> list[Figure]:
             if busy:
                 server.order(JOB)
                 server.wait_for_start(JOB)
-            said = _load("events", server, "10")
+            said = _load("events", server, 10)
         words = "while a kitting job runs" if busy else "idle"
         figures += [
             Figure(
@@ -98,12 +157,24 @@ def _events(_options: argparse.Namespace) -> list[Figure]:
     return figures
 
 
-def _load(part: str, server: Server, *arguments: str) -> dict[str, float]:
-    """Runs the load in a second process, and returns its measurements."""
-    command = [sys.executable, str(Path(__file__).with_name("rest_load.py")), part, server.url, str(server.pid)]
-    done = subprocess.run([*command, *arguments], check=True, capture_output=True, text=True)
-    said: dict[str, float] = json.loads(done.stdout.splitlines()[-1])
+def _load(part: str, server: Server, *arguments: object) -> dict[str, float]:
+    """Runs the load in a second process, and returns its measurements.
+
+    Raises:
+        RuntimeError: It failed; the text is what it said.
+    """
+    process = _start(part, server, *arguments)
+    answer, error = process.communicate()
+    if process.returncode:
+        raise RuntimeError(f"the load '{part}' ended with {process.returncode}:\n{error}")
+    said: dict[str, float] = json.loads(answer.splitlines()[-1])
     return said
+
+
+def _start(part: str, server: Server, *arguments: object) -> subprocess.Popen[str]:
+    script = str(Path(__file__).with_name("rest_load.py"))
+    command = [sys.executable, script, part, server.url, str(server.pid), *map(str, arguments)]
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
 
 # ---------------------------------------------------------------------- the same job by two doors
@@ -138,9 +209,9 @@ def _same_job(options: argparse.Namespace) -> list[Figure]:
 
 def _memory(options: argparse.Namespace) -> list[Figure]:
     with _data() as data, running(SCENE, Path(data), "--fake", "--pace", "max") as server:
-        few = _load("jobs", server, "0", str(options.jobs // 10))
-        many = _load("jobs", server, str(options.jobs // 10), str(options.jobs))
-        events = _load("changes", server, str(10 * options.jobs))
+        few = _load("jobs", server, 0, options.jobs // 10)
+        many = _load("jobs", server, options.jobs // 10, options.jobs)
+        events = _load("changes", server, 10 * options.jobs)
     ratio = max(many["memory"], events["memory"]) / few["memory"]
     return [
         Figure(
@@ -160,6 +231,7 @@ def _data() -> tempfile.TemporaryDirectory[str]:
 _PARTS: dict[str, Callable[[argparse.Namespace], list[Figure]]] = {
     "orders": _orders,
     "events": _events,
+    "stops": _stops,
     "same-job": _same_job,
     "memory": _memory,
 }

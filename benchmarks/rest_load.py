@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
+import itertools
 import json
 import re
+import resource
 import socket
 import statistics
 import sys
 import time
+import uuid
 from collections import Counter
 from collections.abc import Callable, Coroutine
 from datetime import datetime
@@ -19,10 +23,11 @@ import httpx2
 import psutil
 from rest_settings import GOAL
 
-_RATE = 200.0
+_REFUSED = 429
 _TWICE = 10
 _CLIENTS = 50
 _STUCK = 20
+_HALF_OPEN, _SLOW, _STOPS = 1300, 200, 30
 _MARK = "the part of change "
 _CHANGES = 20.0
 """Changes of the world per second while events are measured."""
@@ -35,8 +40,8 @@ def main() -> int:
     return 0
 
 
-def _client(url: str) -> httpx2.AsyncClient:
-    limits = httpx2.Limits(max_connections=100, max_keepalive_connections=100)
+def _client(url: str, connections: int = 100) -> httpx2.AsyncClient:
+    limits = httpx2.Limits(max_connections=connections, max_keepalive_connections=connections)
     return httpx2.AsyncClient(base_url=url, timeout=60.0, limits=limits, trust_env=False)
 
 
@@ -47,40 +52,49 @@ def _p99(values: list[float]) -> float:
 # ---------------------------------------------------------------------- orders
 
 
-async def _orders(url: str, _server: psutil.Process, seconds: str) -> dict[str, float]:
-    number = int(float(seconds) * _RATE)
+async def _orders(url: str, server: psutil.Process, seconds: str, flight: str) -> dict[str, float]:
+    """Keeps a number of orders in flight; each tenth is sent twice."""
     took: list[float] = []
+    refused: list[float] = []
     answers: Counter[int] = Counter()
-    async with _client(url) as client:
+    accepted: list[str] = []
+    async with _client(url, int(flight)) as client:
         bare = [await _bare(client) for _ in range(200)]
+        run, numbers = uuid.uuid4().hex, itertools.count()
+        begun = time.perf_counter()
 
-        async def order(index: int, due: float) -> None:
-            job = f"order-{index}"
+        async def put(job: str) -> None:
+            sent = time.perf_counter()
             response = await client.put(f"/jobs/{job}", params={"start": "false"}, json={"goal": GOAL})
-            took.append((time.perf_counter() - due) * 1e3)
+            spent = (time.perf_counter() - sent) * 1e3
+            if response.status_code == _REFUSED and "Retry-After" in response.headers:
+                refused.append(spent)
+                return
             answers[response.status_code] += 1
-            if index % _TWICE == 0:
-                again = await client.put(f"/jobs/{job}", params={"start": "false"}, json={"goal": GOAL})
-                if again.status_code not in (200, 202):
-                    answers[again.status_code] += 1
+            took.append(spent)
+            accepted.append(job)
 
-        begun = time.perf_counter() + 0.5
-        async with asyncio.TaskGroup() as group:
-            for index in range(number):
-                due = begun + index / _RATE
-                await asyncio.sleep(max(0.0, due - time.perf_counter()))
-                group.create_task(order(index, due))
+        async def keep_ordering() -> None:
+            while time.perf_counter() < begun + float(seconds):
+                number = next(numbers)
+                for _ in range(2 if number % _TWICE == 0 else 1):
+                    await put(f"order-{run}-{number}")
+
+        before = sum(server.cpu_times()[:2])
+        await asyncio.gather(*(keep_ordering() for _ in range(int(flight))))
         spent = time.perf_counter() - begun
-        there = await _all_jobs(client)
-    ordered = Counter(job for job in there if job.startswith("order-"))
-    wrong = sum(abs(ordered[f"order-{index}"] - 1) for index in range(number))
+        cpu = sum(server.cpu_times()[:2]) - before
+        there = Counter(job for job in await _all_jobs(client) if run in job)
+    wrong = sum(abs(there[job] - 1) for job in set(accepted)) + len(set(there) - set(accepted))
     return {
-        "sent": number,
+        "sent": len(took),
         "p99": _p99(took),
         "median": statistics.median(took),
-        "worst": max(took),
         "bare": statistics.median(bare),
-        "rate": number / spent,
+        "rate": len(took) / spent,
+        "cpu": cpu / len(took) * 1e3,
+        "refused": len(refused),
+        "refusal": statistics.median(refused) if refused else 0.0,
         "wrong": wrong + sum(n for status, n in answers.items() if status not in (200, 202)),
     }
 
@@ -110,7 +124,7 @@ async def _all_jobs(client: httpx2.AsyncClient) -> list[str]:
 async def _events(url: str, server: psutil.Process, seconds: str) -> dict[str, float]:
     plain = await _listened(url, float(seconds))
     before = server.memory_info().rss
-    stuck = [_never_reads(url) for _ in range(_STUCK)]
+    stuck = [_connected(url, "GET", "/events", end=True) for _ in range(_STUCK)]
     beside = await _listened(url, float(seconds))
     memory = server.memory_info().rss / before
     for one in stuck:
@@ -168,13 +182,38 @@ async def _change(client: httpx2.AsyncClient, changes: int, rate: float) -> None
         response.raise_for_status()
 
 
-def _never_reads(url: str) -> socket.socket:
+def _connected(url: str, method: str, path: str, *, end: bool) -> socket.socket:
+    """Sends a request, perhaps without the end of its header, and reads nothing."""
     parts = urlsplit(url)
     assert parts.hostname is not None
     connection = socket.create_connection((parts.hostname, parts.port))
     connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
-    connection.sendall(f"GET {parts.path}/events HTTP/1.1\r\nHost: {parts.netloc}\r\n\r\n".encode())
+    header = f"{method} {parts.path}{path} HTTP/1.1\r\nHost: {parts.netloc}\r\nContent-Length: 0\r\n"
+    connection.sendall((header + ("\r\n" if end else "")).encode())
     return connection
+
+
+# ---------------------------------------------------------------------- stops
+
+
+async def _stops(url: str, _server: psutil.Process, load: str) -> dict[str, float]:
+    """Requests stops with new connections, beside clients that only hold theirs open."""
+    with contextlib.ExitStack() as stack:
+        _, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+        resource.setrlimit(resource.RLIMIT_NOFILE, (min(8192, hard), hard))
+        for _ in range(_HALF_OPEN if load == "half-open" else 0):
+            stack.enter_context(_connected(url, "POST", "/stop", end=False))
+        for _ in range(_SLOW if load == "slow" else 0):
+            stack.enter_context(_connected(url, "GET", "/events", end=True))
+        took = []
+        for _ in range(_STOPS):
+            begun = time.perf_counter()
+            with _connected(url, "POST", "/stop", end=True) as connection:
+                answer = connection.recv(4096)
+            took.append((time.perf_counter() - begun) * 1e3)
+            assert answer.split()[1] in (b"200", b"202"), answer
+            await asyncio.sleep(0.1)
+    return {"median": statistics.median(took), "worst": max(took)}
 
 
 # ---------------------------------------------------------------------- memory
@@ -211,6 +250,7 @@ async def _last_event(client: httpx2.AsyncClient) -> int:
 _PARTS: dict[str, Callable[..., Coroutine[Any, Any, dict[str, float]]]] = {
     "orders": _orders,
     "events": _events,
+    "stops": _stops,
     "jobs": _jobs,
     "changes": _changes,
 }

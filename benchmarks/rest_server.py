@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import contextlib
 import signal
+import socket
 import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -85,6 +87,28 @@ def running(scene: str, data: Path, *options: str) -> Iterator[Server]:
                 process.wait(30.0)
             except subprocess.TimeoutExpired:
                 process.kill()
+
+
+@contextlib.contextmanager
+def running_peer(folder: Path) -> Iterator[Server]:
+    """Runs the application that the server is compared with."""
+    with closing(socket.create_server(("127.0.0.1", 0))) as free:
+        port = free.getsockname()[1]
+    script = Path(__file__).with_name("rest_peer.py")
+    url = f"http://127.0.0.1:{port}/api/v1"
+    with subprocess.Popen([sys.executable, str(script), str(folder / "peer.db"), str(port)]) as process:
+        try:
+            deadline = time.monotonic() + _PATIENCE
+            while True:
+                with contextlib.suppress(httpx2.ConnectError):
+                    httpx2.get(f"{url}/jobs").raise_for_status()
+                    break
+                if time.monotonic() > deadline:
+                    raise TimeoutError("the compared application does not listen")
+                time.sleep(0.1)
+            yield Server(url, process.pid)
+        finally:
+            process.kill()
 
 
 def _address(data: Path, process: subprocess.Popen[bytes]) -> str:
