@@ -17,6 +17,7 @@ from support.server_process import ServerProcess
 from support.serving import serving
 
 from skiros_py.api.events import EventInfo, ResetInfo
+from skiros_py.api.jobs import JobState
 from skiros_py.client.request import ProblemError, Unreachable
 from skiros_py.client.streams import follow, follow_later, stream_events, stream_job_events
 from skiros_py.server.access.roles import Role
@@ -108,6 +109,8 @@ def test_the_events_of_a_job_cover_its_order_all_steps_and_its_end(served, http)
     seen = []
     for event in follow(http, stream_job_events("told")):
         assert event.job == "told"
+        if event.kind == "job":
+            assert JobState.model_validate(event.data["state"]).text == event.type
         seen.append((event.kind, event.type))
         if event.type == "Ended" and event.kind == "job":
             break

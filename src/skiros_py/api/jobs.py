@@ -100,6 +100,10 @@ class MaterialMoved(Answer):
     """Its class."""
     label: str
     """Its label."""
+    lot: str = Field(default="", examples=["L-0815"])
+    """Its lot, if the world model has it (`sk:lot`)."""
+    quantity: int = Field(default=1, examples=[1])
+    """Number of pieces: each part is listed by itself."""
     origin: str = Field(examples=["pallet_a"])
     """Where it was when the job started."""
     place: str = Field(examples=["kit_1_a"])

@@ -178,6 +178,8 @@ JOINTS: Final = PropertyName("sk:joints")
 """Joint names in the robot's URDF, separated by blanks, in the order of every vector about the device."""
 LATENCY: Final = PropertyName("sk:latency")
 """Time from request to answer [s]."""
+LOT: Final = PropertyName("sk:lot")
+"""Number of the material lot it belongs to."""
 MASS: Final = PropertyName("sk:mass")
 """Mass [kg]; 0 for static elements."""
 MAX_ANGULAR: Final = PropertyName("sk:maxAngular")

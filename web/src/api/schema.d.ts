@@ -2788,6 +2788,10 @@ export interface components {
             element: string;
             class: string;
             label: string;
+            /** @default  */
+            lot: string;
+            /** @default 1 */
+            quantity: number;
             origin: string;
             place: string;
         };

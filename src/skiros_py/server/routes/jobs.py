@@ -125,7 +125,7 @@ async def list_jobs(
     """
     after = None if cursor is None else int(cursor)
     return await run_in_threadpool(
-        act.station.jobs.all, states=state, since=since, limit=limit, after=after, newest_first=newest_first
+        lambda: act.station.jobs.all(states=state, since=since, limit=limit, after=after, newest_first=newest_first)
     )
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import time
 from functools import partial
 from typing import Any
 
 from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.skills.context import Question
 from skiros_py.station.events.log import EventLog, Kind
-from skiros_py.station.jobs.views import state_name
+from skiros_py.station.jobs.views import job_state, state_name
 from skiros_py.station.modules.runs import ModuleRun, ModuleRuns, Turn
 from skiros_py.station.session import Session
 from skiros_py.station.tasks.tasks import TaskService
@@ -108,8 +109,7 @@ def job_data(job: Job) -> dict[str, Any]:
     return {
         "id": job.id,
         "version": job.version,
-        "state": state_name(job.state).value,
-        "state_number": job.state.value,
+        "state": job_state(job, time.time()).model_dump(mode="json"),
         "detail": job.detail,
         "choices": job.choices,
         "question": job.question,

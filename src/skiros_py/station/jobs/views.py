@@ -50,12 +50,17 @@ def job_view(job: Job, now: float) -> api.Job:
     """
     return api.Job.view_of(
         job,
-        state=state_view(job.state, _substates(job, now)),
+        state=job_state(job, now),
         order=api.OrderedGoal.model_validate(job.order, from_attributes=True),
         commands=_COMMANDS[job.state],
         conditions=job.actuals,
         late=job.order.deadline is not None and (job.ended or now) > job.order.deadline.timestamp(),
     )
+
+
+def job_state(job: Job, now: float) -> api.JobState:
+    """Returns the state of a job, with its substates; the arguments are those of :func:`job_view`."""
+    return state_view(job.state, _substates(job, now))
 
 
 def announced_job(announcement: Announcement) -> dict[str, Any]:

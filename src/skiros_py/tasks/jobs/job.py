@@ -220,6 +220,7 @@ class MaterialActual(BaseModel):
         element: Id of the part.
         class_: Its class.
         label: Its display name.
+        lot: Its lot; empty if unknown.
         origin: Id of the element where it was when the job began.
         place: Id of the element where the job left it; empty if it no longer exists.
     """
@@ -229,6 +230,7 @@ class MaterialActual(BaseModel):
     element: str
     class_: str
     label: str
+    lot: str = ""
     origin: str
     place: str
 

@@ -24,7 +24,7 @@ from skiros_py.tasks.trace import StepRun, TraceEntry
 from skiros_py.world.change import PlacementEdit
 from skiros_py.world.element import Placement
 from skiros_py.world.index import Index
-from skiros_py.world.vocabulary import MANIPULATABLE
+from skiros_py.world.vocabulary import LOT, MANIPULATABLE
 from skiros_py.world.world import World
 
 
@@ -66,10 +66,12 @@ def _place(placement: Placement | None) -> str:
 def _actual(now: Index, part: str, ends: tuple[str, str], said: MaterialActual | None) -> MaterialActual:
     origin, place = ends
     if now.has(part):
-        element = now.element(part)
-        return MaterialActual(element=part, class_=element.type, label=element.label, origin=origin, place=place)
-    class_, label = (said.class_, said.label) if said else ("", part)
-    return MaterialActual(element=part, class_=class_, label=label, origin=origin, place=place)
+        element, lot = now.element(part), str(now.value(part, LOT) or "")
+        return MaterialActual(
+            element=part, class_=element.type, label=element.label, lot=lot, origin=origin, place=place
+        )
+    known = said or MaterialActual(element=part, class_="", label=part, origin=origin, place=place)
+    return known.model_copy(update={"origin": origin, "place": place})
 
 
 RETRY, BY_HAND, ABORT = "retry", "done by hand", "abort"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from skiros_py.tasks.jobs.job import Intent, Job, JobOrder, JobState, MaterialActual
 from skiros_py.tasks.jobs.run import moved
 from skiros_py.testing import tiny_world
+from skiros_py.world.vocabulary import LOT
 from skiros_py.world.world import World
 
 BALL = {"element": "ball_1", "class_": "tiny:Ball", "label": "ball 1"}
@@ -84,6 +85,19 @@ def test_without_running_steps_the_reported_moves_do_not_change():
     told = (MaterialActual(**BALL, origin="box_a", place="gripper_1"),)
     place(world, "ball_1", "sk:in", "slot_1")
     assert moved(world, job(materials=told), steps("ball_1")) == told
+
+
+def test_a_moved_part_is_reported_with_its_lot_also_after_its_removal():
+    world = tiny_world()
+    began = world.version
+    with world.transaction("mes", "delivery") as tx:
+        tx.set("ball_1", LOT, "L-0815")
+    place(world, "ball_1", "sk:in", "slot_1")
+    told = moved(world, job(seen=began), steps("ball_1"))
+    with world.transaction("test", "eaten") as tx:
+        tx.remove("ball_1")
+    later = moved(world, job(seen=began, materials=told), steps("ball_1"))
+    assert [(one.lot, one.place) for one in (*told, *later)] == [("L-0815", "slot_1"), ("L-0815", "")]
 
 
 def test_a_removed_part_has_no_place():
