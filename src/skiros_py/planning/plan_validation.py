@@ -46,14 +46,21 @@ class TaskState:
         self._task = task
         self._facts: dict[str, dict[Atom, None]] = {}
         self._numbers = numbers_in(task.problem.init)
+        actions = task.domain.actions
+        self._changing = {atom.predicate for action in actions for atom in (*action.add, *action.delete)}
+        self._changing |= {predicate for predicate in task.asked if number_compared(predicate) is not None}
         self._become(task.problem.init)
 
     def copy(self) -> TaskState:
         """Returns a copy of the state."""
         other = copy(self)
-        facts = {predicate: dict(atoms) for predicate, atoms in self._facts.items()}
-        vars(other).update(_facts=facts, _numbers=dict(self._numbers))
+        changing = {name: dict(self._facts[name]) for name in self._changing if name in self._facts}
+        vars(other).update(_facts=self._facts | changing, _numbers=dict(self._numbers))
         return other
+
+    def changing(self, atoms: Iterable[Atom]) -> frozenset[Atom]:
+        """Returns those of some atoms that some action can change."""
+        return frozenset(atom for atom in atoms if atom.predicate in self._changing)
 
     def candidates(self, atom: Atom) -> Collection[Atom]:
         """Returns a superset of the facts that match an atom with variables."""
@@ -62,12 +69,16 @@ class TaskState:
 
     def take(self, step: Step) -> Grounding | None:
         """Applies the first of the skill's actions applicable now with a step's arguments; None if none is."""
-        choices = [action for action in self._task.domain.actions if action.skill == step.skill]
-        given = {f"?{key}": value for key, value in step.arguments.items()}
-        taken = next((one for action in choices for one in self._possible(action, given)), None)
+        taken = self.possible(step)
         if taken is not None:
             self._apply(taken)
         return taken
+
+    def possible(self, step: Step) -> Grounding | None:
+        """Returns the first of the skill's actions applicable now with a step's arguments; None if none is."""
+        choices = [action for action in self._task.domain.actions if action.skill == step.skill]
+        given = {f"?{key}": value for key, value in step.arguments.items()}
+        return next((one for action in choices for one in self._possible(action, given)), None)
 
     def close(self) -> list[Grounding] | None:
         """Applies bookkeeping actions until the goal is reached.
@@ -79,13 +90,13 @@ class TaskState:
         goal = self._task.problem.goal
         taken: list[Grounding] = []
         before = -1
-        while not self._hold(goal) and len(taken) > before:
+        while not self.holds(goal) and len(taken) > before:
             before = len(taken)
             for one in (one for action in closing for one in list(self._possible(action, {}))):
-                if not self._hold(one.of(one.action.add)):
+                if not self.holds(one.of(one.action.add)):
                     self._apply(one)
                     taken.append(one)
-        return _needed(taken, goal) if self._hold(goal) else None
+        return _needed(taken, goal) if self.holds(goal) else None
 
     def _possible(self, action: Action, given: Mapping[str, str]) -> Iterator[Grounding]:
         """Yields the applicable groundings of an action; for a parameter in no atom, any element will do."""
@@ -100,10 +111,14 @@ class TaskState:
                 further = {variable.name: element for variable, element in zip(free, elements, strict=True)}
                 yield Grounding(action, found | further)
 
-    def _apply(self, one: Grounding) -> None:
-        for atom in one.of(one.action.delete):
+    def apply(self, deletes: Iterable[Atom], adds: Iterable[Atom]) -> None:
+        """Applies what an action deletes and adds."""
+        for atom in deletes:
             self._facts.get(atom.predicate, {}).pop(atom, None)
-        self._become(one.of(one.action.add))
+        self._become(adds)
+
+    def _apply(self, one: Grounding) -> None:
+        self.apply(one.of(one.action.delete), one.of(one.action.add))
         for change in (atom.bind(one.binding) for atom in one.action.changes):
             self._count(change)
 
@@ -129,7 +144,8 @@ class TaskState:
         for atom in sorted(atoms):
             self._facts.setdefault(atom.predicate, {})[atom] = None
 
-    def _hold(self, atoms: Iterable[Atom]) -> bool:
+    def holds(self, atoms: Iterable[Atom]) -> bool:
+        """Returns whether all of some atoms are facts."""
         return all(map(self.candidates, atoms))
 
 

@@ -28,12 +28,13 @@ from skiros_py.planning.problem.stock import lacks_stock, with_stock
 from skiros_py.planning.problem.task import Capability, PlanningTask, build_task
 from skiros_py.planning.replay import replay
 from skiros_py.planning.robots.allocation import deal
+from skiros_py.planning.robots.chains import arranged, shared_out
 from skiros_py.planning.robots.ordering import order
-from skiros_py.planning.robots.rounds import arranged
 from skiros_py.planning.sequence import counts, without_numbers
 from skiros_py.skills.conditions import Condition
+from skiros_py.world.overlay import Overlay
 from skiros_py.world.view import WorldView
-from skiros_py.world.vocabulary import SPATIAL_THING
+from skiros_py.world.vocabulary import AT, FLOOR, ROBOT, SPATIAL_THING
 
 _WIDTHS = (2, 16, None)
 """How many candidates are included per choice, before all of them are."""
@@ -50,6 +51,7 @@ class PlanningOptions:
     Attributes:
         name: Name of domain and problem.
         temporal: True for temporal planning, with a planner that supports durative actions.
+        tries: How often the first schedule of several robots is changed in order to improve it.
         each: Wall time that one planner may take to try out a repair [s]. A safeguard only: the number of tries is
             counted, so that results do not depend on the clock.
         together: Wall time for all of them together [s].
@@ -58,6 +60,7 @@ class PlanningOptions:
 
     name: str = "skiros"
     temporal: bool = False
+    tries: int = 100
     each: float = 5.0
     together: float = 10.0
     absent: tuple[AbsentSkill, ...] = ()
@@ -208,12 +211,15 @@ class SolverLoop:
             PlanningError: All planners failed, timed out, returned an invalid plan or gave up; and nothing else proves
                 that there is no plan.
         """
-        found: Found | None = None
+        found = self._shared_out()
+        if found is not None and found.plan is not None:
+            return self._planned(found.plan, found.texts, found)
         for task, texts in self.attempts():
             if found is None or not found.is_about(texts):
                 found = self.solve(task, texts)
             if found.plan is not None:
-                return self._planned(order(task, arranged(task, found.plan, self.reached)), texts, found)
+                plan = arranged(task, found.plan, self.reached, self.options.tries)
+                return self._planned(order(task, plan), texts, found)
             is_proved = task.complete and not found.doubts
             if not is_proved and self.is_hopeless:
                 found = replace(found, doubts=())
@@ -232,16 +238,43 @@ class SolverLoop:
         Raises:
             PlanningError: The task cannot be expressed in PDDL.
         """
-        small = len(self.view.some_instances(SPATIAL_THING, _SMALL + 1)) <= _SMALL
-        for width in _WIDTHS[-1:] if small else _WIDTHS:
-            task = self.task if width is None else build_task(self.view, self.capabilities, self.goal, width=width)
-            task = in_sequence(timed(task), self.reached)
+        for width in self._widths:
+            task = self._task(width)
             shared = deal(task)
             if shared is not task:
                 yield replace(shared, complete=False), self._texts(shared)
             yield task, self._texts(task)
             if task.complete:
                 return
+
+    @cached_property
+    def _widths(self) -> tuple[int | None, ...]:
+        small = len(self.view.some_instances(SPATIAL_THING, _SMALL + 1)) <= _SMALL
+        return _WIDTHS[-1:] if small else _WIDTHS
+
+    def _task(self, width: int | None) -> PlanningTask:
+        task = self.task if width is None else build_task(self.view, self.capabilities, self.goal, width=width)
+        return in_sequence(timed(task), self.reached)
+
+    def _shared_out(self) -> Found | None:
+        """Plans for several robots by parts of the goal; None if that does not lead to a plan."""
+        if len({agent for c in self.capabilities for agent in c.agents}) < 2:
+            return None
+        task, planner = self._task(self._widths[0]), ""
+
+        def plan_part(goal: Sequence[Condition]) -> Plan | None:
+            nonlocal planner
+            found = replace(self, view=_without_robots_in_the_way(self.view), goal=tuple(goal)).guess()
+            planner = found.planner
+            return found.plan
+
+        plan = shared_out(task, plan_part, self.reached, self.options.tries)
+        return None if plan is None else Found(self._texts(task), planner, order(task, plan))
+
+    def guess(self) -> Found:
+        """Solves only the first task, which is complete in a small world."""
+        task = self._task(self._widths[0])
+        return self.solve(task, self._texts(task))
 
     def solve(self, task: PlanningTask, texts: PddlTexts) -> Found:
         """Tries one planner after the other until one finds a plan or proves that there is none.
@@ -336,6 +369,15 @@ class SolverLoop:
                 causes = (replace(cause, text=text, why=why), *others)
                 return NoPlan(tuple(one.text for one in causes), causes, (*repairs, *answer.repairs))
         return answer
+
+
+def _without_robots_in_the_way(view: WorldView) -> WorldView:
+    """Returns the world with all robots on the floor, at no place."""
+    overlay = Overlay(view)
+    for floor in view.instances(FLOOR)[:1]:
+        for robot in view.instances(ROBOT):
+            overlay.place(robot, AT, floor)
+    return overlay
 
 
 def _doubt(planner: str, outcome: Wrong | Unsolvable) -> str:

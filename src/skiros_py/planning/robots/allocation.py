@@ -13,6 +13,7 @@ from math import inf
 
 from skiros_py.planning.domain.actions import is_placement, moved_and_place
 from skiros_py.planning.domain.model import Action, Atom
+from skiros_py.planning.plan import Step
 from skiros_py.planning.problem.reachability import Relaxation
 from skiros_py.planning.problem.task import PlanningTask, extended
 from skiros_py.world.ontology import Ontology
@@ -39,6 +40,7 @@ class Handling:
         self.agents: dict[str, str] = {}
         self._moved: set[str] = set()
         self._done_to: set[str] = set()
+        self._keys: dict[str, tuple[str, ...]] = {}
         for action in task.domain.actions:
             moved = tuple(thing for thing, _ in moved_by(action, self._ontology))
             types = action.types
@@ -47,6 +49,7 @@ class Handling:
             skill = task.skills[action.skill]
             self.agents[action.name] = f"?{skill.agent}"
             self.variables[action.name] = tuple(dict.fromkeys((*moved, f"?{skill.target}")))
+            self._keys[action.skill] = tuple(v.lstrip("?") for v in self.variables[action.name])
             self._moved |= {types[v] for v in moved}
             self._done_to.add(types[f"?{skill.target}"])
         self._done_to -= self._moved
@@ -56,6 +59,10 @@ class Handling:
         known = {name: self._objects[name] for name in named if name in self._objects}
         moved = frozenset(name for name, class_ in known.items() if self.is_one_of(class_, self._moved))
         return moved or frozenset(name for name, class_ in known.items() if self.is_one_of(class_, self._done_to))
+
+    def thing(self, step: Step) -> str | None:
+        """Returns the thing that a step moves or acts on; None for one that only moves its robot."""
+        return next((step.arguments[key] for key in self._keys.get(step.skill, ()) if key in step.arguments), None)
 
     def is_moved(self, class_: str) -> bool:
         """Returns whether some action moves things of a class."""
@@ -111,7 +118,7 @@ def deal(task: PlanningTask) -> PlanningTask:
 
 
 @dataclass(frozen=True, slots=True)
-class _Group:
+class Group:
     """Goal conditions about the same things, which therefore belong to one robot.
 
     Attributes:
@@ -141,7 +148,7 @@ class Dealing:
         self._task = task
         self._ontology = task.view.ontology
         self._handling = Handling(task)
-        groups = [g for g in _merged(map(self._group, range(len(task.goal)))) if g.things or g.kind]
+        groups = [g for g in goal_groups(task) if g.things or g.kind]
         sketch = self._sketched(groups)
         self.shares = [
             Share(robot, agents, Relaxation(sketch, agents, timed=True).cost) for robot, agents in task.teams.items()
@@ -155,7 +162,7 @@ class Dealing:
                 open_kinds.add(group.kind)
         self.surplus = frozenset(thing for kind in open_kinds for thing in self._free(kind))
 
-    def _give(self, group: _Group, wanted: Sequence[float]) -> bool:
+    def _give(self, group: Group, wanted: Sequence[float]) -> bool:
         """Allocates a group; returns whether there are things for it.
 
         A robot that visits a place anyway also gets the other parts there, up to a fair share: two would block each
@@ -183,17 +190,7 @@ class Dealing:
         placed = (moved_and_place(atom, self._ontology) for atom in facts)
         return {place for thing, place in placed if thing in things}
 
-    def _group(self, part: int) -> _Group:
-        condition, atoms = self._task.goal[part]
-        named = {*condition.arguments, *(argument for atom in atoms for argument in atom.arguments)}
-        things = self._handling.things(named)
-        if things:
-            return _Group((part,), things, named=frozenset(named))
-        actions = (a for a in self._task.domain.actions if a.skill is None and not set(a.add).isdisjoint(atoms))
-        kinds = (v.type for action in actions for v in action.parameters if self._handling.is_moved(v.type))
-        return _Group((part,), frozenset(), next(kinds, ""), frozenset(named))
-
-    def _sketched(self, groups: Sequence[_Group]) -> PlanningTask:
+    def _sketched(self, groups: Sequence[Group]) -> PlanningTask:
         """The task without details that make estimates slow but hardly better.
 
         These are movable things not in the goal, and facts between things of different goal parts, such as that a part
@@ -220,7 +217,7 @@ class Dealing:
         movable = {o: class_ for o, class_ in objects if o not in named and self._handling.is_moved(class_)}
         return {o for o, class_ in movable.items() if not self._handling.is_one_of(class_, kinds)}
 
-    def _effort(self, group: _Group, cost: Mapping[Atom, float]) -> float:
+    def _effort(self, group: Group, cost: Mapping[Atom, float]) -> float:
         atoms = {atom for part in group.parts for atom in self._task.goal[part][1]}
         return sum(cost.get(atom, inf) for atom in atoms)
 
@@ -237,15 +234,32 @@ class Dealing:
         return frozenset([nearest[1]]) if nearest else frozenset()
 
 
-def _merged(groups: Iterable[_Group]) -> list[_Group]:
+def goal_groups(task: PlanningTask) -> list[Group]:
+    """Returns the conditions of the goal, those about the same things together."""
+    handling = Handling(task)
+    return _merged(_group(task, handling, part) for part in range(len(task.goal)))
+
+
+def _group(task: PlanningTask, handling: Handling, part: int) -> Group:
+    condition, atoms = task.goal[part]
+    named = {*condition.arguments, *(argument for atom in atoms for argument in atom.arguments)}
+    things = handling.things(named)
+    if things:
+        return Group((part,), things, named=frozenset(named))
+    actions = (a for a in task.domain.actions if a.skill is None and not set(a.add).isdisjoint(atoms))
+    kinds = (v.type for action in actions for v in action.parameters if handling.is_moved(v.type))
+    return Group((part,), frozenset(), next(kinds, ""), frozenset(named))
+
+
+def _merged(groups: Iterable[Group]) -> list[Group]:
     """Joins groups that have things in common."""
-    found: list[_Group] = []
+    found: list[Group] = []
     for group in groups:
         same = [other for other in found if other.things & group.things]
         parts = sorted({*group.parts, *(part for other in same for part in other.parts)})
         things = group.things.union(*(other.things for other in same))
         named = group.named.union(*(other.named for other in same))
-        joined = _Group(tuple(parts), things, group.kind, named)
+        joined = Group(tuple(parts), things, group.kind, named)
         found = [other for other in found if other not in same] + [joined]
     return found
 

@@ -53,7 +53,7 @@ def partial_order(plan: Sequence[Grounding], skills: Mapping[str, SkillDescripti
         plan: The actions; bookkeeping is skipped.
         skills: The skill descriptions, which state the device parameters.
     """
-    actions = [_Effect.of(one, skills) for one in plan]
+    actions = [Effect.of(one, skills) for one in plan]
     changing = frozenset(atom for action in actions for atom in action.writes)
     actions = [replace(action, reads=action.reads & changing) for action in actions]  # what only is read orders nothing
     before: list[int] = []  # for each action those that precede it, as bits
@@ -81,7 +81,7 @@ def _nearest(index: int, steps: Sequence[int], before: Sequence[int]) -> frozens
 
 
 @dataclass(frozen=True, slots=True)
-class _Effect:
+class Effect:
     """What one action of the plan reads and writes, and the devices it needs."""
 
     reads: frozenset[Atom]
@@ -91,7 +91,8 @@ class _Effect:
     devices: frozenset[str]
 
     @classmethod
-    def of(cls, one: Grounding, skills: Mapping[str, SkillDescription]) -> _Effect:
+    def of(cls, one: Grounding, skills: Mapping[str, SkillDescription]) -> Effect:
+        """Returns the effect of an action with its elements."""
         action, binding = one.action, one.binding
         params = () if action.skill is None else skills[action.skill].params
         devices = (binding.get("?" + param.key) for param in params if param.kind is Kind.HARDWARE)
@@ -108,10 +109,11 @@ class _Effect:
 
     @property
     def writes(self) -> frozenset[Atom]:
+        """The facts it changes."""
         return self.adds | self.deletes
 
 
-def _interfere(one: _Effect, other: _Effect) -> bool:
+def _interfere(one: Effect, other: Effect) -> bool:
     """Returns whether two actions must not be swapped."""
     return not (
         one.writes.isdisjoint(other.reads)
@@ -124,7 +126,7 @@ def _interfere(one: _Effect, other: _Effect) -> bool:
     )
 
 
-def _touches(action: _Effect, none: Sequence[NoneSuch]) -> bool:
+def _touches(action: Effect, none: Sequence[NoneSuch]) -> bool:
     """Returns whether an action writes anything that others require to be absent."""
     return any(_matches(wanted, atom) for such in none for wanted in such.atoms for atom in action.writes)
 
