@@ -51,19 +51,19 @@ class PlanningOptions:
     Attributes:
         name: Name of domain and problem.
         temporal: True for temporal planning, with a planner that supports durative actions.
-        tries: How often the first schedule of several robots is changed in order to improve it.
         each: Wall time that one planner may take to try out a repair [s]. A safeguard only: the number of tries is
             counted, so that results do not depend on the clock.
         together: Wall time for all of them together [s].
         absent: Skills that are installed but cannot be used: they may be why there is no plan.
+        tries: How often the first schedule of several robots is changed in order to improve it.
     """
 
     name: str = "skiros"
     temporal: bool = False
-    tries: int = 100
     each: float = 5.0
     together: float = 10.0
     absent: tuple[AbsentSkill, ...] = ()
+    tries: int = 100
 
 
 USUAL = PlanningOptions()

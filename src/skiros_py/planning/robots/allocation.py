@@ -57,12 +57,18 @@ class Handling:
     def things(self, named: Iterable[str]) -> frozenset[str]:
         """Returns the given elements that some action moves; if there are none, those that some action acts on."""
         known = {name: self._objects[name] for name in named if name in self._objects}
-        moved = frozenset(name for name, class_ in known.items() if self.is_one_of(class_, self._moved))
-        return moved or frozenset(name for name, class_ in known.items() if self.is_one_of(class_, self._done_to))
+        return self.moved(known) or frozenset(
+            name for name, class_ in known.items() if self.is_one_of(class_, self._done_to)
+        )
 
-    def thing(self, step: Step) -> str | None:
-        """Returns the thing that a step moves or acts on; None for one that only moves its robot."""
-        return next((step.arguments[key] for key in self._keys.get(step.skill, ()) if key in step.arguments), None)
+    def of(self, step: Step) -> tuple[str, ...]:
+        """Returns what a step moves, and what it acts on; nothing if it only moves its robot."""
+        return tuple(step.arguments[key] for key in self._keys.get(step.skill, ()) if key in step.arguments)
+
+    def moved(self, named: Iterable[str]) -> frozenset[str]:
+        """Returns the given elements that some action moves."""
+        known = {name: self._objects[name] for name in named if name in self._objects}
+        return frozenset(name for name, class_ in known.items() if self.is_moved(class_))
 
     def is_moved(self, class_: str) -> bool:
         """Returns whether some action moves things of a class."""

@@ -7,6 +7,7 @@ parts of the goal. So the planner is asked once for each kind of chain, not for 
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import count, islice
 
@@ -21,8 +22,8 @@ from skiros_py.planning.robots.docking import Docking, docking_nearer
 from skiros_py.planning.robots.scheduling import Operation, Scheduler, Way, makespan
 from skiros_py.skills.conditions import Condition
 
-_MOST_WAYS = 4
-"""How many ways of one robot to do a chain are considered: at different docking places."""
+_MOST_WAYS = 200
+"""How many ways of one robot to do a chain are considered: with different things, at different docking places."""
 _MOST_KINDS = 12
 """A goal with more kinds of chains is planned as a whole."""
 
@@ -49,7 +50,7 @@ def shared_out(task: PlanningTask, plan_part: PlanPart, reached: Mapping[str, in
         ways = finder.ways(number, conditions)
         if not ways:
             plan = plan_part(conditions) if len(finder.macros) < _MOST_KINDS else None
-            ways = finder.ways(number, conditions) if plan and finder.learn(conditions, group.things, plan) else []
+            ways = finder.ways(number, conditions) if plan and finder.learn(conditions, plan) else []
         if not ways:
             return None
         chains.append(ways)
@@ -97,17 +98,18 @@ class _Macro:
         robot: The variable of the robot.
     """
 
-    def __init__(self, conditions: Sequence[Condition], things: frozenset[str], robot: str, plan: Plan) -> None:
+    def __init__(self, conditions: Sequence[Condition], robot: str, plan: Plan, handling: Handling) -> None:
         self.conditions = conditions
         self.robot = f"?{robot}"
         self._steps = plan.steps
         acting = [one for one in plan.groundings if one.action.skill is not None]
         changing = {atom.predicate for one in acting for atom in (*one.action.add, *one.action.delete)}
-        self.types = {f"?{one.binding[name]}": type_ for one in acting for name, type_ in one.action.types.items()}
+        # bookkeeping comes last: its classes are those of the goal
+        self._types = {f"?{e}": one.action.types[name] for one in plan.groundings for name, e in one.binding.items()}
         self.needs = [
             Atom(atom.predicate, tuple(f"?{a}" for a in atom.arguments))
             for atom in _required(acting)
-            if atom.predicate not in changing or not things.isdisjoint(atom.arguments)
+            if atom.predicate not in changing or handling.moved(atom.arguments)
         ]
 
     def given(self, conditions: Sequence[Condition]) -> dict[str, str] | None:
@@ -122,6 +124,10 @@ class _Macro:
                 if found.setdefault(f"?{mine}", its) != its:
                     return None
         return found
+
+    def types(self, given: Mapping[str, str]) -> dict[str, str]:
+        """Returns the classes of its variables if the goal is about other classes."""
+        return {variable: given.get(f"?{class_}", class_) for variable, class_ in self._types.items()}
 
     def steps(self, binding: dict[str, str]) -> list[Step]:
         """Returns its steps with elements."""
@@ -147,18 +153,25 @@ class _Finder:
         self._facts = FactIndex(sorted(task.problem.init))
         self._docking = Docking(task)
         self._handling = Handling(task)
+        self._used = Counter[str]()
 
-    def learn(self, conditions: Sequence[Condition], things: frozenset[str], plan: Plan) -> bool:
+    def learn(self, conditions: Sequence[Condition], plan: Plan) -> bool:
         """Learns from the plan of a part; returns whether it is a chain of one robot."""
         robots = {self._docking.robot(step) for step in plan.steps}
         if len(robots) != 1 or not plan.groundings:
             return False
-        self.macros.append(_Macro(conditions, things, robots.pop(), plan))
+        self.macros.append(_Macro(conditions, robots.pop(), plan, self._handling))
         return True
 
     def ways(self, chain: int, conditions: Sequence[Condition]) -> list[Way]:
-        """Returns the ways of all robots to do a part of the goal."""
-        return [way for macro in self.macros for way in self._ways(chain, macro, conditions)]
+        """Returns the ways of all robots to do a part of the goal, if possible with things that no other part uses."""
+        found = [way for macro in self.macros for way in self._ways(chain, macro, conditions)]
+        if not found:
+            return []
+        use = {way: sum(self._used[thing] for thing in way.things) for way in found}
+        best = min(found, key=lambda way: (use[way], self._docking.distance(way.robot, way.places)))
+        self._used.update(best.things)
+        return [way for way in found if way.things == best.things]
 
     def rounds(self, steps: Sequence[Step]) -> Iterator[Way]:
         """Splits a plan into chains: a robot's steps up to the last one for a thing; its moves start the next one."""
@@ -167,7 +180,7 @@ class _Finder:
             own: list[Step] = []
             last, thing = 0, None
             for step in (step for step in steps if self._docking.robot(step) == robot):
-                handled = self._handling.thing(step)
+                handled = next(iter(self._handling.of(step)), None)
                 if handled is not None and thing is not None and handled != thing:
                     yield self._way(next(number), robot, own[:last])
                     own = own[last:]
@@ -180,7 +193,8 @@ class _Finder:
         given = macro.given(conditions)
         for robot in self._task.teams if given is not None else ():
             start = {**given, macro.robot: robot}
-            found = solutions([n.bind(start) for n in macro.needs], self._facts, start, macro.types, self._task.fits)
+            needs = [need.bind(start) for need in macro.needs]
+            found = solutions(needs, self._facts, start, macro.types(given), self._task.fits)
             for binding in islice(found, _MOST_WAYS):
                 yield self._way(chain, robot, macro.steps(binding))
 
@@ -189,6 +203,7 @@ class _Finder:
         for step in steps:
             place = next((ride.place for ride in self._docking.rides([step])), "")
             legs[-1].append(Operation(step, robot, place))
-            if self._handling.thing(step) is not None:
+            if self._handling.of(step):
                 legs.append([])
-        return Way(chain, robot, tuple(tuple(leg) for leg in legs if leg))
+        things = frozenset(thing for step in steps for thing in self._handling.of(step))
+        return Way(chain, robot, tuple(tuple(leg) for leg in legs if leg), things)

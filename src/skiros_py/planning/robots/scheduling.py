@@ -64,11 +64,13 @@ class Way:
         chain: The number of the chain.
         robot: Who does it.
         legs: Its steps.
+        things: What it is done to.
     """
 
     chain: int
     robot: str
     legs: tuple[Leg, ...]
+    things: frozenset[str]
 
     @property
     def places(self) -> tuple[str, ...]:
@@ -308,7 +310,7 @@ class _Run:
         return False
 
     def _chosen(self, robot: str) -> tuple[Way, Schedule] | None:
-        """Returns what a robot begins next: what ends soonest, at places that others need least now and most later."""
+        """Returns what a robot begins next: what ends soonest, at places in little demand now."""
         ways = self._left[robot][:1] if self._in_order else self._left[robot]
         tried = [(way, then) for way in ways if (then := self.now.extended(way.legs[0])) is not None]
         if len(tried) < 2:
