@@ -191,7 +191,9 @@ class _Finder:
 
     def _ways(self, chain: int, macro: _Macro, conditions: Sequence[Condition]) -> Iterator[Way]:
         given = macro.given(conditions)
-        for robot in self._task.teams if given is not None else ():
+        if given is None:
+            return
+        for robot in self._task.teams:
             start = {**given, macro.robot: robot}
             needs = [need.bind(start) for need in macro.needs]
             found = solutions(needs, self._facts, start, macro.types(given), self._task.fits)

@@ -134,9 +134,10 @@ class Docking:
     def _standing(self, place: str) -> Point | None:
         """Returns where a robot stands when working at a place [m in the map]; None if unknown."""
         if place not in self._points:
-            pose, driving = None, None
-            if self._view.has(place):
-                pose, driving = map_pose(self._view, place), self._view.value(place, DRIVING_POSE)
-            known = pose is not None and isinstance(driving, Pose)
-            self._points[place] = (pose @ driving).position[:2] if known else None
+            self._points[place] = None
+            pose = map_pose(self._view, place) if self._view.has(place) else None
+            driving = None if pose is None else self._view.value(place, DRIVING_POSE)
+            if pose is not None and isinstance(driving, Pose):
+                x, y, _ = (pose @ driving).position
+                self._points[place] = x, y
         return self._points[place]

@@ -310,12 +310,13 @@ class _Run:
         return False
 
     def _chosen(self, robot: str) -> tuple[Way, Schedule] | None:
-        """Returns what a robot begins next: what ends soonest, at places in little demand now."""
+        """Returns what a robot begins next: what ends soonest, at places in little demand, where it was before."""
         ways = self._left[robot][:1] if self._in_order else self._left[robot]
         tried = [(way, then) for way in ways if (then := self.now.extended(way.legs[0])) is not None]
         if len(tried) < 2:
             return tried[0] if tried else None
         taken = Counter(place for own in self.done.values() for way in own for place in way.places)
+        visited = {place for way in self.done[robot] for place in way.places}
         later = Counter(place for own in self._left.values() for way in own for place in way.places)
 
         def urgency(one: tuple[Way, Schedule]) -> tuple[float, ...]:
@@ -323,7 +324,7 @@ class _Run:
             crowd = max((taken[place] for place in way.places), default=0)
             demand = max((later[place] for place in way.places), default=0)
             driven = self._docking.distance(robot, way.places, self.now.at.get(robot) if self.done[robot] else None)
-            return round(then.ends[robot], 6), crowd, -demand, driven
+            return round(then.ends[robot], 6), crowd, -demand, len({*way.places} - visited), driven
 
         return min(tried, key=urgency)
 
