@@ -76,7 +76,8 @@ class Planned:
 
     Attributes:
         outcome: The plan, or why there is none.
-        texts: Domain and problem as given to the planner; None if no planner was needed.
+        texts: Domain and problem as given to the planner, or of the whole task if it was given parts of it; None if no
+            planner was needed.
         wall: Wall time from world model to replayed plan [s].
         planner: Name of the planner that gave the answer; empty if no planner was needed.
         notes: Failures of planners that were tried before it.
