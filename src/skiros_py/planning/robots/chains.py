@@ -13,6 +13,7 @@ from itertools import count, islice
 
 from skiros_py.planning.domain.matching import FactIndex, solutions
 from skiros_py.planning.domain.model import Atom, Grounding
+from skiros_py.planning.domain.numbers import numbers_in
 from skiros_py.planning.plan import Plan, Step
 from skiros_py.planning.plan_validation import grounded
 from skiros_py.planning.problem.task import PlanningTask
@@ -40,6 +41,8 @@ def shared_out(task: PlanningTask, plan_part: PlanPart, reached: Mapping[str, in
         reached: The highest sequence number that each robot has visited in this task.
         tries: How often the first schedule is changed in order to improve it.
     """
+    if numbers_in(task.problem.init):  # chains that use up one number are not independent
+        return None
     groups = [group for group in goal_groups(task) if not _holds(task, group)]
     if len(task.teams) < 2 or not groups or not all(group.things for group in groups):
         return None
@@ -70,7 +73,7 @@ def arranged(task: PlanningTask, plan: Plan, reached: Mapping[str, int], tries: 
     steps = docking_nearer(task, plan.steps, reached)
     plan = plan if steps is plan.steps else Plan(steps, grounded(task, steps))
     chains = [[way] for way in _Finder(task).rounds(plan.steps)]
-    if len({way.robot for (way,) in chains}) < 2:
+    if len({way.robot for (way,) in chains}) < 2 or numbers_in(task.problem.init):
         return plan
     found = Scheduler(task, chains).best(tries)
     other = None if found is None else _validated(task, found.steps, reached)
